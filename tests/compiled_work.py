@@ -16,9 +16,9 @@ class Call(NamedTuple):
     values: int
 
 
-def count_calls(monkeypatch) -> list[Call]:
+def count_calls(monkeypatch):
     """The calls that every full wave makes from now on, in order."""
-    calls: list[Call] = []
+    calls = []
     march, leapfrog = fullwave.lines.explicit.march_lines, fullwave.finite_difference.march_leapfrog
 
     def counted_march(*arguments):

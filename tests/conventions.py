@@ -10,19 +10,17 @@ import argparse
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import slipwave as sw
 from slipwave.files import CONVENTIONS
 
 SCENES = ("paper", "paper-si")
 LEFT_OUT = "check_spatiotemporal_dims_have_coordinate_vars"
-PROTOCOL: dict[str, Any] = {"drive.velocity": [[0.0, 100.0], [2.0, 100.0], [2.0, 120.0]]}
+PROTOCOL = {"drive.velocity": [[0.0, 100.0], [2.0, 100.0], [2.0, 120.0]]}
 
 
-def quick_results(scene: str) -> Iterator[Any]:
+def quick_results(scene):
     """A result with every variable that takes little time: history, orbit, branch, stability, stages with fields."""
     yield sw.run(scene, "block8", until=100, interface=True, every=5)
     yield sw.orbit(scene, "block8", tol=1e-4)
@@ -31,7 +29,7 @@ def quick_results(scene: str) -> Iterator[Any]:
     yield sw.run(scene, "dg:3", cells=2, until=4, **PROTOCOL, **{"run.record": ["events", "fields"]})
 
 
-def further_results(scene: str) -> Iterator[Any]:
+def further_results(scene):
     """The others: a motion that never repeats, a curve, a comparison, run times."""
     yield sw.run(scene, until=4000, **{"slab.log10_r": -2.3} if scene == "paper" else {"slab.thickness": "60 cm"})
     yield sw.curve(scene, "HB", "log10_r=-2.72:-2.68", "V=100:101", "block8", tol=1e-4)
@@ -39,7 +37,7 @@ def further_results(scene: str) -> Iterator[Any]:
     yield sw.bench(scene, until=200, **{"drive.velocity": 2000 if scene == "paper" else "2 mm/s"})
 
 
-def written(folder: Path) -> list[Path]:
+def written(folder):
     """A file of each result, and one of fields."""
     paths = []
     for scene in SCENES:
@@ -50,7 +48,7 @@ def written(folder: Path) -> list[Path]:
     return [*paths, folder / "fields.nc"]
 
 
-def main() -> int:
+def main():
     """Write the files, and show what the checker says if it is not content."""
     parser = argparse.ArgumentParser(prog="python -m tests.conventions", description="Check files of results.")
     parser.add_argument("--checker", default=str(Path(sys.executable).with_name("compliance-checker")), metavar="PROGRAM")

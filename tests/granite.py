@@ -1,8 +1,6 @@
 """A block of granite in SI, whose answers are known by hand: 10 m thick slabs stick and slip, slabs of 0.2 m slide steadily."""
 
-from typing import Any
-
-GRANITE: dict[str, Any] = {
+GRANITE = {
     "interface": {
         "law": "ageing",
         "a_star": 0.6,

@@ -4,15 +4,13 @@ s is on the friction clock. A viscous slab has the modulus G g(s): its impedance
 """
 
 import cmath
-from collections.abc import Callable
 
 import numpy as np
 
-from slipwave.scene import Scene
-from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, Slab, StandardLinearViscosity
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, StandardLinearViscosity
 
 
-def modulus(slab: Slab, s: complex) -> complex:
+def modulus(slab, s):
     """g(s). Kelvin-Voigt: a dashpot beside the spring. Zener: a spring 1/(1 + ratio) beside a Maxwell element whose spring,
     ratio/(1 + ratio), makes up the unrelaxed modulus."""
     match slab.viscosity:
@@ -23,10 +21,10 @@ def modulus(slab: Slab, s: complex) -> complex:
     return 1.0 + 0.0 * s
 
 
-def slab_impedance(slab: Slab, s: complex) -> complex:
+def slab_impedance(slab, s):
     """Z_in = e (Z_top + e tanh x)/(e + Z_top tanh x), layer by layer from the outer face."""
     root = cmath.sqrt(modulus(slab, s))
-    top: complex | None = None  # None: rigid
+    top = None  # None: rigid
     match slab.face:
         case GripFace(stiffness, dashpot):
             top = dashpot * slab.epsilon + stiffness * slab.epsilon / slab.round_trip / s
@@ -42,22 +40,22 @@ def slab_impedance(slab: Slab, s: complex) -> complex:
     return top
 
 
-def pair_impedance(scene: Scene, s: complex) -> complex:
+def pair_impedance(scene, s):
     """Both slabs in series."""
     return 1.0 / (1.0 / slab_impedance(scene.upper, s) + 1.0 / slab_impedance(scene.lower, s))
 
 
-def friction_impedance(scene: Scene, s: complex) -> complex:
+def friction_impedance(scene, s):
     """(F_v s + G_phi F_ss')/(s + G_phi) of the ageing and slip laws: F_v = a/V, G_phi = V, F_ss' = (a - b)/V."""
     law, v = scene.law, scene.drive.velocities[0]
     return (law.a / v * s + (law.a - law.b)) / (s + v)
 
 
-def leading_root(scene: Scene, impedance: Callable[[complex], complex] | None = None) -> complex:
+def leading_root(scene, impedance=None):
     """Root s of H + Z = 0 near the critical frequency i V sqrt((b - a)/a), by secants; Z exact unless given."""
     law, v = scene.law, scene.drive.velocities[0]
 
-    def total(s: complex) -> complex:
+    def total(s):
         return friction_impedance(scene, s) + (impedance(s) if impedance else pair_impedance(scene, s))
 
     before, here = 0.98j * v * np.sqrt((law.b - law.a) / law.a), 1.01j * v * np.sqrt((law.b - law.a) / law.a)

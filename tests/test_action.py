@@ -4,7 +4,6 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 import yaml
@@ -51,7 +50,7 @@ def test_workflows_give_inputs_that_the_action_has():
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the action's shell is bash")
-def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(tmp_path: Path):
+def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(tmp_path):
     (tmp_path / "slipwave" / "bin").mkdir(parents=True)
     program = tmp_path / "slipwave" / "bin" / "slipwave"
     program.write_text(f'#!/bin/sh\nexec {sys.executable} -m slipwave "$@"\n')

@@ -6,7 +6,6 @@ Imports within functions and those for types alone count too: a circle is a circ
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from scipy.sparse import coo_array
@@ -23,11 +22,11 @@ BELOW = {
 }
 """What each room may import besides itself: the two that hold models never import each other."""
 
-ALLOWED_CIRCLES: list[set[str]] = []
+ALLOWED_CIRCLES = []
 """Circles of files that stand until they are taken apart; a new one is red."""
 
 
-def arrows(root: Path) -> list[tuple[str, str]]:
+def arrows(root):
     """(file, file that it imports) for all files of the four rooms."""
     files = [path for room in BELOW for path in sorted((root / room).rglob("*.py"))]
     return [
@@ -37,7 +36,7 @@ def arrows(root: Path) -> list[tuple[str, str]]:
     ]
 
 
-def circles(pairs: list[tuple[str, str]]) -> list[set[str]]:
+def circles(pairs):
     """Sets of nodes each of which leads to every other."""
     names = sorted({name for pair in pairs for name in pair})
     number = {name: k for k, name in enumerate(names)}
@@ -47,38 +46,38 @@ def circles(pairs: list[tuple[str, str]]) -> list[set[str]]:
     return [group for group in groups if len(group) > 1]
 
 
-def upward(pairs: list[tuple[str, str]]) -> list[tuple[str, str]]:
+def upward(pairs):
     room = {name: name.partition("/")[0] for pair in pairs for name in pair}
     return [(file, other) for file, other in pairs if room[other] not in (room[file], *BELOW[room[file]])]
 
 
-def folders(pairs: list[tuple[str, str]]) -> list[tuple[str, str]]:
+def folders(pairs):
     """The same between folders; the file `__init__.py` of a room stands for itself."""
     parents = [tuple(name if name.count("/") < 2 else name.rpartition("/")[0] for name in pair) for pair in pairs]
     return [(one, other) for one, other in parents if one != other]
 
 
-def test_a_room_imports_those_below_it() -> None:
+def test_a_room_imports_those_below_it():
     assert upward(arrows(ROOT)) == []
 
 
-def test_no_files_import_each_other() -> None:
+def test_no_files_import_each_other():
     assert [circle for circle in circles(arrows(ROOT)) if circle not in ALLOWED_CIRCLES] == []
 
 
-def test_no_folders_import_each_other() -> None:
+def test_no_folders_import_each_other():
     assert circles(folders(arrows(ROOT))) == []
 
 
 @pytest.mark.parametrize("use", ["", "slipwave.read_scene('paper')", "slipwave.SceneError"])
-def test_the_ground_room_imports_no_other_room_unless_a_command_is_used(use: str) -> None:
+def test_the_ground_room_imports_no_other_room_unless_a_command_is_used(use):
     code = f"import sys, slipwave; {use}\nprint(*{{name.partition('.')[0] for name in sys.modules}})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"validation", "reduced", "fullwave"} & set(done.stdout.split())
     assert use or not {"numpy", "numba", "pydantic", "xarray"} & set(done.stdout.split())
 
 
-def test_an_arrow_that_turns_back_is_seen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_arrow_that_turns_back_is_seen(tmp_path, monkeypatch):
     for file, text in {
         "slipwave/scene/slab.py": "def thickness():\n    from slipwave.observe import follow\n",
         "slipwave/observe/follow.py": "import slipwave.scene.slab\n",
@@ -94,7 +93,7 @@ def test_an_arrow_that_turns_back_is_seen(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize("file", ["validation.py", "reduced.py"])
-def test_a_file_of_the_users_own_that_hides_a_room_is_named(file: str, tmp_path: Path) -> None:
+def test_a_file_of_the_users_own_that_hides_a_room_is_named(file, tmp_path):
     (tmp_path / file).write_text("raise SystemExit('a file of the user was imported')\n")
     line = f"{tmp_path / file} hides slipwave's own package {file[:-3]!r}: rename that file\n"
     for words, status, told in (

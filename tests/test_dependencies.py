@@ -8,7 +8,6 @@ import subprocess
 import sys
 import tomllib
 from importlib.metadata import distribution, packages_distributions
-from pathlib import Path
 
 from packaging.requirements import Requirement
 
@@ -21,11 +20,11 @@ ENGINES = {"netcdf4"}
 """Loaded by name by a package that is imported (xarray's engine)."""
 
 
-def plain(name: str) -> str:
+def plain(name):
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
-def imported() -> set[str]:
+def imported():
     """Distributions of all modules that the packages import, ours and Python's own left out."""
     found = set()
     for node in (node for tree in TREES.values() for node in ast.walk(tree)):
@@ -38,7 +37,7 @@ def imported() -> set[str]:
     return {plain(providers[module][0]) for module in others}
 
 
-def needed(names: list[str]) -> set[str]:
+def needed(names):
     """`names` and all that they require here."""
     waiting, found = [Requirement(name) for name in names], set()
     while waiting:
@@ -53,7 +52,7 @@ def needed(names: list[str]) -> set[str]:
     return found
 
 
-def lines_of(extra: str) -> list[str]:
+def lines_of(extra):
     """Requirements of an extra; those of other extras of slipwave, which it includes, in their place."""
     lines = []
     for line in EXTRA[extra]:
@@ -62,15 +61,15 @@ def lines_of(extra: str) -> list[str]:
     return lines
 
 
-def names(lines: list[str]) -> set[str]:
+def names(lines):
     return {plain(Requirement(line).name) for line in lines}
 
 
-def test_what_is_imported_is_declared_and_what_is_declared_is_imported() -> None:
+def test_what_is_imported_is_declared_and_what_is_declared_is_imported():
     assert names([*PROJECT["project"]["dependencies"], *lines_of("report"), *lines_of("cluster")]) == imported() | ENGINES
 
 
-def test_extras_install_the_modules_that_are_said_to_need_them() -> None:
+def test_extras_install_the_modules_that_are_said_to_need_them():
     providers = packages_distributions()
     for extra, modules in EXTRAS.items():
         own = [line for line in EXTRA[extra] if not line.startswith("slipwave[")]
@@ -81,7 +80,7 @@ def test_extras_install_the_modules_that_are_said_to_need_them() -> None:
     assert set(names(lines_of("report"))) == {plain(providers[name][0]) for extra in OF_THE_REPORT for name in EXTRAS[extra]}
 
 
-def test_the_lock_file_holds_all_that_is_needed_and_nothing_else() -> None:
+def test_the_lock_file_holds_all_that_is_needed_and_nothing_else():
     lines = [line for line in (ROOT / "requirements.lock").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     assert all(re.fullmatch(r"[\w.-]+==[\w.]+", line) for line in lines)
     project = PROJECT["project"]
@@ -89,7 +88,7 @@ def test_the_lock_file_holds_all_that_is_needed_and_nothing_else() -> None:
     assert sorted(plain(line.partition("==")[0]) for line in lines) == sorted(needed(asked))
 
 
-def test_every_program_and_every_data_file_is_declared() -> None:
+def test_every_program_and_every_data_file_is_declared():
     tools = PROJECT["tool"]["setuptools"]
     assert tools["packages"]["find"]["include"] == [f"{room}*" for room in ROOMS]
     assert [path.parent for path in FILES.values() if not (path.parent / "__init__.py").exists()] == []
@@ -99,7 +98,7 @@ def test_every_program_and_every_data_file_is_declared() -> None:
         assert {path for path in files if path.suffix != ".py"} == declared
 
 
-def test_a_clone_is_not_imported_as_an_empty_package(tmp_path: Path) -> None:
+def test_a_clone_is_not_imported_as_an_empty_package(tmp_path):
     """The clone's folder may have the package's name. An editable install that puts the clone on the path is found before it."""
     assert PROJECT["tool"]["distutils"]["editable_wheel"]["mode"] == "compat"
     (tmp_path / "slipwave").symlink_to(ROOT)

@@ -43,27 +43,27 @@ OF_LIBRARIES = {
 `until` of a mark and of the progress, the end of the stretch of a run that has just begun, and a sweep's `report`."""
 
 
-def test_no_file_has_more_than_500_lines() -> None:
+def test_no_file_has_more_than_500_lines():
     assert [name for name, path in FILES.items() if len(path.read_text().splitlines()) > 500] == []
 
 
-def test_no_function_has_more_than_60_lines() -> None:
+def test_no_function_has_more_than_60_lines():
     assert [place for place, node in FUNCTIONS if (node.end_lineno or 0) - node.lineno >= 60] == []
 
 
-def test_no_function_has_more_than_8_parameters_or_9_if_compiled() -> None:
-    def most(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+def test_no_function_has_more_than_8_parameters_or_9_if_compiled():
+    def most(node):
         names = [ast.unparse(decorator) for decorator in node.decorator_list]
         return 9 if any(name.startswith(COMPILED) or ".register(" in name for name in names) else 8
 
-    def count(node: ast.FunctionDef | ast.AsyncFunctionDef) -> int:
+    def count(node):
         own = node.args.posonlyargs + node.args.args + node.args.kwonlyargs
         return len([one for one in own if one.arg not in ("self", "cls")])
 
     assert [f"{place}: {count(node)}" for place, node in FUNCTIONS if count(node) > most(node) and node.name not in MANY] == []
 
 
-def test_a_public_name_is_defined_once() -> None:
+def test_a_public_name_is_defined_once():
     places = defaultdict(set)
     for file, tree in TREES.items():
         for node in tree.body:
@@ -74,10 +74,10 @@ def test_a_public_name_is_defined_once() -> None:
     assert TWICE - twice.keys() == set()
 
 
-def test_a_name_of_a_module_is_given_once() -> None:
+def test_a_name_of_a_module_is_given_once():
     """A constant that is given again farther down is silently another one for the functions above."""
 
-    def given(node: ast.stmt) -> list[str]:
+    def given(node):
         targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
         names = [one for target in targets for one in (target.elts if isinstance(target, ast.Tuple) else [target])]
         return [one.id for one in names if isinstance(one, ast.Name)]
@@ -86,13 +86,13 @@ def test_a_name_of_a_module_is_given_once() -> None:
     assert [f"{file}: {name}" for file, found in counts.items() for name, count in found.items() if count > 1] == []
 
 
-def attributes_set(tree: ast.Module) -> set[str]:
+def attributes_set(tree):
     """Attributes that a program sets of anything but `self`, as `solver.step`."""
     nodes = (node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store | ast.Del))
     return {name for name in map(ast.unparse, nodes) if not name.startswith("self.") or name.count(".") > 1}
 
 
-def test_no_program_edits_what_it_did_not_make() -> None:
+def test_no_program_edits_what_it_did_not_make():
     assert set().union(*map(attributes_set, TREES.values())) == OF_LIBRARIES
     edit = "def march(self, solver):\n    self.time = 1\n    solver.step *= 2\n    self.solver.step, other = 1, 2\n"
     assert attributes_set(ast.parse(edit)) == {"solver.step", "self.solver.step"}

@@ -26,7 +26,7 @@ COMMANDS = (
 )
 
 
-def install(folder: Path) -> Path:
+def install(folder):
     """Build the wheel, install it into an environment in `folder`, and return that environment's folder of programs."""
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check", "--quiet"]
     source = folder / "source"  # setuptools leaves a build folder beside what it builds
@@ -45,7 +45,7 @@ def install(folder: Path) -> Path:
     return programs
 
 
-def use(programs: Path, folder: Path, *words: str) -> str:
+def use(programs, folder, *words):
     """What a program of the environment prints when it is started in `folder`; CalledProcessError if it fails."""
     free = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     return subprocess.run(
@@ -53,7 +53,7 @@ def use(programs: Path, folder: Path, *words: str) -> str:
     ).stdout
 
 
-def working_folder(folder: Path) -> Path:
+def working_folder(folder):
     """A folder with files of a user's own, each of which would stop a program that imports it."""
     place = folder / "work"
     place.mkdir()
@@ -62,7 +62,7 @@ def working_folder(folder: Path) -> Path:
     return place
 
 
-def main(words: list[str]) -> None:
+def main(words):
     """Use every command of the installed package; exit status 1 at the first that fails."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

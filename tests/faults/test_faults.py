@@ -4,7 +4,6 @@ import ast
 import json
 import tomllib
 from functools import cache
-from pathlib import Path
 
 import pytest
 
@@ -20,12 +19,12 @@ EQUIVALENTS = tomllib.loads(EQUIVALENT.read_text(encoding="utf-8"))["equivalent"
 
 
 @cache
-def functions_in(file: str) -> set[str]:
+def functions_in(file):
     return {node.name for node in ast.walk(ast.parse((ROOT / file).read_bytes())) if isinstance(node, ast.FunctionDef)}
 
 
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
-def test_every_fault_still_has_its_place_and_its_check(fault: Fault) -> None:
+def test_every_fault_still_has_its_place_and_its_check(fault):
     text = (ROOT / fault.file).read_text(encoding="utf-8")
     assert fault.planted(text) != text
     assert fault.user
@@ -35,7 +34,7 @@ def test_every_fault_still_has_its_place_and_its_check(fault: Fault) -> None:
         assert name.partition("[")[0] in functions_in(file) | {""}
 
 
-def test_names_differ_and_every_room_has_faults() -> None:
+def test_names_differ_and_every_room_has_faults():
     assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 139
     assert {fault.room for fault in FAULTS} == set(ROOMS)
 
@@ -45,12 +44,12 @@ SETTINGS = "[tool.pytest.ini_options]\nmarkers = ['slow']\n"
 TEST = "from slipwave.sums import total\n\ndef test_total():\n    assert total([1, 2]) == 3\n"
 
 
-def fault(old: str, new: str, within: str = "total") -> Fault:
+def fault(old, new, within="total"):
     return Fault("small", "slipwave/sums.py", within, old, new, "wrong sums", ("tests/test_sums.py",))
 
 
 @pytest.fixture
-def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Copy:
+def copy(tmp_path, monkeypatch):
     """A copy of a checkout of one module and one test, with the programme's own plugin."""
     root = tmp_path / "original"
     texts = {"slipwave/__init__.py": "", "slipwave/sums.py": SUM, "tests/test_sums.py": TEST, "pyproject.toml": SETTINGS}
@@ -63,7 +62,7 @@ def copy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Copy:
     return Copy(tmp_path / "work", root)
 
 
-def test_a_fault_is_caught_by_what_it_breaks_and_the_copy_is_clean_again(copy: Copy) -> None:
+def test_a_fault_is_caught_by_what_it_breaks_and_the_copy_is_clean_again(copy):
     record = try_fault(fault("sum(values)", "max(values)"), copy)
     found = [record[key] for key in ("caught", "by_its_check", "caught_by", "says")]
     assert found == [True, True, "tests/test_sums.py::test_total", "assert total([1, 2]) == 3  [assert 2 == 3]"]
@@ -82,7 +81,7 @@ def test_a_fault_is_caught_by_what_it_breaks_and_the_copy_is_clean_again(copy: C
     ],
     ids=["equivalent", "not reached", "crash", "import", "red anyway"],
 )
-def test_what_no_assertion_notices_survives(old: str, new: str, within: str, test: str, says: str, copy: Copy) -> None:
+def test_what_no_assertion_notices_survives(old, new, within, test, says, copy):
     (copy.tree / "tests/test_sums.py").write_text(test)
     record = try_fault(fault(old, new, within), copy)
     assert record["caught"] is False
@@ -100,13 +99,13 @@ def test_what_no_assertion_notices_survives(old: str, new: str, within: str, tes
         ("return sum(values)", "return sum(values)  # all", "total"),
     ],
 )
-def test_a_place_that_is_not_there_once_or_a_change_of_nothing_is_refused(old: str, new: str, within: str) -> None:
+def test_a_place_that_is_not_there_once_or_a_change_of_nothing_is_refused(old, new, within):
     with pytest.raises(AnchorError):
         fault(old, new, within).planted(SUM)
 
 
-def test_a_record_is_of_use_until_what_decides_it_changes(tmp_path: Path) -> None:
-    def known(name: str, fault: Fault = FAULTS[0]) -> bool:
+def test_a_record_is_of_use_until_what_decides_it_changes(tmp_path):
+    def known(name, fault=FAULTS[0]):
         return Store(tmp_path / "records.json", "faults").known(name, key_of(fault, ["a.py"], tmp_path)) is not None
 
     (tmp_path / "a.py").write_text("1")
@@ -137,14 +136,14 @@ def test_a_record_is_of_use_until_what_decides_it_changes(tmp_path: Path) -> Non
         ("list(zip(x, y, strict=True))", "", set()),
     ],
 )
-def test_mutants_are_those_of_cosmic_ray(code: str, old: str, new: set[str]) -> None:
+def test_mutants_are_those_of_cosmic_ray(code, old, new):
     found = mutants_of("slipwave/f.py", f"def f(x: 'a', y, z):\n    return {code}\n")
     assert {mutant.new for mutant in found} == new
     assert {mutant.old for mutant in found} <= {old}
     assert {mutant.function for mutant in found} <= {"f"}
 
 
-def test_mutants_of_statements_chains_and_decorators() -> None:
+def test_mutants_of_statements_chains_and_decorators():
     """A chain of comparisons has a place for each; decorators go but those that compile or keep."""
     loop = "    for y in x:\n        if y:\n            break\n"
     text = f"def f(x):\n{loop}    try:\n        g()\n    except OSError:\n        x += y\n"
@@ -168,20 +167,20 @@ def test_mutants_of_statements_chains_and_decorators() -> None:
         ({"file": "g.py"}, False),
     ],
 )
-def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed: dict[str, str], is_one: bool, tmp_path: Path) -> None:
+def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed, is_one, tmp_path):
     (tmp_path / "f.py").write_text("WIDE = 2\nTALL = 1\n")
     (mutant,) = (one for one in mutants_of("f.py", (tmp_path / "f.py").read_text()) if one.what == "1 -> 2")
     assert is_equivalent(mutant, [{"file": "f.py", "what": "1 -> 2"} | listed], tmp_path) == is_one
 
 
 @pytest.mark.parametrize("listed", EQUIVALENTS, ids=lambda one: f"{one['file']}: {one['what']}")
-def test_every_equivalent_is_a_mutant_of_the_program_as_it_is(listed: dict[str, str]) -> None:
+def test_every_equivalent_is_a_mutant_of_the_program_as_it_is(listed):
     text = (ROOT / listed["file"]).read_text(encoding="utf-8")
     assert any(is_equivalent(mutant, [listed]) for mutant in mutants_of(listed["file"], text))
     assert listed["reason"]
 
 
-def test_a_sample_is_of_the_asked_size_and_holds_no_equivalent(tmp_path: Path) -> None:
+def test_a_sample_is_of_the_asked_size_and_holds_no_equivalent(tmp_path):
     (tmp_path / "slipwave").mkdir()
     (tmp_path / "slipwave/f.py").write_text("".join(f"A{k} = {k}\n" for k in range(2, 60)))
     drawn = sample(20, 1, [], tmp_path)
@@ -191,12 +190,12 @@ def test_a_sample_is_of_the_asked_size_and_holds_no_equivalent(tmp_path: Path) -
     assert sample(19, 1, [listed], tmp_path) == [*drawn[:3], *drawn[4:]]
 
 
-def test_wilsons_interval() -> None:
+def test_wilsons_interval():
     """Wilson (1927): for 8 of 10, 0.490 to 0.943."""
     assert wilson(8, 10) == pytest.approx((0.4902, 0.9433), abs=1e-4)
 
 
-def nearest(folder: Path, file: str, function: str, functions: dict[str, list[str]], **seconds: float) -> list[list[str]]:
+def nearest(folder, file, function, functions, **seconds):
     """Names of the tests tried first and later on a mutant of this function, where each runs these functions in a second."""
     noted = {test: {"seconds": seconds.get(test.rpartition("::")[2], 1.0), "functions": f} for test, f in functions.items()}
     (folder / "1.json").write_text(json.dumps(noted))
@@ -204,7 +203,7 @@ def nearest(folder: Path, file: str, function: str, functions: dict[str, list[st
     return [[test.rpartition("::")[2] for test in tests] for tests in found]
 
 
-def test_the_tests_nearest_to_a_mutant_come_first_and_long_ones_later(tmp_path: Path) -> None:
+def test_the_tests_nearest_to_a_mutant_come_first_and_long_ones_later(tmp_path):
     """Tests beside those that run a function may use what a fixture of theirs computed once."""
     f, g = "slipwave/f.py::f", "slipwave/f.py::g"
     runs = {
@@ -220,7 +219,7 @@ def test_the_tests_nearest_to_a_mutant_come_first_and_long_ones_later(tmp_path: 
     assert (first, later) == (["near", "wide", "beside"], ["long"])
 
 
-def test_compiled_code_meets_the_tests_of_what_imports_it(tmp_path: Path) -> None:
+def test_compiled_code_meets_the_tests_of_what_imports_it(tmp_path):
     """One test runs another function of its file in Python; the kernels that are compiled with it are run by the others."""
     tests = {
         "tests/fullwave/test_far.py::far": ["fullwave/adapt.py::to_tolerance"],
@@ -231,7 +230,7 @@ def test_compiled_code_meets_the_tests_of_what_imports_it(tmp_path: Path) -> Non
     assert nearest(tmp_path, "fullwave/lines/system.py", "_viscous_retard", tests) == [["own", "near", "far"], []]
 
 
-def test_a_change_that_never_ends_is_stopped_by_processor_time(copy: Copy, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_change_that_never_ends_is_stopped_by_processor_time(copy, monkeypatch):
     """However long the machine, busy with other things, takes to give it that."""
     monkeypatch.setattr("tests.faults.trial._WAITING", 1000.0)
     with copy.with_text("slipwave/sums.py", SUM.replace("return sum(values)", "while values:\n        pass")):

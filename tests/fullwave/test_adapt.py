@@ -106,8 +106,7 @@ def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credit
 
     monkeypatch.setattr("fullwave.adapt.probe", lambda solver: _Outcome("cycles", np.array([values[solver.cells]])))
     _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, credited)
-    assert choice.cells == cells
-    assert choice.error_estimate == pytest.approx(estimate, rel=2e-2)
+    assert (choice.cells, choice.error_estimate) == (cells, pytest.approx(estimate, rel=2e-2))
 
 
 @pytest.mark.parametrize(

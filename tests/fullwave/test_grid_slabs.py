@@ -17,7 +17,7 @@ PAPER = slipwave.read("paper")
 
 
 @pytest.mark.parametrize("name", ["unlike", "unlike-irrational"])
-def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name: str) -> None:
+def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name):
     """The longest step between two breaks is no round number, and a break is a thousand steps away. Measured: at most 1e-13."""
     solver = DiscontinuousGalerkin(slipwave.read(name, [FAR_RAMP]), 5, 2, time="exact")
     ends, shortest = [], np.inf
@@ -31,7 +31,7 @@ def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name: str) -> None:
     assert shortest > 0.01
 
 
-def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch):
     monkeypatch.setattr(grid_slabs, "LEVELS", 3)
     solver = DiscontinuousGalerkin(slipwave.read("paper", ["start.kind=jump", "start.size=3.0"]), 3, 2, time="exact")
     with pytest.raises(
@@ -41,7 +41,7 @@ def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch: pytest.MonkeyP
 
 
 @pytest.mark.parametrize(("gallery", "about"), [("paper", 121), ("viscous", 60), ("unlike", 45), ("layered", 121)])
-def test_the_advised_number_of_cells_fits(gallery: str, about: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_advised_number_of_cells_fits(gallery, about, monkeypatch):
     monkeypatch.setattr(march, "ExactMarch", lambda *arguments: SimpleNamespace(nodes=None, bookkeeping=None))
     scene = slipwave.read(gallery)
     for asked in (10_000, about + about // 10):
@@ -52,12 +52,12 @@ def test_the_advised_number_of_cells_fits(gallery: str, about: int, monkeypatch:
         DiscontinuousGalerkin(scene, 7, advised, time="exact")
 
 
-def test_maps_are_kept_between_the_runs_of_a_sweep_where_this_is_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_maps_are_kept_between_the_runs_of_a_sweep_where_this_is_asked_for(monkeypatch):
     """Over V and r one grid has one set of maps; another grid has its own. The motion is the same to the last bit."""
     made = []
     monkeypatch.setattr(step_maps, "short_step", lambda *given: made.append(given) or propagator.short_step(*given))
 
-    def psi(change: str, cells: int = 2) -> float:
+    def psi(change, cells=2):
         return follow(DiscontinuousGalerkin(slipwave.read("paper", [change]), 5, cells, time="exact"), 20.0).psi
 
     runs = (("drive.velocity=100.0", 2), ("drive.velocity=150.0", 2), ("slab.log10_r=-2.6", 2), ("drive.velocity=100.0", 3))
@@ -71,10 +71,10 @@ def test_maps_are_kept_between_the_runs_of_a_sweep_where_this_is_asked_for(monke
     assert len(made) == 3
 
 
-def test_kept_maps_are_those_of_the_same_slabs() -> None:
+def test_kept_maps_are_those_of_the_same_slabs():
     """Grids of equal size that differ in a number of their rates only."""
 
-    def psi(middle: float) -> float:
+    def psi(middle):
         layers = ", ".join(f"{{fraction={share}, impedance={one}}}" for share, one in ((0.3, 1.0), (0.4, middle), (0.3, 1.0)))
         scene = slipwave.read("paper", [f"slab.layers=[{layers}]"])
         return follow(DiscontinuousGalerkin(scene, 5, 3, time="exact"), 20.0).psi

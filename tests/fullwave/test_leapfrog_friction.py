@@ -26,11 +26,11 @@ class Step(NamedTuple):
     psi: float
     v: float
 
-    def solved(self, off: float) -> tuple[float, float, float, bool]:
+    def solved(self, off):
         return solve_friction(*self[:6], self.z + off, self.psi - 0.5 * off)
 
 
-def step(name: str, rate: float, half: float, lag: float = 0.3, push: float = 1e-3) -> Step:
+def step(name, rate, half, lag=0.3, push=1e-3):
     """That ends at `rate` with psi above its steady value by `lag`."""
     law = LAWS[name].parameters(0.369, 0.0349, 0.0489)
     z, psi, impedance = unknown_of(law, rate), steady_state(law, rate) + lag, 1.4e-5
@@ -38,14 +38,14 @@ def step(name: str, rate: float, half: float, lag: float = 0.3, push: float = 1e
     return Step(law, impedance, mu + impedance * v, psi - half * psi_rate - push, half, push, z, psi, v)
 
 
-def steps(name: str) -> list[Step]:
+def steps(name):
     """With steps of up to a tenth of the time in which the state evolves."""
     return [step(name, rate, share / rate, lag) for rate in (1e-2, 1.0, 1e2, 1e4) for share in (1e-3, 0.1) for lag in (-0.5, 0.3)]
 
 
 @pytest.mark.parametrize("name", LAW_NAMES)
 @pytest.mark.parametrize("off", [0.0, 1e-3, 0.3, -0.3, 3.0, -3.0, 20.0, -20.0])
-def test_the_root_is_found_from_anywhere(name: str, off: float) -> None:
+def test_the_root_is_found_from_anywhere(name, off):
     for one in steps(name):
         z, psi, v, converged = one.solved(off)
         assert converged
@@ -54,12 +54,12 @@ def test_the_root_is_found_from_anywhere(name: str, off: float) -> None:
 
 
 @njit
-def extrapolated(memory: np.ndarray, slot: int) -> float:
+def extrapolated(memory, slot):
     """As the kernel compiles it."""
     return kernel._extrapolated(memory, slot)
 
 
-def test_newtons_start_is_exact_for_a_quartic() -> None:
+def test_newtons_start_is_exact_for_a_quartic():
     memory = np.zeros(16)
     quartic = np.array([0.3, -1.0, 2.0, 0.5, 4.0])
     memory[6:11] = np.polyval(quartic, -np.arange(5.0))

@@ -1,7 +1,6 @@
 """Scenes for the tests of impedance and stability: one of every kind of slab."""
 
 import math
-from typing import Any
 
 from slipwave.friction.ageing import Ageing
 from slipwave.scene import Scene
@@ -21,15 +20,15 @@ EPSILON, ROUND_TRIP = 2.8e-5, 10**-2.68
 LAYERS = (Layer(0.3, 1.0), Layer(0.5, 2.0), Layer(0.2, 0.1))
 
 
-def scene_of(upper: Slab, lower: Slab | None = None, velocity: float = 100.0, law: Any = PAPER) -> Scene:
+def scene_of(upper, lower=None, velocity=100.0, law=PAPER):
     return Scene("test", law, upper, lower or upper, steady_drive(velocity))
 
 
-def paper(round_trip: float = ROUND_TRIP, velocity: float = 100.0, epsilon: float = EPSILON, law: Any = PAPER) -> Scene:
+def paper(round_trip=ROUND_TRIP, velocity=100.0, epsilon=EPSILON, law=PAPER):
     return scene_of(Slab(epsilon, round_trip), velocity=velocity, law=law)
 
 
-def slab(**keys: Any) -> Slab:
+def slab(**keys):
     return Slab(EPSILON, ROUND_TRIP, **keys)
 
 

@@ -12,7 +12,6 @@ from scipy.integrate import solve_ivp
 from scipy.special import wrightomega
 
 from reduced.impedance.reduction import Reduction
-from slipwave.scene import Scene
 from slipwave.scene.start import NUDGE_CENTRE
 
 Array = NDArray[np.float64]
@@ -32,12 +31,12 @@ EVERY_TERM = Reduction(
 class Equations:
     """x = (psi, ln v or nothing, y, tau_1, p_1, ..., relaxations), y and tau relative to epsilon."""
 
-    def __init__(self, scene: Scene, reduction: Reduction) -> None:
+    def __init__(self, scene, reduction):
         self.what, self.reduction = scene, reduction
         self.massive = reduction.mass > 0.0
         self.modes = tuple(zip(reduction.frequencies, reduction.residues, reduction.decays, reduction.offsets, strict=True))
 
-    def start(self) -> Array:
+    def start(self):
         states = 2 * len(self.modes) + len(self.reduction.relaxations)
         ln_v = [math.log(self.what.velocity)] if self.massive else []
         return np.array(
@@ -49,19 +48,19 @@ class Equations:
             ]
         )
 
-    def ln_v(self, time: float, psi: float, load: float) -> float:
+    def ln_v(self, time, psi, load):
         """Without mass: F(ln v, psi) + epsilon damping (v - V) = epsilon load."""
         law, resistance = self.what.law, self.what.upper.epsilon * self.reduction.damping
         stress = self.what.upper.epsilon * load + resistance * self.what.drive.at(time)
         free = (stress - law.a_star - law.b * psi) / law.a
         return free - float(np.real(wrightomega(free + math.log(resistance / law.a)))) if resistance else free
 
-    def load(self, x: Array) -> float:
+    def load(self, x):
         """y and all tau."""
         y, rest = x[1 + self.massive], x[2 + self.massive :]
         return y + sum(rest[: 2 * len(self.modes) : 2]) + sum(rest[2 * len(self.modes) :])
 
-    def rates(self, time: float, x: Array) -> list[float]:
+    def rates(self, time, x):
         law, r, reduction = self.what.law, self.what.transit, self.reduction
         psi, rest, load = x[0], x[2 + self.massive :], self.load(x)
         modes, relaxing = rest[: 2 * len(self.modes)], rest[2 * len(self.modes) :]
@@ -78,7 +77,7 @@ class Equations:
         found += [-strength * u - rate * tau for (strength, rate), tau in zip(reduction.relaxations, relaxing, strict=True)]
         return found
 
-    def motion_at(self, ends: tuple[float, ...], tolerance: float = 1e-11, method: str = "LSODA") -> Array:
+    def motion_at(self, ends, tolerance=1e-11, method="LSODA"):
         """Rows psi, ln v, mu at each of `ends` (transits), rising."""
         x, time, found, law = self.start(), 0.0, [], self.what.law
         for stop in sorted({*ends, *(knot for knot in self.what.drive.times if 0.0 < knot < ends[-1])}):

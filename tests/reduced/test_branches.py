@@ -41,7 +41,6 @@ def test_onsets_in_any_parameter_are_one(model, log10_r, period):
     """At the critical r the onset in epsilon is at the paper's value, and that in V too, with one period."""
     for key, low, high, known in (("slab.epsilon", 1e-5, 1e-4, 2.8e-5), ("drive.velocity", 50.0, 300.0, 100.0)):
         (onset,) = onsets(lambda p, key=key: read("paper", {"slab.log10_r": log10_r, key: p}), low, high, model)
-        assert onset.parameter == pytest.approx(known, rel=1e-7)
-        assert onset.period == pytest.approx(period, rel=1e-7)
+        assert (onset.parameter, onset.period) == (pytest.approx(known, rel=1e-7), pytest.approx(period, rel=1e-7))
         assert sorted((onset.unstable_below, onset.unstable_above)) == [0, 2]
     assert onsets(scene_at, -2.8, -2.7, "delay") == []

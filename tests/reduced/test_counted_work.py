@@ -4,16 +4,12 @@ A worse guess, a slower iteration, a step shorter than the tolerance asks for or
 answers, and is seen nowhere else.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
 import slipwave
 from reduced.impedance import Jet
 from reduced.stability import boundary, characteristic, critical_epsilon, critical_round_trip, leading_roots, unstable_count
-from slipwave.observe.pieces import Pieces
-from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.registry.build import build
 
@@ -23,7 +19,7 @@ class Steps:
 
     count = 0
 
-    def scan(self, pieces: Pieces) -> None:
+    def scan(self, pieces):
         self.count += pieces.time.size
 
 
@@ -49,16 +45,14 @@ class Steps:
         ("ramp", "kelvin-voigt", 1e-7, 1200.0, 3934, 5601),
     ],
 )
-def test_steps_and_iterations_are_as_many_as_measured(
-    scene: str, model: str, tolerance: float, until: float, steps: int, iterations: int
-) -> None:
+def test_steps_and_iterations_are_as_many_as_measured(scene, model, tolerance, until, steps, iterations):
     solver = build(model, slipwave.read(scene), tolerance=tolerance)
     taken = Steps()
     follow(solver, until, [taken])
     assert (taken.count, solver.iterations) == pytest.approx((steps, iterations), rel=2e-3)  # rounding may decide on one more
 
 
-SEARCHES: dict[str, Callable[[Scene, str], object]] = {
+SEARCHES = {
     "critical r": critical_round_trip,
     "critical epsilon": critical_epsilon,
     "leading roots": lambda scene, model: leading_roots(characteristic(scene, model)),
@@ -88,12 +82,10 @@ SEARCHES: dict[str, Callable[[Scene, str], object]] = {
         ("boundary", "paper", "kelvin-voigt", 211894),
     ],
 )
-def test_evaluations_are_as_many_as_measured(
-    search: str, scene: str, model: str, evaluations: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_evaluations_are_as_many_as_measured(search, scene, model, evaluations, monkeypatch):
     variable, points = Jet.variable, [0]
 
-    def counted(s: object) -> Jet:
+    def counted(s):
         points[0] += np.size(s)
         return variable(s)
 

@@ -50,8 +50,7 @@ def curve(kind, made, s, towards, count, steps=CURVE_STEPS, ahead=9.0, **setting
 
 def test_places_in_the_plane_are_in_units_of_the_scales():
     plane = Plane(scene_of, (0.5, 20.0))
-    assert plane.values(0.2 + 0.1j) == pytest.approx((0.1, 2.0))
-    assert plane.at((0.1, 2.0)) == pytest.approx(0.2 + 0.1j)
+    assert (plane.values(0.2 + 0.1j), plane.at((0.1, 2.0))) == (pytest.approx((0.1, 2.0)), pytest.approx(0.2 + 0.1j))
 
 
 def leaning(q):

@@ -10,13 +10,12 @@ from reduced.impedance import check_passivity, reduction_of
 from reduced.impedance.of_reduction import dissipation, telling_frequencies
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
-from slipwave.scene import Scene
 
 GALLERY = ("grip", "reflection", "viscous", "paper", "unlike", "layered", "rock", "unlike-irrational", "slip-law", "regularised")
 SCENES = {**LOSSY, **{f"gallery {name}": slipwave.read(name) for name in GALLERY}}
 
 
-def scanned(model: Reduction) -> float:
+def scanned(model):
     """Smallest Re Z/epsilon on a fine grid that knows nothing of the certificate, narrow around every resonance."""
     widths = np.maximum(np.array(model.decays), 1e-9)
     across = np.add.outer(np.linspace(-30.0, 30.0, 2001), np.zeros(widths.size)) * widths + np.array(model.frequencies)
@@ -24,7 +23,7 @@ def scanned(model: Reduction) -> float:
     return float(dissipation(model, omega).min())
 
 
-def certified(scene: Scene, count: int) -> None:
+def certified(scene, count):
     model = reduction_of(scene, f"fitted:{count}")
     if not model.is_lossless:
         assert dissipation(model, telling_frequencies(model)).min() >= 0.0
@@ -34,19 +33,19 @@ def certified(scene: Scene, count: int) -> None:
 
 
 @pytest.mark.parametrize("count", [9, 16])
-def test_fits_that_were_active_between_the_points_of_a_grid(count: int) -> None:
+def test_fits_that_were_active_between_the_points_of_a_grid(count):
     certified(LOSSY["grip below"], count)
 
 
 @pytest.mark.parametrize("name", ["grip", "standard linear", "kelvin-voigt solid", "gallery viscous", "gallery unlike"])
-def test_a_fit_of_each_kind(name: str) -> None:
+def test_a_fit_of_each_kind(name):
     certified(SCENES[name], 7)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 4, 8, 12, 18])
 @pytest.mark.parametrize("name", SCENES)
-def test_every_fit_of_every_scene(name: str, count: int) -> None:
+def test_every_fit_of_every_scene(name, count):
     certified(SCENES[name], count)
 
 
@@ -62,7 +61,7 @@ NARROW = Reduction("m", mass=0.01, damping=0.5, frequencies=(33.333333,), residu
     ],
     ids=["active mode", "active dashpot", "a resonance narrower than any grid"],
 )
-def test_an_active_reduction_is_seen(wrong: Reduction, where: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_active_reduction_is_seen(wrong, where, monkeypatch):
     monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda scene, name: wrong)
     found = check_passivity(paper(), "modal:1")
     assert not found.passive
@@ -71,7 +70,7 @@ def test_an_active_reduction_is_seen(wrong: Reduction, where: float | None, monk
         assert dissipation(wrong, telling_frequencies(wrong)).min() < -0.1
 
 
-def test_where_a_sign_changes_is_exact() -> None:
+def test_where_a_sign_changes_is_exact():
     """G = 1/2 - 0.3 s/(s^2 + s/5 + 4), of which Re G = 0 where ((4 - w^2)^2 + 0.04 w^2)/2 = 0.06 w^2."""
     model = Reduction("modal:1", damping=0.5, frequencies=(2.0,), residues=(-0.3,), decays=(0.1,))
     crossings = np.sqrt(np.roots([0.5, -4.0 + 0.02 - 0.06, 8.0]))
@@ -80,7 +79,7 @@ def test_where_a_sign_changes_is_exact() -> None:
     assert dissipation(model, crossings) == pytest.approx(np.zeros(2), abs=1e-12)
 
 
-def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch):
     with pytest.raises(SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; .* is quasidynamic"):
         reduction_of(LOSSY["grip"], "fitted:0")
     bare = {"kind": "machine", "stiffness": 1e3, "impedance": 0.0, "mass": 0.0}

@@ -32,8 +32,7 @@ def test_odd_ratios_have_modes_that_are_exactly_idle(ratio, first):
     modes = idle_modes(unlike(ratio))
     assert [(mode.upper, mode.lower) for mode in modes] == [(n * first[0], n * first[1]) for n in (1, 3, 5, 7)]
     for mode in modes:
-        assert mode.frequency == pytest.approx(0.5 * mode.upper, rel=1e-12)
-        assert mode.decay == 0.0
+        assert (mode.frequency, mode.decay) == (pytest.approx(0.5 * mode.upper, rel=1e-12), 0.0)
         assert mode.multiplier(65.3) == pytest.approx(np.exp(1j * math.pi * mode.upper * 65.3), abs=1e-10)
 
 

@@ -2,14 +2,11 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from reduction_equations import EVERY_TERM, Equations
 
 import slipwave
 from reduced.impedance import reduction_of
-from reduced.impedance.reduction import Reduction
 from reduced.ode.march import ReducedModel
-from slipwave.scene import Scene
 from slipwave.solve import follow
 
 KNOTS = (20.1234567, 21.3456789, 30.77777, 30.87777, 41.42135)
@@ -17,7 +14,7 @@ RAMP = "drive.velocity=" + str([[0.0, 100.0], *map(list, zip(KNOTS, (100.0, 300.
 ENDS = (15.0, 30.0, 45.0)
 
 
-def errors(scene: Scene, reduction: Reduction, tolerance: float) -> NDArray[np.float64]:
+def errors(scene, reduction, tolerance):
     """Largest errors of psi, ln v and mu at ENDS."""
     solver = ReducedModel(scene, reduction, tolerance)
     ours = [(end.psi, end.ln_v, end.mu) for end in (follow(solver, time) for time in ENDS)]
@@ -38,14 +35,14 @@ CASES = [
 
 
 @pytest.mark.parametrize(("model", "settings"), CASES)
-def test_the_march_obeys_the_equations(model: str, settings: tuple[str, ...]) -> None:
+def test_the_march_obeys_the_equations(model, settings):
     """Before, between and after the knots. Measured: 1.5e-9 at most without mass; with mass LSODA's own, 1.8e-8."""
     scene = slipwave.read("paper", ["slab.log10_r=-2.62", *settings, RAMP, "run.until=400"])
     reduction = EVERY_TERM if model == "every term" else reduction_of(scene, model)
     assert (errors(scene, reduction, 1e-9) < (5e-8 if reduction.mass else 5e-9)).all()
 
 
-def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:
+def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be():
     scene = slipwave.read("paper", [RAMP, "run.until=400"])
     solver, ends = ReducedModel(scene, reduction_of(scene, "kelvin-voigt")), []
     while solver.time < 50.0:
@@ -59,7 +56,7 @@ def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be() -> None:
     assert sum(end < 20.12 for end in ends) < 1.5 * before
 
 
-def test_no_step_is_tiny_before_a_knot_far_away() -> None:
+def test_no_step_is_tiny_before_a_knot_far_away():
     """Half a million steps of no round length end at a knot exactly: a sum of their lengths would miss it."""
     scene = slipwave.read("paper", ["drive.velocity=[[0.0, 100.0], [20011.17, 100.0], [20031.3, 105.0]]"])
     solver, shortest, ends = ReducedModel(scene, reduction_of(scene, "modal:1")), np.inf, []

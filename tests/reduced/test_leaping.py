@@ -1,7 +1,5 @@
 """Leaps over long sticks: the figures of the march without leaps, gaps only where nothing happens, and nothing else changes."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -13,8 +11,7 @@ from slipwave.observe import EventObserver
 from slipwave.observe.history import HistoryObserver
 from slipwave.observe.pieces import Pieces
 from slipwave.observe.protocol import ProtocolObserver
-from slipwave.scene import Scene
-from slipwave.solve import Final, Mark, Solver, follow
+from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
 from tests.granite import GRANITE
 
@@ -22,7 +19,7 @@ CYCLE = 80_000.0
 """Transits; two slip events of granite, and the rise after the second."""
 
 
-def granite(**drive: object) -> Scene:
+def granite(**drive):
     """Slabs of granite, 10 m thick, driven at 1 um/s: a stick lasts 57,000 transits; or with some other drive."""
     return slipwave.read(GRANITE | {"drive": {"velocity": 1.0} | drive})
 
@@ -32,25 +29,25 @@ class Seen:
 
     whole_from = np.inf
 
-    def __init__(self) -> None:
-        self._parts: list[Pieces] = []
+    def __init__(self):
+        self._parts = []
 
-    def scan(self, pieces: Pieces) -> None:
+    def scan(self, pieces):
         self._parts.append(pieces)
 
     @property
-    def pieces(self) -> Pieces:
+    def pieces(self):
         return Pieces(*(np.concatenate(rows) for rows in zip(*self._parts, strict=True)))
 
 
-def watched(solver: Solver, until: float, marks: tuple[Mark, ...] = ()) -> tuple[EventObserver, Seen, Final]:
+def watched(solver, until, marks=()):
     """Events and pieces of a run, and its end."""
     events, seen = EventObserver(solver.scene, solver.nodes), Seen()
     return events, seen, follow(solver, until, [events, seen], marks=marks)
 
 
 @pytest.fixture(scope="module", params=[1e-6, 1e-8])
-def both(request: pytest.FixtureRequest) -> tuple[float, LeapingDelay, tuple[EventObserver, Seen, Final], EventObserver, Final]:
+def both(request):
     """The tolerance, a run with leaps, and the same by the march without."""
     leaping, plain = (kind(granite(), tolerance=request.param) for kind in (LeapingDelay, Delay))
     every = EventObserver(plain.scene, plain.nodes)
@@ -76,8 +73,7 @@ def test_only_whole_transits_without_events_are_left_out(both):
     ends = pieces.time + pieces.length
     gap = np.flatnonzero(pieces.time[1:] - ends[:-1] > 1e-9)
     lengths = pieces.time[gap + 1] - ends[gap]
-    assert lengths == pytest.approx(np.round(lengths), abs=1e-9)
-    assert lengths.sum() == pytest.approx(leaping.skipped)
+    assert (lengths, lengths.sum()) == (pytest.approx(np.round(lengths), abs=1e-9), pytest.approx(leaping.skipped))
     assert pieces.time[gap + 1] == pytest.approx(np.round(pieces.time[gap + 1]), abs=1e-9)
     assert all(((pieces.time < date) & (date < ends)).any() for date in ours.dates())
     rising = pieces.y[gap + 1, 0] > pieces.y[gap, -1]
@@ -103,13 +99,12 @@ def test_a_run_that_ends_in_a_stick_ends_where_it_should(end):
     leaping, plain = (kind(granite(), tolerance=1e-6) for kind in (LeapingDelay, Delay))
     found, known = follow(leaping, end), follow(plain, end)
     assert leaping.skipped > 20_000
-    assert found.psi == pytest.approx(known.psi, abs=2e-6)
-    assert found.mu == pytest.approx(known.mu, abs=5e-4)
+    assert (found.psi, found.mu) == (pytest.approx(known.psi, abs=2e-6), pytest.approx(known.mu, abs=5e-4))
 
 
 @pytest.mark.parametrize("stop", [33_000.0, 60_000.0])
-def test_a_resumed_run_is_the_same_to_the_last_bit(stop, tmp_path: Path):
-    def marked(solver: LeapingDelay, until: float, name: str) -> tuple[EventObserver, Checkpoints]:
+def test_a_resumed_run_is_the_same_to_the_last_bit(stop, tmp_path):
+    def marked(solver, until, name):
         events = EventObserver(solver.scene, solver.nodes)
         return events, Checkpoints(solver, {"events": events}, tmp_path / name, until, stop)
 
@@ -146,8 +141,7 @@ def test_no_leap_crosses_a_change_of_the_drive(velocity, leaps_again):
     leaping, plain = (kind(scene, tolerance=1e-6) for kind in (LeapingDelay, Delay))
     _, seen, found = watched(leaping, 36_000.0)
     known = follow(plain, 36_000.0)
-    assert found.psi == pytest.approx(known.psi, abs=2e-6)
-    assert found.mu == pytest.approx(known.mu, abs=5e-4)
+    assert (found.psi, found.mu) == (pytest.approx(known.psi, abs=2e-6), pytest.approx(known.mu, abs=5e-4))
     pieces = seen.pieces
     begins, ends = pieces.time[1:], (pieces.time + pieces.length)[:-1]
     gap = begins - ends > 1e-9

@@ -1,7 +1,6 @@
 """Leaps over slow motion of unlike, gripped and machine-held slabs: the figures are those of a march of every transit."""
 
 import dataclasses
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,9 +14,7 @@ from reduced.delay.system import delay_system
 from reduced.delay.transmission_lines import lines_of
 from reduced.impedance.models import impedance
 from slipwave.observe import EventObserver, HistoryObserver
-from slipwave.observe.pieces import Pieces
 from slipwave.observe.protocol import ProtocolObserver
-from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
@@ -38,7 +35,7 @@ STEPS = Drive((0.0, 2000.0, 2000.0, 22_000.0, 22_000.0), (1.0, 1.0, 3.0, 3.0, 0.
 ODD = Drive((0.0, 2000.1, 2000.1, 30_000.37, 30_000.37), (1.0, 1.0, 0.0, 0.0, 1.0))
 
 
-def sample(kind: str, drive: Drive) -> Scene:
+def sample(kind, drive):
     interface = {"law": "ageing", "a_star": 0.6, "a": 0.012, "b": 0.010}
     units = {"normal_stress": 1e7, "memory_length": 5e-6, "reference_velocity": 1e-6}
     tables = {"interface": interface | units, "drive": {"velocity": 1.0}, "start": {"size": 0.0}, **KINDS[kind]}
@@ -66,7 +63,7 @@ def test_the_transfer_to_slow_motion_is_the_impedance_of_the_slabs():
         ("grip", STEPS, 0.8),
     ],
 )
-def test_leapt_and_marched_runs_agree(kind: str, drive: Drive, least: float):
+def test_leapt_and_marched_runs_agree(kind, drive, least):
     """Also beyond a hold, in which waves last for ever, and after two changes of V. Measured: 5e-10."""
     scene, until = sample(kind, drive), 36_000.5
     leaping, marching = (LeapingNetwork(scene, TOLERANCE) for _ in range(2))
@@ -114,7 +111,7 @@ def test_no_leap_crosses_a_change_of_the_drive():
     class Ends:
         whole_from = np.inf
 
-        def scan(self, pieces: Pieces) -> None:
+        def scan(self, pieces):
             begun.extend(pieces.time)
             ended.extend(pieces.time + pieces.length)
 
@@ -132,7 +129,7 @@ def test_a_jump_of_the_drive_within_a_step_is_met_by_its_end():
 
 
 @pytest.mark.parametrize("stop", [9_000.0, 31_000.0])
-def test_a_run_resumed_after_a_leap_is_the_same_to_the_last_bit(stop: float, tmp_path: Path):
+def test_a_run_resumed_after_a_leap_is_the_same_to_the_last_bit(stop, tmp_path):
     """Also where the next leap is no longer the first one, nor the pause the shortest."""
     scene, until = sample("machine", ODD), 36_000.5
     straight, again = (LeapingNetwork(scene, TOLERANCE) for _ in range(2))
@@ -155,7 +152,7 @@ def test_nothing_is_leapt_over_where_steady_sliding_is_left_quickly():
     assert solver.skipped == 0.0
 
 
-def test_tries_that_fail_are_made_ever_more_rarely(monkeypatch: pytest.MonkeyPatch):
+def test_tries_that_fail_are_made_ever_more_rarely(monkeypatch):
     """Of steel on PMMA, which sticks for too short a time: after a try that is given up late, twice as long as before."""
     scene, began = slipwave.read("steel-on-pmma"), []
     solver = LeapingNetwork(scene, TOLERANCE)

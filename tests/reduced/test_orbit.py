@@ -36,8 +36,7 @@ def test_an_orbit_closes_whether_stable_or_not(s):
     assert found.cycle.start @ found.cycle.start == pytest.approx(s, abs=1e-11)
     assert found.residual < 1e-12
     assert np.abs(found.cycle.end - found.cycle.start).max() == found.residual
-    assert found.parameter == 0.0
-    assert found.drift.size == 0
+    assert (found.parameter, found.drift.size) == (0.0, 0)
     values, defect = floquet(found.monodromy)
     assert values == pytest.approx([SUBCRITICAL.multiplier(s)], rel=2e-3)
     assert defect < 1e-10
@@ -138,8 +137,7 @@ def with_multipliers(*values, radius=0.0):
 
 def test_only_multipliers_beyond_the_essential_radius_are_told():
     found = multipliers(with_multipliers(0.5, -0.11, 0.09, 0.02, radius=0.1))
-    assert found.values == pytest.approx([0.5, -0.11])
-    assert found.essential_radius == 0.1
+    assert (found.values, found.essential_radius) == (pytest.approx([0.5, -0.11]), 0.1)
     assert found.trivial_defect < 1e-15
 
 

@@ -36,12 +36,12 @@ CASES = [
 ]
 
 
-def test_none_is_left_out() -> None:
+def test_none_is_left_out():
     assert {name for _, name in CASES} == set(PARAMETERS)
 
 
 @pytest.mark.parametrize(("kind", "name"), CASES)
-def test_it_takes_the_value_and_all_others_keep_theirs(kind: str, name: str) -> None:
+def test_it_takes_the_value_and_all_others_keep_theirs(kind, name):
     scene, plain = SCENES[kind], name.removeprefix("log10_")
     changed = with_parameter(scene, name, -0.5) if name != plain else with_parameter(scene, name, 0.125)
     for other, read in (OF_EVERY_SCENE | OF_A_FACE[kind]).items():
@@ -49,6 +49,6 @@ def test_it_takes_the_value_and_all_others_keep_theirs(kind: str, name: str) -> 
         assert read(changed) == pytest.approx(wanted, rel=1e-14), other
 
 
-def test_a_name_that_is_no_parameter_is_refused() -> None:
+def test_a_name_that_is_no_parameter_is_refused():
     with pytest.raises(SceneError, match="did you mean 'log10_r'"):
         with_parameter(SCENES["machine"], "log_r", -3.0)

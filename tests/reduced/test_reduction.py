@@ -27,7 +27,7 @@ def test_a_wrong_name_is_the_users_error(name):
         reduction(name)
 
 
-def test_a_drive_of_many_knots_is_marched_at_once_to_the_same_motion(monkeypatch: pytest.MonkeyPatch):
+def test_a_drive_of_many_knots_is_marched_at_once_to_the_same_motion(monkeypatch):
     """120 stretches between knots: one batch of steps, and the impedances of all step lengths of a stretch in one call."""
     knots = np.linspace(0.0, 1.5, 121) ** 1.1
     velocities = 100.0 + 50.0 * np.cos(np.arange(121) ** 2)

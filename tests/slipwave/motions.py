@@ -1,6 +1,6 @@
 """Motions with known turning points of the elastic stress, as the pieces that a solver would emit."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ class Motion(NamedTuple):
     stress: Callable[[Array], Array] = np.zeros_like
 
 
-def through(turns: Sequence[float], step: float = 5.0, velocity: float = V) -> Motion:
+def through(turns, step=5.0, velocity=V):
     """Elastic stress that turns at t = 0, `step`, 2 `step`, ... at the values `turns` and is monotone between; v from
     y' = k (V - v) with k so large that v > V/5."""
     curve = PchipInterpolator(step * np.arange(len(turns)), turns)
@@ -35,7 +35,7 @@ def through(turns: Sequence[float], step: float = 5.0, velocity: float = V) -> M
     return Motion(curve, lambda t: np.log(velocity - slope(t) / stiffness), float(curve.x[-1]))
 
 
-def watch(motion: Motion, nodes: Array = RADAU, pieces: int = 2000, chunk: int = 7, resumed: bool = False) -> EventObserver:
+def watch(motion, nodes=RADAU, pieces=2000, chunk=7, resumed=False):
     """The observer after `motion` was shown to it in chunks of `chunk` of equally long `pieces`; if `resumed`, another goes on
     after each."""
     observer = EventObserver(slipwave.read("paper"), nodes)

@@ -6,9 +6,6 @@ import resource
 import subprocess
 import sys
 import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -31,7 +28,7 @@ for _ in range(2):
 
 
 @pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """An empty cache in a process that has not complained yet."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(compile_cache.TROUBLE, "is_told", False)
@@ -39,23 +36,23 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def ask() -> tuple[float, int]:
+def ask():
     """Answer of a fresh compiled function, and whether it came from the disk."""
-    fresh: Any = njit(size_of.py_func)  # type: ignore[attr-defined]
+    fresh = njit(size_of.py_func)
     return fresh(SWING), sum(fresh.stats.cache_hits.values())
 
 
-def kept(folder: Path) -> Path:
+def kept(folder):
     """The one file in the cache."""
     (path,) = folder.iterdir()
     return path
 
 
-def test_a_constant_argument_is_compiled_like_any_other() -> None:
-    part: Any = njit(_scaled)
+def test_a_constant_argument_is_compiled_like_any_other():
+    part = njit(_scaled)
 
     @njit
-    def whole(number: int) -> int:
+    def whole(number):
         return int(part(number, 2) + part(number, number))
 
     with event.install_recorder("numba:compile") as compiled:
@@ -64,16 +61,16 @@ def test_a_constant_argument_is_compiled_like_any_other() -> None:
     assert functions.count(_scaled) == 1
 
 
-def _scaled(number: int, factor: int) -> int:
+def _scaled(number, factor):
     return number * factor
 
 
-def test_compiling_leaves_the_garbage_collector_of_a_user_alone() -> None:
-    part: Any = njit(_scaled)
+def test_compiling_leaves_the_garbage_collector_of_a_user_alone():
+    part = njit(_scaled)
     collecting = []
 
-    class Watch(event.Listener):  # type: ignore[misc]
-        def on_start(self, event: event.Event) -> None:
+    class Watch(event.Listener):
+        def on_start(self, event):
             collecting.append((gc.isenabled(), gc.get_threshold()))
 
         on_end = on_start
@@ -85,7 +82,7 @@ def test_compiling_leaves_the_garbage_collector_of_a_user_alone() -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.3, 0.999])
-def test_a_truncated_file_is_told_and_replaced(share: float, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_truncated_file_is_told_and_replaced(share, folder, capsys):
     ask()
     whole = kept(folder).read_bytes()
     kept(folder).write_bytes(whole[: int(share * len(whole))])
@@ -94,7 +91,7 @@ def test_a_truncated_file_is_told_and_replaced(share: float, folder: Path, capsy
     assert ask() == (ANSWER, 1)
 
 
-def test_a_change_of_any_byte_or_of_the_name_is_noticed(folder: Path) -> None:
+def test_a_change_of_any_byte_or_of_the_name_is_noticed(folder):
     ask()
     path = kept(folder)
     whole = path.read_bytes()
@@ -109,19 +106,19 @@ def test_a_change_of_any_byte_or_of_the_name_is_noticed(folder: Path) -> None:
     assert ask() == (ANSWER, 0)
 
 
-def run(environment: dict[str, str], limit: Callable[[], None] | None = None) -> subprocess.CompletedProcess[str]:
+def run(environment, limit=None):
     """A process of its own that compiles a function for two types."""
     return subprocess.run(
         [sys.executable, "-c", PROGRAM], env=os.environ | environment, capture_output=True, text=True, preexec_fn=limit
     )
 
 
-def _full_disk() -> None:
+def _full_disk():
     resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))
 
 
 @pytest.mark.parametrize("trouble", ["a file in its place", "a full disk", "nowhere"])
-def test_a_run_without_a_usable_folder_ends_well(trouble: str, folder: Path) -> None:
+def test_a_run_without_a_usable_folder_ends_well(trouble, folder):
     place = folder / "cache"
     if trouble == "a file in its place":
         place.write_text("not a folder")
@@ -132,7 +129,7 @@ def test_a_run_without_a_usable_folder_ends_well(trouble: str, folder: Path) -> 
     assert done.stderr.count("\n") == 1
 
 
-def test_what_nobody_used_for_a_month_is_removed(folder: Path) -> None:
+def test_what_nobody_used_for_a_month_is_removed(folder):
     month_ago, week_ago = time.time() - 31 * 86400, time.time() - 7 * 86400
     for name in ("old.compiled", "left.part", "own.nbi", "recent.compiled"):
         (folder / name).write_bytes(b"")
@@ -144,20 +141,18 @@ def test_what_nobody_used_for_a_month_is_removed(folder: Path) -> None:
     assert {path.name for path in folder.iterdir()} - {kept_name(folder)} == {"own.nbi", "recent.compiled"}
 
 
-def kept_name(folder: Path) -> str:
+def kept_name(folder):
     return next(path.name for path in folder.iterdir() if path.name.startswith("slipwave.observe.swings.size_of"))
 
 
-def test_a_function_in_use_counts_as_new(folder: Path) -> None:
+def test_a_function_in_use_counts_as_new(folder):
     ask()
     os.utime(kept(folder), (0, 0))
     assert ask() == (ANSWER, 1)
     assert kept(folder).stat().st_mtime > 0
 
 
-def test_a_file_edited_since_the_process_began_keeps_its_functions_off_the_disk(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_edited_since_the_process_began_keeps_its_functions_off_the_disk(folder, monkeypatch):
     monkeypatch.setattr(compile_cache, "STARTED", 0.0)
     assert [ask(), ask()] == [(ANSWER, 0)] * 2
     assert list(folder.iterdir()) == []
@@ -166,16 +161,16 @@ def test_a_file_edited_since_the_process_began_keeps_its_functions_off_the_disk(
 FACTOR = 2.0
 
 
-def own(x: float) -> float:
+def own(x):
     return FACTOR * x
 
 
-def ask_own() -> tuple[float, int]:
-    fresh: Any = njit(own)
+def ask_own():
+    fresh = njit(own)
     return fresh(3.0), sum(fresh.stats.cache_hits.values())
 
 
-def test_a_function_of_the_users_is_kept_until_what_it_names_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_function_of_the_users_is_kept_until_what_it_names_changes(monkeypatch):
     assert [ask_own(), ask_own()] == [(6.0, 0), (6.0, 1)]
     monkeypatch.setitem(globals(), "FACTOR", 4.0)
     assert [ask_own(), ask_own()] == [(12.0, 0), (12.0, 1)]
@@ -183,14 +178,13 @@ def test_a_function_of_the_users_is_kept_until_what_it_names_changes(monkeypatch
     assert [ask_own(), ask_own()] == [(12.0, 0)] * 2
 
 
-def test_code_for_one_kind_of_grid_does_not_depend_on_another() -> None:
+def test_code_for_one_kind_of_grid_does_not_depend_on_another():
     import fullwave.discontinuous
     import fullwave.finite_element
     from fullwave.lines.kernel import march_lines as march
 
-    kernel: Any = march
+    kernel = march
     made_from = compile_cache.made_from_what(kernel.py_func, {fullwave.discontinuous.Elements})
-    assert made_from is not None
     sources = made_from.sources
     assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "lines" / "system.py"} <= set(sources)
     assert ROOT / "fullwave" / "finite_element.py" not in sources

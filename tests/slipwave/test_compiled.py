@@ -6,7 +6,6 @@ import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -82,12 +81,12 @@ EDITS = {
 Answers = dict[str, tuple[float, int]]
 
 
-def start(law: str, folder: Path) -> subprocess.Popen[str]:
+def start(law, folder):
     environment = os.environ | {"NUMBA_CACHE_DIR": str(folder)}
     return subprocess.Popen([sys.executable, "-c", PROGRAM, law], env=environment, stdout=subprocess.PIPE, text=True)
 
 
-def test_processes_that_fill_one_cache_at_once_never_swap_code(tmp_path: Path) -> None:
+def test_processes_that_fill_one_cache_at_once_never_swap_code(tmp_path):
     together = {law: start(law, tmp_path) for law in ("ageing", "slip")}
     first = {law: process.communicate()[0].split()[0] for law, process in together.items()}
     assert len(list(tmp_path.glob("*logs_of_return*"))) == 2
@@ -97,7 +96,7 @@ def test_processes_that_fill_one_cache_at_once_never_swap_code(tmp_path: Path) -
 
 
 @pytest.fixture(scope="module")
-def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def tree(tmp_path_factory):
     """A copy of the solver rooms with the probes in it, its cache warm."""
     folder = tmp_path_factory.mktemp("tree")
     for room in SOLVER_ROOMS:
@@ -109,11 +108,11 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def untouched(tree: Path) -> Answers:
+def untouched(tree):
     return ask(tree)
 
 
-def ask(tree: Path) -> Answers:
+def ask(tree):
     """Value and hits in the cache of every probe, in a process of its own."""
     environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(tree / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run([sys.executable, "-c", ASK_ALL], cwd=tree, env=environment, capture_output=True, text=True)
@@ -122,7 +121,7 @@ def ask(tree: Path) -> Answers:
     return {name: (float(value), int(hits)) for name, value, hits in map(str.split, done.stdout.splitlines())}
 
 
-def ask_with(tree: Path, places: list[tuple[str, str, str]]) -> Answers:
+def ask_with(tree, places):
     """The same with some places changed."""
     kept = {tree / file: (tree / file).read_text() for file, _, _ in places}
     for file, old, new in places:
@@ -136,19 +135,19 @@ def ask_with(tree: Path, places: list[tuple[str, str, str]]) -> Answers:
 
 
 @pytest.mark.parametrize("reached", EDITS)
-def test_an_edited_formula_is_compiled_again_and_nothing_else_is(reached: str, tree: Path, untouched: Answers) -> None:
+def test_an_edited_formula_is_compiled_again_and_nothing_else_is(reached, tree, untouched):
     edited = ask_with(tree, EDITS[reached])
     assert {name for name, (_, hits) in edited.items() if not hits} == set(reached.split())
     changed = {name for name, (value, _) in edited.items() if value != pytest.approx(untouched[name][0], rel=1e-3)}
     assert changed == set(reached.split()) - ({"dispatched"} if "overloaded" in reached else set())
 
 
-def test_an_edited_comment_or_docstring_compiles_nothing(tree: Path, untouched: Answers) -> None:
+def test_an_edited_comment_or_docstring_compiles_nothing(tree, untouched):
     told = '"""Root z of'
     assert ask_with(tree, [("slipwave/friction/interface.py", told, '"""\n\n    The one root z of')]) == untouched
 
 
-def test_every_choice_made_at_compile_time_is_declared_to_the_cache() -> None:
+def test_every_choice_made_at_compile_time_is_declared_to_the_cache():
     for file, tree in TREES.items():
         called = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         if called & {"overload", "generated_jit", "overload_method", "overload_attribute", "lower_builtin"}:
@@ -159,12 +158,12 @@ COMPILED = ("njit", "inlined", "by_class", "register_jitable")
 """Decorators of functions whose arrays belong to their caller."""
 
 
-def borrows(function: ast.FunctionDef) -> bool:
+def borrows(function):
     names = [ast.unparse(decorator) for decorator in function.decorator_list]
     return any(name.startswith(COMPILED) or ".register(" in name for name in names)
 
 
-def owned(function: ast.FunctionDef) -> set[str]:
+def owned(function):
     """What a function makes or returns that would have to be released: results of numpy, and all but numbers."""
     within = [node for statement in function.body for node in ast.walk(statement)]
     made = {ast.unparse(node.func) for node in within if isinstance(node, ast.Call)}
@@ -173,17 +172,15 @@ def owned(function: ast.FunctionDef) -> set[str]:
     return {name for name in made if name.startswith("np.") or name.endswith(".copy")} | arrays
 
 
-def test_a_function_that_counts_no_references_makes_and_returns_no_array() -> None:
+def test_a_function_that_counts_no_references_makes_and_returns_no_array():
     found = {place: owned(node) for place, node in FUNCTIONS if isinstance(node, ast.FunctionDef) and borrows(node)}
     assert {place: names for place, names in found.items() if names} == {}, "must be `allocating`"
     texts = "@njit\ndef new(x: A) -> float:\n  return np.zeros(3)[0]", "@inlined\ndef same(x: Array) -> Array:\n  return x"
     new, same = (ast.parse(text).body[0] for text in texts)
-    assert isinstance(new, ast.FunctionDef)
-    assert isinstance(same, ast.FunctionDef)
     assert [(borrows(one), owned(one)) for one in (new, same)] == [(True, {"np.zeros"}), (True, {"Array"})]
 
 
-def test_the_cache_of_a_users_own_compiled_functions_is_left_alone() -> None:
+def test_the_cache_of_a_users_own_compiled_functions_is_left_alone():
     program = (
         "import numba; before = numba.config.CACHE_DIR; import slipwave.scene.drive; assert numba.config.CACHE_DIR == before"
     )
@@ -191,7 +188,7 @@ def test_the_cache_of_a_users_own_compiled_functions_is_left_alone() -> None:
     assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == 0
 
 
-def test_a_division_by_zero_is_a_number_and_no_exception() -> None:
+def test_a_division_by_zero_is_a_number_and_no_exception():
     """A step that is too long meets one: it is refused and halved, and compiled code must get that far."""
     quotient = njit(lambda x, y: x / y)
     assert quotient(1.0, 0.0) == math.inf

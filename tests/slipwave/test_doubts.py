@@ -14,7 +14,7 @@ ROCK = SLAB | {"interface.normal_stress": "5 MPa"}
 
 
 @pytest.mark.parametrize("name", gallery_names())
-def test_no_scene_of_the_gallery_is_doubted(name: str) -> None:
+def test_no_scene_of_the_gallery_is_doubted(name):
     assert doubts(slipwave.read(name)) == []
 
 
@@ -34,26 +34,26 @@ def test_no_scene_of_the_gallery_is_doubted(name: str) -> None:
         ("slab.density", "100 kg/m3", "slab.wave speed = 1.732e+04 m/s: shear waves have 500 mm/s to 13000 m/s"),
     ],
 )
-def test_a_value_that_can_hardly_be_meant(key: str, value: object, line: str) -> None:
+def test_a_value_that_can_hardly_be_meant(key, value, line):
     assert doubts(slipwave.read("rock", ROCK)) == []
     (found,) = doubts(slipwave.read("rock", ROCK | {key: value}))
     assert found.startswith(key + line if line.startswith(" ") else line)
 
 
-def test_a_soft_machine_is_doubted_and_a_free_face_is_not() -> None:
+def test_a_soft_machine_is_doubted_and_a_free_face_is_not():
     face = {"kind": "machine", "stiffness": 1.0, "impedance": 0.0, "mass": 0.0}
     (line,) = doubts(slipwave.read("rock", ROCK | {"upper.face": face}))
     assert line == "upper.face.stiffness = 1 Pa/m: testing machines have 1 kPa/m to 100 TPa/m; did you mean 1 GPa/m?"
     assert doubts(slipwave.read("rock", ROCK | {"slab.face": face | {"stiffness": 0.0}})) == []
 
 
-def test_a_scene_without_units_is_never_doubted() -> None:
+def test_a_scene_without_units_is_never_doubted():
     odd = slipwave.read("rock", {"interface.normal_stress": 5})
     assert doubts(odd) != []
     assert doubts(dataclasses.replace(odd, units=None)) == []
 
 
-def test_a_result_out_of_range_says_which_of_its_sources_is_doubtful() -> None:
+def test_a_result_out_of_range_says_which_of_its_sources_is_doubtful():
     with pytest.raises(SceneError) as caught:
         slipwave.read("rock", SLAB | {"interface.memory_length": 10})
     assert "result in r = 3e-10" in str(caught.value)

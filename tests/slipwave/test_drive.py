@@ -20,14 +20,14 @@ def sampled(drive, times):
     return found
 
 
-def zigzag(knots: int) -> Drive:
+def zigzag(knots):
     """Velocities and distances between knots without a pattern."""
     draw = np.random.default_rng(knots)
     return Drive(tuple(np.cumsum(draw.uniform(0.1, 2.0, knots)).tolist()), tuple(draw.uniform(-3.0, 5.0, knots).tolist()))
 
 
 @pytest.mark.parametrize("knots", [2, 3, MANY])
-def test_ramps_are_the_broken_line_through_the_knots(knots: int) -> None:
+def test_ramps_are_the_broken_line_through_the_knots(knots):
     drive = zigzag(knots)
     times = np.linspace(drive.times[0] - 1.0, drive.times[-1] + 1.0, 4001)
     expected = np.interp(times, drive.times, drive.velocities)
@@ -35,13 +35,13 @@ def test_ramps_are_the_broken_line_through_the_knots(knots: int) -> None:
     np.testing.assert_allclose([drive.at(float(time)) for time in times[::40]], expected[::40], rtol=0, atol=1e-12)
 
 
-def test_the_next_knot_lies_after_a_time() -> None:
+def test_the_next_knot_lies_after_a_time():
     drive = Drive((0.0, 5.0, 5.0, 7.0), (1.0, 1.0, 2.0, 3.0))
     assert [drive.knot_after(time) for time in (-1.0, 0.0, 4.9, 5.0, 6.0, 7.0)] == [0.0, 5.0, 5.0, 7.0, 7.0, math.inf]
     assert Drive((0.0, 5.0), (1.0, 1.0)).knot_after(0.0) == math.inf
 
 
-def test_knots_and_what_lies_beyond_are_exact() -> None:
+def test_knots_and_what_lies_beyond_are_exact():
     drive = zigzag(MANY)
     beyond = [(drive.times[0] - 1.0, drive.velocities[0]), (drive.times[-1] + 1e6, drive.velocities[-1])]
     times, expected = zip(*beyond, *zip(drive.times, drive.velocities, strict=True), strict=True)
@@ -50,7 +50,7 @@ def test_knots_and_what_lies_beyond_are_exact() -> None:
 
 
 @pytest.mark.parametrize("before", [2, 999])
-def test_a_time_given_twice_is_a_step(before: int) -> None:
+def test_a_time_given_twice_is_a_step(before):
     times = (*(float(k) for k in range(before)), 1000.0, 1000.0, 1003.0)
     drive = Drive(times, (4.0,) * before + (4.0, 7.0, 1.0))
     near = np.nextafter(1000.0, 0.0)
@@ -58,7 +58,7 @@ def test_a_time_given_twice_is_a_step(before: int) -> None:
     assert drive.knots == (*times[:-2], 1003.0)
 
 
-def test_a_step_of_a_march_sees_one_stretch_of_the_drive() -> None:
+def test_a_step_of_a_march_sees_one_stretch_of_the_drive():
     drive = Drive((0.0, 5.0, 5.0, 6.0), (1.0, 3.0, 8.0, 10.0)).compiled
     assert isinstance(drive, Ramps)
     assert [velocity_at(drive, time, 4.9) for time in (5.0, 5.0 + 1e-9, 0.0)] == pytest.approx([3.0, 3.0, 1.0], abs=1e-8)
@@ -66,7 +66,7 @@ def test_a_step_of_a_march_sees_one_stretch_of_the_drive() -> None:
     assert [velocity_at(drive, time, 6.5) for time in (5.9, 6.0, 7.0)] == [10.0] * 3
 
 
-def test_only_a_drive_that_changes_is_searched() -> None:
+def test_only_a_drive_that_changes_is_searched():
     assert Drive((0.0, 4.0), (2.0, 2.0)).compiled == Constant(2.0)
     assert [Drive((0.0, 4.0), (2.0, last)).knots for last in (2.0, 3.0)] == [(), (0.0, 4.0)]
     at_once = Drive((0.0, 0.0), (2.0, 5.0))
@@ -74,10 +74,10 @@ def test_only_a_drive_that_changes_is_searched() -> None:
 
 
 @pytest.mark.parametrize("late", [-6.0, -1.5, 0.0, 0.3, 6.9])
-def test_the_nudge_is_a_bell_around_its_centre(late: float) -> None:
+def test_the_nudge_is_a_bell_around_its_centre(late):
     assert nudge_rate(0.5, NUDGE_CENTRE + late) == pytest.approx(0.5 * math.exp(-(late**2)), rel=1e-13)
 
 
-def test_the_nudge_ends_where_it_is_below_rounding() -> None:
+def test_the_nudge_ends_where_it_is_below_rounding():
     assert nudge_rate(0.5, NUDGE_CENTRE + 6.9) < np.finfo(float).eps ** 1.3
     assert (nudge_rate(0.5, NUDGE_CENTRE + 7.1), nudge_rate(0.0, NUDGE_CENTRE)) == (0.0, 0.0)

@@ -7,23 +7,22 @@ import slipwave
 from slipwave.friction import rates
 from slipwave.observe import HistoryObserver
 from slipwave.observe.envelope import COUNT, Envelope
-from slipwave.observe.pieces import Array, Pieces
-from slipwave.scene import Scene
-from slipwave.solve import Solver, follow
+from slipwave.observe.pieces import Pieces
+from slipwave.solve import follow
 from tests.granite import GRANITE
 from validation.registry.build import build
 
 STEP = {"drive.velocity": [[0, 100], [30, 100], [30, 300], [200, 300], [230.5, 0], [260, 0], [260, 50]]}
 
 
-def watched(scene: Scene, until: float, *observers: object) -> Solver:
+def watched(scene, until, *observers):
     solver = build("delay", scene)
-    follow(solver, until, observers)  # type: ignore[arg-type]
+    follow(solver, until, observers)
     return solver
 
 
 @pytest.fixture(scope="module")
-def motion() -> tuple[Scene, Envelope, Array]:
+def motion():
     """Steps, a ramp and a hold: the envelope, and all samples."""
     scene = slipwave.read("paper", STEP)
     nodes = build("delay", scene).nodes
@@ -78,7 +77,7 @@ def test_a_leapt_stretch_has_the_ranges_of_whole_transits():
     history = HistoryObserver(scene.law, nodes, 1e9)  # keeps nothing, but asks for every transit
     watched(scene, 30_000.0, every, history)
     ours, theirs = envelope.by_time(), every.by_time()
-    assert leaping.skipped > 10_000  # type: ignore[attr-defined]
+    assert leaping.skipped > 10_000
     assert theirs.time.size > ours.time.size > 500
     (low, high), (least, most) = ours.stress, theirs.stress
     assert low == pytest.approx(np.interp(ours.time, theirs.time, least), abs=3e-4)

@@ -1,13 +1,11 @@
 """Roots and extrema of random polynomials, as numpy finds them."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
 from slipwave.observe.extrema import evaluate, find_root, raise_record
-from slipwave.observe.pieces import Array, Basis, lagrange_basis
+from slipwave.observe.pieces import lagrange_basis
 
 NODES = {
     "radau": np.array([0.0571041961, 0.2768430136, 0.5835904324, 0.8602401357, 1.0]),
@@ -16,7 +14,7 @@ NODES = {
 BASES = {name: lagrange_basis(nodes) for name, nodes in NODES.items()}
 
 
-def smooth(count: int) -> Iterator[Polynomial]:
+def smooth(count):
     """Waves that are longer than a piece: the record trusts the polynomials of these."""
     random = np.random.default_rng(5)
     t = np.linspace(0.0, 1.0, 5)
@@ -25,14 +23,14 @@ def smooth(count: int) -> Iterator[Polynomial]:
         yield Polynomial(np.polyfit(t, height * np.cos(2.0 * np.pi * t / length + phase), 4)[::-1])
 
 
-def greatest(polynomial: Polynomial, *ends: float, within: tuple[float, float]) -> float:
+def greatest(polynomial, *ends, within):
     """Of the values at `ends` and at the turns `within` an interval."""
     turns = [root.real for root in polynomial.deriv().roots() if abs(root.imag) < 1e-12 and within[0] < root.real < within[1]]
     return float(max(polynomial(np.array([*ends, *turns]))))
 
 
 @pytest.mark.parametrize("basis", BASES.values(), ids=BASES)
-def test_the_point_at_which_a_level_is_passed(basis: Basis) -> None:
+def test_the_point_at_which_a_level_is_passed(basis):
     """Levels between the end values of intervals in which the polynomial only rises or falls, and the end values themselves."""
     random = np.random.default_rng(6)
     met = 0
@@ -51,13 +49,13 @@ def test_the_point_at_which_a_level_is_passed(basis: Basis) -> None:
     assert met > 20
 
 
-def test_a_flat_piece_has_its_level_everywhere() -> None:
+def test_a_flat_piece_has_its_level_everywhere():
     point = find_root(BASES["radau"], np.full(5, 2.0), 2.0, 0.25, 0.75)
     assert 0.25 <= point <= 0.75
 
 
 @pytest.mark.parametrize("basis", BASES.values(), ids=BASES)
-def test_the_record_within_a_part_of_a_piece(basis: Basis) -> None:
+def test_the_record_within_a_part_of_a_piece(basis):
     random = np.random.default_rng(7)
     for polynomial in smooth(100):
         begin, end = np.sort(random.uniform(0.0, 1.0, 2))
@@ -67,13 +65,13 @@ def test_the_record_within_a_part_of_a_piece(basis: Basis) -> None:
         assert memory == pytest.approx(wanted, abs=1e-12)
 
 
-def pieces_of(wave: Polynomial, basis: Basis) -> list[Array]:
+def pieces_of(wave, basis):
     """Values of eight pieces that share the interval [0, 1]."""
     return [wave((k + basis.nodes) / 8) for k in range(8)]
 
 
 @pytest.mark.parametrize("basis", BASES.values(), ids=BASES)
-def test_the_record_over_pieces(basis: Basis) -> None:
+def test_the_record_over_pieces(basis):
     """A peak near the end of a piece is found in one of the two."""
     for wave in smooth(100):
         memory = np.array([9.0, -np.inf, -np.inf, 9.0])

@@ -2,7 +2,6 @@
 
 import os
 import subprocess
-from pathlib import Path
 
 import pytest
 
@@ -10,7 +9,7 @@ from slipwave.errors import SceneError
 from slipwave.files import part_of, whole_or_absent
 
 
-def write_half(target: Path, stop: type[BaseException]) -> None:
+def write_half(target, stop):
     with whole_or_absent(target) as temporary:
         temporary.write_text("half")
         raise stop
@@ -18,7 +17,7 @@ def write_half(target: Path, stop: type[BaseException]) -> None:
 
 @pytest.mark.parametrize("stop", [KeyboardInterrupt, ZeroDivisionError, OSError])
 @pytest.mark.parametrize("old", [None, "old"])
-def test_a_file_stopped_half_way_is_as_it_was(tmp_path: Path, stop: type[BaseException], old: str | None) -> None:
+def test_a_file_stopped_half_way_is_as_it_was(tmp_path, stop, old):
     target = tmp_path / "x.nc"
     if old is not None:
         target.write_text(old)
@@ -27,21 +26,19 @@ def test_a_file_stopped_half_way_is_as_it_was(tmp_path: Path, stop: type[BaseExc
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == ({} if old is None else {"x.nc": old})
 
 
-def test_a_whole_file_takes_the_place_of_the_old_one(tmp_path: Path) -> None:
+def test_a_whole_file_takes_the_place_of_the_old_one(tmp_path):
     target, neighbour = tmp_path / ("x" * 240 + ".nc"), tmp_path / "plain"
     target.write_text("old")
     neighbour.write_text("")
     with whole_or_absent(target) as temporary:
-        assert temporary.parent == tmp_path
-        assert temporary.suffix == ".nc"
+        assert (temporary.parent, temporary.suffix) == (tmp_path, ".nc")
         temporary.write_text("new")
         assert target.read_text() == "old"
-    assert target.read_text() == "new"
-    assert target.stat().st_mode == neighbour.stat().st_mode
+    assert (target.read_text(), target.stat().st_mode) == ("new", neighbour.stat().st_mode)
     assert sorted(tmp_path.iterdir()) == sorted([target, neighbour])
 
 
-def test_two_processes_write_to_parts_of_their_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_processes_write_to_parts_of_their_own(tmp_path, monkeypatch):
     target = tmp_path / "x.nc"
     with whole_or_absent(target) as first:
         first.write_text("first")
@@ -52,7 +49,7 @@ def test_two_processes_write_to_parts_of_their_own(tmp_path: Path, monkeypatch: 
     assert target.read_text() == "first"
 
 
-def test_what_killed_processes_left_goes_when_the_next_file_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_killed_processes_left_goes_when_the_next_file_is_written(tmp_path, monkeypatch):
     """But not what another process is writing, nor what is no part, nor what another machine may be writing."""
     parts = {}
     with subprocess.Popen(["sleep", "100000"]) as other:

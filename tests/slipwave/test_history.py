@@ -5,24 +5,24 @@ import pytest
 
 import slipwave
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Array, Pieces, lagrange_basis, values_at
+from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
 
 LAW = slipwave.read("paper").law
 NODES = np.array([0.2, 0.7, 1.0])
 
 
-def motion(time: Array) -> tuple[Array, ...]:
+def motion(time):
     """z, psi, mu and y, quadratic in time: three nodes hold them exactly."""
     return 1.0 + 0.1 * time, time**2, 3.0 - time, 2.0 * time**2 - time
 
 
-def chunk(first: float, count: int, length: float = 0.5) -> Pieces:
+def chunk(first, count, length=0.5):
     begin = first + length * np.arange(count)
     return Pieces(begin, np.full(count, length), *motion(begin[:, None] + length * NODES))
 
 
 @pytest.fixture
-def history() -> HistoryObserver:
+def history():
     """The window from 1 to 4 of a run from 0 to 6, in chunks of two pieces."""
     observer = HistoryObserver(LAW, NODES, 1.0, 4.0)
     for first in range(6):

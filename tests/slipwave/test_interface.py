@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from slipwave.compiled import njit
-from slipwave.friction import LAWS, Law, respond, steady_state, unknown_of
+from slipwave.friction import LAWS, respond, steady_state, unknown_of
 from slipwave.friction.interface import MAX_ITERATIONS, solve_interface
 
 PAPER = (0.369, 0.0349, 0.0489)
@@ -16,16 +16,16 @@ LAW_NAMES = ("ageing", "slip", "ageing-regularised", "slip-regularised")
 
 
 @njit
-def solve(law: Law, impedance: float, incoming: float, psi: float, start: float) -> tuple[float, int]:
+def solve(law, impedance, incoming, psi, start):
     """As the solvers call it: compiled, so that e^z overflows to infinity."""
     return solve_interface(law, impedance, incoming, psi, start)
 
 
-def law_called(name: str) -> Law:
+def law_called(name):
     return LAWS[name].parameters(*PAPER)
 
 
-def incoming_for(law: Law, impedance: float, rate: float, psi: float) -> tuple[float, float]:
+def incoming_for(law, impedance, rate, psi):
     """The rate unknown of `rate` and the incoming stress of which it is the root."""
     z = unknown_of(law, rate)
     v, _, friction, *_ = respond(law, z, psi)
@@ -34,7 +34,7 @@ def incoming_for(law: Law, impedance: float, rate: float, psi: float) -> tuple[f
 
 @pytest.mark.parametrize("name", LAW_NAMES)
 @pytest.mark.parametrize("impedance", [0.0, 1e-12, 1.4e-5, 1.0, 1e6])
-def test_every_rate_is_found_again(name: str, impedance: float) -> None:
+def test_every_rate_is_found_again(name, impedance):
     law = law_called(name)
     for exponent in np.linspace(-30 if "regularised" not in name else -15, 15, 46):
         rate = 10.0**exponent
@@ -61,7 +61,7 @@ def test_every_rate_is_found_again(name: str, impedance: float) -> None:
     st.floats(-20.0, 20.0),
     st.floats(-60, 60),
 )
-def test_random_starts_end_at_a_root(name: str, impedance: float, incoming: float, psi: float, start: float) -> None:
+def test_random_starts_end_at_a_root(name, impedance, incoming, psi, start):
     law = law_called(name)
     z, iterations = solve_interface(law, impedance, incoming, psi, start)
     assert iterations > 0
@@ -74,7 +74,7 @@ def test_random_starts_end_at_a_root(name: str, impedance: float, incoming: floa
 @pytest.mark.parametrize("name", LAW_NAMES)
 @pytest.mark.parametrize("impedance", [1.4e-5, 1.0])
 @pytest.mark.parametrize("start", [390.0, 900.0, -390.0])
-def test_a_start_hundreds_away_is_no_failure(name: str, impedance: float, start: float) -> None:
+def test_a_start_hundreds_away_is_no_failure(name, impedance, start):
     """Newton gains one in z an iteration where v = e^z rules, and gains nothing where e^z overflows."""
     law = law_called(name)
     wanted, incoming = incoming_for(law, impedance, 100.0, -4.6)
@@ -85,7 +85,7 @@ def test_a_start_hundreds_away_is_no_failure(name: str, impedance: float, start:
 
 @pytest.mark.parametrize("name", LAW_NAMES)
 @pytest.mark.parametrize("where", range(3))
-def test_not_a_number_is_a_counted_failure(name: str, where: int) -> None:
+def test_not_a_number_is_a_counted_failure(name, where):
     values = [0.4, 0.0, 1.0]
     values[where] = math.nan
     incoming, psi, start = values

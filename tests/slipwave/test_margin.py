@@ -12,7 +12,7 @@ from slipwave.observe.statistics import BATCHES, FEWEST, margin_of_mean, summari
 RUNS = 400
 
 
-def autoregressive(memory: float, count: int) -> np.ndarray:
+def autoregressive(memory, count):
     """Rows with mean 0 and correlation memory^k between values k apart."""
     noise = np.random.default_rng(11).standard_normal((RUNS, count + 100))
     rows = noise.copy()
@@ -21,24 +21,24 @@ def autoregressive(memory: float, count: int) -> np.ndarray:
     return rows[:, 100:]
 
 
-def covered(rows: np.ndarray) -> float:
+def covered(rows):
     """The share of rows whose mean differs from 0 by no more than its margin."""
     return float(np.mean([abs(row.mean()) <= margin_of_mean(row) for row in rows]))
 
 
 @pytest.mark.parametrize("memory", [-0.7, 0.0, 0.5])
 @pytest.mark.parametrize("count", [64, 256])
-def test_the_true_mean_is_within_the_margin_in_95_of_100_runs(memory: float, count: int) -> None:
+def test_the_true_mean_is_within_the_margin_in_95_of_100_runs(memory, count):
     assert 0.93 <= covered(autoregressive(memory, count)) <= 0.995
 
 
-def test_few_cycles_that_resemble_each_other() -> None:
+def test_few_cycles_that_resemble_each_other():
     """Of 24 values with memory 0.5, 95 of 100 means lie within the margin; 92 by batches alone, and without the corrections of
     what a short run takes from its autocorrelations."""
     assert covered(autoregressive(0.5, 24)) >= 0.935
 
 
-def test_by_hand() -> None:
+def test_by_hand():
     """Batches of two with means 1, 2, ..., 6, in an order without memory: their deviation is sqrt(3.5). Neighbours
     alternate, so that the autocorrelations of one pair of lags say nothing."""
     values = np.repeat([1.0, 6.0, 3.0, 5.0, 4.0, 2.0], 2) + np.tile([10.0, -10.0], BATCHES)
@@ -46,7 +46,7 @@ def test_by_hand() -> None:
     assert np.isnan(margin_of_mean(values[: FEWEST - 1]))
 
 
-def test_autocorrelations_by_hand() -> None:
+def test_autocorrelations_by_hand():
     """Of 0, 0, 1, 1, ... covariances times 64 are 16, 1, -14, ...: with one pair of lags, a window of 3 in 16, the variance is
     (2 17 - 16)/64 over 1 - 3/16, known as that of 16/3 values."""
     variance = 18.0 / 64.0 / (1.0 - 3.0 / 16.0)
@@ -54,7 +54,7 @@ def test_autocorrelations_by_hand() -> None:
     assert margin_of_mean(np.tile([0.0, 0.0, 1.0, 1.0], 4)) == pytest.approx(expected, rel=1e-9)
 
 
-def test_only_cycles_that_never_repeat_have_margins() -> None:
+def test_only_cycles_that_never_repeat_have_margins():
     column = np.linspace(1.0, 2.0, 16)
     events = Events(*[column] * 6)
     assert all(np.isnan(margin) for margin in asdict(summarise(events).margins).values())

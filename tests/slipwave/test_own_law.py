@@ -3,7 +3,7 @@
 import math
 import runpy
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 
@@ -25,12 +25,12 @@ class Unpriced(NamedTuple):
     d: float
 
 
-def law_with(respond_: Any = respond, steady: Any = steady_state, parameters: Any = Ageing, rate_of: Any = None) -> Registered:
+def law_with(respond_=respond, steady=steady_state, parameters=Ageing, rate_of=None):
     return Registered(parameters, respond_, steady, rate_of or (lambda law, z: math.exp(z)), lambda law, v: math.log(v))
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_every_law_of_the_house_passes_the_check(name: str) -> None:
+def test_every_law_of_the_house_passes_the_check(name):
     own = {"cutoff_velocity": 1e3, "saturation_velocity": 1e-3}
     fields = LAWS[name].parameters._fields
     check_law(name, LAWS[name], (0.6, 0.01, 0.015, *(own[field] for field in fields[3:] if field in own)))
@@ -38,10 +38,10 @@ def test_every_law_of_the_house_passes_the_check(name: str) -> None:
 
 @pytest.mark.parametrize("wrong", ["v_z", "F_z", "F_psi", "G_z", "G_psi"])
 @pytest.mark.parametrize("fault", [lambda x: -x, lambda x: 1.001 * x, lambda x: x + 1e-3, lambda x: math.nan, lambda x: 0.0])
-def test_a_wrong_derivative_is_refused_by_name(wrong: str, fault: Any) -> None:
+def test_a_wrong_derivative_is_refused_by_name(wrong, fault):
     place = ANSWERS.index(wrong)
 
-    def spoilt(law: Ageing, z: float, psi: float) -> tuple[float, ...]:
+    def spoilt(law, z, psi):
         answer = list(respond(law, z, psi))
         answer[place] = fault(answer[place])
         return tuple(answer)
@@ -64,17 +64,17 @@ def test_a_wrong_derivative_is_refused_by_name(wrong: str, fault: Any) -> None:
         (law_with(parameters=Unpriced), "defaults"),
     ],
 )
-def test_other_faults_are_refused_with_their_reason(law: Registered, told: str) -> None:
+def test_other_faults_are_refused_with_their_reason(law, told):
     with pytest.raises(SceneError, match=told):
         check_law("mine", law)
 
 
-def test_the_documented_example_is_the_one_that_runs() -> None:
+def test_the_documented_example_is_the_one_that_runs():
     page, program = ((ROOT / name).read_text() for name in ("docs/extending.md", "examples/own_law.py"))
     assert page.split("```python\n")[1].split("```")[0] == program
 
 
-def test_a_tiny_cutoff_is_the_ageing_law() -> None:
+def test_a_tiny_cutoff_is_the_ageing_law():
     example = runpy.run_path(str(ROOT / "examples" / "own_law.py"), run_name="example")
     mine = example["Cutoff"](cutoff=0.0)
     for z, psi in ((0.0, 0.0), (3.0, -4.0), (-2.0, 5.0)):

@@ -5,8 +5,6 @@ import math
 import os
 import random
 import re
-from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given
@@ -14,11 +12,10 @@ from hypothesis import strategies as st
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.scene import Scene
 
 LAYERS = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": 2.0}]
 SLAB = {"epsilon": 2.8e-5, "r": 0.002, "viscosity": {"kind": "standard-linear", "time": 1e-3, "ratio": 1.0}, "layers": LAYERS}
-FULL: dict[str, Any] = {
+FULL = {
     "name": "full",
     "interface": {"law": "slip", "a_star": 0.369, "a": 0.0349, "b": 0.0489},
     "upper": SLAB | {"face": {"kind": "grip", "stiffness": 1.0, "impedance": 1.0}},
@@ -27,7 +24,7 @@ FULL: dict[str, Any] = {
     "start": {"kind": "jump", "size": 0.1},
     "run": {"until": 10.0, "record": ["events"]},
 }
-SI: dict[str, Any] = {
+SI = {
     "interface": FULL["interface"] | {"normal_stress": 1e3, "memory_length": 0.9e-6, "reference_velocity": 1e-6},
     "slab": {"density": 784.0, "shear_modulus": 1e6, "thickness": 0.03, "viscosity": {"kind": "kelvin-voigt", "time": 1e-5}},
     "drive": {"velocity": 100.0},
@@ -45,9 +42,9 @@ TABLES = ["interface", "upper", "lower", "upper.face", "upper.viscosity", "upper
 NOT_NUMBERS = [True, False, "1", "", "nan", [1.0], [], {}, {"x": 1}, math.nan, math.inf, -math.inf, 1e300, -1e300, 10**400, "\n"]
 
 
-def changed(data: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
+def changed(data, key, value):
     result = copy.deepcopy(data)
-    place: Any = result
+    place = result
     *above, last = key.split(".")
     for part in above:
         place = place[int(part) if part.isdigit() else part]
@@ -58,7 +55,7 @@ def changed(data: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
     return result
 
 
-def complaint(source: Any, overrides: Any = ()) -> str:
+def complaint(source, overrides=()):
     with pytest.raises(SceneError) as caught:
         slipwave.read(source, overrides)
     message = str(caught.value)
@@ -68,7 +65,7 @@ def complaint(source: Any, overrides: Any = ()) -> str:
     return message
 
 
-def outcome(source: Any, overrides: Any = ()) -> tuple[Scene | None, str]:
+def outcome(source, overrides=()):
     try:
         return slipwave.read(source, overrides), ""
     except SceneError as error:
@@ -77,7 +74,7 @@ def outcome(source: Any, overrides: Any = ()) -> tuple[Scene | None, str]:
 
 @pytest.mark.parametrize(("data", "key"), NUMBERS, ids=[key for _, key in NUMBERS])
 @pytest.mark.parametrize("value", NOT_NUMBERS, ids=repr)
-def test_numbers(data: dict[str, Any], key: str, value: Any) -> None:
+def test_numbers(data, key, value):
     message = complaint(changed(data, key, value))
     assert key in message
     assert "must be a" in message
@@ -87,7 +84,7 @@ MAY_BE_NEGATIVE = ("interface.a_star", "lower.log10_r", "lower.face.coefficient"
 
 
 @pytest.mark.parametrize(("data", "key"), NUMBERS, ids=[key for _, key in NUMBERS])
-def test_signs(data: dict[str, Any], key: str) -> None:
+def test_signs(data, key):
     if key not in MAY_BE_NEGATIVE:
         assert f"{key} = -1" in complaint(changed(data, key, -1.0))
     if key not in (*MAY_BE_NEGATIVE, "interface.b", "upper.face.impedance"):
@@ -101,13 +98,13 @@ def test_signs(data: dict[str, Any], key: str) -> None:
     ("drive.velocity", [[[0, 1, 2]], [[0, True]], [["0", 1]], [[math.nan, 1]], [[0, math.inf]], [[-1, 1]], {"x": 1}, ...]),
     ("upper.layers", [[], LAYERS[:1], [LAYERS[0]] * 3, [{}, {}], [[0.5, 1], [0.5, 1]], [{"fraction": 1e-9}] * 200]),
 ])  # fmt: skip
-def test_words_tables_and_lists(key: str, values: list[Any]) -> None:
+def test_words_tables_and_lists(key, values):
     for value in values:
         assert re.search(rf"{key}.*(must|missing)", complaint(changed(FULL, key, value)))
 
 
 @pytest.mark.parametrize("key", [key for data, key in NUMBERS if data is FULL and key not in ("start.size", "run.until")])
-def test_missing(key: str) -> None:
+def test_missing(key):
     named = "lower.r" if key == "lower.log10_r" else key
     assert f"{named}: missing; must be" in complaint(changed(FULL, key, ...))
 
@@ -148,7 +145,7 @@ BOTH = {"epsilon": 1e-5, "r": 1e-3}
         (FULL, "interface.law", "aging", 'must be "ageing", "slip", '),
     ],
 )  # fmt: skip
-def test_keys_that_are_missing_unknown_or_do_not_fit_together(data: dict[str, Any], key: str, value: Any, told: str) -> None:
+def test_keys_that_are_missing_unknown_or_do_not_fit_together(data, key, value, told):
     assert told in complaint(changed(data, key, value))
 
 
@@ -175,7 +172,7 @@ ROUND_TRIP_KEYS = {
         ("interface.reference_velocity", 1e-13, "r = 1.86666667e-10", ROUND_TRIP_KEYS),
     ],
 )
-def test_a_derived_number_out_of_range_names_all_it_came_from(key: str, value: float, result: str, sources: set[str]) -> None:
+def test_a_derived_number_out_of_range_names_all_it_came_from(key, value, result, sources):
     message = complaint(changed(SI, key, value))
     assert f"{key} = {value:g}" in message
     assert f"result in {result}" in message
@@ -183,7 +180,7 @@ def test_a_derived_number_out_of_range_names_all_it_came_from(key: str, value: f
 
 
 @pytest.mark.parametrize(("excess", "accepted"), [(0.0, True), (9e-10, True), (-9e-10, True), (1.1e-9, False), (-1.1e-9, False)])
-def test_fractions_add_up_to_one_but_for_rounding(excess: float, accepted: bool) -> None:
+def test_fractions_add_up_to_one_but_for_rounding(excess, accepted):
     scene = changed(FULL, "upper.layers", [LAYERS[0], LAYERS[1] | {"fraction": 0.5 + excess}])
     if accepted:
         assert sum(layer.fraction for layer in slipwave.read(scene).upper.layers) == pytest.approx(1.0, abs=1e-15)
@@ -192,11 +189,11 @@ def test_fractions_add_up_to_one_but_for_rounding(excess: float, accepted: bool)
 
 
 @pytest.mark.parametrize("text", ["", "=", "x", "=1", "slab", "slab..r=1", "slab.r", "slab r=1", "slab.r=", "slab.r=1 2", "é=1"])
-def test_override_texts(text: str) -> None:
+def test_override_texts(text):
     complaint("paper", [text])
 
 
-def test_a_monstrous_value_is_cut_short_after_its_control_characters_are_spelled_out() -> None:
+def test_a_monstrous_value_is_cut_short_after_its_control_characters_are_spelled_out():
     monster = {f"{letter * 40}": "\x85" * 40 for letter in "\x81\x82\x83"}
     assert len(complaint(changed(FULL, "upper.epsilon", monster))) < 300
 
@@ -211,14 +208,14 @@ def test_a_monstrous_value_is_cut_short_after_its_control_characters_are_spelled
         ({"slab.epsilom": 1}, "slab.epsilom"),
     ],
 )
-def test_overrides_that_name_no_key(overrides: Any, told: str) -> None:
+def test_overrides_that_name_no_key(overrides, told):
     assert told in complaint("paper", overrides)
 
 
 @pytest.mark.parametrize(
     "source", ["papr", "no-such.toml", "", ".", "/", os.devnull, "\0", "x" * 5000, "a/b/c", 3, None, ["paper"]], ids=repr
 )
-def test_sources_that_are_no_scene(source: Any) -> None:
+def test_sources_that_are_no_scene(source):
     assert "SCENE" in complaint(source)
     assert 'did you mean "paper-si"' in complaint("papersi")
 
@@ -244,7 +241,7 @@ def test_sources_that_are_no_scene(source: Any) -> None:
     ],
     ids=lambda content: repr(content[:8]) + str(len(content)),
 )
-def test_files_that_are_no_scene(tmp_path: Path, content: bytes) -> None:
+def test_files_that_are_no_scene(tmp_path, content):
     path = tmp_path / "bad.toml"
     path.write_bytes(content)
     complaint(path)
@@ -259,7 +256,7 @@ places = st.sampled_from([(FULL, key) for key in [*WORDS, *TABLES]] + NUMBERS)
 
 
 @given(places, junk)
-def test_junk_anywhere_is_read_or_refused_in_one_line(place: tuple[dict[str, Any], str], value: Any) -> None:
+def test_junk_anywhere_is_read_or_refused_in_one_line(place, value):
     data, key = place
     read, message = outcome(changed(data, key, value))
     if read is None:

@@ -1,11 +1,10 @@
 """README's table of scene keys is what the schema says, row by row; `python tests/slipwave/test_readme_keys.py` writes it."""
 
 import re
-from collections.abc import Iterator
-from typing import Any, get_args
+from typing import get_args
 
 from slipwave.input.number import Numbers
-from slipwave.input.schema import KeyTable, scene_keys
+from slipwave.input.schema import scene_keys
 from slipwave.input.validate import allowed_in, tables_in
 from slipwave.sources import ROOT
 
@@ -13,7 +12,7 @@ SAME_AS_SLAB = ("upper", "lower")
 README = ROOT / "README.md"
 
 
-def told(field: Any) -> str:
+def told(field):
     """What is allowed: a range as 1e-12..1e6, the words of a text, or a sentence."""
     allowed = next(allowed_in(field), None)
     if isinstance(allowed, Numbers):
@@ -22,11 +21,11 @@ def told(field: Any) -> str:
     return allowed or in_code(get_args(field.annotation))
 
 
-def in_code(words: Any) -> str:
+def in_code(words):
     return ", ".join(f"`{word}`" for word in words)
 
 
-def rows(table: type[KeyTable], above: str = "", kind: str = "") -> Iterator[str]:
+def rows(table, above="", kind=""):
     """A row for each key of `table` and of the tables in it; keys that several laws share are rows more than once."""
     for key, field in table.model_fields.items():
         inner, name = tables_in(field.annotation), f"{above}{key}"
@@ -45,7 +44,7 @@ def rows(table: type[KeyTable], above: str = "", kind: str = "") -> Iterator[str
 TABLE = "\n".join(["| key | meaning | allowed |", "|---|---|---|", *dict.fromkeys(rows(scene_keys()))])
 
 
-def test_the_table_of_keys_is_read_from_the_schema() -> None:
+def test_the_table_of_keys_is_read_from_the_schema():
     assert TABLE in README.read_text(encoding="utf-8")
 
 

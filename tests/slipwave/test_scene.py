@@ -2,7 +2,6 @@
 
 import dataclasses
 import math
-from typing import Any
 
 import pytest
 
@@ -27,13 +26,13 @@ ELASTIC = Slab(2.0, 3.0)
 LAYERED = (Layer(0.25, 0.5), Layer(0.75, 4.0))
 
 
-def of(upper: Slab, lower: Slab, velocity: float = 7.0) -> Scene:
+def of(upper, lower, velocity=7.0):
     return Scene("test", Ageing(0.5, 0.01, 0.03), upper, lower, steady_drive(velocity))
 
 
 # A slab of impedance e = rho c and one-way travel time T = H/c has G = e c, hence H/G = T/e: compliance per unit shear stress.
 # Round trips are 2 T. Stiffness per transit is the upper slab's round trip over the sum of both slabs' H/G.
-COMPLIANCES: list[tuple[Slab, float]] = [
+COMPLIANCES = [
     (ELASTIC, 1.5 / 2.0),
     (Slab(2.0, 3.0, layers=LAYERED), 0.25 * 1.5 / 1.0 + 0.75 * 1.5 / 8.0),
     (Slab(2.0, 3.0, GripFace(0.5, 9.0)), 0.75 + 3.0 / (0.5 * 2.0)),  # a spring of K e/r in series
@@ -45,11 +44,11 @@ COMPLIANCES: list[tuple[Slab, float]] = [
 
 @pytest.mark.parametrize(("upper", "soft"), COMPLIANCES)
 @pytest.mark.parametrize(("lower", "below"), [*COMPLIANCES, (Slab(0.4, 11.0), 5.5 / 0.4)])
-def test_slabs_in_series_yield_the_sum_of_their_compliances(upper: Slab, soft: float, lower: Slab, below: float) -> None:
+def test_slabs_in_series_yield_the_sum_of_their_compliances(upper, soft, lower, below):
     assert of(upper, lower).stiffness == pytest.approx(3.0 / (soft + below), rel=1e-14)
 
 
-def test_impedance_is_that_of_both_layers_at_the_interface_in_series() -> None:
+def test_impedance_is_that_of_both_layers_at_the_interface_in_series():
     assert of(ELASTIC, ELASTIC).impedance == 1.0
     assert of(ELASTIC, Slab(6.0, 1.0)).impedance == pytest.approx(1.5, rel=1e-15)
     assert of(Slab(2.0, 3.0, layers=LAYERED), Slab(3.0, 1.0)).impedance == pytest.approx(0.75, rel=1e-15)  # 1 and 3
@@ -58,14 +57,13 @@ def test_impedance_is_that_of_both_layers_at_the_interface_in_series() -> None:
 
 @pytest.mark.parametrize("velocity", [1e-3, 1.0, 7.0])
 @pytest.mark.parametrize("law", [Ageing(0.5, 0.01, 0.03), Slip(0.5, 0.01, 0.03)])
-def test_steady_sliding_is_at_the_drive_before_the_run(law: Any, velocity: float) -> None:
+def test_steady_sliding_is_at_the_drive_before_the_run(law, velocity):
     chosen = dataclasses.replace(of(ELASTIC, ELASTIC), law=law, drive=Drive((0.0, 5.0), (velocity, 100.0)))
-    assert chosen.velocity == velocity
-    assert chosen.steady_psi == pytest.approx(-math.log(velocity), abs=1e-15)
+    assert (chosen.velocity, chosen.steady_psi) == (velocity, pytest.approx(-math.log(velocity), abs=1e-15))
     assert chosen.steady_stress == pytest.approx(0.5 - 0.02 * math.log(velocity), rel=1e-15)
 
 
-def test_a_transit_is_the_upper_slabs_round_trip() -> None:
+def test_a_transit_is_the_upper_slabs_round_trip():
     assert of(Slab(2.0, 3.0), Slab(2.0, 5.0)).transit == 3.0
     assert not of(Slab(2.0, 3.0), Slab(2.0, 5.0)).alike
 
@@ -78,7 +76,7 @@ FULL = Slab(2.0, 3.0, GripFace(0.5, 9.0), StandardLinearViscosity(0.3, 0.6), LAY
 BASE = Scene("test", Ageing(0.5, 0.01, 0.03), FULL, FULL, Drive((0.0, 5.0), (7.0, 8.0)), Start(StartKind.JUMP, 0.5), 40.0)
 
 
-def changed(value: Any) -> list[Any]:
+def changed(value):
     """Every way to change one fact in `value`, by hand of its type: dataclasses, laws and tuples field by field."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         is_told = isinstance(value, Scene | Slab)
@@ -93,7 +91,7 @@ def changed(value: Any) -> list[Any]:
     return [math.nextafter(value, math.inf)]
 
 
-def test_every_fact_of_a_scene_changes_its_digest() -> None:
+def test_every_fact_of_a_scene_changes_its_digest():
     others = changed(BASE)
     others += [dataclasses.replace(BASE, law=Slip(*BASE.law))]
     others += [
@@ -114,7 +112,7 @@ def test_every_fact_of_a_scene_changes_its_digest() -> None:
     assert all(len(digest) == 12 and int(digest, 16) >= 0 for digest in digests)
 
 
-def test_what_is_no_physics_leaves_the_digest_alone() -> None:
+def test_what_is_no_physics_leaves_the_digest_alone():
     units = slipwave.read("paper-si").units
     same = [{"name": "other"}, {"record": frozenset({"fields"})}, {"units": units}]
     assert {dataclasses.replace(BASE, **change).digest for change in same} == {BASE.digest}

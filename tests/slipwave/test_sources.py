@@ -8,11 +8,11 @@ from slipwave import sources
 from slipwave.sources import ROOT, import_closure, inside, program
 
 
-def closure(file: str, packages: bool = True) -> set[str]:
+def closure(file, packages=True):
     return {path.relative_to(ROOT).as_posix() for path in import_closure([ROOT / file], packages)}
 
 
-def test_imports_are_followed_through_modules_packages_and_functions() -> None:
+def test_imports_are_followed_through_modules_packages_and_functions():
     found = closure("slipwave/friction/interface.py", packages=False)
     assert {
         "slipwave/friction/interface.py",
@@ -24,7 +24,7 @@ def test_imports_are_followed_through_modules_packages_and_functions() -> None:
     assert not found & {"slipwave/__init__.py", "slipwave/input/source.py", "slipwave/scene/scene.py"}
 
 
-def test_packages_on_the_way_are_included_unless_left_out() -> None:
+def test_packages_on_the_way_are_included_unless_left_out():
     assert closure("slipwave/observe/pieces.py", packages=False) == {"slipwave/observe/pieces.py"}
     with_packages = closure("slipwave/scene/drive.py")
     assert {"slipwave/__init__.py", "slipwave/input/assemble.py"} <= with_packages
@@ -41,14 +41,14 @@ def test_packages_on_the_way_are_included_unless_left_out() -> None:
         ("def f(x=0):\n    return x + 1\n", False),
     ],
 )
-def test_a_digest_sees_the_program_only(other: str, same: bool, tmp_path: Path) -> None:
+def test_a_digest_sees_the_program_only(other, same, tmp_path):
     texts = "def f(x):\n    return x + 1\n", other
     for number, text in enumerate(texts):
         (tmp_path / f"{number}.py").write_text(text)
     assert (program(tmp_path / "0.py") == program(tmp_path / "1.py")) is same
 
 
-def test_only_files_of_the_four_rooms_are_inside() -> None:
+def test_only_files_of_the_four_rooms_are_inside():
     assert inside(ROOT / "slipwave" / "scene" / "slab.py")
     assert not inside(ROOT / "tests" / "conftest.py")
     assert not inside(Path(__file__))
@@ -56,7 +56,7 @@ def test_only_files_of_the_four_rooms_are_inside() -> None:
 
 
 @pytest.mark.parametrize("room", ["slipwave", "reduced", "fullwave"])
-def test_the_digest_of_the_solvers_sees_each_of_their_rooms(room: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_digest_of_the_solvers_sees_each_of_their_rooms(room, monkeypatch):
     digest = sources.source_digest.__wrapped__  # not the one that this process keeps
     before, read = digest(), sources.program
     edited = min((ROOT / room).rglob("*.py"))

@@ -14,8 +14,8 @@ from slipwave.scene.drive import Drive, steady_drive
 KNOTS = [(0, 1), (5, 1), (5, 10), (8, 10), (8, 0), (12, 0), (12, 1), (15, 1), (20, 3), (25, 3)]
 
 
-def test_every_kind_of_stage() -> None:
-    drive = Drive(*zip(*KNOTS, strict=True))  # type: ignore[arg-type]
+def test_every_kind_of_stage():
+    drive = Drive(*zip(*KNOTS, strict=True))
     found = [(stage.kind, stage.start, stage.end, stage.before, stage.velocity) for stage in stages_of(drive, 40.0)]
     assert found == [
         ("start", 0.0, 5, 1, 1),
@@ -28,14 +28,14 @@ def test_every_kind_of_stage() -> None:
     assert [stage.sign for stage in stages_of(drive, 40.0)] == [1.0, 1.0, -1.0, 1.0, 1.0, 1.0]
 
 
-def test_the_run_ends_the_last_stage() -> None:
+def test_the_run_ends_the_last_stage():
     drive = Drive((5.0, 5.0), (1.0, 2.0))
     assert [(stage.kind, stage.end) for stage in stages_of(drive, 3.0)] == [("start", 3.0)]
     assert [(stage.kind, stage.end) for stage in stages_of(drive, 6.0)] == [("start", 5.0), ("step", 6.0)]
     assert stages_of(steady_drive(7.0), 6.0) == []
 
 
-def test_a_step_right_after_a_ramp_is_a_step() -> None:
+def test_a_step_right_after_a_ramp_is_a_step():
     drive = Drive((5.0, 8.0, 8.0), (1.0, 3.0, 10.0))
     assert [(stage.kind, stage.before, stage.velocity) for stage in stages_of(drive, 12.0)] == [
         ("start", 1.0, 1.0),
@@ -44,7 +44,7 @@ def test_a_step_right_after_a_ramp_is_a_step() -> None:
     ]
 
 
-def ringing(rate: float, period: float) -> ProtocolObserver:
+def ringing(rate, period):
     """What is seen of a step after which ln v oscillates about ln V with an amplitude of 2 exp(-rate t)."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 220})
     nodes = np.array([0.2, 0.5, 1.0])
@@ -56,7 +56,7 @@ def ringing(rate: float, period: float) -> ProtocolObserver:
     return observer
 
 
-def test_a_ringing_that_decays_is_no_stick_slip() -> None:
+def test_a_ringing_that_decays_is_no_stick_slip():
     start, rings = ringing(0.006, 12.0).figures
     assert (start.steady_stress, start.stick_slips) == (0.3, False)
     assert (rings.steady_stress, rings.stick_slips) == (None, False)
@@ -65,7 +65,7 @@ def test_a_ringing_that_decays_is_no_stick_slip() -> None:
 
 
 @pytest.mark.parametrize("end", [3, 20, 25, 120])
-def test_a_protocol_goes_on_as_without_a_stop(end: int) -> None:
+def test_a_protocol_goes_on_as_without_a_stop(end):
     """Inside the start, at a jump, after the peak of a step and in the middle of a hold."""
     drive = [[0, 100], [20, 100], [20, 300], [100, 300], [100, 0], [150, 0], [150, 100]]
     scene = slipwave.read("paper", {"slab.log10_r": -3.0, "start.size": 0.0, "drive.velocity": drive, "run.until": 220})
@@ -84,13 +84,13 @@ def test_a_protocol_goes_on_as_without_a_stop(end: int) -> None:
     assert [stage.reached for stage in after._seen] == [20.0, 100.0, 150.0, 220.0]
 
 
-def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back() -> None:
+def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back():
     """Two parabolas over nodes that miss their peaks, in pieces of their own, and a fall to the steady stress between them."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 60})
     nodes, steady = np.array([0.2, 0.5, 1.0]), scene.steady_stress
     observer = ProtocolObserver(scene, nodes, 60.0)
 
-    def take(time: float, velocity: float, mu: list[float]) -> None:
+    def take(time, velocity, mu):
         shape = np.full((1, 3), math.log(velocity))
         observer.scan(Pieces(np.array([time]), np.array([10.0]), shape, shape, np.array([mu]), shape))
 

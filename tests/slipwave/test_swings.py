@@ -1,15 +1,13 @@
 """The events of any sequence of turning points, held against the definition carried out in the plainest way."""
 
-from collections.abc import Iterator
-
 import numpy as np
 import pytest
-from motions import Array, through, watch
+from motions import through, watch
 
 STEP = 5.0
 
 
-def plain_events(turns: list[float], rates: list[float], since: int) -> list[int]:
+def plain_events(turns, rates, since):
     """Elementary falls that date the events among `turns`, judged by the falls from the elementary one `since` on: the smallest
     swing goes as long as it is below 10 % of the largest fall; `rates` are the largest v of the elementary swings."""
     swings = [(a, b, rate, k) for k, (a, b, rate) in enumerate(zip(turns[:-1], turns[1:], rates, strict=True))]
@@ -27,7 +25,7 @@ def plain_events(turns: list[float], rates: list[float], since: int) -> list[int
         return [swing[3] for swing in swings if swing[0] - swing[1] >= threshold and swing[3] >= since]
 
 
-def _threshold(turns: list[float], since: int) -> float:
+def _threshold(turns, since):
     """10 % of the largest fall from the turning point `since` on in which nothing rises by 10 % of it."""
     largest = 0.0
     for i in range(since, len(turns)):
@@ -39,7 +37,7 @@ def _threshold(turns: list[float], since: int) -> float:
     return 0.1 * largest
 
 
-def _walk(kind: str, count: int, random: np.random.Generator) -> list[float]:
+def _walk(kind, count, random):
     """Turning points that go up and down by turns."""
     sizes = np.exp(random.normal(0.0, {"even": 0.2, "wild": 1.5, "wilder": 3.0}.get(kind, 1.0), count))
     sizes *= {"decaying": np.exp(-0.05 * np.arange(count)), "growing": np.exp(0.05 * np.arange(count))}.get(kind, 1.0)
@@ -48,13 +46,13 @@ def _walk(kind: str, count: int, random: np.random.Generator) -> list[float]:
 
 @pytest.mark.parametrize("kind", ["even", "wild", "wilder", "decaying", "growing"])
 @pytest.mark.parametrize("seed", range(4))
-def test_events_are_those_of_the_definition_in_every_window(kind: str, seed: int) -> None:
+def test_events_are_those_of_the_definition_in_every_window(kind, seed):
     for expected, found in _by_definition_and_found(_walk(kind, 150, np.random.default_rng(seed)), (0, 40, 76, 120, 140)):
         assert found == expected
     assert expected
 
 
-def test_a_run_that_begins_with_a_fall_in_two_parts_has_one_event_there() -> None:
+def test_a_run_that_begins_with_a_fall_in_two_parts_has_one_event_there():
     """The rise of 0.06 between them is below 10 % of both together, 1.24, but not of any fall after them."""
     turns = [1.0, 0.0, 0.06, -0.24, 0.2, -0.3, 0.4]
     ((expected, found),) = _by_definition_and_found(turns, (0,))
@@ -62,7 +60,7 @@ def test_a_run_that_begins_with_a_fall_in_two_parts_has_one_event_there() -> Non
     assert len(found) == 2
 
 
-def _by_definition_and_found(turns: list[float], windows: tuple[int, ...]) -> Iterator[tuple[list[int], list[int]]]:
+def _by_definition_and_found(turns, windows):
     swings = len(turns) - 1
     motion = through(turns, STEP)
     observer = watch(motion, pieces=swings * 20, chunk=100)
@@ -73,9 +71,9 @@ def _by_definition_and_found(turns: list[float], windows: tuple[int, ...]) -> It
         yield plain_events(turns, rates, since), list(np.floor(found / STEP + 0.01).astype(int))
 
 
-def test_memory_is_one_of_events_not_of_ripples() -> None:
+def test_memory_is_one_of_events_not_of_ripples():
     """Forty ripples of 1 % in every rise: what is kept grows by two swings an event."""
-    ripples: Array = np.repeat(np.linspace(0.0, 1.0, 41), 2)[1:-1] + np.tile([0.0, -0.01], 40)
+    ripples = np.repeat(np.linspace(0.0, 1.0, 41), 2)[1:-1] + np.tile([0.0, -0.01], 40)
     cycle = [0.0, *ripples[:-1], 1.0]
     observer = watch(through(cycle * 100, 1.0), pieces=16_000, chunk=1000)
     assert observer.count == 100 - 1

@@ -6,14 +6,14 @@ import pytest
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.scene.slab import Face, GripFace, Layer, MachineFace, ReflectingFace, RigidFace, Slab, Termination
+from slipwave.scene.slab import GripFace, Layer, MachineFace, ReflectingFace, RigidFace, Slab, Termination
 
 EPSILON, ROUND_TRIP, OUTERMOST = 3e-5, 0.002, 2.0
 LAYERS = (Layer(0.4, 1.0), Layer(0.6, OUTERMOST))
 RIGID = Termination(0.0, math.inf, 0.0)
 
 
-def held(face: Face) -> Termination:
+def held(face):
     return Slab(EPSILON, ROUND_TRIP, face, layers=LAYERS).termination
 
 
@@ -29,7 +29,7 @@ def held(face: Face) -> Termination:
         (ReflectingFace(-1.0), 0.0, 0.0, 0.0),
     ],
 )
-def test_numbers_of_every_face(face: Face, spring: float, dashpot: float, mass: float) -> None:
+def test_numbers_of_every_face(face, spring, dashpot, mass):
     found = held(face)
     assert (found.spring, found.dashpot, found.mass) == pytest.approx((spring, dashpot, mass), rel=1e-14)
     assert not found.is_rigid
@@ -40,7 +40,7 @@ UNMOVED = [GripFace(math.inf, 0.5), GripFace(2.0, math.inf), MachineFace(math.in
 
 
 @pytest.mark.parametrize("face", [RigidFace(), ReflectingFace(1.0), *UNMOVED])
-def test_what_cannot_move_against_the_drive_is_rigid_by_whatever_name(face: Face) -> None:
+def test_what_cannot_move_against_the_drive_is_rigid_by_whatever_name(face):
     assert held(face) == RIGID
     assert held(face).is_rigid
     assert not held(face).has_dead_load
@@ -48,7 +48,7 @@ def test_what_cannot_move_against_the_drive_is_rigid_by_whatever_name(face: Face
     assert Slab(EPSILON, ROUND_TRIP, face).is_plain
 
 
-def test_time_in_transits() -> None:
+def test_time_in_transits():
     """Over a transit of 0.002 a spring builds up 0.002 times what it does in a unit of L/V*."""
     found = held(MachineFace(2.0, 0.5, 4.0)).in_transits(ROUND_TRIP)
     assert (found.spring, found.dashpot, found.mass) == pytest.approx((2.0 * EPSILON, 0.5 * EPSILON, 4.0 * EPSILON), rel=1e-14)
@@ -58,23 +58,23 @@ def test_time_in_transits() -> None:
 @pytest.mark.parametrize(
     "numbers", [(-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0), (1.0, 1.0, math.inf), (math.nan, 1.0, 1.0)]
 )
-def test_what_no_face_can_be_is_refused(numbers: tuple[float, float, float]) -> None:
+def test_what_no_face_can_be_is_refused(numbers):
     with pytest.raises(SceneError, match=r"outer face: spring = .*, dashpot = .*, mass = .*: must be 0 or more, the mass finite"):
         Termination(*numbers)
 
 
-def test_a_spring_adds_its_compliance_and_a_dead_load_none() -> None:
+def test_a_spring_adds_its_compliance_and_a_dead_load_none():
     layers = ROUND_TRIP / (2.0 * EPSILON) * (0.4 + 0.6 / OUTERMOST)
     for face, more in ((RigidFace(), 0.0), (MachineFace(2.0, 1.0, 3.0), 1.0 / 0.03), (MachineFace(0.0, 1.0, 3.0), 0.0)):
         assert Slab(EPSILON, ROUND_TRIP, face, layers=LAYERS).compliance == pytest.approx(layers + more, rel=1e-14)
 
 
-def machine(scene: str, **keys: float) -> Face:
+def machine(scene, **keys):
     given = {f"slab.face.{key}": value for key, value in keys.items()}
     return slipwave.read(scene, {"slab.face.kind": "machine"} | given).upper.face
 
 
-def test_a_machine_in_si_by_the_slabs_own_numbers() -> None:
+def test_a_machine_in_si_by_the_slabs_own_numbers():
     """A spring like both slabs of h together, a dashpot like rho c, and a mass of both slabs are 1 each."""
     density, modulus, thickness = 784.0, 1e6, 0.03357797353158276
     both = 2.0 * thickness
@@ -93,6 +93,6 @@ def test_a_machine_in_si_by_the_slabs_own_numbers() -> None:
         ("paper", {"mas": 3}, r"slab.face.mas = 3: unknown key; did you mean mass\?"),
     ],
 )
-def test_machines_that_make_no_sense_are_refused_by_key(scene: str, keys: dict[str, float], complaint: str) -> None:
+def test_machines_that_make_no_sense_are_refused_by_key(scene, keys, complaint):
     with pytest.raises(SceneError, match=complaint):
         machine(scene, **({"stiffness": 1.0, "impedance": 1.0, "mass": 1.0} | keys))

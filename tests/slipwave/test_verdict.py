@@ -5,12 +5,12 @@ import pytest
 
 from slipwave.observe.events import Events
 from slipwave.observe.torus import rotation
-from slipwave.observe.verdict import Verdict, judge_motion, repeating
+from slipwave.observe.verdict import judge_motion, repeating
 
 K = np.arange(24)
 
 
-def verdict(sizes, ratio=1000.0, rests=True, slides=False, until=4000.0) -> Verdict:
+def verdict(sizes, ratio=1000.0, rests=True, slides=False, until=4000.0):
     """Of events with prominences 0.1 `sizes` and periods and rates that go with them; one cycle less than events."""
     drop = 0.1 * np.asarray(sizes, dtype=float)
     period = 50.0 + 300.0 * drop[:-1]
@@ -19,7 +19,7 @@ def verdict(sizes, ratio=1000.0, rests=True, slides=False, until=4000.0) -> Verd
     return judge_motion(Events(time, period, 1.1 * drop[:-1], drop[:-1], v_max, 1e4 / v_max), drop, rests, slides, until)
 
 
-def henon(count: int, a: float, b: float = 0.3) -> np.ndarray:
+def henon(count, a, b=0.3):
     x, y, values = 0.1, 0.1, []
     for _ in range(500 + count):
         x, y = 1.0 - a * x * x + y, b * x
@@ -99,8 +99,7 @@ def test_means_of_a_periodic_motion_are_of_the_cycles_that_repeat(events, transi
     period[:transient] += 2.0 ** -np.arange(transient)
     columns = [np.cumsum(period), period, *np.tile(period / 10.0, (4, 1))]
     found = repeating(Events(*columns), events)
-    assert found.time.tolist() == columns[0][-left:].tolist()
-    assert found.period.tolist() == period[-left:].tolist()
+    assert (found.time.tolist(), found.period.tolist()) == (columns[0][-left:].tolist(), period[-left:].tolist())
 
 
 def test_what_changes_is_told():
@@ -116,8 +115,7 @@ def test_the_rate_of_decay_and_growth_is_that_of_the_stress_drops():
     for rate in (-0.002, 0.0015):
         drop = np.exp(rate * 80.0 * np.arange(12.0))
         found = judge_motion(Events(80.0 * np.arange(12.0), one, one, drop, 2.0 * one, one), drop, True, False, 2000.0)
-        assert found.kind == ("decaying" if rate < 0.0 else "growing")
-        assert found.rate == pytest.approx(rate, rel=1e-12)
+        assert (found.kind, found.rate) == ("decaying" if rate < 0.0 else "growing", pytest.approx(rate, rel=1e-12))
     assert np.isnan(verdict(np.ones(24)).rate)
 
 

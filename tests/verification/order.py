@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from validation.measure.order_fit import Fit, fit_order, shortfall
+from validation.measure.order_fit import fit_order, shortfall
 
 
-def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, scale=1.0, at_least=False, widest=0.5) -> Fit:
+def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, scale=1.0, at_least=False, widest=0.5):
     """Observed order over at least four levels (steps decreasing) within `tolerance` of the declared one, the finest error below
     `absolute`; returns the fit."""
     errors, steps = np.abs(np.asarray(errors, dtype=float)), np.asarray(steps, dtype=float)

@@ -19,7 +19,6 @@ import signal
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -31,7 +30,6 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.slip import Slip
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, Slab
@@ -80,12 +78,12 @@ class Watched(NamedTuple):
     run: Run
     motion: HistoryObserver
 
-    def psi(self, times: Array) -> Array:
+    def psi(self, times):
         """Psi at `times` (transits)."""
         return np.asarray(self.motion.at(times)[2])
 
 
-def case_of(number: int) -> Case:
+def case_of(number):
     """The case of this number: near the onset of stick-slip, on either side, or up to 2.5 times the thickness there."""
     rng = np.random.default_rng([77, number])
     while True:
@@ -103,8 +101,8 @@ def case_of(number: int) -> Case:
                 return Case(there, model, float(until))
 
 
-def _scene(rng: np.random.Generator, number: int) -> tuple[Scene, str]:
-    def among(low: float, high: float) -> float:
+def _scene(rng, number):
+    def among(low, high):
         return float(10.0 ** rng.uniform(math.log10(low), math.log10(high)))
 
     kind, model = str(rng.choice(KINDS)), str(rng.choice(MODELS))
@@ -130,7 +128,7 @@ def _scene(rng: np.random.Generator, number: int) -> tuple[Scene, str]:
     return Scene(f"{kind}-{number}", law, upper, lower, steady_drive(velocity), start), model
 
 
-def watched(case: Case) -> Watched:
+def watched(case):
     """The run of a case, and how it goes on."""
     solver = build(case.model, case.scene)
     state = HistoryObserver(case.scene.law, solver.nodes, 0.5 * case.until)
@@ -141,12 +139,11 @@ def watched(case: Case) -> Watched:
     return Watched(run, state)
 
 
-def judged(case: Case) -> Answer:
+def judged(case):
     """The verdict on a case and the judge's word on it. Raises what the run raises, TimeoutError if it takes too long."""
     with _within(SECONDS):
         seen = watched(case)
     verdict = seen.run.verdict
-    assert verdict is not None
     if verdict.kind in ("settling", "too short"):
         return Answer(verdict.kind, _later(case, seen))
     if verdict.kind in ("steady", "decaying", "growing"):
@@ -156,9 +153,9 @@ def judged(case: Case) -> Answer:
     return Answer(verdict.kind, _on_wandering(case, seen))
 
 
-def _beside_sliding(case: Case, seen: Watched) -> str:
+def _beside_sliding(case, seen):
     problem = characteristic(case.scene, one_port_of(case.model))
-    grows, kind = bool(unstable_count(problem)), seen.run.verdict.kind  # type: ignore[union-attr]
+    grows, kind = bool(unstable_count(problem)), seen.run.verdict.kind
     if grows != (kind == "growing"):
         return f"wrong: {kind}, while {'a root grows' if grows else 'no root grows'}"
     onset = 2.0 * math.pi / problem.slopes.omega_c / case.scene.transit
@@ -171,14 +168,14 @@ def _beside_sliding(case: Case, seen: Watched) -> str:
     return "right" if 0.7 < fall < 1.5 else f"wrong: {kind}, range from {at_end:.4g} to {last:.4g}, {fall:.3g} of the root's rate"
 
 
-def apart(seen: Watched, begin: float, end: float, period: float) -> tuple[float, float]:
+def apart(seen, begin, end, period):
     """The least root mean square of psi one period later less psi, over the deviation of psi, from `begin` to `end`, and the
     period (transits) near `period`, within a hundredth, where that is."""
     times = begin + (end - 1.01 * period - begin) * _PLACES
     early = seen.psi(times)
     spread = float(np.std(early))
 
-    def at(lag: float) -> float:
+    def at(lag):
         return float(np.sqrt(np.mean((seen.psi(times + lag) - early) ** 2))) / spread
 
     lags = period * np.linspace(0.99, 1.01, 21)
@@ -188,11 +185,9 @@ def apart(seen: Watched, begin: float, end: float, period: float) -> tuple[float
     return at(best), float(best)
 
 
-def _on_period(case: Case, seen: Watched) -> str:
+def _on_period(case, seen):
     """Whether the period of the cycles is one of the motion right after the run, and at the end of it."""
     verdict, last = seen.run.verdict, LONGER * case.until
-    assert verdict is not None
-    assert verdict.multiplicity is not None
     periods = seen.run.events.period[-verdict.multiplicity :]
     if verdict.multiplicity == 1:
         periods = np.array([seen.run.statistics.period.mean])  # is that of the motion, not of a transient before it
@@ -211,9 +206,8 @@ def _on_period(case: Case, seen: Watched) -> str:
     return "right"
 
 
-def _on_wandering(case: Case, seen: Watched) -> str:
+def _on_wandering(case, seen):
     verdict, mean, last = seen.run.verdict, seen.run.statistics.period.mean, LONGER * case.until
-    assert verdict is not None
     most = min(16, int(case.until / (1.5 * mean)))
     closest = min((apart(seen, last - case.until, last, n * mean)[0], n) for n in range(1, most + 1))
     if closest[0] < OTHER:
@@ -236,7 +230,7 @@ def _on_wandering(case: Case, seen: Watched) -> str:
     return f"wrong: torus, {told}" if chaotic else "right"
 
 
-def _separation(case: Case, seen: Watched) -> float:
+def _separation(case, seen):
     """Difference of psi from that of a run whose start differs by 1e-8 of itself, root mean square over the deviation of psi,
     at the end of the longer run."""
     scene = replace(case.scene, start=Start(size=case.scene.start.size * (1.0 + 1e-8)))
@@ -248,24 +242,22 @@ def _separation(case: Case, seen: Watched) -> float:
     return float(np.sqrt(np.mean((other.at(times)[2] - here) ** 2)) / np.std(here))
 
 
-def _later(case: Case, seen: Watched) -> str:
+def _later(case, seen):
     """Whether the length that is named, or eight times the length, is long enough."""
     verdict = seen.run.verdict
-    assert verdict is not None
     named = needed(seen.run, one_port_of(case.model))
     if verdict.kind == "too short" and not named > case.until:
         return f"wrong: too short, and the length named is {named:g} for {case.until:g}"
     with _within(SECONDS):
         longer = reconsidered(simulate(build(case.model, case.scene), AGAIN * case.until), one_port_of(case.model))
-    assert longer.verdict is not None
     return "right" if longer.kind not in ("settling", "too short") else f"still {longer.kind} at eight times the length"
 
 
 @contextmanager
-def _within(seconds: int) -> Iterator[None]:
+def _within(seconds):
     """TimeoutError after so many seconds of the processor."""
 
-    def give_up(*_: object) -> None:
+    def give_up(*_):
         raise TimeoutError
 
     signal.signal(signal.SIGPROF, give_up)
@@ -276,9 +268,9 @@ def _within(seconds: int) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
 
 
-def main(first: int, last: int) -> int:
+def main(first, last):
     """Prints each verdict from `first` to before `last`, and the sums; the number of wrong ones."""
-    sums: Counter[str] = Counter()
+    sums = Counter()
     for number in range(first, last):
         case, began = case_of(number), time.process_time()
         told: Any

@@ -6,9 +6,7 @@
 import math
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -27,11 +25,11 @@ MODELS = ["delay"] * 6 + ["quasistatic", "quasidynamic", "block8", "block12", "k
 KINDS = ["plain", "plain", "unlike", "irrational", "layers", "grip", "machine", "reflection", "kelvin-voigt", "zener", "si"]
 
 
-def scene_of(number: int) -> tuple[Scene, str, str]:
+def scene_of(number):
     """(scene, model, kind) of this number: from deep inside the stable to far beyond the onset, a fifth of them close to it."""
     rng = np.random.default_rng([2026, number])
 
-    def among(low: float, high: float) -> float:
+    def among(low, high):
         """A number from `low` to `high`, its logarithm uniform."""
         return float(10.0 ** rng.uniform(math.log10(low), math.log10(high)))
 
@@ -64,9 +62,9 @@ def scene_of(number: int) -> tuple[Scene, str, str]:
     return Scene(f"{kind}-{number}", law, upper, lower, steady_drive(velocity)), model, kind
 
 
-def _in_si(among: Any, a: float, gap: float, rng: np.random.Generator) -> Scene:
+def _in_si(among, a, gap, rng):
     """A rock sample, bare or on a testing machine."""
-    slab: dict[str, Any] = {"density": among(1e3, 8e3), "shear_modulus": among(1e9, 1e11), "thickness": among(1e-3, 30.0)}
+    slab = {"density": among(1e3, 8e3), "shear_modulus": among(1e9, 1e11), "thickness": among(1e-3, 30.0)}
     if rng.random() < 0.5:
         face = {"stiffness": among(1e9, 1e12), "impedance": among(1e3, 1e7), "mass": among(1.0, 1e4)}
         slab["face"] = {"kind": "machine"} | face
@@ -82,7 +80,7 @@ def _in_si(among: Any, a: float, gap: float, rng: np.random.Generator) -> Scene:
     return slipwave.read(tables)
 
 
-def disagreements(scene: Scene, model: str) -> list[str]:
+def disagreements(scene, model):
     """What contradicts what. Raises what the analysis raises."""
     port = one_port_of(model)
     found = analyse(scene, port)
@@ -99,7 +97,7 @@ def disagreements(scene: Scene, model: str) -> list[str]:
     return wrong + [text for name, below, above in _sides(scene, found, port) if (text := _beside(name, below, above, port))]
 
 
-def _sides(scene: Scene, found: Any, model: str) -> Iterator[tuple[str, Scene, Scene]]:
+def _sides(scene, found, model):
     """(name, scene that ought to be stable, scene that ought to be unstable) of every critical value."""
     near = 1e-3
     if math.isfinite(found.log10_r_c):
@@ -114,15 +112,15 @@ def _sides(scene: Scene, found: Any, model: str) -> Iterator[tuple[str, Scene, S
         yield "thickness", thickened(scene, factor * (1.0 - near)), thickened(scene, factor * (1.0 + near))
 
 
-def _beside(name: str, below: Scene, above: Scene, model: str) -> str:
+def _beside(name, below, above, model):
     counts = [unstable_count(characteristic(one, model)) for one in (below, above)]
     return "" if counts[0] == 0 and counts[1] > 0 else f"{name}: {counts[0]} and {counts[1]} grow on its sides"
 
 
-def main(count: int, first: int = 0) -> int:
+def main(count, first=0):
     """Prints each disagreement and the sums; the number of disagreements. A model that cannot do a scene is replaced by one that
     can; an analysis that fails is told and counted as refused."""
-    sums: Counter[str] = Counter(scenes=count)
+    sums = Counter(scenes=count)
     for number in range(first, first + count):
         scene, model, kind = scene_of(number)
         try:

@@ -13,7 +13,6 @@ from scipy.interpolate import CubicSpline
 
 import slipwave
 from fullwave.fields.record import record_field
-from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, Slab, StandardLinearViscosity
 from validation.registry.build import build
@@ -40,7 +39,7 @@ def over(x, values):
     return float(CubicSpline(x, values).integrate(x[0], x[-1]))
 
 
-def heat(slab: Slab, data, clock):
+def heat(slab, data, clock):
     """What viscosity takes: eps time (dw/dx)^2 of a Kelvin-Voigt slab; q^2/(eps_1 time) of a standard linear one, whose memory
     stress q' = eps_1 dw/dx - q/time, eps_1 = eps ratio/(1 + ratio), is integrated here. x is travel time."""
     if slab.viscosity is None:
@@ -57,7 +56,7 @@ def heat(slab: Slab, data, clock):
     return one_way * over(clock, np.trapezoid(density, places, axis=1))
 
 
-def by_hand(chosen: Scene, field):
+def by_hand(chosen, field):
     """Every entry from a field record; `stored` only of elastic slabs."""
     clock = field.time * chosen.transit
     half_drive = 0.5 * np.interp(field.time, chosen.drive.times, chosen.drive.velocities)

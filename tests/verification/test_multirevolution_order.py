@@ -81,6 +81,5 @@ def test_peaks_between_two_transits_are_found():
         past = past.then(
             n, np.zeros(1), np.array([-((n - 51.3) ** 2), -((n - 44.8) ** 2), -((n - 30.0) ** 2), n, 2 * n - n**2 / 102.6])
         )
-    assert past.peaks(44.0, 60.0) == [45.0, 51.0]
-    assert past.peaks(59.0, 60.0) == []
+    assert (past.peaks(44.0, 60.0), past.peaks(59.0, 60.0)) == ([45.0, 51.0], [])
     assert past._replace(highest=-past.highest).peaks(44.0, 60.0) == []

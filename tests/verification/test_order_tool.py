@@ -21,8 +21,7 @@ def test_interval_is_the_textbook_one():
     rest = y - y.mean() - slope * centred
     deviation = np.sqrt(rest @ rest / 4 / (centred @ centred))
     result = fit_order(1 / STEPS, errors)
-    assert result.used == slice(0, 6)
-    assert result.order == pytest.approx(slope)
+    assert (result.used, result.order) == (slice(0, 6), pytest.approx(slope))
     assert result.half_width == pytest.approx(2.7764451 * deviation, rel=1e-6)  # Student t(0.975, 4)
 
 
@@ -106,8 +105,7 @@ def test_an_order_approached_from_below_holds_and_a_wrong_limit_does_not(changes
     assert (one.shortfall() == []) is holds
     if changes == {"bend": 20.0}:
         found = one.fit("state")
-        assert found.order == pytest.approx(0.87, abs=0.01)
-        assert found.limit == pytest.approx(1.0, abs=1e-6)
+        assert (found.order, found.limit) == (pytest.approx(0.87, abs=0.01), pytest.approx(1.0, abs=1e-6))
 
 
 @pytest.mark.parametrize(
@@ -120,8 +118,7 @@ def test_where_local_orders_lead(order, limit, width, leads):
 
 def test_a_ladder_without_usable_levels_says_so():
     one = replace(climbed("dg:3", 4.0), errors=dict.fromkeys(QUANTITIES, np.full(len(LADDERS["dg:3"].levels()), np.inf)))
-    assert one.lost == "0 usable levels; an order needs 4"
-    assert one.shortfall() == [f"together: {one.lost}"]
+    assert (one.lost, one.shortfall()) == ("0 usable levels; an order needs 4", [f"together: {one.lost}"])
     assert climbed("dg:3", 4.0).lost == ""
 
 
@@ -143,8 +140,7 @@ DOUBLED = np.array([16, 32, 64, 128, 256])
 @pytest.mark.parametrize("order", [1.0, 2.0, 4.8])
 def test_exact_power(order):
     result = fit_order(DOUBLED, 3.0 * DOUBLED**-order)
-    assert result.order == pytest.approx(order, abs=1e-9)
-    assert result.constant == pytest.approx(3.0, rel=1e-9)
+    assert (result.order, result.constant) == (pytest.approx(order, abs=1e-9), pytest.approx(3.0, rel=1e-9))
     assert result.half_width < 1e-9
     assert result.finest == pytest.approx(order)
     assert not shortfall(result, order)
@@ -155,8 +151,7 @@ def test_coarse_levels_that_do_not_follow_yet_are_left_out():
     errors = DOUBLED**-2.0
     errors[0] *= 0.3
     result = fit_order(DOUBLED, errors)
-    assert result.used == slice(1, 5)
-    assert result.order == pytest.approx(2.0)
+    assert (result.used, result.order) == (slice(1, 5), pytest.approx(2.0))
 
 
 def test_levels_at_rounding_are_left_out():

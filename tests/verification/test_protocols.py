@@ -12,7 +12,6 @@ import pytest
 
 import slipwave
 from slipwave.observe.protocol import ProtocolObserver
-from slipwave.observe.stages import StageFigures
 from slipwave.solve import follow
 from validation.registry.build import prepare
 
@@ -30,7 +29,7 @@ LEFT = {
 
 
 @cache
-def figures(model: str, law: str, transits: float, stiffness: float) -> list[StageFigures]:
+def figures(model, law, transits, stiffness):
     """Stages of a step up, a step down, a hold and a restart; one L of slip at V takes so many `transits`; `stiffness` in
     sigma/L."""
     n = transits
@@ -52,7 +51,7 @@ def figures(model: str, law: str, transits: float, stiffness: float) -> list[Sta
 
 
 @pytest.mark.parametrize("law", ["ageing", "slip"])
-def test_a_stiff_loading_shows_the_law(law: str) -> None:
+def test_a_stiff_loading_shows_the_law(law):
     start, up, down, hold, slide = figures("quasistatic", law, 200, 1e4)
     assert [stage.kind for stage in (start, up, down, hold, slide)] == ["start", "step", "step", "hold", "slide"]
     for stage, x in ((up, X), (down, 1 / X)):
@@ -67,7 +66,7 @@ def test_a_stiff_loading_shows_the_law(law: str) -> None:
     assert not any(stage.stick_slips for stage in (start, up, down, hold, slide))
 
 
-def test_the_wave_shows_it_but_for_what_it_radiates() -> None:
+def test_the_wave_shows_it_but_for_what_it_radiates():
     """A wave needs some transits, of a thousandth of L each, to bring the slip rate to V; radiation is a part of a."""
     _, up, down, hold, slide = figures("delay", "ageing", 1000, 1.0)
     assert up.direct_effect == pytest.approx(A * math.log(X), rel=0.1)  # 0.02 measured
@@ -79,7 +78,7 @@ def test_the_wave_shows_it_but_for_what_it_radiates() -> None:
     assert hold.relaxation > 2 * A
 
 
-def test_a_full_wave_shows_the_stages_of_the_delay_system() -> None:
+def test_a_full_wave_shows_the_stages_of_the_delay_system():
     """Slabs whose waves matter: without them the direct effect is 9 % smaller."""
     knots = [[0, 100], [20.3, 100], [20.3, 300], [120, 300], [120, 0], [150, 0], [150, 300]]
     changes = {"slab.log10_r": -3.2, "start.size": 0.0, "drive.velocity": knots, "run.until": 260}

@@ -3,13 +3,11 @@
 One scene: stable sliding, a step up by ten, a hold and a slow restart, none at a multiple of the transit.
 """
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 import slipwave
-from slipwave.solve import Final, follow
+from slipwave.solve import follow
 from validation.registry.build import prepare
 
 STEPS = [[0, 100], [10.3, 100], [10.3, 1000], [14.0, 1000], [14.0, 0], [20.7, 0], [20.7, 50]]
@@ -18,15 +16,14 @@ LATE = [11.35, 15.7, 23.4]
 """After the step, in the hold, after the restart."""
 
 
-def final(model: str, until: float, changes: dict[str, Any], **options: Any) -> Final:
+def final(model, until, changes, **options):
     scene = slipwave.read("paper", QUIET | {"run.until": until} | changes)
     found = follow(prepare(model, scene, **options).solver, until, [])
-    assert found is not None
     return found
 
 
 @pytest.mark.parametrize("until", LATE)
-def test_the_leapfrog_tends_to_the_delay_system(until: float) -> None:
+def test_the_leapfrog_tends_to_the_delay_system(until):
     """It places a step to within one of its own steps, so that halving them halves the error: extrapolated, it is 1000 times
     nearer."""
     exact = final("delay", until, {})
@@ -39,12 +36,12 @@ AFTERWARDS = [k + 0.25 for k in range(40, 60)]
 
 
 @pytest.mark.parametrize(("model", "cells", "order"), [("dg:3", 8, 7 / 8), ("dg:7", 4, 15 / 16), ("fd", 32, 2.0)])
-def test_a_step_lowers_the_order_of_a_grid_to_one_but_that_of_the_leapfrog(model: str, cells: int, order: float) -> None:
+def test_a_step_lowers_the_order_of_a_grid_to_one_but_that_of_the_leapfrog(model, cells, order):
     """On the paper's stick-slip, where the step falls on the end of a step of every march. The order is that after a start with a
     jump (test_jump_order.py). Measured: 0.87, 0.92, 2.1."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 130]]})
 
-    def states(model: str, **options: Any) -> list[float]:
+    def states(model, **options):
         solver = prepare(model, scene, **options).solver
         return [follow(solver, moment).psi for moment in AFTERWARDS]
 
