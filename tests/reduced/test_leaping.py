@@ -12,7 +12,6 @@ from slipwave.observe.history import HistoryObserver
 from slipwave.observe.pieces import Pieces
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.solve import follow
-from slipwave.solve.checkpoint import Checkpoints
 from tests.granite import GRANITE
 
 CYCLE = 80_000.0
@@ -102,29 +101,6 @@ def test_a_run_that_ends_in_a_stick_ends_where_it_should(end):
     assert (found.psi, found.mu) == (pytest.approx(known.psi, abs=2e-6), pytest.approx(known.mu, abs=5e-4))
 
 
-@pytest.mark.parametrize("stop", [33_000.0, 60_000.0])
-def test_a_resumed_run_is_the_same_to_the_last_bit(stop, tmp_path):
-    def marked(solver, until, name):
-        events = EventObserver(solver.scene, solver.nodes)
-        return events, Checkpoints(solver, {"events": events}, tmp_path / name, until, stop)
-
-    straight, again = (LeapingDelay(granite(), tolerance=1e-6) for _ in range(2))
-    events, marks = marked(straight, 65_000.0, "kept.npz")
-    end = follow(straight, 65_000.0, [events], marks=[marks])
-    later, kept = marked(again, 65_000.0, "kept.npz")
-    kept.resume()
-    assert again.time >= stop
-    assert again.skipped > 10_000
-    assert follow(again, 65_000.0, [later]) == end
-    assert all(
-        np.array_equal(mine, theirs) for mine, theirs in zip(again.state().values(), straight.state().values(), strict=True)
-    )
-    assert all(
-        np.array_equal(mine, theirs, equal_nan=True)
-        for mine, theirs in zip(later.state().values(), events.state().values(), strict=True)
-    )
-
-
 @pytest.mark.parametrize(
     ("velocity", "leaps_again"),
     [
@@ -165,24 +141,19 @@ def test_a_hold_is_leapt_over_and_has_the_figures_of_every_transit():
     assert slide.healing == pytest.approx(later.healing, rel=1e-6)
 
 
-@pytest.mark.parametrize("name", ["paper", "rock"])
-def test_nothing_changes_where_sticks_are_short(name):
-    scene = slipwave.read(name)
+SMALL = GRANITE | {"start": {"size": 1e-4}}
+
+
+@pytest.mark.parametrize(
+    ("source", "until"), [("paper", 1500.0), ("rock", 1500.0), (SMALL, 20_000.0)], ids=["paper", "rock", "small"]
+)
+def test_nothing_changes_where_sticks_are_short_or_a_small_disturbance_grows(source, until):
+    """While v stays near V no transit is left out."""
+    scene = slipwave.read(source)
     leaping, plain = (kind(scene, tolerance=1e-6) for kind in (LeapingDelay, Delay))
-    ours, seen, end = watched(leaping, 1500.0)
-    theirs = EventObserver(scene, plain.nodes)
-    assert end == follow(plain, 1500.0, [theirs])
+    (ours, seen, end), theirs = watched(leaping, until), EventObserver(scene, plain.nodes)
+    assert end == follow(plain, until, [theirs])
     assert np.array_equal(ours.dates(), theirs.dates())
     assert leaping.skipped == 0
-    pieces = seen.pieces
-    assert pieces.time[1:] == pytest.approx((pieces.time + pieces.length)[:-1], abs=1e-9)
-
-
-def test_the_growth_of_a_small_disturbance_of_steady_sliding_is_marched():
-    """v stays near V, so no transit is left out until the disturbance has grown to a stick."""
-    scene = slipwave.read(GRANITE | {"start": {"size": 1e-4}})
-    leaping, plain = (kind(scene, tolerance=1e-6) for kind in (LeapingDelay, Delay))
-    _, _, found = watched(leaping, 20_000.0)
-    assert found == follow(plain, 20_000.0)
-    assert leaping.skipped == 0
-    assert abs(found.psi - scene.steady_psi) > 5e-4
+    assert seen.pieces.time[1:] == pytest.approx((seen.pieces.time + seen.pieces.length)[:-1], abs=1e-9)
+    assert abs(end.psi - scene.steady_psi) > 5e-4

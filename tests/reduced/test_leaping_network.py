@@ -7,6 +7,7 @@ import pytest
 
 import slipwave
 from reduced.delay.break_points import DelayBreaks
+from reduced.delay.leaping import LeapingDelay
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.network import DelayNetwork
 from reduced.delay.slow_motion import transfer_of
@@ -18,6 +19,7 @@ from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene.drive import Drive
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
+from tests.granite import GRANITE
 
 TOLERANCE = 1e-6
 ROCK = {"density": 2650.0, "shear_modulus": 3e10, "thickness": 0.5}
@@ -128,11 +130,13 @@ def test_a_jump_of_the_drive_within_a_step_is_met_by_its_end():
     assert follow(ours, 60.0).psi == pytest.approx(follow(theirs, 60.0).psi, abs=1e-8)
 
 
-@pytest.mark.parametrize("stop", [9_000.0, 31_000.0])
+@pytest.mark.parametrize("stop", [9_000.0, 31_000.0, 33_000.0, 60_000.0])
 def test_a_run_resumed_after_a_leap_is_the_same_to_the_last_bit(stop, tmp_path):
-    """Also where the next leap is no longer the first one, nor the pause the shortest."""
-    scene, until = sample("machine", ODD), 36_000.5
-    straight, again = (LeapingNetwork(scene, TOLERANCE) for _ in range(2))
+    """Also where the next leap is no longer the first one, nor the pause the shortest. Beyond, of alike slabs."""
+    march, scene, until = LeapingNetwork, sample("machine", ODD), 36_000.5
+    if stop > 31_000.0:
+        march, scene, until = LeapingDelay, slipwave.read(GRANITE), 65_000.0
+    straight, again = (march(scene, tolerance=TOLERANCE) for _ in range(2))
     kept, later = (EventObserver(scene, straight.nodes) for _ in range(2))
     end = follow(straight, until, [kept], marks=[Checkpoints(straight, {"events": kept}, tmp_path / "kept.npz", until, stop)])
     marks = Checkpoints(again, {"events": later}, tmp_path / "kept.npz", until, stop)

@@ -23,25 +23,6 @@ UNSTABLE, STABLE = 0.2, 0.8
 """|w|^2 of the two orbits of the subcritical oscillator at p = -0.16."""
 
 
-def closed_at(oscillator, s, **settings):
-    """The orbit with |w|^2 = s, found from a guess that is off by some per cent."""
-    flow = FlowByHand(oscillator, oscillator.g(s), **settings)
-    return close(flow, 1.04 * oscillator.state(s), 1.02 * oscillator.period(s))
-
-
-@pytest.mark.parametrize("s", [UNSTABLE, STABLE])
-def test_an_orbit_closes_whether_stable_or_not(s):
-    found = closed_at(SUBCRITICAL, s)
-    assert found.cycle.period == pytest.approx(SUBCRITICAL.period(s), abs=1e-11)
-    assert found.cycle.start @ found.cycle.start == pytest.approx(s, abs=1e-11)
-    assert found.residual < 1e-12
-    assert np.abs(found.cycle.end - found.cycle.start).max() == found.residual
-    assert (found.parameter, found.drift.size) == (0.0, 0)
-    values, defect = floquet(found.monodromy)
-    assert values == pytest.approx([SUBCRITICAL.multiplier(s)], rel=2e-3)
-    assert defect < 1e-10
-
-
 def test_derivatives_by_period_and_parameter():
     """On the orbit the end moves with (1 + c s) i w; a change of the parameter lets |w| grow and turns the angle."""
     s, osc = 0.2, SUBCRITICAL

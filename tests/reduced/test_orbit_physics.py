@@ -58,14 +58,6 @@ def test_a_settled_run_is_near_its_orbit():
     assert 0.3 < z.argmax() / z.size < 0.7  # it begins and ends between slip events
 
 
-def test_a_run_on_a_torus_is_averaged():
-    """Periods lie between 79.122 and 79.544, 79.3225 in the mean; the orbit inside has 79.31263."""
-    guess = guessed("delay", -2.65)
-    assert not guess.settled
-    assert guess.period == pytest.approx(79.3225, abs=0.02)
-    assert largest(guess.state - close(*guess[:3]).cycle.start) < 0.15
-
-
 def returns(model, log10_r, near=None):
     """Orbits from the run's closest returns, those of Newton's failures left out."""
     scene = read("paper", {"slab.log10_r": log10_r})

@@ -14,6 +14,7 @@ from slipwave.scene.slab import (
     GripFace,
     KelvinVoigtViscosity,
     Layer,
+    MachineFace,
     Material,
     ReflectingFace,
     RigidFace,
@@ -36,6 +37,8 @@ COMPLIANCES = [
     (ELASTIC, 1.5 / 2.0),
     (Slab(2.0, 3.0, layers=LAYERED), 0.25 * 1.5 / 1.0 + 0.75 * 1.5 / 8.0),
     (Slab(2.0, 3.0, GripFace(0.5, 9.0)), 0.75 + 3.0 / (0.5 * 2.0)),  # a spring of K e/r in series
+    (Slab(2.0, 3.0, MachineFace(0.5, 9.0, 3.0)), 0.75 + 3.0 / (0.5 * 2.0)),
+    (Slab(2.0, 3.0, MachineFace(0.0, 9.0, 3.0)), 0.75),  # a dead load adds none
     (Slab(2.0, 3.0, viscosity=KelvinVoigtViscosity(0.3)), 0.75),  # a creep that ends does not soften
     (Slab(2.0, 3.0, viscosity=StandardLinearViscosity(0.3, 0.6)), 0.75 * 1.6),  # relaxed modulus G/(1 + ratio)
     (Slab(2.0, 3.0, GripFace(0.5, 9.0), StandardLinearViscosity(0.3, 0.6), LAYERED), 1.6 * (0.375 + 1.125 / 8.0) + 3.0),

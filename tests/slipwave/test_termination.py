@@ -63,12 +63,6 @@ def test_what_no_face_can_be_is_refused(numbers):
         Termination(*numbers)
 
 
-def test_a_spring_adds_its_compliance_and_a_dead_load_none():
-    layers = ROUND_TRIP / (2.0 * EPSILON) * (0.4 + 0.6 / OUTERMOST)
-    for face, more in ((RigidFace(), 0.0), (MachineFace(2.0, 1.0, 3.0), 1.0 / 0.03), (MachineFace(0.0, 1.0, 3.0), 0.0)):
-        assert Slab(EPSILON, ROUND_TRIP, face, layers=LAYERS).compliance == pytest.approx(layers + more, rel=1e-14)
-
-
 def machine(scene, **keys):
     given = {f"slab.face.{key}": value for key, value in keys.items()}
     return slipwave.read(scene, {"slab.face.kind": "machine"} | given).upper.face
