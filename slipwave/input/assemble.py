@@ -64,11 +64,13 @@ def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Nu
 
 
 def moment(key: str, given: float | str, scene: Scene) -> float:
-    """A time given to a command, a number or a text with or without a unit, in transits. Raises ValueError for what is no time,
+    """A time given to a command, a number or a text with or without a unit, in transits; NaN for what is no time. Raises
     SceneError for a unit in a scene without units."""
-    if isinstance(given, str) and looks_measured(given):
-        return in_scene(key, quantity(given, "s"), scene.units, TIME, scene.transit)
-    return float(given)
+    try:
+        time = quantity(given, "s") if isinstance(given, str) and looks_measured(given) else float(given)
+    except ValueError:
+        return math.nan
+    return in_scene(key, time, scene.units, TIME, scene.transit)
 
 
 def outer_face(key: str, table: FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:

@@ -18,8 +18,9 @@ from slipwave.errors import NumericsError
 from validation.branches import followed
 from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
-from validation.branches.followed import Ended, StopAt, ends_of, read_followed
+from validation.branches.followed import Ended, ends_of, read_followed
 from validation.branches.parameter import over_range
+from validation.branches.points import StopAt
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED
 from validation.references.onset import onset_of
 from validation.references.published import reference_orbit

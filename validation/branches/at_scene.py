@@ -16,8 +16,9 @@ from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from validation.branches.branch import FollowedBranch
-from validation.branches.followed import StopAt, ends_of
+from validation.branches.followed import ends_of
 from validation.branches.parameter import Over
+from validation.branches.points import StopAt
 from validation.registry.families import one_port_of
 from validation.registry.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined_orbit
 

@@ -19,9 +19,8 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import State
 from slipwave.sources import source_digest
 from validation.branches import SPECIAL_KINDS
-from validation.branches.followed import Followed, StopAt
 from validation.branches.parameter import Over
-from validation.branches.points import BranchPoint, SpecialPoint, point_of, special_of
+from validation.branches.points import BranchPoint, SpecialPoint, StopAt, point_of, special_of
 from validation.registry.families import one_port_of
 from validation.registry.orbits import find_orbit, moving
 
@@ -50,10 +49,10 @@ class BranchEnd(NamedTuple):
 
 
 @dataclass(frozen=True)
-class FollowedBranch(Followed):
-    """The branch of `model` over a parameter. `cells` is for full waves. `closed` are the orbits of special points by their
-    number in that list, if they were computed in this process. `doubled`: of the orbits of twice the period that are born at the
-    first period doubling of the scene's own branch."""
+class FollowedBranch:
+    """The branch of `model` over a parameter, to the relative error `tolerance` of all figures. `cells` is for full waves.
+    `closed` are the orbits of special points by their number in that list, if they were computed in this process. `doubled`: of
+    the orbits of twice the period that are born at the first period doubling of the scene's own branch."""
 
     what: ClassVar[str] = "branch"
     over: Over
@@ -78,21 +77,21 @@ class FollowedBranch(Followed):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """As `Followed`; the range may be another."""
+        """What a file and what goes on from it must have in common, but for the tolerance; the range may be another."""
         own = {"model": self.model, "cells": self.cells, "doubled": self.doubled, "parameter": self.over.name}
         return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
 
     @property
     def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
-        """As `Followed`."""
+        """By the name of the file's dimension: the record of a row, and the rows."""
         return {"point": (BranchPoint, self.points), "special": (SpecialPoint, self.special)}
 
     def saved(self, end: BranchEnd) -> dict[str, State]:
-        """As `Followed`."""
+        """All that is needed to go on, as arrays by group and name."""
         return {"resume": stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}}
 
     def restored(self, saved: Mapping[str, State]) -> BranchEnd:
-        """As `Followed`."""
+        """The inverse of `saved`."""
         state = saved["resume"]
         period, parameter = state["unknowns"][-2:].tolist()
         _, point, step = from_stored(self.family_at(parameter, period), state)

@@ -22,16 +22,15 @@ from slipwave.solve import State
 from slipwave.sources import source_digest
 from validation.branches import SPECIAL_KINDS
 from validation.branches.branch import FollowedBranch
-from validation.branches.followed import Followed, StopAt
 from validation.branches.parameter import Over
-from validation.branches.points import CurvePoint, curve_point_of
+from validation.branches.points import CurvePoint, StopAt, curve_point_of
 from validation.registry.families import one_port_of
 
 _FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Curve(Followed):
+class Curve:
     """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`."""
 
     what: ClassVar[str] = "curve"
@@ -45,14 +44,14 @@ class Curve(Followed):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """As `Followed`."""
+        """As of `FollowedBranch`."""
         ends = [[one.name, one.first, one.last] for one in (self.over, self.second)]
         own = {"model": self.model, "type": self.kind, "rectangle": ends}
         return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
 
     @property
     def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
-        """As `Followed`."""
+        """As of `FollowedBranch`."""
         return {"point": (CurvePoint, self.points)}
 
     @property
@@ -88,12 +87,12 @@ class Curve(Followed):
         self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
 
     def saved(self, end: Reached) -> dict[str, State]:
-        """As `Followed`."""
+        """As of `FollowedBranch`."""
         ends = {name: _saved(point, end.length) for name, point in (("before", end.before), ("last", end.last))}
         return ends | {"resume": {"direction": np.array(end.direction)}}
 
     def restored(self, saved: Mapping[str, State]) -> Reached:
-        """As `Followed`."""
+        """As of `FollowedBranch`."""
         last, length = self._on_curve(saved["last"])
         along, across = saved["resume"]["direction"].tolist()
         before = last if len(self.points) < 2 else self._on_curve(saved["before"])[0]

@@ -4,17 +4,18 @@ time leaves a file to go on from, and the loop that follows them."""
 import hashlib
 import json
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import reason_of, whole_or_absent
 from slipwave.solve import State
-from validation.branches.parameter import Over
+from validation.branches.branch import FollowedBranch
+from validation.branches.curve import Curve
+from validation.branches.points import StopAt
 from validation.run.progress import progress
 
 if TYPE_CHECKING:
@@ -26,50 +27,8 @@ End: TypeAlias = Any
 """Where a branch or a curve can go on."""
 
 
-class StopAt(NamedTuple):
-    """Where to stop: beyond a `period` (transits), after so many `points`, at the first special point of a `kind` (if any)."""
-
-    period: float = float("inf")
-    points: int = 2000
-    kind: str = ""
-
-
-class Followed(ABC):
-    """A branch or a curve as far as it is known: its `points` and `notes` grow. `tolerance` is the requested relative error of
-    all figures."""
-
-    what: ClassVar[str]
-    over: Over
-    model: str
-    tolerance: float
-    points: list[Any]
-    notes: list[str]
-
-    @property
-    @abstractmethod
-    def facts(self) -> dict[str, Any]:
-        """What a file and what goes on from it must have in common, but for the tolerance."""
-
-    @property
-    @abstractmethod
-    def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
-        """By the name of the file's dimension: the record of a row, and the rows."""
-
-    @abstractmethod
-    def begin(self) -> End:
-        """Record the first point; None if all points are known at once."""
-
-    @abstractmethod
-    def follow(self, end: End, limits: StopAt) -> Iterator[End]:
-        """Record point after point within the limits; yields where it can go on."""
-
-    @abstractmethod
-    def saved(self, end: End) -> dict[str, State]:
-        """All that is needed to go on, as arrays by group and name."""
-
-    @abstractmethod
-    def restored(self, saved: Mapping[str, State]) -> End:
-        """The inverse of `saved`."""
+Followed: TypeAlias = FollowedBranch | Curve
+"""A branch or a curve as far as it is known: its `points` and `notes` grow."""
 
 
 class Ended(NamedTuple):
@@ -101,7 +60,7 @@ def pursue(found: Followed, limits: StopAt, file: Path | None, resume: Path | No
 def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:
     """Fill `found`, point after point, with progress; yields where it can go on. Raises NumericsError where it cannot."""
     try:
-        end = found.begin() if resume is None else read_followed(resume, found)
+        end: End = found.begin() if resume is None else read_followed(resume, found)
         if end is not None:
             yield end
             with progress(f"{found.over.base.name}, {found.model}, points of the {found.what}", limits.points) as report:

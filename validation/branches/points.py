@@ -10,6 +10,14 @@ from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import is_decided
 
 
+class StopAt(NamedTuple):
+    """Where to stop: beyond a `period` (transits), after so many `points`, at the first special point of a `kind` (if any)."""
+
+    period: float = float("inf")
+    points: int = 2000
+    kind: str = ""
+
+
 class BranchPoint(NamedTuple):
     """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, None
     where they cannot be counted, and whether it is `stable`; None if multipliers cannot tell."""

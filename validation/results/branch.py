@@ -18,9 +18,9 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.branches import SPECIAL_KINDS
 from validation.branches.branch import FollowedBranch
-from validation.branches.followed import End, Followed, StopAt, pursue, write_followed
+from validation.branches.followed import End, Followed, pursue, write_followed
 from validation.branches.parameter import Values, over_range, range_text, scene_along
-from validation.branches.points import BranchPoint, SpecialPoint
+from validation.branches.points import BranchPoint, SpecialPoint, StopAt
 from validation.output import FIGURES, aligned, rounded, thinned
 from validation.registry.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
 from validation.results.command import command

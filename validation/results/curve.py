@@ -9,9 +9,9 @@ from slipwave.errors import SceneError
 from slipwave.input import SceneSource
 from validation.branches import SPECIAL_KINDS
 from validation.branches.curve import Curve, require_curve
-from validation.branches.followed import StopAt, pursue
+from validation.branches.followed import pursue
 from validation.branches.parameter import Values, over_range, range_text
-from validation.branches.points import CurvePoint
+from validation.branches.points import CurvePoint, StopAt
 from validation.output import thinned
 from validation.registry.orbits import flowing
 from validation.results.branch import BRANCH_TOLERANCE, FollowedOptions, FollowedResult, origin_of, points_option, printed_column

@@ -1,6 +1,5 @@
 """`slipwave.orbit`: the periodic orbit of a scene with its errors and its stability."""
 
-import math
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -204,12 +203,7 @@ def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
 
 def _period(given: float | str | None, scene: Scene) -> float | None:
     """In transits. Raises SceneError for what is no positive time."""
-    try:
-        period = None if given is None else moment("near_period", given, scene)
-    except SceneError:
-        raise
-    except ValueError:
-        period = math.nan
+    period = None if given is None else moment("near_period", given, scene)
     if period is None or period > 0.0:
         return period
     raise SceneError(f"near_period = {shorten(given)}: must be above 0, in transits or with a unit of time")

@@ -9,12 +9,12 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from slipwave.solve import FieldSolver, Solver, State
+from slipwave.solve import FieldSolver, Solver
 from slipwave.solve.follow import DAY
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.registry import build as models
 from validation.registry.build import grid_in_words, judged_grid, note_on, note_on_given
-from validation.registry.families import Built, Options, one_port_of
+from validation.registry.families import Options, one_port_of
 from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
 from validation.results.run_result import RunResult
@@ -25,7 +25,7 @@ from validation.run.recording import Wanted, Window, kept_of, records_of, time_b
 from validation.run.simulate import Run, reconsidered, simulate
 
 if TYPE_CHECKING:
-    from fullwave.adapt import Choice
+    pass
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +97,9 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     every = time_between(checkpoint, options.checkpoint_every, scene)
     kept = kept_of(options.every, options.window, scene)
     built = models.prepare(options.model, scene, checkpoint is not None and checkpoint.exists(), **options.numerical)
-    _tell(built)
+    if built.choice is not None:
+        log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
+    announced(built.solver.model, built.why)
     if isinstance(built.solver, FieldSolver):
         built.solver.keep_ledger()
     start = built.solver.state()
@@ -110,7 +112,8 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     try:
         done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)
-        default = _default_grid(built.solver, start, options) if not done.failed else None
+        is_default = options.cells is None and options.tol is None and not done.failed
+        default = judged_grid(built.solver, start, options.cfl, options.time) if is_default else None
         exponent, failed, stopped = None, done.failed, done.stopped
         if options.lyapunov and not (failed or stopped):
             exponent, failed, stopped = _exponent(done, scene, options)
@@ -122,19 +125,6 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         log.info("note: %s", note)
     parts = done, records, built.choice or default, notes, options.stored, exponent
     return RunResult(*parts, failed=failed, stopped=stopped)
-
-
-def _default_grid(solver: Solver, start: State, options: RunOptions) -> "Choice | None":
-    """The grid that a full wave took by itself, with its estimated error."""
-    chosen = options.cells is not None or options.tol is not None
-    return None if chosen else judged_grid(solver, start, options.cfl, options.time)
-
-
-def _tell(built: Built) -> None:
-    """Report what was chosen for the user."""
-    if built.choice is not None:
-        log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
-    announced(built.solver.model, built.why)
 
 
 def _exponent(done: Run, scene: Scene, options: RunOptions) -> tuple[Exponent | None, str, bool]:

@@ -8,7 +8,7 @@ ended without a stop.
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, Protocol, TypeAlias
+from typing import Literal, NamedTuple, TypeAlias
 
 from slipwave.errors import SceneError
 from slipwave.observe import Events, Verdict, summarise
@@ -54,37 +54,20 @@ def second_half(solver: Solver, until: float) -> float:
     return 0.5 * min(until, solver.time)
 
 
-class Length(Protocol):
-    """Where a run is judged, and whether it ends there."""
-
-    @property
-    def until(self) -> float:
-        """Its end (transits); infinite if that is not known before the run."""
-
-    @property
-    def most_seconds(self) -> float:
-        """Predicted time of the whole run beyond which no further stretch is begun."""
-
-    def ends(self, after: float) -> Iterator[float]:
-        """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
-
-    def ended(self, now: JudgedHalf) -> Ended | None:
-        """Why the run ends here, if it does."""
-
-
 @dataclass(frozen=True)
 class Until:
-    """To a given time (transits)."""
+    """To a given time (transits); of other lengths `until` is infinite where it is not known before the run, and no stretch is
+    begun beyond which the whole run would take more than `most_seconds`."""
 
     until: float
     most_seconds: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
-        """As `Length`: one."""
+        """The ends of its stretches, rising, of a run that is at the time `after` (transits): one."""
         yield self.until
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Length`."""
+        """Why the run ends here, if it does."""
         return "until"
 
 
@@ -103,7 +86,7 @@ class UntilSettled:
     until: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
-        """As `Length`: the first after the start and 16 expected cycles; a changing drive rests from its middle on. Each of the
+        """As `Until`: the first after the start and 16 expected cycles; a changing drive rests from its middle on. Each of the
         others is a quarter later."""
         changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
         end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST_RUN)
@@ -113,7 +96,7 @@ class UntilSettled:
             end *= _LONGER
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Length`."""
+        """As `Until`."""
         return "settled" if self._settled(now) else None
 
     def _first(self) -> float:
@@ -166,7 +149,7 @@ class UntilCycles:
     until: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
-        """As `Length`."""
+        """As `Until`."""
         cycle = self.expected.period if math.isfinite(self.expected.period) else 1.0
         end = cycle
         while end < LONGEST_RUN:
@@ -175,10 +158,13 @@ class UntilCycles:
             end = max(end + cycle, _STEP * end)
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Length`."""
+        """As `Until`."""
         if now.verdict is None or now.verdict.cycles >= self.wanted:
             return "cycles"
         return "settled" if now.verdict.kind == "steady" and self.expected.stable is not False else None
+
+
+Length: TypeAlias = Until | UntilSettled | UntilCycles
 
 
 def require_counted(scene: Scene, cycles: int | None) -> None:

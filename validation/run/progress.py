@@ -4,9 +4,9 @@
 import logging
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
@@ -15,13 +15,6 @@ PATIENCE = 2.0
 """Seconds without news before progress is shown."""
 
 _LINE_INTERVAL = 10.0
-
-
-class Report(Protocol):
-    """Takes how far the work has come, in the units of its total."""
-
-    def __call__(self, done: float) -> None:
-        """`done` of the total is finished."""
 
 
 class _Meter:
@@ -66,7 +59,7 @@ class _Meter:
 
 
 @contextmanager
-def progress(label: str, total: float) -> Iterator[Report]:
+def progress(label: str, total: float) -> Iterator[Callable[[float], None]]:
     """A function that takes how much of `total` is done. What it showed is removed when the block ends."""
     meter = _Meter(label, total)
     try:

@@ -165,19 +165,11 @@ def kept_of(every: int | None, window: Window | None, scene: Scene) -> Kept:
     if window is None:
         return Kept(every or 1, 0.0, math.inf)
     ends = window.split(":") if isinstance(window, str) else list(window)
-    shown = ":".join(map(str, ends))
-    problem = SceneError(
-        f"window = {shorten(shown)}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative"
-    )
-    try:
-        begin, end = (moment("window", one, scene) for one in ends)
-    except SceneError:
-        raise
-    except ValueError:
-        raise problem from None
-    if not 0.0 <= begin < end:
-        raise problem
-    return Kept(every or 1, begin, end)
+    times = [moment("window", one, scene) for one in ends]
+    if len(times) != 2 or not 0.0 <= times[0] < times[1]:
+        label = f"window = {shorten(':'.join(map(str, ends)))}"
+        raise SceneError(f"{label}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative")
+    return Kept(every or 1, *times)
 
 
 def time_between(path: Path | None, every: float | str | None, scene: Scene) -> float | None:
@@ -189,12 +181,7 @@ def time_between(path: Path | None, every: float | str | None, scene: Scene) -> 
     label = f"--checkpoint-every = {shorten(every)}"
     if path is None:
         raise SceneError(f"{label}: needs --checkpoint FILE")
-    try:
-        found = moment("--checkpoint-every", every, scene)
-    except SceneError:
-        raise
-    except ValueError:
-        found = math.nan
+    found = moment("--checkpoint-every", every, scene)
     if not (math.isfinite(found) and found > 0.0):
         raise SceneError(f"{label}: must be a positive number of transits, or in scenes with SI units a time as in 10s")
     require_writable(path, (".npz",), "--checkpoint")

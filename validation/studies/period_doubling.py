@@ -16,8 +16,9 @@ from reduced.orbit.closing import close
 from reduced.orbit.multipliers import floquet
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from validation.branches.branch import FollowedBranch
-from validation.branches.followed import StopAt, ends_of
+from validation.branches.followed import ends_of
 from validation.branches.parameter import over_range
+from validation.branches.points import StopAt
 from validation.measure.cycle import watch
 from validation.references.published import half_digit, reference
 from validation.registry.orbits import moving

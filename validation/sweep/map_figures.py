@@ -73,17 +73,13 @@ def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Seq
         for line in lines:
             if line.model in ("", model["model"].item()):
                 marks[line.name.partition(",")[0]] = axes.plot(line.across, line.up, **_LINE)[0]
-        axes.set_xlim(*_ends(model[names[0]].values))
-        axes.set_ylim(*_ends(model[names[1]].values))
+        across, up = ((float(model[name].min()), float(model[name].max())) for name in names)
+        axes.set(xlim=across, ylim=up)
     for axes in grid[len(panels) :]:
         axes.remove()
     if marks:
         figure.legend(marks.values(), marks, loc="outside lower center", ncols=6, fontsize=9)
     return figure
-
-
-def _ends(values: Any) -> tuple[float, float]:
-    return float(np.min(values)), float(np.max(values))
 
 
 def _image(axes: Axes, data: Dataset, names: Sequence[str], column: str) -> dict[str, Any]:

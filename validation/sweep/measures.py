@@ -58,7 +58,7 @@ class UntilSure(UntilSettled):
     """Until the motion is settled, but not beyond `until` (transits)."""
 
     def ends(self, after: float) -> Iterator[float]:
-        """As `Length`: a quarter, a half and the whole."""
+        """As `Until`: a quarter, a half and the whole."""
         yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
 
 
