@@ -158,9 +158,9 @@ UNCOUNTED = ("delay", "quasistatic", "block8", "block12", "kelvin-voigt", "modal
 PLACES = {
     "scene-facts": (Place("scene_facts:_onset"),),
     "one-cycle": (
-        Place("one_cycle.measured:run_model", (part("orbit"),)),
-        Place("one_cycle.measured:at_r"),
-        Place("one_cycle.measured:what_stops", S),
+        Place("one_cycle:run_model", (part("orbit"),)),
+        Place("one_cycle:at_r"),
+        Place("one_cycle:what_stops", S),
     ),
     "leapfrog-convergence": (
         Place("leapfrog_convergence:build"),
@@ -182,12 +182,11 @@ PLACES = {
         Place("cost_and_error:plain_kelvin_voigt", S),
     ),
     "stability-boundaries": (
-        Place("stability_boundaries.measured:critical_round_trip", S, 1),
         Place("stability_boundaries:boundary", (each(part("second")),), 1),
         Place("stability_boundaries:critical_round_trip", S, 1, few=True),
-        Place("stability_boundaries.measured:_gaps"),
-        Place("stability_boundaries.measured:_beside"),
-        Place("stability_boundaries.measured:taylor"),
+        Place("stability_boundaries:_gaps"),
+        Place("stability_boundaries:_beside"),
+        Place("stability_boundaries:taylor"),
         Place("stability_boundaries:analyse", (part("log10_r_c"),), few=True),
     ),
     "slip-event": (Place("slip_event:_record", (part("field.upper.velocity"),)),),
@@ -201,23 +200,23 @@ PLACES = {
         Place("stability_attacks.runs:locked_noise", (displaced(1.0),)),
     ),
     "energy": (
-        Place("energy.ledgers:residual_of", (displaced(1e-3),)),
-        Place("energy.ledgers:history_of", (part("entries", change=only("friction", scaled)),)),
+        Place("energy:residual_of", (displaced(1e-3),)),
+        Place("energy:history_of", (part("entries", change=only("friction", scaled)),)),
     ),
     "unlike-slabs": (Place("unlike_slabs:march_pair", (part("figures"),), 1), Place("unlike_slabs:costs")),
     "partial-reflection": (
-        Place("partial_reflection.measured:orbit_of"),
-        Place("partial_reflection.measured:end_of"),
-        Place("partial_reflection.measured:last_cycle", S, 1),
+        Place("partial_reflection:orbit_of"),
+        Place("partial_reflection:end_of"),
+        Place("partial_reflection:last_cycle", S, 1),
     ),
     "which-model": (
         Place("which_model:costs_at"),
         Place("which_model:one_period"),
-        Place("which_model.measured:run_of_damped", S),
-        Place("which_model.measured:fitted_modes"),
-        Place("which_model.measured:mean_at", (scaled,)),
-        Place("which_model.measured:orbit_of", (lambda value: value and scaled(value),)),
-        Place("which_model.measured:regime_at", (lambda value: scaled(value, 1e-2),)),
+        Place("which_model:run_of_damped", S),
+        Place("which_model:fitted_modes"),
+        Place("which_model:mean_at", (scaled,)),
+        Place("which_model:orbit_of", (lambda value: value and scaled(value),)),
+        Place("which_model:regime_at", (lambda value: scaled(value, 1e-2),)),
     ),
     "beyond-one-scene": (
         Place(
@@ -240,7 +239,7 @@ PLACES = {
     "error-laws": (Place("error_laws:critical_round_trip", S, 1), Place("error_laws:measure_cycle")),
     "bifurcation": (
         Place("bifurcation:branch_of", (part("onset.parameter"),)),
-        Place("bifurcation.measured:wave_orbit", (part("wave"),)),
+        Place("bifurcation:wave_orbit", (part("wave"),)),
     ),
     "snaking": (
         Place("snaking:branch_of"),
@@ -252,17 +251,14 @@ PLACES = {
     ),
     "period-against-delay": (
         Place("period_against_delay:branch_of", (part("onset.period"),)),
-        Place("period_against_delay.measured:periods_at", (part("orbits"),)),
-        Place("period_against_delay:orbit"),
-        Place("period_against_delay.measured:settled_period", S),
+        Place("period_against_delay:periods_at", (part("orbits"),)),
+        Place("period_against_delay:settled_period", S),
     ),
     "special-curves": (
         Place("special_curves:_curve", (each(part("first", change=displaced(1e-6))),)),
         Place("special_curves:_fold_at", S),
     ),
-    "period-doubling": (
-        Place("period_doubling.measured:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),
-    ),
+    "period-doubling": (Place("period_doubling:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),),
     "coverage": (Place("coverage:computation"),),
     "manufactured": (Place("manufactured:error_of_motion", (lambda error: 100.0 * error,), few=True),),
     "laboratory": (
@@ -272,10 +268,10 @@ PLACES = {
         Place("laboratory:rise_of", (lambda one: one._replace(time=1.1 * one.time),)),
     ),
     "claims": (
-        Place("claims.measured:settled_at", (only("delay", scaled),), model=1),
-        Place("claims.measured:run_deep"),
-        Place("claims.measured:measure_ripples", S),
-        Place("claims.measured:from_large_nudge"),
+        Place("claims:settled_at", (only("delay", scaled),), model=1),
+        Place("claims:run_deep"),
+        Place("claims:measure_ripples", S),
+        Place("claims:from_large_nudge"),
     ),
     "bias": (
         Place("bias:all_biases", (displaced(0.02),)),
