@@ -86,8 +86,10 @@ def report(
     from validation.report.build import make_report
     from validation.report.changes import change_lines
     from validation.report.recorded import NAME, read_report
+    from validation.studies import choose
 
     require("report", "the report")
+    choose(only)  # an unknown name is refused before the folder is made
     earlier = read_report(against) if against else None
     require_folder(out)
 

@@ -12,7 +12,7 @@ from slipwave.input import source
 from validation.report.sources import sources_of
 from validation.run import timing
 from validation.studies import study_called
-from validation.study import Budget, Evidence
+from validation.study import Budget, Evidence, Verdict
 from validation.study.drawing import styled
 from validation.study.known import WITHIN
 
@@ -74,3 +74,8 @@ def watched(read, scenes):
         return read(name, *rest)
 
     return reading
+
+
+def outcomes(found):
+    """The outcomes of one verdict or of several, in words."""
+    return " ".join(verdict.outcome.value for verdict in ([found] if isinstance(found, Verdict) else found))

@@ -21,7 +21,7 @@ from validation.branches.curve import Curve
 from validation.branches.followed import Ended, ends_of, read_followed
 from validation.branches.parameter import over_range
 from validation.branches.points import StopAt
-from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED
+from validation.cli import INTERRUPTED
 from validation.references.onset import onset_of
 from validation.references.published import reference_orbit
 from validation.study.branch_figures import figure_of_branch
@@ -217,34 +217,6 @@ def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(answer
     assert found["notes"] == ["the branch ends at a period doubling, where both halves of its orbits become the same"]
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["--over", RANGE, "--switch", "LP"], "--switch 'LP': must be HB or PD"),
-        ([], "--over: missing; must be KEY=FROM:TO"),
-        (["--over", "log10_r=-2.7"], "must be KEY=FROM:TO"),
-        (["--over", "log10_r=-2.7:x"], "'x' must be a number"),
-        (["--over", "log10_r=-2.7:-2.7"], "must differ"),
-        (["--over", "slab.thickness=1 mm:2"], "FROM and TO must both have a unit, or none"),
-        (["--over", "nothing=1:2"], "'nothing' is no parameter; must be one of r, epsilon, V,"),
-        (["--over", "slab.nothing=1:2"], "unknown key"),
-        (["--over", "epsilon=-1:1"], "slab.epsilon = -1.0: must be"),
-        (["--over", "log10_r=-3:-2.8"], "is stable at both ends"),
-        (["--over", RANGE, "--stop-at", "XX"], "--stop-at 'XX': must be one of HB, LP, PD, NS"),
-        (["--over", RANGE, "--most-points", "0"], "most_points = 0: must be at least 1"),
-        (["--over", RANGE, "--longest-period", "-1"], "--longest-period = -1"),
-        (["--over", RANGE, "--model", "fd"], "models that do: delay,"),
-        (["--over", RANGE, "--resume", "missing.nc"], "no such file"),
-        (["--over", RANGE, "--plot", "x.gif"], "must end in .png or .pdf or .svg"),
-        (["--over", RANGE, "--set", "drive.velocity=[[0, 1], [9, 2]]"], "needs a constant drive.velocity"),
-        (["--over", "log10_r=-2.6:-2.5", "--set", "start.size=0"], "made 0 cycles"),
-    ],
-)
-def test_what_cannot_be_followed_is_told_in_one_line(refused, words, said):
-    status = NUMERICS_FAILED if said == "made 0 cycles" else INPUT_WRONG
-    assert said in refused("branch", "paper", *words, "--json", status=status)
-
-
 def test_a_branch_goes_on_with_another_tolerance(answer, tmp_path):
     """The points that it has stay; the next ones lie on a finer mesh, and it passes through the known fold all the same."""
     path = str(tmp_path / "x.nc")
@@ -293,15 +265,8 @@ def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, refused, name):
 
 
 KEYS = {"schema", "scene", "model", "clock", "type", "parameters", "points", "wall_s", "notes"}
-GIVEN = {"of": "LP", "over": "log10_r=-2.72:-2.68", "and": "V=100:120"}
 FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
 FIRST, SECOND = (over_range(text, "paper") for text in ("log10_r=-2.72:-2.68", "V=100:120"))
-
-
-def words(**changes):
-    """The command line of a curve of the paper's scene."""
-    given = (GIVEN | changes).items()
-    return ["curve", "paper", *(word for name, value in given if value for word in (f"--{name}", value))]
 
 
 def test_the_first_fold_of_the_delay_system():
@@ -357,31 +322,6 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
     assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
     assert (other.options.stored, other.found.second.ends) == (call | {"and": "V=90:91", "tol": 1e-4}, (90.0, 91.0))
-
-
-@pytest.mark.parametrize(
-    ("changes", "line"),
-    [
-        ({"of": "XX"}, "--of 'XX': must be one of HB, LP, PD, NS"),
-        ({"and": "V=100"}, "--and 'V=100': must be KEY=FROM:TO"),
-        ({"and": "V=100:100"}, "--and 'V=100:100': FROM and TO must differ"),
-        ({"and": "log10_r=-2:-3"}, "--and 'log10_r': must be another parameter than --over"),
-        (
-            {"of": "HB", "and": "interface.a_star=0.3:0.4"},
-            "--and 'interface.a_star': a curve of Hopf points needs one of r, epsilon, V",
-        ),
-        ({"and": "V=-5:7"}, "drive.velocity = -5.0: must be a number from 1e-12"),
-        ({"of": "HB", "resume": "x.nc"}, "--resume: a curve of Hopf points is computed at once"),
-        *(({name: None}, f"--{name}: missing; must be given, as in --{name} {GIVEN[name]}") for name in GIVEN),
-    ],
-)
-def test_what_is_refused(refused, changes, line):
-    assert refused(*words(**changes)).startswith(f"slipwave: {line}")
-
-
-def test_a_curve_needs_a_beginning(refused):
-    told = refused(*words(of="PD", over="log10_r=-2.72:-2.695"), "--tol", "1e-4", status=NUMERICS_FAILED)
-    assert "no period doubling was found on the branch over log10_r from -2.72 to -2.695" in told
 
 
 def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):

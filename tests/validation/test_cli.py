@@ -49,51 +49,6 @@ def test_a_grid_chosen_for_a_tolerance_is_told_with_its_error(answer, printed):
     assert line in printed(*words)
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["run"], "SCENE"),
-        (["run", "papr"], '"paper"'),
-        (["run", "no/such.toml"], "no such file"),
-        (["run", "paper", "--modle", "delay"], "--modle"),
-        (["run", "paper", "--model", "dely"], '"delay"'),
-        (["run", "paper", "--model", "delay:3"], "takes no number"),
-        (["run", "paper", "--until", "ten"], "run.until = 'ten'"),
-        (["run", "paper", "--until", "60s"], 'run.until = "60s": must come with interface.normal_stress'),
-        (["run", "paper", "--until", "60", "--cycles", "3"], "cycles = 3: must not be given together with until = 60"),
-        (["run", "paper", "--cycles", "0"], "cycles = 0"),
-        (["run", "paper", "--cycles", "3", "--set", "run.record=[]"], "run.record is empty"),
-        (["run", "paper", "--until", "-5"], "run.until = -5"),
-        (["run", "paper", "--until", "nan"], "run.until = nan"),
-        (["run", "paper", "--set", "slab.epsilon=-1"], "slab.epsilon = -1"),
-        (["run", "paper", "--set", "slab.r=1e-3", "slab.epsilom=1"], "slab.epsilom"),
-        (["run", "paper", "--set", "slab"], "KEY=VALUE"),
-        (["run", "paper", "--model", "delay", "--cells", "10"], "takes no cells"),
-        (["run", "paper", "--model", "delay", "--tol", "0"], "tolerance = 0: must lie in [1e-14, 0.1] for model delay"),
-        (["run", "paper", "--model", "dg", "--tol", "0"], "tolerance = 0: must lie in [1e-12, 0.1] for model dg"),
-        (["run", "paper", "--model", "dg:7", "--tol", "1e-13"], "tolerance = 1e-13: must lie in [1e-12, 0.1] for model dg:7"),
-        (["run", "paper", "--model", "fd", "--cells", "0"], "cells = 0"),
-        (["run", "paper", "--model", "fd", "--cfl", "1.5"], "cfl = 1.5"),
-        (["run", "paper", "--fields", "x.vtu", "--model", "delay"], "fields: model delay has no grid"),
-        (["run", "viscous", "--model", "delay"], "Kelvin-Voigt viscosity"),
-        (["run", "paper", "--model", "dg:5", "--time", "implicit"], "time = 'implicit': must be exact or explicit"),
-        (["run", "paper", "--model", "fd", "--time", "exact"], "model fd takes no time; models that do: sbp:P, fem:P, dg:P"),
-        (["run", "paper", "--model", "dg:5", "--time", "exact", "--cfl", "0.5"], "cfl = 0.5: the exact march has no step limit"),
-        (["compare", "paper"], "--models"),
-        (["compare", "paper", "--models", "delay,delay"], "more than once"),
-        (["compare", "paper", "--models", "delay,"], "must be one of"),
-        (["compare", "paper", "--models", "delay", "--out", "x.doc"], ".png"),
-        (["compare", "paper", "--models", "delay", "--cells", "8"], "cells = 8"),
-        (["report", "--only", "nonsense"], "nonsense"),
-        (["orbits"], "orbits"),
-        (["--bogus"], "--bogus"),
-    ],
-    ids=lambda value: "_".join(value) if isinstance(value, list) else "",
-)
-def test_wrong_input_is_one_line_and_status_2(refused, words, told):
-    assert told in refused(*words)
-
-
 def test_wrong_output_places_are_refused_before_anything_is_computed(refused, monkeypatch, tmp_path):
     monkeypatch.setattr("validation.results.run.simulate", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").write_text("")
@@ -187,27 +142,6 @@ def test_every_command_has_examples_that_it_accepts(printed):
             program, word, *rest = spread(shlex.split(line.partition(" > ")[0]))
             assert (program, word) == ("slipwave", name)
             command.make_context(name, rest)
-
-
-@pytest.mark.parametrize(
-    ("words", "meant"),
-    [
-        (["run", "paper", "--set", "interface.law=aging"], "ageing"),
-        (["run", "paper", "--model", "kelvinvoigt"], "kelvin-voigt"),
-        (["run", "paper", "--set", "start.kind=jumb"], "jump"),
-        (["run", "grip", "--set", "slab.face.kind=gripp"], "grip"),
-        (["run", "papper"], "paper"),
-        (["stabilty", "paper"], "stability"),
-    ],
-)
-def test_a_mistyped_word_is_answered_by_the_one_that_is_meant(words, meant, refused):
-    assert refused(*words).lower().endswith((f'did you mean "{meant}"?', f"did you mean '{meant}'?"))
-
-
-@pytest.mark.parametrize("words", ["--model delay --model block8", "--until 5 --json --until=6"])
-def test_an_option_is_given_once(words, refused):
-    told = refused("run", "paper", "--set", "V=3", "--set", "size=0.1", *words.split())
-    assert told == f"slipwave: {words.split()[0]}: is given more than once"
 
 
 def test_what_is_wrong_in_a_file_is_told_whole(tmp_path, refused):

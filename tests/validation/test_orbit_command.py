@@ -17,7 +17,7 @@ from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.branches import at_scene
 from validation.branches.at_scene import Primary
-from validation.cli import INPUT_WRONG, NUMERICS_FAILED, main
+from validation.cli import INPUT_WRONG, main
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.orbits import OrbitFound, most_transits
 
@@ -171,30 +171,6 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     assert found.found.multipliers.stable is (s == 0.8)
     assert (found.source == "from the run") is (s == own and s not in (on_branch or ()))
     assert [str(one) for one in found.others] == ([f"{SUBCRITICAL.period(other):.7g} ({word})"] if other else [])
-
-
-@pytest.mark.parametrize(
-    ("words", "status", "said"),
-    [
-        (["ramp"], INPUT_WRONG, "a periodic orbit needs a constant drive.velocity"),
-        (["paper", "--model", "fd"], INPUT_WRONG, "models that do: delay,"),
-        (["viscous", "--model", "delay"], INPUT_WRONG, "cannot do Kelvin-Voigt viscosity"),
-        (["paper", "--cells", "4"], INPUT_WRONG, "model delay takes no cells"),
-        (["paper", "--tol", "1e-20"], INPUT_WRONG, "tol = 1e-20: must lie in [1e-11, 0.01]"),
-        (["paper", "--tol", "nan"], INPUT_WRONG, "tol = nan"),
-        (["paper", "--near-period", "0"], INPUT_WRONG, "near_period = '0': must be above 0, in transits or with a unit of time"),
-        (["paper", "--near-period", "long"], INPUT_WRONG, "near_period = 'long': must be above 0, in transits or with a unit"),
-        (["paper", "--near-period", "60s"], INPUT_WRONG, 'near_period = "60s": must come with interface.normal_stress'),
-        (
-            ["paper", *ODE, "--set", "slab.log10_r=-2.72"],
-            NUMERICS_FAILED,
-            "has none here: it was followed from log10_r = -2.69955",
-        ),
-        (["paper", "--model", "quasistatic"], NUMERICS_FAILED, "it runs away"),
-    ],
-)
-def test_what_has_no_orbit_is_told_in_one_line(refused, words, status, said):
-    assert said in refused("orbit", *words, "--json", status=status)
 
 
 @pytest.mark.parametrize(("expected", "most"), [(100.0, 6000.0), (1e3, 25e3), (2e4, 5e5), (1e5, 6000.0), (math.inf, 6000.0)])

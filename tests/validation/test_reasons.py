@@ -229,21 +229,6 @@ def test_yes_runs_it_all_the_same(words, tmp_path, monkeypatch, printed, refused
     assert json.loads(printed(*words, "--yes"))["until"] == 30.0
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["--model", "fd", "--cfl", "1e-300"], "cfl = 1e-300: must be at least 1e-09"),
-        (["--model", "dg:7", "--cfl", "5e-324"], "cfl = 5e-324: must be at least 1e-09"),
-        (["--model", "dg:7", "--cfl", "1e-9"], "model dg:7: 4000 transits would take about 36"),
-        (["--model", "fd", "--cells", "200000", "--set", 'slab.viscosity={kind="kelvin-voigt", time=2e-5}'], "about 7.41 days"),
-        (["--model", "fd", "--set", "start.kind=orbit", "--cfl", "1e-9"], "model fd: 6000 transits would take about"),
-        (["--model", "dg", "--tol", "1e-6", "--cfl", "1e-9"], "model dg:6: 400 transits would take about"),
-    ],
-)
-def test_what_was_endless_is_refused(words, told, refused):
-    assert told in refused("run", "paper", *words)
-
-
 @pytest.fixture
 def now(monkeypatch):
     """The time, which passes only where a test says so."""

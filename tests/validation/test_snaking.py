@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from shown import outcomes
 
 from slipwave.observe.statistics import Estimate
 from validation.branches.points import BranchPoint, CurvePoint
@@ -49,29 +50,6 @@ def test_the_multiplier_of_a_spiral(multiplier):
     assert multiplier_of(run(spiral(multiplier)), 78.0) == pytest.approx(multiplier, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("period", "multiplier", "settled", "outcomes"),
-    [
-        (78.0, 0.5 + 0.6j, True, ["pass", "pass"]),
-        (78.0, 0.5 - 0.6j, True, ["pass", "pass"]),
-        (78.0, 0.5 + 0.602j, True, ["pass", "fail"]),
-        (78.0, 0.5 + 0.6j, False, ["fail", "pass"]),
-        (78.0 + 1e-6, 0.5 + 0.6j, True, ["fail", "fail"]),
-    ],
-)
-def test_a_run_and_the_orbit_it_settles_on(period, multiplier, settled, outcomes):
-    found = snake.settles(run(spiral(0.5 + 0.6j), settled), orbit(period, multiplier))
-    assert [verdict.outcome for verdict in found] == outcomes
-
-
-@pytest.mark.parametrize(
-    ("periods", "settled", "outcome"),
-    [([77.9, 78.1], False, "pass"), ([77.9, 78.1], True, "fail"), ([78.01, 78.1], False, "fail"), ([78.0, 78.0], False, "fail")],
-)
-def test_a_run_beyond_the_torus_point_stays_around_the_orbit(periods, settled, outcome):
-    assert snake.wanders(run(periods, settled), orbit(78.0)).outcome == outcome
-
-
 @pytest.mark.parametrize("multiplier", [-1.003, 0.4, 0.5 + 0.9j])
 def test_the_multiplier_by_which_two_runs_part(multiplier):
     """The distance of each sample has a phase of its own."""
@@ -100,33 +78,6 @@ def branch(*found):
     return SimpleNamespace(special=found, points=(special_point("", -2.6, 80.0).point,), of_kind=lambda kind: folds)
 
 
-FOLDS = [
-    special_point("LP", -2.7, 59.0),
-    *(special_point("LP", -2.7, turn + shift) for turn in (74.0, 75.0, 75.98) for shift in (0.0, 0.3)),
-]
-
-
-@pytest.mark.parametrize(
-    ("found", "finer", "outcomes"),
-    [
-        (FOLDS, FOLDS, ["pass", "pass"]),
-        (FOLDS, [*FOLDS[:-1], special_point("LP", -2.7 + 2e-8, 76.28)], ["fail", "pass"]),
-        (FOLDS, FOLDS[:-1], ["pass", "fail"]),
-        (FOLDS[:-1], FOLDS, ["pass", "fail"]),
-    ],
-)
-def test_two_meshes_must_find_the_same_points(found, finer, outcomes):
-    told = snake.branch_claims(branch(*found), branch(*finer))
-    assert [next(told).outcome, next(told).outcome] == outcomes
-
-
-@pytest.mark.parametrize(("growth", "outcome"), [(0.98, "pass"), (1.15, "pass"), (1.25, "fail"), (0.75, "fail")])
-def test_a_pair_of_folds_for_each_transit(growth, outcome):
-    turns = [special_point("LP", -2.7, period) for turn in (74.0, 75.0, 75.0 + growth) for period in (turn, turn + 0.3)]
-    both = branch(special_point("LP", -2.7, 59.0), *turns)
-    assert list(snake.branch_claims(both, both))[2].outcome == outcome
-
-
 @pytest.fixture(scope="module")
 def exact():
     return own_orbit("delay", scene_at(-2.68), 1e-11).closed
@@ -145,20 +96,6 @@ def test_an_orbit_is_one_of_much_thicker_slabs_too(exact, turns):
 
 def attracted(last, period, settled=True, log10_r=-2.66):
     return Attractor(0.5, run([last * (1.0 + 1e-12)] * 8, settled)._replace(log10_r=log10_r), period)
-
-
-@pytest.mark.parametrize(
-    ("second", "outcomes"),
-    [
-        (attracted(78.0, 78.0), ["pass", "pass"]),
-        (attracted(77.0, 77.0), ["pass", "fail"]),
-        (attracted(78.0 + 5e-7, 78.0), ["fail", "pass"]),
-        (attracted(78.0, 78.0, settled=False), ["fail", "pass"]),
-        (attracted(78.0, 78.0, log10_r=-2.65), ["pass", "fail"]),
-    ],
-)
-def test_two_orbits_must_attract_runs_at_one_r(second, outcomes):
-    assert [verdict.outcome for verdict in snake.coexisting([attracted(77.0, 77.0), second])] == outcomes
 
 
 def test_a_run_is_compared_with_the_nearest_stable_orbit(monkeypatch):
@@ -209,40 +146,6 @@ def test_the_index_counts_what_no_point_explains():
     assert unaccounted(made("delay", wrong, points=(point(-2.7, 0), wrong.point))) == 1
 
 
-@pytest.mark.parametrize(
-    ("first", "outcome"),
-    [
-        (special("LP", -2.7007, 1, 0), "pass"),
-        (special("LP", -2.6993, 1, 0), "finding"),
-        (special("LP", -2.7007, 2, 1), "finding"),
-        (special("PD", -2.7007, 1, 0), "finding"),
-    ],
-)
-def test_p8_needs_a_fold_below_the_onset_that_gives_stability(first, outcome):
-    fold = special("LP", -2.7007, 1, 0)
-    assert claims.mildly_subcritical(made("delay", fold), made("kelvin-voigt", first)).outcome == outcome
-
-
-@pytest.mark.parametrize(
-    ("kinds", "torus", "outcomes"),
-    [
-        ("LP PD PD LP LP PD PD LP LP PD PD NS", -2.4682, ["pass", "pass"]),
-        ("LP PD PD LP LP PD PD LP LP PD PD NS", -2.469, ["pass", "finding"]),
-        ("LP PD PD LP LP PD PD NS", -2.468, ["finding", "pass"]),
-    ],
-)
-def test_p9_needs_the_order_of_the_points_and_the_place_of_the_torus(kinds, torus, outcomes):
-    ode = made("kelvin-voigt", *(special(kind, torus if kind == "NS" else -2.5) for kind in kinds.split()))
-    assert [verdict.outcome for verdict in claims.bubbles(ode)] == outcomes
-
-
-def test_p14_compares_what_takes_stability_first():
-    doubling, torus = special("PD", -2.6, 0, 1), special("NS", -2.65, 0, 2)
-    ode = made("kelvin-voigt", doubling, torus)
-    assert claims.unlike(made("delay", torus, doubling), ode).outcome is Outcome.FINDING
-    assert claims.unlike(made("delay", doubling, torus), ode).outcome is Outcome.PASS
-
-
 def test_parts_share_their_ends():
     corners = [BranchPoint(float(n), *[0.0] * 5, unstable, None) for n, unstable in enumerate((1, 1, 0, 0, 2, 1))]
     assert [(stable, [corner.value for corner in part]) for stable, part in parts(corners)] == [
@@ -270,40 +173,12 @@ def test_how_much_of_the_structure_a_model_has():
     assert rows["period doubling 1"] == (None, None)
 
 
-@pytest.mark.parametrize(("last", "outcome"), [(-2.7002 - 1e-7, "pass"), (-2.7002 - 9e-7, "fail")])
-def test_modes_converge(last, outcome):
-    delay, *modal = (made(f"modal:{n}", special("LP", place)) for n, place in enumerate((-2.7002, -2.7002 + 1e-6, last)))
-    assert claims.modes_converge(delay, modal).outcome == outcome
-
-
 def curve_point(log10_r=-2.7002517, log10_v=2.0):
     return CurvePoint(log10_r, log10_v, 59.1, 0.09, 0.09, 900.0, 20.0, 1e-12, 1, 0, 1.0, 0.0)
 
 
 SHARE = math.log10(1.001)
 KNOWN = -2.7002517033
-
-
-@pytest.mark.parametrize(
-    ("here", "shift", "beside", "outcomes"),
-    [
-        (KNOWN, 5e-11, KNOWN, "pass pass pass"),
-        (KNOWN, 2e-10, KNOWN, "fail pass pass"),
-        (-2.70025169, 0.0, KNOWN, "pass fail pass"),
-        (KNOWN, 0.0, -2.6993, "pass pass finding"),
-        (KNOWN, 0.0, -2.7045, "pass pass finding"),
-    ],
-)
-def test_products_the_known_fold_and_p8(here, shift, beside, outcomes):
-    """V larger and r smaller by a thousandth are one fold. At V = 100 the Hopf curve_point lies at -2.6995497; one per cent of r
-    is 0.0044."""
-    end = curve_point(KNOWN - SHARE, 2.0 + SHARE)
-    folds = {
-        ("delay", "LP"): [curve_point(here), end],
-        ("kelvin-voigt", "LP"): [curve_point(beside)],
-        ("delay", "NS"): [curve_point(-2.6)],
-    }
-    assert [verdict.outcome for verdict in special_curves.verdicts(folds, KNOWN + shift)] == outcomes.split()
 
 
 @pytest.fixture(scope="module")
@@ -338,22 +213,22 @@ def changes(found):
     }
 
 
-@pytest.mark.parametrize(
-    ("change", "outcomes"),
-    [
-        ("none", "pass pass pass pass pass"),
-        ("period", "fail pass pass pass pass"),
-        ("digits", "fail pass finding pass pass"),
-        ("unstable", "pass pass finding pass pass"),
-        ("stable", "pass pass finding pass pass"),
-        ("run", "pass fail pass pass pass"),
-        ("short", "pass pass pass pass fail"),
-        ("open", "pass pass pass pass fail"),
-    ],
-)
-def test_p10_the_run_and_the_bubble_from_both_sides(found, change, outcomes):
+P10 = {
+    "none": "pass pass pass pass pass",
+    "period": "fail pass pass pass pass",
+    "digits": "fail pass finding pass pass",
+    "unstable": "pass pass finding pass pass",
+    "stable": "pass pass finding pass pass",
+    "run": "pass fail pass pass pass",
+    "short": "pass pass pass pass fail",
+    "open": "pass pass pass pass fail",
+}
+
+
+def test_p10_the_run_and_the_bubble_from_both_sides(found):
     """P10 needs an unstable orbit beside a stable one; each end of the bubble is at a doubling."""
-    assert [verdict.outcome for verdict in doubling.all_verdicts(changes(found)[change])] == outcomes.split()
+    assert {change: outcomes(doubling.all_verdicts(one)) for change, one in changes(found).items()} == P10
+    assert bubble_table([bubble(-1.02)]).rows[0][2:] == ("−2.5600000, −2.5450000", "−2.5500000")
 
 
 def test_the_doubled_orbit_has_two_peaks(found):
@@ -368,8 +243,84 @@ def test_the_end_of_a_line():
     assert end(near, nearest) == pytest.approx(-2.3)
 
 
-@pytest.mark.parametrize(("multiplier", "outcome"), [(-1.02, "pass"), (-0.98, "pass"), (-1.05, "fail"), (0.3, "fail")])
-def test_a_bubble_must_end_at_a_doubling(multiplier, outcome):
-    one = Bubble(-2.57, -2.54, multiplier, [], [("PD", -2.56), ("LP", -2.55), ("PD", -2.545)])
-    assert doubling.ends_simple(one).outcome == outcome
-    assert bubble_table([one]).rows[0][2:] == ("−2.5600000, −2.5450000", "−2.5500000")
+def ode(kinds, torus):
+    return made("kelvin-voigt", *(special(kind, torus if kind == "NS" else -2.5) for kind in kinds.split()))
+
+
+def folds(*growth, last=-2.7):
+    """The first fold and pairs of folds that lie about a transit apart."""
+    turns = (74.0, 75.0, *(75.0 + one for one in growth))
+    pairs = [special_point("LP", -2.7, turn + shift) for turn in turns for shift in (0.0, 0.3)]
+    pairs[-1].point.parameter = last
+    return [special_point("LP", -2.7, 59.0), *pairs]
+
+
+def bubble(multiplier):
+    return Bubble(-2.57, -2.54, multiplier, [], [("PD", -2.56), ("LP", -2.55), ("PD", -2.545)])
+
+
+def modal(last):
+    return made("delay", special("LP", -2.7002)), [made("modal", special("LP", place)) for place in (-2.7002 + 1e-6, last)]
+
+
+def curves(here=KNOWN, shift=0.0, beside=KNOWN):
+    """V larger and r smaller by a thousandth are one fold."""
+    both = [curve_point(here), curve_point(KNOWN - SHARE, 2.0 + SHARE)]
+    return {
+        ("delay", "LP"): both,
+        ("kelvin-voigt", "LP"): [curve_point(beside)],
+        ("delay", "NS"): [curve_point(-2.6)],
+    }, KNOWN + shift
+
+
+ROUND, FOLD = run(spiral(0.5 + 0.6j)), made("delay", special("LP", -2.7007, 1, 0))
+TORUS, DOUBLING, ATTRACTED = special("NS", -2.65, 0, 2), special("PD", -2.6, 0, 1), attracted(77.0, 77.0)
+BUBBLES = "LP PD PD LP LP PD PD LP LP PD PD NS"
+JUDGED = [
+    (snake.settles, (ROUND, orbit(78.0)), "pass pass"),
+    (snake.settles, (ROUND, orbit(78.0, 0.5 - 0.6j)), "pass pass"),
+    (snake.settles, (ROUND, orbit(78.0, 0.5 + 0.602j)), "pass fail"),
+    (snake.settles, (ROUND._replace(settled=False), orbit(78.0)), "fail pass"),
+    (snake.settles, (ROUND, orbit(78.0 + 1e-6)), "fail fail"),
+    (snake.wanders, (run([77.9, 78.1], False), orbit(78.0)), "pass"),
+    (snake.wanders, (run([77.9, 78.1], True), orbit(78.0)), "fail"),
+    (snake.wanders, (run([78.01, 78.1], False), orbit(78.0)), "fail"),
+    (snake.wanders, (run([78.0, 78.0], False), orbit(78.0)), "fail"),
+    (snake.branch_claims, (branch(*folds(0.98)), branch(*folds(0.98))), "pass pass pass"),
+    (snake.branch_claims, (branch(*folds(0.98)), branch(*folds(0.98, last=-2.7 + 2e-8))), "fail pass pass"),
+    (snake.branch_claims, (branch(*folds(0.98)), branch(*folds(0.98)[:-1])), "pass fail pass"),
+    (snake.branch_claims, (branch(*folds(0.98)[:-1]), branch(*folds(0.98))), "pass fail pass"),
+    *((snake.branch_claims, (branch(*folds(n)),) * 2, f"pass pass {end}") for n, end in
+      ((1.15, "pass"), (1.25, "fail"), (0.75, "fail"))),
+    (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0)],), "pass pass"),
+    (snake.coexisting, ([ATTRACTED, attracted(77.0, 77.0)],), "pass fail"),
+    (snake.coexisting, ([ATTRACTED, attracted(78.0 + 5e-7, 78.0)],), "fail pass"),
+    (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0, settled=False)],), "fail pass"),
+    (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0, log10_r=-2.65)],), "pass fail"),
+    # P8 needs a fold below the onset that gives stability
+    (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("LP", -2.7007, 1, 0))), "pass"),
+    (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("LP", -2.6993, 1, 0))), "finding"),
+    (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("LP", -2.7007, 2, 1))), "finding"),
+    (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("PD", -2.7007, 1, 0))), "finding"),
+    # P9 needs the order of the points and the place of the torus, P14 compares what takes stability first
+    (claims.bubbles, (ode(BUBBLES, -2.4682),), "pass pass"),
+    (claims.bubbles, (ode(BUBBLES, -2.469),), "pass finding"),
+    (claims.bubbles, (ode("LP PD PD LP LP PD PD NS", -2.468),), "finding pass"),
+    (claims.unlike, (made("delay", TORUS, DOUBLING), made("kelvin-voigt", DOUBLING, TORUS)), "finding"),
+    (claims.unlike, (made("delay", DOUBLING, TORUS), made("kelvin-voigt", DOUBLING, TORUS)), "pass"),
+    (claims.modes_converge, modal(-2.7002 - 1e-7), "pass"),
+    (claims.modes_converge, modal(-2.7002 - 9e-7), "fail"),
+    # at V = 100 the Hopf point lies at -2.6995497; one per cent of r is 0.0044
+    (special_curves.verdicts, curves(shift=5e-11), "pass pass pass"),
+    (special_curves.verdicts, curves(shift=2e-10), "fail pass pass"),
+    (special_curves.verdicts, curves(here=-2.70025169), "pass fail pass"),
+    (special_curves.verdicts, curves(beside=-2.6993), "pass pass finding"),
+    (special_curves.verdicts, curves(beside=-2.7045), "pass pass finding"),
+    *((doubling.ends_simple, (bubble(one),), end) for one, end in
+      ((-1.02, "pass"), (-0.98, "pass"), (-1.05, "fail"), (0.3, "fail"))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("study", "given", "expected"), JUDGED)
+def test_verdicts_from_both_sides(study, given, expected):
+    assert outcomes(study(*given)) == expected

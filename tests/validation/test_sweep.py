@@ -415,37 +415,6 @@ def test_two_sweeps_into_one_folder_are_one(tmp_path):
         assert same(data, found[0])
 
 
-WRONG = {
-    "no axes": (["paper"], "--vary: missing"),
-    "no range": (["paper", "--vary", "log10_r=-2.7:-2.2"], "FROM:TO:COUNT"),
-    "no key": (["paper", "--vary", "log10_q=1:2:3"], "log10_q"),
-    "out of range": (["paper", "--vary", "a=-1:2:3"], "interface.a"),
-    "units": (["rock", "--vary", "slab.thickness=1 m:2:3"], "same unit"),
-    "twice": (["paper", "--vary", "a=0.01:0.02:3", "--vary", "a=0.01:0.02:3"], "twice"),
-    "count": (["paper", "--vary", "a=0.01:0.02:1"], "COUNT"),
-    "log": (["paper", "--vary", "a=0:0.02:3:log"], "above 0"),
-    "too many": (["paper", "--vary", "a=0.01:0.02:50000", "--vary", "b=0.03:0.04:50000"], "1e8"),
-    "measure": (["paper", "--vary", "a=0.01:0.02:3", "--measure", "colour"], "--measure"),
-    "model": (["paper", "--vary", "a=0.01:0.02:3", "--models", "delai"], "delay"),
-    "levels": (["paper", "--vary", "a=0.01:0.02:4", "--refine", "2"], "as 5"),
-    "part": (["paper", "--vary", "a=0.01:0.02:3", "--part", "4/3"], "--part"),
-    "scheduler": (["paper", "--vary", "a=0.01:0.02:3", "--scheduler", "nowhere"], "--scheduler"),
-    "rows": (["paper", "--rows", "nothing.csv"], "--rows"),
-    "map": ("map", "neither a folder"),
-}
-
-
-@pytest.mark.parametrize("name", WRONG)
-def test_wrong_input_is_one_line(tmp_path, capsys, name):
-    words, told = WRONG[name]
-    command = ["map", "nothing.nc"] if words == "map" else ["sweep", *words, "--out", str(tmp_path / "out")]
-    assert main(command) == 2
-    lines = capsys.readouterr().err.strip().splitlines()
-    assert len([line for line in lines if not line.startswith("note")]) == 1
-    assert told in lines[-1]
-    assert not (tmp_path / "out").exists()
-
-
 def test_another_sweep_in_the_folder_is_refused(tmp_path, capsys):
     words = ["sweep", "paper", "--measure", DISC, "--workers", "1", "--out", str(tmp_path / "out")]
     computed(plan((3, 2)), tmp_path / "out")

@@ -126,21 +126,6 @@ def test_our_own_schemes_keep_every_row(capsys, model):
     assert missed(["verify", "--model", model], capsys) == (0, [])
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        ([], "give a SCENE, --family FILE.py, --law FILE.py or --model NAME"),
-        (["--model", "delay"], "has no grid, so no order and no step limit to verify; models that do: fd, sbp:P, fem:P, dg:P"),
-        (["viscous", "--model", "sbp:9"], "must be sbp:P with one of 2, 4, 6"),
-        (["paper", "--junit", "v.txt"], "the name must end in .xml"),
-        (["--law", "none.py"], "no such file"),
-        (["nowhere"], "nowhere"),
-    ],
-)
-def test_wrong_input(words, told, refused):
-    assert told in refused("verify", *words)
-
-
 def test_a_file_of_reductions_alone(file):
     file.write_text('from slipwave.family import Family\nA = Family("a", f"{__name__}:a", "a")\ndef a(scene, name): pass\n')
     with pytest.raises(SceneError, match="declares no full wave"):
