@@ -183,7 +183,7 @@ PLACES = {
     ),
     "stability-boundaries": (
         Place("stability_boundaries:boundary", (each(part("second")),), 1),
-        Place("stability_boundaries:critical_round_trip", S, 1, few=True),
+        Place("stability_boundaries:critical_round_trip", S, 1),
         Place("stability_boundaries:_gaps"),
         Place("stability_boundaries:_beside"),
         Place("stability_boundaries:taylor"),
