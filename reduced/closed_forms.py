@@ -8,7 +8,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.stability.characteristic import FrictionSlopes
+from slipwave.friction.law import FrictionSlopes
 
 
 def quasistatic_r(slopes: FrictionSlopes, epsilon: float) -> float:

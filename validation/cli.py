@@ -4,7 +4,6 @@
 (one line); 1 a bug (traceback).
 """
 
-import gc
 import io
 import logging
 import os
@@ -21,7 +20,6 @@ from slipwave.files import reason_of
 from slipwave.packages import line_of_user
 
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
-_OBJECTS_BEFORE_COLLECTION = 1_000_000
 _SPREAD: dict[str, Callable[[str], bool]] = {
     "--set": lambda word: "=" in word,
     "--vary": lambda word: "=" in word,
@@ -128,9 +126,6 @@ _ON_STDERR = _OnStderr()
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command given by `arguments` (default: the process's own) and return the exit status."""
-    if arguments is None:
-        # the process is the command's own; collections at Python's rate would take a tenth of the time of compiling
-        gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
     _prepare_streams()
     words = spread(sys.argv[1:] if arguments is None else arguments)
     command: Any = typer.main.get_command(app)

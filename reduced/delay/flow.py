@@ -16,6 +16,7 @@ from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, Networ
 from reduced.delay.transmission_lines import NODES, SAME_PLACE, lines_of, network_of
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
+from slipwave.friction.law import friction_slopes
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.solve import State
@@ -129,8 +130,6 @@ class DelayFlow:
             return np.zeros((self.size, 0))
         if all(slab.is_plain for slab in scene.slabs) and not (np.rint(self._lines.travel / divisor) % 2.0).all():
             return np.zeros((self.size, 0))  # round trips in a ratio that is not odd:odd
-        from reduced.stability.characteristic import friction_slopes
-
         impedance = self._network.interface_impedance
         rate = scene.velocity * friction_slopes(scene.law, scene.velocity).direct / impedance
         pieces = empty_pieces(1, NODES)

@@ -1,22 +1,24 @@
 """The exact delay system of a scene, with the cheapest march that can compute it."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from reduced.delay.alike import Delay
-from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping import LeapingDelay
-from reduced.delay.leaping_network import LeapingNetwork
-from reduced.delay.network import DelayNetwork
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import respond, unknown_of
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
 
+if TYPE_CHECKING:
+    from reduced.delay.network import DelayNetwork
+
 _LONGEST_STEP = 1.0 / 3.0  # transits
 _ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes a relative error of that size
 
 
-def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
+def delay_system(scene: Scene, tolerance: float = 1e-9) -> "Delay | DelayNetwork":
     """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
     ones. If equal steps cannot end on the jumps and kinks, steps follow these (`DelayBreaks`), hundreds in a transit.
 
@@ -26,6 +28,9 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> Delay | DelayNetwork:
     if scene.alike and scene.upper.is_plain:
         shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT
         return LeapingDelay(scene, tolerance) if shown else Delay(scene, tolerance=tolerance, emit=False)
+    from reduced.delay.break_points import DelayBreaks  # networks take as long to import as all that alike slabs need
+    from reduced.delay.leaping_network import LeapingNetwork
+
     lines = lines_of(scene)
     if _breaks_within_steps(scene, lines.divisor) and not _hides_breaks(scene, lines, tolerance):
         return DelayBreaks(scene, tolerance=tolerance, lines=lines)

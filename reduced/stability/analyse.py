@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from reduced.impedance import is_exact
-from reduced.stability.characteristic import friction_slopes
 from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.crossing import critical_factor
 from reduced.stability.essential import essential_abscissa
 from reduced.stability.spectrum import spectrum
 from slipwave.errors import NumericsError
+from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
 

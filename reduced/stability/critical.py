@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 
 from reduced.impedance import Jet, Ratio
 from reduced.parameters import scaled
-from reduced.stability.characteristic import Characteristic, FrictionSlopes, characteristic, friction_slopes
+from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.crossing import FIRST_OCTAVE, critical_factor, is_lost
 from reduced.stability.spectrum import unstable_count
+from slipwave.friction.law import FrictionSlopes, friction_slopes
 from slipwave.scene import Scene
 
 Real: TypeAlias = NDArray[np.float64]
@@ -134,7 +135,7 @@ def critical_epsilon(scene: Scene, model: str = "delay") -> float:
 def _enters(problem: Characteristic, size: float, omega: float) -> bool:
     """Whether i omega moves into the right half plane as a multiple of Z falls through `size`: from D + dD = 0."""
     s = Jet.variable(1j * omega)
-    (p, q), (n, d) = problem.one_port(s), problem.slopes.ratio(s)
+    (p, q), (n, d) = problem.one_port(s), problem.friction(s)
     return bool((d.value * q.value / (n * p + d * q * size).slope).real >= 0.0)
 
 

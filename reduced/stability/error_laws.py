@@ -13,7 +13,7 @@ G_phi/2), an error of (G_phi/(2 omega_c)) theta.
 from dataclasses import dataclass
 
 from reduced.impedance.reduction import Reduction, reduction
-from reduced.stability.characteristic import FrictionSlopes
+from slipwave.friction.law import FrictionSlopes
 
 _EXACT = (1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0)
 _ROUNDING = 1e-12

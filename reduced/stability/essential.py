@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.commensurate import common_divisor
-from reduced.stability.characteristic import friction_slopes, retardation_rate
+from reduced.stability.characteristic import retardation_rate
 from slipwave.errors import NumericsError
+from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
 

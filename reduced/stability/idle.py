@@ -17,7 +17,7 @@ import numpy as np
 
 from reduced.impedance import Jet
 from reduced.impedance.transmission_line import slab_ratio
-from reduced.stability.characteristic import friction_slopes
+from slipwave.friction.law import friction_slopes
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.slab import Slab

@@ -13,13 +13,14 @@ derivatives. `steady_state(law, v) -> psi` solves G = 0. Laws that allow v <= 0 
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from slipwave.compiled import allocating
+from slipwave.compiled import njit
 from slipwave.compiled.dispatch import ByClass, by_class
 from slipwave.errors import SceneError
 
@@ -68,22 +69,77 @@ def unknown_of(law: Law, v: float) -> float:
     raise NotImplementedError(type(law))
 
 
-@allocating
 def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
     """Slip rates (V*) at the rate unknowns z; an array of the same shape."""
-    found = np.empty_like(unknowns)
-    for i in range(unknowns.size):
-        found.flat[i] = rate_of(law, unknowns.flat[i])
+    found = np.empty_like(unknowns, order="C")
+    _fill_rates(law, unknowns.ravel(), found.ravel())
     return found
 
 
-@allocating
+@njit
+def _fill_rates(law: Law, unknowns: NDArray[np.float64], found: NDArray[np.float64]) -> None:
+    """`rates` of (n,) unknowns, into `found`. It makes no array, which would take three times as long to compile and load."""
+    for i in range(unknowns.size):
+        found[i] = rate_of(law, unknowns[i])
+
+
 def unknowns(law: Law, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
     """Rate unknowns z at the slip rates (V*); an array of the same shape."""
-    found = np.empty_like(speeds)
-    for i in range(speeds.size):
-        found.flat[i] = unknown_of(law, speeds.flat[i])
+    found = np.empty_like(speeds, order="C")
+    _fill_unknowns(law, speeds.ravel(), found.ravel())
     return found
+
+
+@njit
+def _fill_unknowns(law: Law, speeds: NDArray[np.float64], found: NDArray[np.float64]) -> None:
+    """`unknowns` at (n,) slip rates, into `found`."""
+    for i in range(speeds.size):
+        found[i] = unknown_of(law, speeds[i])
+
+
+@dataclass(frozen=True)
+class FrictionSlopes:
+    """Slopes of a law at steady sliding: `direct` F_v, `healing` G_phi (1/(L/V*)), `steady` F_ss' = d mu_ss/dV."""
+
+    direct: float
+    healing: float
+    steady: float
+
+    @property
+    def weakening(self) -> bool:
+        """Friction falls with the steady rate, which is necessary for instability."""
+        return self.steady < 0.0
+
+    @property
+    def omega_c(self) -> float:
+        """omega_c = G_phi sqrt(-F_ss'/F_v) (20), (38): the critical frequency of every lossless slab; nan if strengthening."""
+        return self.healing * float(np.sqrt(-self.steady / self.direct)) if self.weakening else float("nan")
+
+    @property
+    def reach(self) -> float:
+        """For passive slabs every root with Re s >= 0 has |s + G_phi| <= reach, because beyond that Re H > 0 and Re Z >= 0."""
+        return self.healing * abs(self.direct - self.steady) / self.direct
+
+    @property
+    def growing(self) -> tuple[float, float]:
+        """(centre, radius) of the disc that holds every root with Re s >= 0: outside of it Re H > 0 there, and passive slabs have
+        Re Z >= 0. On the imaginary axis it reaches to omega_c."""
+        return 0.5 * self.reach - self.healing, 0.5 * self.reach
+
+    def impedance_at(self, omega: float | NDArray[np.float64]) -> NDArray[np.complex128]:
+        """H(i omega), delta_mu = H delta_v: (F_v s + G_phi F_ss')/(s + G_phi)."""
+        s = 1j * np.asarray(omega)
+        return np.asarray((self.direct * s + self.healing * self.steady) / (s + self.healing))
+
+
+def friction_slopes(law: Law, velocity: float) -> FrictionSlopes:
+    """Slopes of `law` in steady sliding at `velocity` (V*), from its derivatives in the unknowns (z, psi):
+
+    F_v = F_z/v_z,  G_phi = -G_psi (psi' = G),  F_ss' = F_v - F_psi G_z/(G_psi v_z).
+    """
+    psi = steady_state(law, velocity)
+    _, v_z, _, f_z, f_psi, _, g_z, g_psi = respond(law, unknown_of(law, velocity), psi)
+    return FrictionSlopes(f_z / v_z, -g_psi, (f_z - f_psi * g_z / g_psi) / v_z)
 
 
 _GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unknown_of)

@@ -13,7 +13,7 @@ from slipwave.scene import Scene
 COUNT = 4096
 """Intervals, at most; a figure is a thousand pixels wide."""
 
-_UNREAD = 1 << 16  # samples
+_UNREAD = 1 << 19  # samples, 24 MB
 _FIRST = 2.0**-10  # length of an interval at first, in transits or in L of slip
 _ROWS = _TIME, _SLIP, _Z, _MU = range(4)
 _EMPTY = np.stack([np.full((len(_ROWS), COUNT), np.inf), np.full((len(_ROWS), COUNT), -np.inf)])

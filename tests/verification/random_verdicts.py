@@ -38,7 +38,7 @@ from slipwave.solve import follow
 from slipwave.solve.lyapunov import largest_exponent
 from validation.registry.build import build
 from validation.registry.families import one_port_of
-from validation.results.reasons import needed
+from validation.run.length import needed
 from validation.run.outlook import outlook
 from validation.run.simulate import Run, reconsidered, simulate
 
@@ -245,7 +245,7 @@ def _separation(case, seen):
 def _later(case, seen):
     """Whether the length that is named, or eight times the length, is long enough."""
     verdict = seen.run.verdict
-    named = needed(seen.run, one_port_of(case.model))
+    named = needed(verdict, case.scene, one_port_of(case.model))
     if verdict.kind == "too short" and not named > case.until:
         return f"wrong: too short, and the length named is {named:g} for {case.until:g}"
     with _within(SECONDS):

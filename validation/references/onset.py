@@ -7,8 +7,8 @@ import math
 from typing import NamedTuple
 
 from reduced import closed_forms
-from reduced.stability.characteristic import FrictionSlopes
 from slipwave.friction.ageing import Ageing
+from slipwave.friction.law import FrictionSlopes
 
 FAST_PERIOD_KELVIN_VOIGT = math.pi / math.sqrt(6.0)
 """Period of the ripples of the Kelvin-Voigt system in the slow phase (43), in transits; exactly 1 in the delay system."""

@@ -15,9 +15,9 @@ from validation.output import rounded
 from validation.registry.families import family_of, one_port_of
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import table_of
-from validation.results.reasons import needed
 from validation.results.result import Dataset, Result, finite
 from validation.run.difference import in_json
+from validation.run.length import needed
 from validation.run.simulate import Run
 
 _Row: TypeAlias = Mapping[str, Any]
@@ -59,7 +59,7 @@ def nothing(reference: Run) -> str:
     """Why no model can be compared with the `reference`, and which length would do; empty if its cycles represent its motion."""
     if reference.failed or reference.verdict is None or reference.verdict.repeats:
         return ""
-    model, longer = reference.solver.model, needed(reference, one_port_of(reference.solver.model))
+    model, longer = reference.solver.model, needed(reference.verdict, reference.solver.scene, one_port_of(reference.solver.model))
     run = f"the {'' if reference.kind == 'too short' else 'second half of the '}run of {model}"
     why = f"nothing to compare: {run} is {reference.kind}"
     return f"{why}; try --until {float(f'{longer:.2g}'):g}" if math.isfinite(longer) else why

@@ -5,18 +5,37 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slipwave.observe import Events
+from slipwave.errors import SceneError
 from slipwave.observe.envelope import Envelope, Ranges
 from slipwave.observe.pieces import Array
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
+from slipwave.solve import Leaping
 from validation.results.quantities import INTERFACE, si_factor, stored_name
 from validation.results.reasons import PREFIXES, power_of
-from validation.study.drawing import Axes, Drawing, canvas
+from validation.run.length import second_half
+from validation.run.simulate import Run
+from validation.study.drawing import Axes, Drawing, canvas, styled
 
 _LABELS = {"time": "time / transits", "stress": "friction stress / normal stress", "slip_rate": "slip rate / V*"}
 _SI_LABELS = {"time": "time / s", "stress": "friction stress / {}Pa", "slip_rate": "slip rate / (m/s)"}
 _STRESS = 0.2  # of the normal stress: a small friction stress, by which the prefix of Pa is chosen
+
+
+def run_figure(run: Run, motion: Envelope, stages: Sequence[StageFigures] | None) -> Drawing:
+    """The `motion` of a run: as `protocol_figure` if it has `stages`, else as `motion_figure`."""
+    scene, model = run.solver.scene, run.solver.model
+    with styled():
+        if stages is not None:
+            figure = protocol_figure(scene, model, motion, stages)
+        else:
+            title, curve = f"{scene.name}, {model}: {run.kind or 'events not watched'}", motion.by_time()
+            figure = motion_figure(scene, title, curve.time, curve.stress, curve.rate)
+        if isinstance(run.solver, Leaping) and run.solver.skipped:
+            share = run.solver.skipped / run.solver.time
+            told = f"leaps left out {share:.0%} of the run's transits: there the ranges of those before and after are joined"
+            figure.supxlabel(told, fontsize=8.5, color="#666666")
+        return figure
 
 
 def motion_figure(scene: Scene, title: str, time: Array, stress: Ranges, rate: Ranges) -> Drawing:
@@ -82,14 +101,21 @@ def protocol_figure(scene: Scene, model: str, motion: Envelope, stages: Sequence
     return figure
 
 
-def return_map(title: str, cycles: Events) -> Drawing:
-    """One point for each cycle but the first, and the line on which cycles repeat: one point if they do, as many as there are
-    events in a period, a closed curve on a torus, a curve or a cloud if they are irregular. Call it inside `styled()`."""
-    figure = canvas(4.6, 4.6)
-    axes = figure.subplots()
-    axes.plot(cycles.period[:-1], cycles.period[1:], ".", color="#111111", markersize=3.5)
-    axes.axline((float(cycles.period[0]), float(cycles.period[0])), slope=1.0, color="#777777", linewidth=0.7)
-    axes.set(title=title, xlabel="period / transits", ylabel="next period / transits")
-    axes.grid(True)
-    axes.set_aspect("equal", adjustable="datalim")
-    return figure
+def return_map(run: Run) -> Drawing:
+    """One point for each cycle of the run's second half but the first, and the line on which cycles repeat: one point if they do,
+    as many as there are events in a period, a closed curve on a torus, a curve or a cloud if they are irregular.
+
+    Raises SceneError for fewer than two cycles."""
+    period = run.events.period[run.events.time >= second_half(run.solver, run.until)]
+    if period.size < 2:
+        raise SceneError("a return map needs two complete cycles in the second half of the run")
+    with styled():
+        figure = canvas(4.6, 4.6)
+        axes = figure.subplots()
+        axes.plot(period[:-1], period[1:], ".", color="#111111", markersize=3.5)
+        axes.axline((float(period[0]), float(period[0])), slope=1.0, color="#777777", linewidth=0.7)
+        title = f"{run.solver.scene.name}, {run.solver.model}: {run.kind}"
+        axes.set(title=title, xlabel="period / transits", ylabel="next period / transits")
+        axes.grid(True)
+        axes.set_aspect("equal", adjustable="datalim")
+        return figure

@@ -1,12 +1,11 @@
 """Why a run's motion is what it is, and what would change it, in words: from the stability of steady sliding."""
 
 import math
-from dataclasses import replace
 
 from reduced.stability import Stability, analyse, friction_slopes, scaled
 from reduced.stability.analyse import stability_in_si
+from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from validation.run.length import LONGEST_RUN, UntilSettled
 from validation.run.outlook import outlook
 from validation.run.simulate import Run
 
@@ -15,14 +14,10 @@ PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
 
 
 def reasons(run: Run, model: str) -> list[str]:
-    """Lines on the verdict of a run: why it slides steadily, decays, grows or has no cycles, and what its figures are worth.
-    `model` is one with the one-port of the model that ran."""
+    """Lines on the verdict of a run whose motion does not repeat: why it slides steadily, decays, grows or has no cycles. `model`
+    is one with the one-port of the model that ran."""
     verdict, scene = run.verdict, run.solver.scene
-    if verdict is None or run.failed:
-        return []
-    if verdict.repeats:
-        return _on_spreads(run)
-    if verdict.kind not in ("steady", "decaying", "growing", "settling", "too short") or scene.drive.velocities[-1] == 0.0:
+    if verdict is None or verdict.kind in ("driven", "protocol", *REPEATING) or scene.drive.velocities[-1] == 0.0:
         return []
     final = scene if scene.drive.is_constant else scaled(scene, velocity=scene.drive.velocities[-1])
     found = analyse(final, model)
@@ -90,29 +85,11 @@ def power_of(value: float) -> int:
     return min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.3g}"))) / 3.0)))
 
 
-def needed(run: Run, model: str) -> float:
-    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected;
-    infinite if no run may be so long. `model` as for `reasons`."""
-    verdict, scene = run.verdict, run.solver.scene
-    if verdict is None or verdict.cycles or verdict.kind != "too short":
-        return verdict.needed if verdict else math.nan
-    settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
-    expected = next(settled.ends(0.0))
-    return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
-
-
 def _on_cycles(run: Run, model: str) -> str:
     period = outlook(run.solver.scene, model).period
     if math.isinf(period):
         return "no cycle is expected: the drive hardly loads the interface"
     return f"a cycle is expected to take about {_time(period, run.solver.scene)}"
-
-
-def _on_spreads(run: Run) -> list[str]:
-    """A remark on every figure whose spread exceeds its mean."""
-    known = {name.replace("_", " "): getattr(run.statistics, name) for name in ("period", "stress_drop", "elastic_stress_drop")}
-    wide = [name for name, one in known.items() if one.std > one.mean]
-    return [f"the std of {' and '.join(wide)} exceeds the mean: cycles differ so much that a mean says little"] if wide else []
 
 
 def _time(transits: float, scene: Scene) -> str:

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 from slipwave.extras import require
 from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
-from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
     from xarray import DataArray as DataArray
     from xarray import Dataset as Dataset
 
     from reduced.orbit.closing import Closed
+    from validation.study.drawing import Drawing
 else:  # xarray is loaded only when a dataset is made
     DataArray = Dataset = Any
 
@@ -114,7 +114,7 @@ class Result(ABC):
         """All arrays with coordinates and units; for a scene in SI also in SI. The attributes say where it comes from."""
 
     @abstractmethod
-    def plot(self) -> Drawing:
+    def plot(self) -> "Drawing":
         """A figure of it, in the house style."""
 
     def lines(self, summary: Mapping[str, Any]) -> Iterable[str]:
@@ -185,8 +185,10 @@ def new_dataset(*parts: Any, **named: Any) -> Dataset:
     return xarray.Dataset(*parts, **named)
 
 
-def save_drawing(path: str | Path, draw: Callable[[], Drawing]) -> None:
+def save_drawing(path: str | Path, draw: "Callable[[], Drawing]") -> None:
     """Write the figure that `draw` makes as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+    from validation.study.drawing import styled
+
     with styled(), whole_or_absent(Path(path)) as temporary:
         draw().savefig(temporary, dpi=150)
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from fullwave.fields.files import write_field
 from slipwave.errors import SceneError
 from slipwave.files import part_of
-from slipwave.observe import Events
 from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
 from slipwave.solve import Leaping
@@ -18,21 +17,27 @@ from validation.data.writing import write_series
 from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import grid_in_words
 from validation.registry.families import one_port_of
-from validation.results.figures import motion_figure, protocol_figure, return_map
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import cycle_in_si
-from validation.results.reasons import needed, reasons
 from validation.results.result import Dataset, Output, Result, finite, save_drawing
 from validation.results.run_dataset import run_dataset, write_events, write_run
 from validation.results.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
-from validation.results.wording import ENDED, events_in_words, exponent_in_words, header, margins_in_words, statistics_rows
-from validation.run.length import second_half
+from validation.results.wording import (
+    ENDED,
+    events_in_words,
+    exponent_in_words,
+    header,
+    margins_in_words,
+    spreads_in_words,
+    statistics_rows,
+)
+from validation.run.length import needed
 from validation.run.recording import FIELD_FILES, Records, way_on
 from validation.run.simulate import Run
-from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
+    from validation.study.drawing import Drawing
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -168,12 +173,18 @@ class RunResult(Result):
     @cached_property
     def reasons(self) -> list[str]:
         """Why the motion is what it is, and what would change it, in words."""
+        if self.done.failed or self.done.verdict is None:
+            return []
+        if self.done.verdict.repeats:
+            return spreads_in_words(self.done.statistics)
+        from validation.results.reasons import reasons  # it analyses stability
+
         return reasons(self.done, one_port_of(self.done.solver.model))
 
     @property
     def needed(self) -> float:
         """Length (transits) of a run with enough cycles, if this one is too short."""
-        return needed(self.done, one_port_of(self.done.solver.model))
+        return needed(self.done.verdict, self.done.solver.scene, one_port_of(self.done.solver.model))
 
     @property
     def energy(self) -> dict[str, float] | None:
@@ -197,33 +208,19 @@ class RunResult(Result):
         field = record.field if record is not None and self.done.final is not None else None
         write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
 
-    def plot(self) -> Drawing:
+    def plot(self) -> "Drawing":
         """Stress and slip rate over time, or of a protocol friction over time and slip; in a window if one was given. Some
         thousand ranges are drawn, however long the run was."""
-        done, scene, motion = self.done, self.done.solver.scene, self.records.envelope
-        with styled():
-            if self.records.protocol is not None:
-                figure = protocol_figure(scene, done.solver.model, motion, self.stages)
-            else:
-                title = f"{scene.name}, {done.solver.model}: {done.kind or 'events not watched'}"
-                curve = motion.by_time()
-                figure = motion_figure(scene, title, curve.time, curve.stress, curve.rate)
-            if isinstance(done.solver, Leaping) and done.solver.skipped:
-                share = done.solver.skipped / done.solver.time
-                told = f"leaps left out {share:.0%} of the run's transits: there the ranges of those before and after are joined"
-                figure.supxlabel(told, fontsize=8.5, color="#666666")
-            return figure
+        from validation.results.figures import run_figure
 
-    def plot_return_map(self) -> Drawing:
+        return run_figure(self.done, self.records.envelope, self.stages if self.records.protocol else None)
+
+    def plot_return_map(self) -> "Drawing":
         """The period of each cycle of the run's second half over that of the one before. Raises SceneError for fewer than two
         cycles."""
-        done, cycles = self.done, self.done.events
-        inside = cycles.time >= second_half(done.solver, done.until)
-        if inside.sum() < 2:
-            raise SceneError("a return map needs two complete cycles in the second half of the run")
-        title = f"{done.solver.scene.name}, {done.solver.model}: {done.kind}"
-        with styled():
-            return return_map(title, Events(*(column[inside] for column in cycles)))
+        from validation.results.figures import return_map
+
+        return return_map(self.done)
 
     def save_return_map(self, path: str | Path) -> None:
         """Write the return map as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""

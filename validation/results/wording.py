@@ -81,6 +81,13 @@ def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
     return [f"the mean of an endless run lies within (95 %): {known}"]
 
 
+def spreads_in_words(found: RunStatistics) -> list[str]:
+    """A remark on every figure of cycles whose spread exceeds its mean."""
+    known = {name.replace("_", " "): getattr(found, name) for name in ("period", "stress_drop", "elastic_stress_drop")}
+    wide = [name for name, one in known.items() if one.std > one.mean]
+    return [f"the std of {' and '.join(wide)} exceeds the mean: cycles differ so much that a mean says little"] if wide else []
+
+
 def exponent_in_words(found: Exponent) -> str:
     """A line with the largest Lyapunov exponent, and whether it differs from zero."""
     known = f"largest Lyapunov exponent {rounded(found.rate, 3)} +- {rounded(found.margin, 2)} per transit (95 %)"

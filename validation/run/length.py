@@ -7,7 +7,7 @@ ended without a stop.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, TypeAlias
 
 from slipwave.errors import SceneError
@@ -171,6 +171,16 @@ def require_counted(scene: Scene, cycles: int | None) -> None:
     """Raises SceneError for a number of cycles that the scene does not count."""
     if cycles is not None and not scene.record:
         raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
+
+
+def needed(verdict: Verdict | None, scene: Scene, model: str) -> float:
+    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected;
+    infinite if no run may be so long. `model` as for `length_of`."""
+    if verdict is None or verdict.cycles or verdict.kind != "too short":
+        return verdict.needed if verdict else math.nan
+    settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
+    expected = next(settled.ends(0.0))
+    return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
 
 
 def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:

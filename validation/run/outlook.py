@@ -32,6 +32,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.scene.start import NUDGE_CENTRE, StartKind
@@ -65,7 +66,7 @@ class Outlook:
 def outlook(scene: Scene, model: str) -> Outlook:
     """The outlook of `scene` at the velocity with which its drive ends; `model` is one with the one-port of the model that
     runs."""
-    from reduced.stability import friction_slopes, scaled, spectrum
+    from reduced.stability import scaled, spectrum
 
     velocity = scene.drive.velocities[-1]
     if velocity == 0.0:
@@ -85,8 +86,6 @@ def outlook(scene: Scene, model: str) -> Outlook:
 
 def stress_released(scene: Scene) -> float:
     """D, in normal stresses, of a scene with a constant drive and weakening friction; infinite if nothing loads it."""
-    from reduced.stability import friction_slopes
-
     weakening = -scene.velocity * friction_slopes(scene.law, scene.velocity).steady
     loading = scene.stiffness * scene.velocity / scene.transit  # per L/V*
     if loading == 0.0:
@@ -125,13 +124,13 @@ class Amplified:
 def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
     """What amplified rounding does to a run of `scene` to `until` (transits); None if it stays below `tolerance`. `model` is
     one with the one-port of the model that runs."""
-    from reduced.stability import characteristic, follow_root, friction_slopes, spectrum
-
     wanted = EXPECTED_ERROR if tolerance is None else tolerance
     slopes = friction_slopes(scene.law, scene.velocity)
     fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
     if scene.start.kind is StartKind.ORBIT or not slopes.weakening or _share(scene, fastest) <= wanted:
         return None
+    from reduced.stability import characteristic, follow_root, spectrum
+
     if fastest > _NO_ECHO:
         leading = follow_root(characteristic(scene, model), slopes.reach - slopes.healing)
     else:
