@@ -18,8 +18,7 @@ from slipwave.observe import EventObserver
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from slipwave.solve.follow import DAY, require_time
-from tests.granite import GRANITE
-from tests.granite import GRANITE as THIN
+from tests.granite import GRANITE, THIN
 from validation.cli import INPUT_WRONG, main
 from validation.registry.build import build
 from validation.registry.families import GRIDS, explicit_time
