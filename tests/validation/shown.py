@@ -79,3 +79,8 @@ def watched(read, scenes):
 def outcomes(found):
     """The outcomes of one verdict or of several, in words."""
     return " ".join(verdict.outcome.value for verdict in ([found] if isinstance(found, Verdict) else found))
+
+
+def judged(found, expected):
+    """Whether verdicts are as expected: their outcomes in words, or how many fail."""
+    return (outcomes(found).split().count("fail") if isinstance(expected, int) else outcomes(found)) == expected

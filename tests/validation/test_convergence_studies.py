@@ -1,9 +1,11 @@
 """The two studies of convergence: what they measure, outcomes on both sides of every limit, answers, tables, figures."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from shown import judged, outcomes
 
 from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
@@ -24,52 +26,18 @@ CELLS = np.array([48, 96, 192, 384])
 NAMES = (*SYMBOLS, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
 
 
-def reds(verdicts):
-    return [verdict.outcome for verdict in verdicts].count(Outcome.FAIL)
+def leapfrog(order=2.0, jump=1.0):
+    errors = {name: 0.001 * (CELLS / 48.0) ** (-(jump if "jump" in name else order)) for name in NAMES}
+    fits = {name: fit_order(CELLS, values) for name, values in errors.items()}
+    return ({name: dict.fromkeys(leapfrog_convergence.CFLS, fit) for name, fit in fits.items()},)
 
 
-def leapfrog_errors(order=2.0, jump=1.0):
-    return {
-        name: dict.fromkeys(leapfrog_convergence.CFLS, 0.001 * (CELLS / 48.0) ** (-(jump if "jump" in name else order)))
-        for name in NAMES
-    }
-
-
-def fits_of(errors):
-    return {name: {cfl: fit_order(CELLS, values) for cfl, values in some.items()} for name, some in errors.items()}
-
-
-@pytest.mark.parametrize(
-    ("order", "jump", "red"), [(2.08, 0.92, 0), (1.92, 1.08, 0), (2.3, 1.0, 3), (1.7, 1.0, 3), (2.0, 0.7, 3), (2.0, 1.3, 3)]
-)
-def test_the_leapfrogs_orders_are_judged_on_both_sides(order, jump, red):
-    verdicts = [*leapfrog_convergence._verdicts(fits_of(leapfrog_errors(order, jump)))]
-    assert reds(verdicts) == red
-    assert [verdict.evidence for verdict in verdicts].count(Evidence.SELF) == 2  # CFL 1 is the delay system's own rule
-
-
-@pytest.mark.parametrize(("cfl", "cells"), [(0.5, 60.0), (0.9, 60.0), (1.0, 3.0)])
-@pytest.mark.parametrize(("share", "outcome"), [(0.9, "pass"), (-0.9, "pass"), (3.0, "fail"), (-3.0, "fail")])
-def test_what_extrapolation_leaves(cfl, cells, share, outcome):
-    """An error c h^2 with a part of order 4 that is just allowed, and three times that."""
-    fine = 1e-7
-    left = share * (cells / 384.0) ** 2 * fine
-    assert leapfrog_convergence._extrapolated(np.array([4.0 * fine - 3.0 * left, fine]), 384, cfl).outcome == outcome
+def test_at_cfl_1_the_leapfrog_is_the_delay_systems_own_rule():
+    kinds = [verdict.evidence for verdict in leapfrog_convergence._verdicts(*leapfrog())]
+    assert kinds.count(Evidence.SELF) == 2
 
 
 GRIDS = [orbits.GridOrbit("sbp:6", cells, 1e-3 * cells**-6.0, 1e-3 * cells**-6.0) for cells in (24, 32)]
-
-
-@pytest.mark.parametrize(
-    ("order", "shares", "red"), [(6.01, (0.9, 0.9), 0), (8.0, (0.9, 0.9), 0), (5.9, (0.9, 0.9), 1), (8.0, (3.0, np.inf), 2)]
-)
-def test_the_grids_own_orbit_is_judged_on_both_sides(order, shares, red):
-    """The order of its errors, and the errors on the finest grid."""
-    family = [one._replace(stress_drop=1e-2 * (one.cells / 24) ** -order) for one in GRIDS]
-    assert orbits.orbit_order(family, "stress_drop") == pytest.approx(order)
-    last = family[-1]
-    allowed = orbits.Grids((24, 32), (last.period / shares[0], last.stress_drop / shares[1]))
-    assert reds(orbits.orbit_verdicts(family, {"sbp:6": allowed})) == red
 
 
 def test_an_order_ends_where_rounding_begins():
@@ -85,20 +53,9 @@ def beside(off, error=0.0, cycles=0):
     return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles)
 
 
-@pytest.mark.parametrize(
-    ("found", "outcome"),
-    [
-        (beside(4.5e-10), "pass"),
-        (beside(-15e-10), "fail"),
-        (beside(0.0069, 0.1, 50), "pass"),  # four standard errors of 0.1 sqrt(2) are 0.0071 of 80
-        (beside(-0.0072, 0.1, 50), "fail"),
-        (beside(0.0, 0.1, 50), "fail"),  # a run beside itself
-    ],
-)
-def test_the_full_wave_as_r_grows(found, outcome):
-    assert [verdict.outcome for verdict in orbits.growth_verdicts([found])] == [outcome]
-    ending = ("1.0 standard errors", 50) if found.cycles else ("2 · 10^{−10}", None)
-    assert orbits.growth_table([beside(0.00177, 0.1, 50) if found.cycles else beside(2e-10)]).rows[0][5:] == ending
+def test_what_the_table_says_as_r_grows():
+    rows = orbits.growth_table([beside(0.00177, 0.1, 50), beside(2e-10)]).rows
+    assert [row[5:] for row in rows] == [("1.0 standard errors", 50), ("2 · 10^{−10}", None)]
 
 
 WAVE, DELAY = (orbits._WAVE, orbits._WAVE_CELLS), ("delay", None)
@@ -112,16 +69,13 @@ def test_means_of_a_displaced_model_are_red(model, figure, outcome, monkeypatch)
     """400 irregular cycles with a spread of 1 % for each model; one figure of one model is displaced by 2 % in turn."""
     draw = {WAVE: np.random.default_rng(1).standard_normal, DELAY: np.random.default_rng(2).standard_normal}
 
-    class Cycles:
-        def __init__(self, name, scene, until, cells):
-            self.period, self.stress_drop = (value * (1.0 + 0.01 * draw[name, cells](400)) for value in (80.0, 0.2))
-            if (name, cells) == model and figure:
-                setattr(self, figure, 1.02 * getattr(self, figure))
+    def cycles(name, scene, until, cells):
+        drawn = {key: value * (1.0 + 0.01 * draw[name, cells](400)) for key, value in (("period", 80.0), ("stress_drop", 0.2))}
+        return SimpleNamespace(**drawn | ({figure: 1.02 * drawn[figure]} if (name, cells) == model and figure else {}))
 
-    monkeypatch.setattr(orbits, "late_cycles", Cycles)
+    monkeypatch.setattr(orbits, "late_cycles", cycles)
     (found,) = orbits.as_r_grows((), (-2.5,))
-    assert found.cycles == 400
-    assert [verdict.outcome for verdict in orbits.growth_verdicts([found])] == [outcome]
+    assert (found.cycles, outcomes(orbits.growth_verdicts([found]))) == (400, outcome)
 
 
 @pytest.fixture(scope="module")
@@ -148,7 +102,7 @@ def test_a_scheme_short_of_its_order_is_red(exact, displaced, changes, red):
     """The reference displaced by 1e-6, as a friction clock that is off would: errors stop falling."""
     wrong = {name: values * (1 + displaced) for name, values in exact.items()}
     found = climb(replace(LADDERS["dg:2"], **changes), wrong, build)
-    assert reds([grid_convergence.order_verdict(found)]) == red
+    assert judged(grid_convergence.order_verdict(found), red)
     assert red or found.fit_together().order == pytest.approx(4.0, abs=0.02)
 
 
@@ -195,26 +149,7 @@ def synthetic(order=8.0, apart=1e-13, share=0.5, beyond=0.0):
     """Marches with errors of that order and agreement, which are a share of the requested ones and something more."""
     explicit = 1e-8 * np.array(COURANT)[:, None] ** order * np.ones(5)
     explicit[-1] = apart
-    return Marches("dg:7", explicit, share * np.array(REQUESTS)[:, None] * np.ones(5) + apart + beyond)
-
-
-@pytest.mark.parametrize(
-    ("changes", "red"),
-    [
-        ({}, 0),
-        ({"order": 7.0}, 1),
-        ({"order": 9.5}, 0),
-        ({"apart": 4e-12}, 0),
-        ({"apart": 6e-12}, 1),
-        ({"share": 1.0, "beyond": 2e-11}, 0),
-        ({"share": 1.0, "beyond": 4e-11}, 1),
-        ({"share": 1.01}, 1),
-        ({"share": np.nan}, 1),
-    ],
-)
-def test_marches_are_judged_on_both_sides(changes, red):
-    verdicts = [*in_time.time_verdicts([synthetic(**changes)])]
-    assert (len(verdicts), reds(verdicts)) == (3, red)
+    return ([Marches("dg:7", explicit, share * np.array(REQUESTS)[:, None] * np.ones(5) + apart + beyond)],)
 
 
 def climbed(model="sbp:4", order=4.0):
@@ -254,3 +189,38 @@ def test_which_code_is_common_is_read_from_the_imports():
     assert shared("delay", "fem") == ()
     assert len(code_table().rows) == 10
     assert "no solver modules in common with any of them" in code_note()
+
+
+def extrapolated(cfl, cells, share):
+    """An error c h^2 with a part of order 4 that is just allowed, or a multiple of it."""
+    left, fine = share * (cells / 384.0) ** 2 * 1e-7, 1e-7
+    return leapfrog_convergence._extrapolated(np.array([4.0 * fine - 3.0 * left, fine]), 384, cfl)
+
+
+def own_orbit(order, shares):
+    """The order of a grid's errors, and the errors on the finest one as shares of those allowed."""
+    family = [one._replace(stress_drop=1e-2 * (one.cells / 24) ** -order) for one in GRIDS]
+    assert orbits.orbit_order(family, "stress_drop") == pytest.approx(order)
+    allowed = orbits.Grids((24, 32), (family[-1].period / shares[0], family[-1].stress_drop / shares[1]))
+    return orbits.orbit_verdicts(family, {"sbp:6": allowed})
+
+
+JUDGED = [
+    *((leapfrog_convergence._verdicts, leapfrog(*case), reds) for *case, reds in
+      ((2.08, 0.92, 0), (1.92, 1.08, 0), (2.3, 1.0, 3), (1.7, 1.0, 3), (2.0, 0.7, 3), (2.0, 1.3, 3))),
+    *((extrapolated, (*case, share), end) for case in ((0.5, 60.0), (0.9, 60.0), (1.0, 3.0))
+      for share, end in ((0.9, "pass"), (-0.9, "pass"), (3.0, "fail"), (-3.0, "fail"))),
+    *((own_orbit, case, reds) for *case, reds in
+      ((6.01, (0.9, 0.9), 0), (8.0, (0.9, 0.9), 0), (5.9, (0.9, 0.9), 1), (8.0, (3.0, np.inf), 2))),
+    # four standard errors of 0.1 sqrt(2) are 0.0071 of 80; a run beside itself
+    *((orbits.growth_verdicts, ([beside(*case)],), end) for *case, end in
+      ((4.5e-10, "pass"), (-15e-10, "fail"), (0.0069, 0.1, 50, "pass"), (-0.0072, 0.1, 50, "fail"), (0.0, 0.1, 50, "fail"))),
+    *((in_time.time_verdicts, synthetic(**changes), end) for changes, end in
+      (({}, "pass pass pass"), ({"order": 7.0}, 1), ({"order": 9.5}, 0), ({"apart": 4e-12}, 0), ({"apart": 6e-12}, 1),
+       ({"share": 1.0, "beyond": 2e-11}, 0), ({"share": 1.0, "beyond": 4e-11}, 1), ({"share": 1.01}, 1), ({"share": np.nan}, 1))),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("study", "given", "expected"), JUDGED)
+def test_verdicts_from_both_sides(study, given, expected):
+    assert judged(study(*given), expected)

@@ -306,6 +306,12 @@ def test_the_ranges_of_the_motion_are_drawn_in_both_units():
     found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
     above, below = found.plot().axes
     data = found.dataset
+    assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == (
+        "friction stress / normal stress",
+        "slip rate / V*",
+        "time / transits",
+    )
+    assert [one.get_xlabel() + one.get_ylabel() for one in above.child_axes] == ["time / s", "friction stress / Pa"]
     for axes, name in ((above, "interface_stress"), (below, "interface_slip_rate")):
         (time, low), (_, high) = values(axes)
         assert (time[-1], low[-1], high[-1]) == (100.0, data[name].values[-1], data[name].values[-1])

@@ -151,19 +151,15 @@ def test_a_finished_sweep_computes_nothing(tmp_path):
     assert sorted((tmp_path / "done" / "parts").iterdir()) == before
 
 
-def test_a_half_done_sweep_can_be_gathered(tmp_path, capsys):
-    what = plan((6, 6))
-    computed(what, tmp_path / "half", part=(1, 2))
-    assert main(["sweep", str(tmp_path / "half"), "--gather", "--json"]) == 0
-    told = json.loads(capsys.readouterr().out)
+def test_a_half_done_sweep_can_be_gathered(tmp_path, answer):
+    computed(plan((6, 6)), tmp_path / "half", part=(1, 2))
+    told = answer("sweep", str(tmp_path / "half"), "--gather")
     assert (told["points"], told["done"]) == (36, 18)
     data = xarray.load_dataset(tmp_path / "half" / "sweep.nc")
     there = data["status"].values == 0
     assert there.sum() == 18
-    assert np.isnan(data["height"].values[~there]).all()
-    x = (data["a"].values - 0.01) / 0.01
-    y = (data["b"].values - 0.02) / 0.01
-    assert np.allclose(data["height"].values[there], (2.0 * x[:, None] - y)[there], atol=1e-12)
+    x, y = ((data[name].values - middle) / 0.01 for name, middle in (("a", 0.01), ("b", 0.02)))
+    np.testing.assert_allclose(data["height"], np.where(there, np.subtract.outer(2.0 * x, y), np.nan), atol=1e-12)
 
 
 @pytest.mark.parametrize("counts", [(65, 33), (33, 65)])
@@ -189,37 +185,36 @@ def test_refinement_does_not_depend_on_what_is_there(tmp_path):
     assert np.array_equal(found["regime"].values, again["regime"].values)
 
 
-def test_the_audit_sees_an_island(tmp_path):
-    """A regime smaller than a cell is found where a cell is divided by chance, and its surroundings are then computed."""
-    what = plan((129, 129), refine=3)
-    island = np.zeros(what.shape, dtype=int)
+def reading(what, truth):
+    """Regimes that are known so far, and how more of them become known."""
     known = np.full(what.shape, -1)
 
     def compute(points):
-        known.reshape(-1)[points] = island.reshape(-1)[points]
+        known.reshape(-1)[points] = truth.reshape(-1)[points]
 
-    assert refine(what, 3, compute, lambda: known.reshape(-1)).hidden == 0
-    seen = int((known >= 0).sum())
+    return known, compute, lambda: known.reshape(-1)
+
+
+def test_the_audit_sees_an_island():
+    """A regime smaller than a cell is found where a cell is divided by chance, and its surroundings are then computed."""
+    what = plan((129, 129), refine=3)
+    island = np.zeros(what.shape, dtype=int)
+    known, *how = reading(what, island)
+    assert refine(what, 3, *how).hidden == 0
     fresh = np.argwhere((known[0] >= 0) & (np.add.outer(np.arange(129) % 8, np.arange(129) % 8) > 0))
-    island[0, fresh[0][0], fresh[0][1]] = 1
-    known[...] = -1
-    audit = refine(what, 3, compute, lambda: known.reshape(-1))
-    assert audit.hidden >= 1
-    assert int((known >= 0).sum()) > seen
+    island[0, *fresh[0]] = 1
+    again, *how = reading(what, island)
+    assert refine(what, 3, *how).hidden >= 1
+    assert (again >= 0).sum() > (known >= 0).sum()
 
 
 def test_a_finger_of_a_regime_is_followed_into_the_next_cell():
     """It crosses the edge between two corners that lie outside."""
     what = plan((33, 33), refine=3)
     truth = np.zeros(what.shape, dtype=int)
-    truth[0, 15:18, 15:21] = 1
-    truth[0, 16:31, 20] = 1
-    known = np.full(what.shape, -1)
-
-    def compute(points):
-        known.reshape(-1)[points] = truth.reshape(-1)[points]
-
-    refine(what, 3, compute, lambda: known.reshape(-1))
+    truth[0, 15:18, 15:21] = truth[0, 16:31, 20] = 1
+    known, *how = reading(what, truth)
+    refine(what, 3, *how)
     shown = known.astype(float)
     fill(what, 3, known.reshape(-1), {"regime": shown.reshape(-1)})
     assert np.array_equal(shown, truth)
@@ -415,29 +410,22 @@ def test_two_sweeps_into_one_folder_are_one(tmp_path):
         assert same(data, found[0])
 
 
-def test_another_sweep_in_the_folder_is_refused(tmp_path, capsys):
-    words = ["sweep", "paper", "--measure", DISC, "--workers", "1", "--out", str(tmp_path / "out")]
+def test_another_sweep_in_the_folder_is_refused(tmp_path, refused):
+    out, manifest = str(tmp_path / "out"), tmp_path / "out" / "manifest.json"
     computed(plan((3, 2)), tmp_path / "out")
-    assert main([*words, "--vary", "a=0.01:0.02:3"]) == 2
-    assert "holds another sweep (axes changed)" in capsys.readouterr().err
-    changed = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    words = ["sweep", "paper", "--measure", DISC, "--workers", "1", "--out", out, "--vary", "a=0.01:0.02:3"]
+    assert "holds another sweep (axes changed)" in refused(*words)
+    changed = json.loads(manifest.read_text())
     changed["program"]["code"] = "another"
-    (tmp_path / "out" / "manifest.json").write_text(json.dumps(changed))
-    assert main(["sweep", str(tmp_path / "out")]) == 2
-    assert "program: code changed" in capsys.readouterr().err
-    (tmp_path / "out" / "manifest.json").write_text("{")
-    assert main(["sweep", str(tmp_path / "out")]) == 2
-    assert "damaged" in capsys.readouterr().err
+    for text, told in ((json.dumps(changed), "program: code changed"), ("{", "damaged")):
+        manifest.write_text(text)
+        assert told in refused("sweep", out)
 
 
-def test_a_dry_sweep_computes_nothing(tmp_path, capsys):
-    assert (
-        main(["sweep", "paper", "--vary", "a=0.01:0.02:30", "--measure", DISC, "--out", str(tmp_path / "x"), "--dry", "--json"])
-        == 0
-    )
-    told = json.loads(capsys.readouterr().out)["expected"]
-    assert told["points"] == 30
-    assert 0.0 < told["seconds_per_point"] < 1.0
+def test_a_dry_sweep_computes_nothing(tmp_path, answer):
+    told = answer("sweep", "paper", "--vary", "a=0.01:0.02:30", "--measure", DISC, "--out", str(tmp_path / "x"), "--dry")
+    assert told["expected"]["points"] == 30
+    assert 0.0 < told["expected"]["seconds_per_point"] < 1.0
     assert not (tmp_path / "x").exists()
 
 
