@@ -67,27 +67,15 @@ def test_three_figures_and_a_prefix(value, unit, text):
     assert engineering(value, unit) == text
 
 
-def test_figures_of_a_run_in_si(answer, printed):
+def test_figures_of_a_run_in_si(answer):
     """paper-si: one transit is 2 thickness/c, L/V* = 0.9 s, sigma = 1000 Pa, V* = 1e-6 m/s."""
-    words = ["run", "paper-si", "--set", "drive.velocity=2000", "--until", "200", "--json"]
-    found = json.loads(printed(*words))
-    transit = 2.0 * 0.03357797353158276 / math.sqrt(1e6 / 784.0)
-    assert found["si"] == pytest.approx(
-        {
-            "period_s": found["period"]["mean"] * transit,
-            "stress_drop_Pa": 1e3 * found["stress_drop"]["mean"],
-            "elastic_stress_drop_Pa": 1e3 * found["elastic_stress_drop"]["mean"],
-            "v_max_m_per_s": 1e-6 * found["v_max"],
-            "v_min_m_per_s": 1e-6 * found["v_min"],
-            "transit_s": transit,
-        }
-        | {
-            f"{name}_std_{unit}": scale * found[name]["std"]
-            for name, unit, scale in (("period", "s", transit), ("stress_drop", "Pa", 1e3), ("elastic_stress_drop", "Pa", 1e3))
-        },
-        rel=1e-12,
-    )
-    short = answer(*words[:-3], "--until", "2")["si"]
+    words = ["run", "paper-si", "--set", "drive.velocity=2000", "--until"]
+    found, transit = answer(*words, "200"), 2.0 * 0.03357797353158276 / math.sqrt(1e6 / 784.0)
+    wanted = {f"{name}_m_per_s": 1e-6 * found[name] for name in ("v_max", "v_min")} | {"transit_s": transit}
+    for name, unit, scale in (("period", "s", transit), ("stress_drop", "Pa", 1e3), ("elastic_stress_drop", "Pa", 1e3)):
+        wanted |= {f"{name}_{unit}": scale * found[name]["mean"], f"{name}_std_{unit}": scale * found[name]["std"]}
+    assert found["si"] == pytest.approx(wanted, rel=1e-12)
+    short = answer(*words, "2")["si"]
     assert (short["period_s"], short["transit_s"]) == (None, pytest.approx(transit, rel=1e-12))
 
 
@@ -211,18 +199,11 @@ def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch, capsys):
     assert "model delay: 6000 transits would take about" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "words",
-    [
-        ["run", "paper", "--model", "fd", "--cells", "16"],
-        ["compare", "paper", "--models", "fd", "--cells", "16", "--out", "x.png"],
-    ],
-    ids=lambda words: words[0],
-)
+@pytest.mark.parametrize("words", ["run paper --model fd", "compare paper --models fd --out x.png"])
 def test_yes_runs_it_all_the_same(words, tmp_path, monkeypatch, printed, refused):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(Leapfrog, "seconds_per_piece", DAY)
-    words = [*words, "--until", "30", "--json"]
+    words = [*words.split(), "--cells", "16", "--until", "30", "--json"]
     assert refused(*words).startswith("slipwave: model fd: 30 transits would take about")
     assert list(tmp_path.iterdir()) == []
     assert json.loads(printed(*words, "--yes"))["until"] == 30.0
