@@ -20,9 +20,8 @@ ROLES = {"run", "answer", "main"}
 """What every study, and every program, calls its own."""
 TWICE = set(
     """
-    Cycle Onset Run Side Verdict all_verdicts branch_claims error essential_abscissa
-    facts_of orbit orbit_claims orbit_of planes rates scenes score settled show spread
-    steady_state verdicts
+    Cycle Run Side Verdict all_verdicts branch_claims error orbit orbit_claims orbit_of planes rates scenes score settled
+    show spread verdicts
     """.split()  # noqa: SIM905
 )
 """Public names that are still defined in two files, until one of them is renamed."""

@@ -12,7 +12,7 @@ from reduced.delay.alike import Delay
 from slipwave.solve import follow
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
 from validation.measure.order_fit import fit_order, shortfall
-from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_state
+from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_start
 from validation.registry.build import build
 from validation.studies import cost_and_error
 from validation.studies.manufactured import CELLS, FINEST, climbed
@@ -102,7 +102,7 @@ KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
 def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
     """At log10 r = -2.69954994745 a pair of eigenvalues is +-i 2 pi/49.66821032; the others belong to the ODE's damped wave."""
     scene = slipwave.read("paper", {"slab.log10_r": -2.69954994745})
-    rates, at = right_hand_side(scene), np.array(steady_state(scene))
+    rates, at = right_hand_side(scene), np.array(steady_start(scene))
     before = -1e3  # transits: no nudge
     assert rates(before, at) == pytest.approx([0.0] * 4, abs=1e-13)
     columns = [np.subtract(rates(before, at + e), rates(before, at - e)) / 2e-6 for e in 1e-6 * np.eye(4)]
@@ -114,7 +114,7 @@ def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
 
 def test_it_is_nudged_as_the_scene_says_and_finds_the_period():
     scene = slipwave.read("paper")
-    rates, at = right_hand_side(scene), np.array(steady_state(scene))
+    rates, at = right_hand_side(scene), np.array(steady_start(scene))
     assert [rates(time, at)[3] for time in (6.0, 7.0)] == pytest.approx([0.5, 0.5 * math.exp(-1.0)])
     run = plain_kelvin_voigt(slipwave.read("paper"), 2000.0, 1e-10)
     assert run.period == pytest.approx(KNOWN, rel=1e-7)  # 3e-8 was measured: the transient

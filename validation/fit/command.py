@@ -19,7 +19,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series
 from validation.fit.cycles import CycleOfSolver
-from validation.fit.kept import facts_of, recalled_best
+from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
@@ -273,7 +273,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scene, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model}
-    best = recalled_best(options.checkpoint, next(problem.starts()), facts_of(scene.digest, files, settings))
+    best = recalled_best(options.checkpoint, next(problem.starts()), facts_of_fit(scene.digest, files, settings))
     stopped = False
     try:
         starts, is_cheap = problem.starts(), all(one.is_cheap for one in problem.models)

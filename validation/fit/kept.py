@@ -36,7 +36,7 @@ class KeptBest(Best):
                 temporary.write_text(json.dumps(known, indent=1), encoding="utf-8")
 
 
-def facts_of(scene_digest: str, files: Sequence[str], settings: Mapping[str, Any]) -> dict[str, Any]:
+def facts_of_fit(scene_digest: str, files: Sequence[str], settings: Mapping[str, Any]) -> dict[str, Any]:
     """What must be the same for a fit to go on: the scene, every file's contents, and the settings."""
     contents = {f"contents of {name}": hashlib.sha256(Path(name).read_bytes()).hexdigest()[:12] for name in files}
     return {"scene": scene_digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}

@@ -44,7 +44,7 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
         return float(state[2]) - ln_v
 
     crossing.direction = 1.0  # type: ignore[attr-defined]
-    start = steady_state(scene)
+    start = steady_start(scene)
     solve: Any = partial(solve_ivp, rates, (0.0, until), start, method="LSODA", rtol=tolerance, atol=tolerance)
     seconds, run = timed(lambda: solve(events=crossing, max_step=3.0))
     times = np.asarray(run.t_events)[0]
@@ -52,7 +52,7 @@ def plain_kelvin_voigt(scene: Scene, until: float, tolerance: float) -> PlainRun
     return PlainRun(tolerance, float(events[-1] - events[-2]), seconds, int(run.nfev))
 
 
-def steady_state(scene: Scene) -> list[float]:
+def steady_start(scene: Scene) -> list[float]:
     """Steady sliding at V in y, w, ln v, psi."""
     law, ln_v = scene.law, math.log(scene.velocity)
     return [law.a_star + (law.a - law.b) * ln_v, 0.0, ln_v, -ln_v]
