@@ -8,24 +8,12 @@ import pytest
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.quantity import looks_measured, quantity
+from tests.granite import GRANITE as BARE
 
 GRANITE = {
-    "interface": {
-        "law": "ageing",
-        "a_star": 0.6,
-        "a": 0.01,
-        "b": 0.015,
-        "normal_stress": "5 MPa",
-        "memory_length": "10 um",
-        "reference_velocity": "1 um/s",
-    },
+    "interface": BARE["interface"] | {"normal_stress": "5 MPa", "memory_length": "10 um", "reference_velocity": "1 um/s"},
     "slab": {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "10 m"},
     "drive": {"velocity": "1 um/s"},
-}
-BARE = {
-    "interface": GRANITE["interface"] | {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6},
-    "slab": {"density": 2700, "shear_modulus": 3e10, "thickness": 10},
-    "drive": {"velocity": 1},
 }
 ROUND_TRIP = 2 * 10 / (3e10 / 2700) ** 0.5
 """In seconds."""

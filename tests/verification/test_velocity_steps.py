@@ -3,7 +3,6 @@
 One scene: stable sliding, a step up by ten, a hold and a slow restart, none at a multiple of the transit.
 """
 
-import numpy as np
 import pytest
 
 import slipwave
@@ -30,21 +29,3 @@ def test_the_leapfrog_tends_to_the_delay_system(until):
     coarse, fine = (final("fd", until, {}, cells=cells) for cells in (400, 800))
     assert 2.0 * fine.ln_v - coarse.ln_v == pytest.approx(exact.ln_v, abs=5e-7)  # 4e-8 measured
     assert 2.0 * fine.psi - coarse.psi == pytest.approx(exact.psi, abs=5e-7)
-
-
-AFTERWARDS = [k + 0.25 for k in range(40, 60)]
-
-
-@pytest.mark.parametrize(("model", "cells", "order"), [("dg:3", 8, 7 / 8), ("dg:7", 4, 15 / 16), ("fd", 32, 2.0)])
-def test_a_step_lowers_the_order_of_a_grid_to_one_but_that_of_the_leapfrog(model, cells, order):
-    """On the paper's stick-slip, where the step falls on the end of a step of every march. The order is that after a start with a
-    jump (test_jump_order.py). Measured: 0.87, 0.92, 2.1."""
-    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 130]]})
-
-    def states(model, **options):
-        solver = prepare(model, scene, **options).solver
-        return [follow(solver, moment).psi for moment in AFTERWARDS]
-
-    exact = np.array(states("delay", tolerance=1e-11))
-    coarse, fine = (np.sqrt(np.mean((states(model, cells=n) - exact) ** 2)) for n in (cells, 2 * cells))
-    assert np.log2(coarse / fine) == pytest.approx(order, abs=0.15)
