@@ -18,7 +18,7 @@ LOSSY = {
     "face": GripFace(2.0, 1.5),
     "viscosity": StandardLinearViscosity(0.5 * ROUND_TRIP, 0.7),
 }
-SOME = ("unlike", "layers", "hung-machine", "kelvin-voigt", "standard-linear", "absorbing")
+SOME = ("unlike", "layers", "machine", "hung-machine", "kelvin-voigt", "standard-linear", "absorbing")
 CASES = {name: SCENES[name] for name in SOME} | {"grip-and-loss-below": of({}, LOSSY)}
 
 
