@@ -21,7 +21,9 @@ def changes_since(before: Record, now: Record, since: str) -> Changes:
     done = {study.name for study in now.studies if not study.error}
     scenes = {study.name: study.scenes for study in before.studies}
     other = {study.name for study in now.studies if scenes.get(study.name, study.scenes) != study.scenes}
-    every = [*_of_numbers(before, now, done), *_of_verdicts(before, now, done)]
+    whole = set() if now.quick else done
+    every = [*_compared(before.numbers, now.numbers, whole)]
+    every += _compared(before.verdicts, now.verdicts, whole) if before.verdicts else ()  # the baseline tells none
     every = [_uncompared(change, "another scene of the same name") if change.study in other else change for change in every]
     listed = sorted((change for change in every if change.word is not Word.SAME), key=lambda change: -change.over)
     return Changes(since=since, counts=dict(Counter(change.word for change in every)), listed=tuple(listed))
@@ -31,34 +33,24 @@ def _uncompared(change: Change, why: str) -> Change:
     return change.model_copy(update={"word": Word.NOT_COMPARABLE, "why": why})
 
 
-def _of_numbers(before: Record, now: Record, done: set[str]) -> Iterator[Change]:
-    for there, here in _paired(before.numbers, now.numbers, set() if now.quick else done):
-        if there and here:
-            yield _number(there, here)
-        elif here:
-            yield _change(here, "number", here.name, (None, here.value), 0.0, Word.NEW)
-        elif there:
-            yield _change(there, "number", there.name, (there.value, None), 0.0, Word.GONE)
-
-
-def _of_verdicts(before: Record, now: Record, done: set[str]) -> Iterator[Change]:
-    """The verdicts of a report that tells none, as the baseline, are not compared."""
-    for there, here in _paired(before.verdicts, now.verdicts, set() if now.quick else done) if before.verdicts else ():
-        if there and here:
-            yield _verdict(there, here)
-        elif here:
-            yield _change(here, "verdict", here.claim, (None, here.outcome.value), 0.0, Word.NEW)
-        elif there:
-            yield _change(there, "verdict", there.claim, (there.outcome.value, None), 0.0, Word.GONE)
-
-
-def _paired(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Iterator[tuple[One | None, One | None]]:
-    """What has one id, before and now; None where it is missing. Only of the studies that are `whole` can anything be gone."""
+def _compared(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Iterator[Change]:
+    """What became of each; only of the studies that are `whole` can anything be gone."""
     old: dict[str, One] = {one.id: one for one in before}
     new: dict[str, One] = {one.id: one for one in now}
     for name in dict.fromkeys([*new, *old]):
-        if name in new or old[name].study in whole:
-            yield old.get(name), new.get(name)
+        there, here = old.get(name), new.get(name)
+        if isinstance(there, NumberRecord) and isinstance(here, NumberRecord):
+            yield _number(there, here)
+        elif isinstance(there, VerdictRecord) and isinstance(here, VerdictRecord):
+            yield _verdict(there, here)
+        elif here:
+            yield _change(here, (None, _value(here)), 0.0, Word.NEW)
+        elif there and there.study in whole:
+            yield _change(there, (_value(there), None), 0.0, Word.GONE)
+
+
+def _value(one: NumberRecord | VerdictRecord) -> float | str:
+    return one.value if isinstance(one, NumberRecord) else one.outcome.value
 
 
 def _number(before: NumberRecord, now: NumberRecord) -> Change:
@@ -69,40 +61,38 @@ def _number(before: NumberRecord, now: NumberRecord) -> Change:
         nearer = abs(before.value - now.known) - abs(now.value - now.known)
         if not abs(nearer) <= 2.0 * now.known_within:
             word = Word.BETTER if nearer > 0.0 else Word.WORSE
-    return _change(now, "number", now.name, (before.value, now.value), bar, word)
+    return _change(now, (before.value, now.value), bar, word)
 
 
 def _verdict(before: VerdictRecord, now: VerdictRecord) -> Change:
     """By the outcome, if that changed: a finding is no failure. Otherwise by the error that it found."""
     if before.outcome is not now.outcome:
         word = {before.outcome: Word.BETTER, now.outcome: Word.WORSE}.get(Outcome.FAIL, Word.MOVED)
-        return _change(now, "verdict", now.claim, (before.outcome.value, now.outcome.value), 0.0, word)
+        return _change(now, (before.outcome.value, now.outcome.value), 0.0, word)
     if before.found is None or now.found is None or before.limit is None or now.limit is None:
         same = before.ours == now.ours
         word, why = (Word.SAME, "") if same else (Word.NOT_COMPARABLE, "the claim is one in words; its outcome is the same")
-        return _change(now, "verdict", now.claim, (before.ours, now.ours), 0.0, word, why)
+        return _change(now, (before.ours, now.ours), 0.0, word, why)
     if now.unit in RUN_TIMES:
-        return _change(
-            now, "verdict", now.claim, (before.ours, now.ours), 0.0, Word.NOT_COMPARABLE, "a run time; its outcome is the same"
-        )
+        return _change(now, (before.ours, now.ours), 0.0, Word.NOT_COMPARABLE, "a run time; its outcome is the same")
     bar = _OF_LIMIT * max(before.limit, now.limit)
     values, word, why = (before.found, now.found), Word.SAME, ""
     if before.unit != now.unit:
         word, why = Word.NOT_COMPARABLE, f"was in {before.unit or 'a pure number'}, is in {now.unit or 'a pure number'}"
     elif abs(now.found - before.found) > bar:
         word = Word.BETTER if now.found < before.found else Word.WORSE
-    return _change(now, "verdict", now.claim, values, bar, word, why)
+    return _change(now, values, bar, word, why)
 
 
 def _change(
     one: NumberRecord | VerdictRecord,
-    kind: Literal["number", "verdict"],
-    name: str,
     values: tuple[float | str | None, float | str | None],
     bar: float,
     word: Word,
     why: str = "",
 ) -> Change:
+    kind: Literal["number", "verdict"] = "number" if isinstance(one, NumberRecord) else "verdict"
+    name = one.name if isinstance(one, NumberRecord) else one.claim
     before, now = values
     return Change(id=one.id, study=one.study, name=name, kind=kind, before=before, now=now, bar=bar, word=word, why=why)
 

@@ -1,50 +1,34 @@
-"""The seven questions of the page and the studies that answer each: the one place that says where a study is shown."""
+"""The seven questions of the page, and what the studies that answer each say."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from validation.report.store import Stored
+from validation.studies import STUDIES
 from validation.study import Evidence, Omission, Outcome, Verdict
 
 
 class Question(NamedTuple):
-    """A question: its anchor, its words, and the studies that answer it in the order in which they are shown. The first that is
-    there says the answer."""
+    """A question: its anchor, which the studies that answer it name (`validation.studies.STUDIES`), and its words."""
 
     name: str
     title: str
-    studies: tuple[str, ...]
+
+    @property
+    def studies(self) -> tuple[str, ...]:
+        """Those that answer it, in the order in which they are shown."""
+        return tuple(study for study, question in STUDIES.items() if question == self.name)
 
 
 QUESTIONS = (
-    Question(
-        "which",
-        "Which model may I use?",
-        ("which-model", "beyond-one-scene", "one-cycle", "error-laws", "regime-map", "asymmetry-map", "laboratory", "bias"),
-    ),
-    Question("cost", "What does an answer cost?", ("cost-and-error",)),
-    Question(
-        "exact",
-        "Is the exact solution exact?",
-        (
-            "grid-convergence",
-            "manufactured",
-            "leapfrog-convergence",
-            "energy",
-            "unlike-slabs",
-            "partial-reflection",
-            "slip-event",
-        ),
-    ),
-    Question(
-        "onset",
-        "Where does stick-slip begin, and what comes after?",
-        ("stability-boundaries", "bifurcation", "snaking", "special-curves", "period-doubling", "period-against-delay"),
-    ),
-    Question("paper", "What of the paper holds?", ("claims", "scene-facts")),
-    Question("trust", "Can I trust the checks?", ("planted-faults", "coverage", "slow-verification", "stability-attacks")),
-    Question("changed", "What changed?", ()),
+    Question("which", "Which model may I use?"),
+    Question("cost", "What does an answer cost?"),
+    Question("exact", "Is the exact solution exact?"),
+    Question("onset", "Where does stick-slip begin, and what comes after?"),
+    Question("paper", "What of the paper holds?"),
+    Question("trust", "Can I trust the checks?"),
+    Question("changed", "What changed?"),
 )
 
 

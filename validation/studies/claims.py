@@ -91,7 +91,6 @@ _LOG10_R = {
 """By quick or full report: from just beyond the onset to where the delay system's orbit loses stability (-2.6575)."""
 
 _SAME = 1e-4  # relative difference of periods of one orbit
-_SPEEDS = (1.0, 10.0, 100.0, 1e3, 1e4)
 
 
 def run(budget: Budget) -> StudyResult:
@@ -108,7 +107,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("planes", _PLANES, lambda: slip_planes(deep), paper="Fig 9", carries=("P13 ",)),
             Figure("returns", _RETURNS, lambda: returns(deep), zoom=True),
         ),
-        tables=(_branch_table(orbits), _onset_table(), _deep_table(deep)),
+        tables=(_branch_table(orbits), _deep_table(deep)),
         verdicts=verdicts,
         notes=(_NUMBERED, _two_orbits(orbits)),
         numbers=_numbers(orbits, ripples),
@@ -154,18 +153,6 @@ def _branch_table(orbits: Orbits) -> Table:
     columns = [*(f"T [{model}] .7g" for model in MODELS), *(f"{symbol} [{model}] .5f" for symbol, _, model in drops)]
     caption = "Settled orbits along the stable part of the branch. T: period in transits; Δμ, Δy: stress and elastic drop."
     return table("branch", caption, " | ".join(["log_{10} r .4f", *columns]), rows)
-
-
-def _onset_table() -> Table:
-    rows = (
-        (v, o.omega_c, math.log10(o.r_delay), math.log10(o.r_kelvin_voigt), o.r_kelvin_voigt / o.r_delay - 1.0)
-        for v, o in ((v, onset_at(v)) for v in _SPEEDS)
-    )
-    heading = (
-        "V [V*] .0f | ω_{c} [V*/L] .6g | log_{10} r_{c} [delay, (39)] .7f | log_{10} r_{c} [ODE, (27)] .7f | "
-        "error of (27) [relative] .1e"
-    )
-    return table("onset", "Onset of stick-slip by the closed forms, paper material, ε = 2.8 · 10^{-5}.", heading, rows)
 
 
 def _deep_table(deep: dict[str, Deep]) -> Table:
@@ -231,12 +218,7 @@ _CAPTION = (
     "its ripples are no longer sinusoidal and change shape from cycle to cycle; the paper’s ODE is irregular. μ in units of σ, "
     "time in transits."
 )
-_BRANCHES = "Judged by the study `bifurcation`, on branches."
 _OMISSIONS = (
-    Omission("P8, mildly subcritical Hopf point (Fig 6).", _BRANCHES, ("P8 ",)),
-    Omission("P9, period doublings and torus of the ODE (Fig 6b).", _BRANCHES, ("P9 ",)),
-    Omission("P10, unstable primary orbit with T = 79.09 (Fig 7).", "Judged by the study `period-doubling`.", ("P10 ",)),
-    Omission("P14, bifurcations of the delay system.", _BRANCHES, ("P14 ",)),
     Omission(
         "P7 and P11 beyond log_{10} r = −2.66.",
         "The delay system’s orbit loses stability there; runs then show a torus, not the orbit.",

@@ -43,7 +43,7 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=_answer(fits),
         figures=(Figure("ladders", _CAPTION, lambda: ladders(np.array(cells), errors, fits)),),
-        tables=(_orders(fits), _period_table(cells, errors)),
+        tables=(_orders(fits),),
         verdicts=(*_verdicts(fits), *(_extrapolated(errors["period"][cfl], cells[-1], cfl) for cfl in CFLS)),
         notes=(
             "At CFL 1 the leapfrog carries waves without error and *is* the delay system under the midpoint rule: its "
@@ -100,13 +100,6 @@ def _orders(fits: Fits) -> Table:
         "transits. Coarse grids that do not follow the power law yet are left out by rule."
     )
     return table("orders", caption, heading, rows)
-
-
-def _period_table(cells: tuple[int, ...], errors: Errors) -> Table:
-    shown = [(name, cfl) for name in ("period", "stress_drop") for cfl in CFLS]
-    rows = ((float(n), *(float(errors[name][cfl][k]) for name, cfl in shown)) for k, n in enumerate(cells))
-    heading = " | ".join(["cells [per slab] .0f", *(f"error of {SYMBOLS[name]} [CFL {cfl}] .1e" for name, cfl in shown)])
-    return table("errors", "Relative errors of period T and stress drop Δμ against the delay system.", heading, rows)
 
 
 def _verdicts(fits: Fits) -> Iterator[Verdict]:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from validation.measure.settle import SYMBOLS, WINDOW, NoCycle, one_cycle
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.orbits import moving
-from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, memo, stated, table
+from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, memo, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, key, line, pen, subplots
 from validation.study.over_r import begun_at, scene_at
 from validation.study.text import minus, places, plain
@@ -92,7 +91,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("panels", _PANELS_CAPTION, lambda: panels(cycles, errors), paper="Fig 5", carries=("P4 ", "P5 ", "P6 ")),
             Figure("growth", _GROWTH, lambda: cycles_over_r(grown)),
         ),
-        tables=(drops(runs), rates(runs), _reference_table(runs), over_r_table(grown)),
+        tables=(_orbits(runs), _reference_table(runs), over_r_table(grown)),
         verdicts=tuple(verdicts(runs, escape, damped)),
         notes=(reference()["how"],),
         numbers=_numbers(runs),
@@ -160,37 +159,23 @@ _ZOOM = (46.0, 53.0)
 _SINCE = "time since the slip event (transits)"
 
 
-def _row(runs: dict[str, CycleRun], model: str, quantities: tuple[str, ...]) -> list[Cell]:
-    off = [None if model == "delay" else error(runs[model], runs["delay"], quantity) for quantity in quantities]
-    return [model, *chain.from_iterable(zip(map(runs[model].orbit.values().__getitem__, quantities), off, strict=True))]
-
-
-def drops(runs: dict[str, CycleRun]) -> Table:
-    """Period and drops."""
-    names = ("period", "stress_drop", "elastic_stress_drop")
-    off = "error [relative] .1e"
-    heading = f"model | T [transits] .9g | {off} | Δμ [σ] .7f | {off} | Δy [σ] .7f | {off}"
+def _orbits(runs: dict[str, CycleRun]) -> Table:
+    columns = ("T [transits] .9g", "Δμ [σ] .7f", "Δy [σ] .7f", "v_{max} [V*] .8g", "v_{min} [V*] .7g")
+    rows = []
+    for model, own in runs.items():
+        pairs = [
+            (value, None if model == "delay" else error(own, runs["delay"], name)) for name, value in own.orbit.values().items()
+        ]
+        rows.append((model, *(cell for pair in pairs for cell in pair), relative_error(own.orbit)))
+    heading = " | ".join(["model", *(f"{column} | error [relative] .1e" for column in columns), "own error [relative] .0e"])
     caption = (
         f"The orbit at log_{{10}} r = {places([LOG10_R])}, by Newton’s method but for the leapfrog’s. T: time from one slip "
         "event to the next on the transit clock; Δμ: largest minus smallest stress; Δy: the same for the elastic stress, y′ = ε "
-        "(V − v). Errors are relative, against the delay system."
-    )
-    return table("drops", caption, heading, (_row(runs, model, names) for model in runs), (0,))
-
-
-def rates(runs: dict[str, CycleRun]) -> Table:
-    """Extreme slip rates, and the computation's own error."""
-    names = ("v_max", "v_min")
-    heading = (
-        "model | v_{max} [V*] .8g | error [relative] .1e | v_{min} [V*] .7g | error [relative] .1e | own error [relative] .0e"
-    )
-    rows = ((*_row(runs, model, names), relative_error(own.orbit)) for model, own in runs.items())
-    caption = (
-        "Largest and smallest slip rate v over the cycle, from the dense polynomials. *Own error*: the largest relative error of "
-        "any of the five quantities by the difference of two meshes; for the leapfrog, which is run until it settles, half of "
+        "(V − v); largest and smallest slip rate v from the dense polynomials. Errors are against the delay system. *Own error*: "
+        "the largest of any quantity by the difference of two meshes; for the leapfrog, which is run until it settles, half of "
         f"what its last {WINDOW} cycles differ by."
     )
-    return table("rates", caption, heading, rows, (0,))
+    return table("orbits", caption, heading, rows, (0,))
 
 
 def _reference_table(runs: dict[str, CycleRun]) -> Table:
