@@ -76,7 +76,7 @@ def ratios() -> Iterator[Race]:
         yield Race(f"exact march, dg:8: {name} over elastic", run(_FINE, _both(paper, viscosity=viscosity), 200.0), once)
     gentle = slipwave.read("paper", ["slab.log10_r=-2.6"])  # errors of psi(600): 5e-10 and 1e-11
     yield Race("exact march: psi(600) to 1e-11 over 1e-9", run(_FINER, gentle, 599.0), run(_FINE, gentle, 599.0))
-    set_up = whole(_first_step, replace(_LARGE, time="exact"), paper)
+    set_up = whole(lambda: solver_of(replace(_LARGE, time="exact"), paper).advance(1e-6))  # and the tables of its first step
     yield Race("exact march: set-up of 500 unknowns over a transit of their explicit march", set_up, run(_LARGE, paper, 1.0))
     pair = alike_and_unlike()
     for name in ("commensurate", "irrational"):
@@ -104,11 +104,6 @@ def _both(scene: Scene, **changes: Any) -> Scene:
 def _process(*words: str) -> Work:
     """A separate Python process, from start to end."""
     return whole(subprocess.run, [sys.executable, *words], check=True, capture_output=True)
-
-
-def _first_step(setting: Setting, scene: Scene) -> None:
-    """Make the solver and the tables of its first step."""
-    solver_of(setting, scene).advance(1e-6)
 
 
 def _granite(every: bool) -> Callable[[], object]:

@@ -141,13 +141,9 @@ def main(arguments: list[str] | None = None) -> int:
         return _tell(error, INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
         return _tell("interrupted", INTERRUPTED)
-    except (
-        BrokenPipeError,
-        SystemExit,
-    ) as end:  # SystemExit 1: the reader has closed the pipe; 0: the shell's completion is done
-        if isinstance(end, SystemExit) and not end.code:
-            return 0
-        _abandon_stdout()
+    except (BrokenPipeError, SystemExit) as end:  # SystemExit 0: the shell's completion is done; else the pipe is closed
+        if not isinstance(end, SystemExit) or end.code:
+            _abandon_stdout()
         return 0
     except Exception as error:
         if isinstance(error, OSError) and error.errno and error.filename is None:  # no file: a stream

@@ -10,6 +10,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 import typer
 
 import slipwave
+from slipwave.input.source import gallery_names
 from validation.output import conclude, deliver, print_json, require_writable
 from validation.results.options import Option, SceneOptions, options_of
 from validation.results.result import Output, Result
@@ -34,17 +35,10 @@ class Parsed(NamedTuple):
         return self.call
 
 
-def _gallery() -> list[str]:
-    """Names for the shell's completion."""
-    from slipwave.input.source import gallery_names
-
-    return gallery_names()
-
-
 SCENE = typer.Argument(
     metavar="SCENE",
     help="a gallery name (see `slipwave scenes`), a TOML file, or a netCDF file of results",
-    autocompletion=_gallery,
+    autocompletion=gallery_names,
 )
 _JSON = typer.Option("--json", help="print JSON instead of a table")
 
@@ -78,7 +72,10 @@ def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] =
     parameters = [
         _parameter("source", *((Annotated[str | None, SCENE], None) if optional else (Annotated[str, SCENE], Parameter.empty))),
         *(_parameter(one.name, *_in_words(one)) for one in known.values()),
-        *(_parameter(one.name, Annotated[Path | None, _file(one)], None) for one in outputs),
+        *(
+            _parameter(one.name, Annotated[Path | None, typer.Option(one.flag, metavar=one.metavar, help=one.help)], None)
+            for one in outputs
+        ),
     ]
     return Parsed(call, parameters, kind.DETAILS, kind.EXAMPLES)
 
@@ -107,10 +104,6 @@ def _value(one: Option, word: Any) -> Any:
     if "suffixes" in one.more:
         require_writable(path, one.more["suffixes"], one.flag)
     return path
-
-
-def _file(one: Output) -> Any:
-    return typer.Option(one.flag, metavar=one.metavar, help=one.help)
 
 
 def _place_of(one: Output, path: Path | None, json: bool) -> Path | None:

@@ -9,8 +9,7 @@ import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import Verdict
 from validation.cli import INPUT_WRONG, main
-from validation.results.comparison import barred, conclusion, errors_of, nothing, remarks, without_errors
-from validation.run.difference import differences, in_json
+from validation.results.comparison import barred, conclusion, differences, errors_of, in_json, nothing, remarks, without_errors
 
 
 def row(model, wall, error=1e-3, **more):

@@ -12,8 +12,7 @@ from slipwave.observe.statistics import margin_of_mean
 from slipwave.solve.lyapunov import INTERVALS, Exponent
 from validation.coverage import irregular, record, repeating
 from validation.coverage.held import Coverage, Held, coverage_of
-from validation.coverage.kinds import KINDS, computation
-from validation.coverage.record import known_computations
+from validation.coverage.record import KINDS, computation, known_computations
 from validation.coverage.scenes import SLABS, random_scene
 from validation.registry.build import build
 from validation.registry.orbits import find_orbit

@@ -23,9 +23,8 @@ from slipwave.errors import SceneError
 from validation.cli import main
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.engine import Engine, compute
-from validation.sweep.map_figures import figure_of
+from validation.sweep.map_figures import figure_of, other_side
 from validation.sweep.measures import MEASURES, VERDICTS
-from validation.sweep.other_side import other_side
 from validation.sweep.plan import morton, order_of
 from validation.sweep.refine import fill, refine, regime_numbers
 from validation.sweep.store import Store

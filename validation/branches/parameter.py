@@ -93,7 +93,7 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
     assert found is not None
     key, words = found["name"].strip(), (found["first"], found["last"])
     name, base = SHORT.get(key, key), slipwave.read(source)
-    measured = [_has_unit(word) for word in words]
+    measured = [not math.isfinite(_number(word)) and looks_measured(word) for word in words]  # 2e-5 has no unit e^-5
     require(measured[0] is measured[1], "FROM and TO must both have a unit, or none")
     if measured[0]:
         ends = [_measured(name, key, base, word.strip()) for word in words]
@@ -115,11 +115,6 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
     for value in over.ends:
         over.scene_at(value)
     return over
-
-
-def _has_unit(text: str) -> bool:
-    """Whether a text is a number with a unit; 2e-5 is none with the unit e^-5."""
-    return not math.isfinite(_number(text)) and looks_measured(text)
 
 
 def _number(text: str) -> float:

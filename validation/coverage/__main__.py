@@ -6,8 +6,7 @@ python -m validation.coverage --record means  # one kind
 import sys
 
 from validation.coverage.held import coverage_of
-from validation.coverage.kinds import KINDS, computation
-from validation.coverage.record import make_record
+from validation.coverage.record import KINDS, computation, make_record
 from validation.output import print_table
 
 

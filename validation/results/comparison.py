@@ -5,7 +5,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from slipwave.family import Exact
 from slipwave.observe.verdict import REPEATING
@@ -16,14 +16,51 @@ from validation.registry.families import family_of, one_port_of
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import table_of
 from validation.results.result import Dataset, Result, finite
-from validation.run.difference import in_json
 from validation.run.length import needed
 from validation.run.simulate import Run
 
 _Row: TypeAlias = Mapping[str, Any]
 
+_COLUMNS = (("difference", "value"), ("margin", "margin"))
+
 CLOSE = 0.05
 """Relative distance in period and stress drop up to which a cheaper model is of use."""
+
+
+class Difference(NamedTuple):
+    """Relative to the reference's mean. `margin`: half the width of its 95 % interval, 0 if both motions are periodic, NaN if
+    there are too few cycles to tell."""
+
+    value: float
+    margin: float
+
+
+def differences(run: Run, reference: Run) -> dict[str, Difference]:
+    """Those of the mean period and stress drop: errors if both motions are periodic, else with margins, because motions that
+    never repeat agree only in their statistics. NaN where a run has none, or failed. A run does not differ from itself."""
+    found = {}
+    for name in ("period", "stress_drop"):
+        ours, theirs = (getattr(one.statistics, name).mean for one in (run, reference))
+        parts = [_relative_margin(one, name) for one in (run, reference)]
+        value = math.nan if run.failed else ours / theirs - 1.0
+        found[name] = Difference(value, 0.0 if run is reference else (1.0 + value) * math.hypot(*parts))
+    return found
+
+
+def _relative_margin(run: Run, name: str) -> float:
+    """The margin of a mean over the mean; 0 if the motion is periodic."""
+    found = run.statistics
+    return 0.0 if run.kind == "periodic" else float(getattr(found.margins, name)) / float(getattr(found, name).mean)
+
+
+def in_json(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
+    """`error` by name, None where the difference is none; for motions that never repeat `difference` and its `margin`."""
+    found = differences(run, reference)
+    if run.kind == reference.kind == "periodic":
+        return {"error": {name: one.value for name, one in found.items()}}
+    known = {name: one for name, one in found.items() if not math.isnan(one.value)}
+    columns = {field: {name: getattr(one, place) for name, one in known.items()} for field, place in _COLUMNS} if known else {}
+    return {"error": dict.fromkeys(found), **columns}
 
 
 def conclusion(rows: Sequence[_Row]) -> str:

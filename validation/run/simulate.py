@@ -53,12 +53,6 @@ class Run:
         """The verdict's word; None if events were not watched."""
         return self.verdict.kind if self.verdict else None
 
-    def errors(self, reference: "Run") -> dict[str, float]:
-        """Relative errors of the mean period and stress drop; NaN where a run has none, or failed."""
-        ours, theirs = self.statistics, reference.statistics
-        found = {name: getattr(ours, name).mean / getattr(theirs, name).mean - 1.0 for name in ("period", "stress_drop")}
-        return dict.fromkeys(found, math.nan) if self.failed else found
-
 
 def simulate(
     solver: Solver,

@@ -6,8 +6,7 @@ import numpy as np
 
 from slipwave.sources import source_digest
 from validation.coverage.held import Coverage, Held, coverage_of
-from validation.coverage.kinds import KINDS, computation
-from validation.coverage.record import RECORD, Record, known_computations
+from validation.coverage.record import KINDS, RECORD, Record, computation, known_computations
 from validation.study import SELF, Budget, Cell, Figure, Number, Omission, StudyResult, Table, Verdict, every, holding, table
 from validation.study.drawing import WIDTH, Drawing, canvas
 
