@@ -74,10 +74,14 @@ class RunStatistics:
     v_min: float
     margins: Margins = field(default_factory=Margins)
 
+    @property
+    def spreads(self) -> dict[str, Spread]:
+        """The figures that have a mean and a spread, by name."""
+        return {"period": self.period, "stress_drop": self.stress_drop, "elastic_stress_drop": self.elastic_stress_drop}
+
     def values(self) -> dict[str, float]:
         """The figures by name: means and extremes."""
-        means = {name: float(getattr(self, name).mean) for name in ("period", "stress_drop", "elastic_stress_drop")}
-        return means | {"v_max": self.v_max, "v_min": self.v_min}
+        return {name: float(one.mean) for name, one in self.spreads.items()} | {"v_max": self.v_max, "v_min": self.v_min}
 
 
 def summarise(events: Events, repeat: bool = True) -> RunStatistics:

@@ -218,7 +218,7 @@ def _figures(run: Run) -> dict[str, Any]:
     ours = run.statistics
     return {
         "events": run.starts,
-        **{name: asdict(getattr(ours, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
+        **{name: asdict(one) for name, one in ours.spreads.items()},
         "margins": asdict(ours.margins) if run.verdict and run.verdict.wanders else None,
         "v_max": ours.v_max,
         "v_min": ours.v_min,

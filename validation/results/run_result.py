@@ -130,7 +130,7 @@ class RunResult(Result):
             "multiplicity": done.verdict.multiplicity if done.verdict else None,
             "rotation_number": done.verdict.rotation if done.verdict else None,
             "rate": done.verdict.rate if done.verdict else None,
-            **{name: asdict(getattr(found, name)) for name in ("period", "stress_drop", "elastic_stress_drop")},
+            **{name: asdict(one) for name, one in found.spreads.items()},
             "v_max": found.v_max,
             "v_min": found.v_min,
             "margins": asdict(found.margins) if done.verdict and done.verdict.wanders else None,
@@ -159,11 +159,9 @@ class RunResult(Result):
     @property
     def _spreads(self) -> dict[str, float]:
         """The std of the cycles' figures, and of motion that never repeats the margins of their means."""
-        found = self.done.statistics
-        names = ("period", "stress_drop", "elastic_stress_drop")
-        spreads = {f"{name}_std": getattr(found, name).std for name in names}
-        wanders = self.done.verdict and self.done.verdict.wanders
-        return spreads | ({f"{name}_margin": getattr(found.margins, name) for name in names} if wanders else {})
+        found, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
+        margins = {f"{name}_margin": getattr(found.margins, name) for name in found.spreads} if wanders else {}
+        return {f"{name}_std": one.std for name, one in found.spreads.items()} | margins
 
     @property
     def stages(self) -> list[StageFigures]:

@@ -131,11 +131,7 @@ class StabilityResult(Result):
         yield ""
         rows = [
             ["critical frequency omega_c [V*/L]", rounded(found.omega_c, 12), ""],
-            [
-                "critical round trip log10 r_c",
-                rounded(found.log10_r_c, 12),
-                f"scene {rounded(math.log10(scene.transit), 10)}",
-            ],
+            ["critical round trip log10 r_c", rounded(found.log10_r_c, 12), f"scene {rounded(math.log10(scene.transit), 10)}"],
             ["critical epsilon", rounded(found.epsilon_c, 12), f"scene {rounded(scene.upper.epsilon, 10)}"],
             ["limit of the fast roots, Re s [V*/L]", rounded(found.essential_abscissa, 10), ""],
         ]

@@ -33,8 +33,7 @@ _COUNTED = (*REPEATING, "settling", "too short")  # any other motion has swings,
 
 def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list[list[str]]]:
     """Heading and rows of mean and spread of a run's cycles, with a column in SI if the scene has units."""
-    spreads = {name: getattr(found, name) for name in ("period", "stress_drop", "elastic_stress_drop")}
-    means = {name: (one.mean, one.std) for name, one in spreads.items()}
+    means = {name: (one.mean, one.std) for name, one in found.spreads.items()}
     rates = {name: (getattr(found, name), math.nan) for name in ("v_max", "v_min")}
     return _with_units(("mean", "std"), means | rates, scene)
 
@@ -175,10 +174,7 @@ def _face(face: Face) -> str:
 
 def _face_in_si(slab: Slab, units: Units) -> str:
     held, size = slab.termination, units.face
-    facts = [
-        f"{rounded(held.spring * size['stiffness'], 6)} Pa/m",
-        f"{rounded(held.dashpot * size['impedance'], 6)} Pa s/m",
-    ]
+    facts = [f"{rounded(held.spring * size['stiffness'], 6)} Pa/m", f"{rounded(held.dashpot * size['impedance'], 6)} Pa s/m"]
     facts += [f"{rounded(held.mass * size['mass'], 6)} kg/m2"] if held.mass > 0.0 else []
     return f" ({', '.join(facts)})"
 

@@ -155,10 +155,7 @@ class Engine:
                     future.cancel()
 
     def _drain(
-        self,
-        executor: Executor,
-        waiting: deque[tuple[Indices, int]],
-        flying: dict["Future[Finished]", tuple[Indices, int]],
+        self, executor: Executor, waiting: deque[tuple[Indices, int]], flying: dict["Future[Finished]", tuple[Indices, int]]
     ) -> None:
         """Until nothing is left, or the executor breaks: what was in flight is then `waiting` again."""
         broken = False

@@ -72,11 +72,7 @@ def _notes(name: str, measure: Measure, plan: Plan) -> dict[str, Any]:
     if words:
         meanings = " ".join(word.replace(" ", "_") for word in words)
         meaning = "how the point ended; -1: not computed" if name == "status" else measure.columns[name].meaning
-        return {
-            "long_name": meaning,
-            "flag_values": np.arange(len(words), dtype=np.int8),
-            "flag_meanings": meanings,
-        }
+        return {"long_name": meaning, "flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": meanings}
     if name in measure.columns:
         return attributes(measure.columns[name], plan.base)
     plain = next((column for column in measure.columns if name.startswith(f"{column}_")), None)

@@ -14,12 +14,7 @@ from validation.measure.order_fit import fit_order, shortfall
 from validation.registry.build import build, build_full_wave
 from validation.registry.families import DELAY, explicit_time, grid_of
 from validation.studies.grid_convergence import climb_of, order_verdict
-from validation.studies.stability_attacks import (
-    limit_verdict,
-    medium_verdict,
-    state_verdict,
-    stop_verdict,
-)
+from validation.studies.stability_attacks import limit_verdict, medium_verdict, state_verdict, stop_verdict
 from validation.studies.stability_attacks.limits import (
     BEYOND,
     MEDIA,
