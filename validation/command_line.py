@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import replace
+from functools import partial
 from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
@@ -10,8 +11,9 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 import typer
 
 import slipwave
+from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.input.source import gallery_names
-from validation.output import conclude, deliver, print_json, require_writable
+from validation.output import print_json, printed, require_writable
 from validation.results.options import Option, SceneOptions, options_of
 from validation.results.result import Output, Result
 
@@ -115,12 +117,20 @@ def _place_of(one: Output, path: Path | None, json: bool) -> Path | None:
 
 
 def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> None:
-    """Print the result and write its files; raise what went wrong, in one line."""
-    problems = []
+    """Print the result, then write its files, each even if another part fails: the disk may be full. Raises one error, in one
+    line, for all that went wrong: Interrupted if the user stopped it, NumericsError if the numerics failed, else SceneError."""
+    problems = [result.failed, result.to_go_on(options) if result.stopped else ""]
     with closing(result):
-        if not result.is_empty:
-            summary = result.summary | {one.key: str(path) for one, path in files.items() if one.key and path}
-            writers = [(getattr(result, one.method), path) for one, path in files.items()]
-            problems = deliver(lambda: print_json(summary) if json else print("\n".join(result.lines(summary))), *writers)
-    to_go_on = [result.to_go_on(options)] if result.stopped else []
-    conclude("; ".join(filter(None, [result.failed, *to_go_on])), problems, result.stopped)
+        summary = (
+            {} if result.is_empty else result.summary | {one.key: str(path) for one, path in files.items() if one.key and path}
+        )
+        show = partial(print_json, summary) if json else lambda: print("\n".join(result.lines(summary)))
+        writers = [partial(getattr(result, one.method), path) for one, path in files.items() if path]
+        for write in (partial(printed, show), *writers) if summary else ():
+            try:
+                write()
+            except SceneError as error:
+                problems.append(str(error))
+    if any(problems):
+        kind = Interrupted if result.stopped else NumericsError if result.failed else SceneError
+        raise kind("; ".join(filter(None, problems)))

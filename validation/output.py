@@ -4,11 +4,10 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
-from slipwave.errors import Interrupted, NumericsError, SceneError
+from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import reason_of
 
@@ -18,30 +17,6 @@ FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file that figures are drawn to."""
 
 _EXTRA = dict.fromkeys(FIGURES, "plot") | dict.fromkeys((".nc", ".vtu", ".xdmf"), "files")
-
-
-def deliver(show: Callable[[], None], *files: tuple[Callable[[Path], None], Path | None]) -> list[str]:
-    """Show a result on stdout, then write it to those files that were asked for, each by its writer, even if some of this fails:
-    the disk may be full. Returns one line for each part that could not be written."""
-    problems = []
-    for write in (partial(printed, show), *(partial(write, path) for write, path in files if path is not None)):
-        try:
-            write()
-        except SceneError as error:
-            problems.append(str(error))
-    return problems
-
-
-def conclude(failed: str, problems: Sequence[str], stopped: bool = False) -> None:
-    """Raise one error, in one line, for all that went wrong: Interrupted if the user `stopped` it, NumericsError if `failed` says
-    what failed, SceneError if there are only `problems` of writing."""
-    message = "; ".join(filter(None, [failed, *problems]))
-    if stopped:
-        raise Interrupted(message)
-    if failed:
-        raise NumericsError(message)
-    if problems:
-        raise SceneError(message)
 
 
 def printed(show: Callable[[], None]) -> None:

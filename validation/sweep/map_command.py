@@ -89,8 +89,11 @@ def map(source: SceneSource, options: MapOptions) -> MapResult:
     data = gathered(source)
     if options.against is not None:
         return MapResult(data, difference(data, options.against), (), options.show)
-    if options.model is not None:
-        data = data.sel(model=_known(data, options.model)) if "model" in data.dims else data
+    if options.model is not None and "model" in data.dims:
+        names = [str(name) for name in data["model"].values]
+        if options.model not in names:
+            raise SceneError(f"model = {options.model!r}: must be one of the sweep's, {', '.join(names)}")
+        data = data.sel(model=options.model)
     boundaries = () if options.plain else onset_lines(data)
     return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show)
 
@@ -110,10 +113,3 @@ def gathered(source: SceneSource) -> Dataset:
     if "manifest" not in data.attrs:
         raise SceneError(f"SCENE = {str(source)!r}: holds no sweep; slipwave sweep DIR --gather writes one")
     return data
-
-
-def _known(data: Dataset, model: str) -> str:
-    names = [str(name) for name in data["model"].values]
-    if model not in names:
-        raise SceneError(f"model = {model!r}: must be one of the sweep's, {', '.join(names)}")
-    return model

@@ -163,15 +163,11 @@ def _of_laws(source: SceneSource, options: VerifyOptions, path: Path) -> tuple[s
         names = load_laws(path)
     except LawError as error:
         return f"law {path}", [holding("Its functions pass the check of registration", EXACT, "no error", str(error), False)], ()
-    scenes = {name: _with_law(source, name, options) for name in names}
+    settings = [options.settings] if isinstance(options.settings, str) else [*options.settings]
+    laws = {name: replace(options, settings=[*settings, f"interface.law={name}"]) for name in names}
+    scenes = {name: own.scene_of(slipwave.read(source)) for name, own in laws.items()}  # further parameters keep their defaults
     rows = (row for name, scene in scenes.items() for row in rows_of_law(name, scene))
     return f"law {', '.join(names)}", rows, ()
-
-
-def _with_law(source: SceneSource, name: str, options: VerifyOptions) -> Any:
-    """The scene with the law called `name`, whose further parameters keep their defaults."""
-    settings = [options.settings] if isinstance(options.settings, str) else [*options.settings]
-    return replace(options, settings=[*settings, f"interface.law={name}"]).scene_of(slipwave.read(source))
 
 
 def _member(model: str) -> str:
