@@ -82,8 +82,7 @@ def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
 
 def spreads_in_words(found: RunStatistics) -> list[str]:
     """A remark on every figure of cycles whose spread exceeds its mean."""
-    known = {name.replace("_", " "): getattr(found, name) for name in ("period", "stress_drop", "elastic_stress_drop")}
-    wide = [name for name, one in known.items() if one.std > one.mean]
+    wide = [name.replace("_", " ") for name, one in found.spreads.items() if one.std > one.mean]
     return [f"the std of {' and '.join(wide)} exceeds the mean: cycles differ so much that a mean says little"] if wide else []
 
 
