@@ -231,10 +231,9 @@ def is_import(frame):
     return frame is not None
 
 
-@pytest.fixture
-def calls(capsys):
-    """(file that calls, file that is called) of a run from the command line to the printed table."""
-    found = set()
+def test_the_walk_is_no_longer_than_it_is_written(printed):
+    """(file that calls, file that is called) from the command line to the printed table; it climbs back at most three times."""
+    calls = set()
 
     def note(frame, event, argument):
         called = our_file(frame) if event == "call" else ""
@@ -242,18 +241,15 @@ def calls(capsys):
             caller = frame.f_back
             while caller is not None and not our_file(caller):
                 caller = caller.f_back
-            found.add((our_file(caller) if caller else "", called))
+            calls.add((our_file(caller) if caller else "", called))
 
-    assert main(["run", "paper"]) == 0  # what is compiled is loaded from the disk
+    printed("run", "paper")  # what is compiled is loaded from the disk
     sys.setprofile(note)
     try:
-        assert main(["run", "paper"]) == 0
+        printed("run", "paper")
     finally:
         sys.setprofile(None)
-    return {(caller, called) for caller, called in found if caller != called}
-
-
-def test_the_walk_is_no_longer_than_it_is_written(calls):
+    calls = {(caller, called) for caller, called in calls if caller != called}
     section = (ROOT / "docs" / "design.md").read_text(encoding="utf-8").partition("## The walk of a run")[2].partition("\n## ")[0]
     touched = {called for _, called in calls}
     listed = set(re.findall(r"`((?:validation|slipwave|reduced)/[\w/]+\.py)`", section))
@@ -262,7 +258,4 @@ def test_the_walk_is_no_longer_than_it_is_written(calls):
     assert len(touched) <= most
     assert sum(file.startswith("validation/") for file in touched) <= ours
     assert len({caller for caller, _ in calls} - {""}) <= onwards
-
-
-def test_the_walk_climbs_back_at_most_three_times(calls):
     assert len({pair for pair in calls if not pair[0].startswith("validation/") and pair[0] and pair[1].startswith("valid")}) <= 3

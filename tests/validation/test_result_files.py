@@ -144,21 +144,15 @@ def test_an_orbit_is_one_period_with_its_multipliers(tmp_path, again, refused):
 def test_a_file_has_the_numbers_of_every_slab():
     """Those of the scenes unlike and paper-si: one transit is 2 thickness/c, L/V* = 0.9 s."""
     facts = provenance("run", sw.read("unlike"), "delay", {})
+    wanted = {"epsilon_upper": 2.8e-5, "epsilon_lower": 8.4e-5, "r_upper": 0.00244, "r_lower": 0.00488, "V": 100.0}
     numbers = {name: facts[name] for name in facts if name.partition("_")[0] in ("epsilon", "r", "V", "transit")}
-    assert numbers == {
-        "epsilon_upper": 2.8e-5,
-        "epsilon_lower": 8.4e-5,
-        "r_upper": 0.00244,
-        "r_lower": 0.00488,
-        "V": 100.0,
-        "transit_in_friction_time": 0.00244,
-    }
+    assert numbers == wanted | {"transit_in_friction_time": 0.00244}
     facts = provenance("run", sw.read("paper-si"), "delay", {})
     transit = 2.0 * 0.03357797353158276 / (1e6 / 784.0) ** 0.5
     wanted = {"V": 100.0, "transit_s": transit, "r": transit / 0.9, "transit_in_friction_time": transit / 0.9}
     wanted |= {"memory_length_m": 0.9e-6, "reference_velocity_m_per_s": 1e-6, "normal_stress_Pa": 1e3}
+    wanted["epsilon"] = (784.0 * 1e6) ** 0.5 * 1e-6 / 1e3
     assert {name: facts[name] for name in wanted} == pytest.approx(wanted, rel=1e-12)
-    assert facts["epsilon"] == pytest.approx((784.0 * 1e6) ** 0.5 * 1e-6 / 1e3, rel=1e-12)
 
 
 def test_a_file_has_the_margins_of_motion_that_never_repeats(monkeypatch, tmp_path):
@@ -274,9 +268,7 @@ SCENE = {
 
 
 def protocol(**options):
-    result = slipwave.run("velocity-steps", "quasidynamic", **options, **SCENE)
-    found = result.summary["protocol"]
-    return found
+    return slipwave.run("velocity-steps", "quasidynamic", **options, **SCENE).summary["protocol"]
 
 
 def test_the_json_has_every_stage_with_si():
@@ -316,26 +308,16 @@ def test_a_file_has_the_stages_of_the_json(tmp_path):
 def test_slip_events_as_csv(name, options, tmp_path):
     path = tmp_path / "events.csv"
     assert main(["run", name, "--until", "1500", *options, "--events", str(path), "--json"]) == 0
-    rows = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    heading, *rows = csv.reader(path.read_text(encoding="utf-8").splitlines())
     scene = slipwave.read(name, options[1:])
-    events = slipwave.run(scene, until=1500).done.events
-    units = scene.units
-    second, pascal, rate = (
-        (scene.transit * units.time, units.normal_stress, units.reference_velocity) if units else (1.0, 1.0, 1.0)
-    )
-    clock, stress, speed = ("s", "Pa", "m/s") if units else ("transits", "normal stress", "V*")
-    assert rows[0] == [
-        f"time [{clock}]",
-        f"period [{clock}]",
-        f"stress_drop [{stress}]",
-        f"elastic_stress_drop [{stress}]",
-        f"v_max [{speed}]",
-        f"v_min [{speed}]",
-    ]
-    assert len(rows) == len(events.time) + 1 > 2
-    first = [float(word) for word in rows[1]]
-    sizes = (second, second, pascal, pascal, rate, rate)
-    assert first == pytest.approx([values[0] * size for values, size in zip(events, sizes, strict=True)], rel=1e-14)
+    events, units = slipwave.run(scene, until=1500).done.events, scene.units
+    sizes = (scene.transit * units.time, units.normal_stress, units.reference_velocity) if units else (1.0, 1.0, 1.0)
+    names = ("s", "Pa", "m/s") if units else ("transits", "normal stress", "V*")
+    columns = {"time": 0, "period": 0, "stress_drop": 1, "elastic_stress_drop": 1, "v_max": 2, "v_min": 2}
+    assert heading == [f"{column} [{names[k]}]" for column, k in columns.items()]
+    assert len(rows) == len(events.time) > 1
+    first = [values[0] * sizes[k] for values, k in zip(events, columns.values(), strict=True)]
+    assert [float(word) for word in rows[0]] == pytest.approx(first, rel=1e-14)
 
 
 def test_the_figure_is_friction_against_time_and_slip():
@@ -361,26 +343,13 @@ def test_the_figure_is_friction_against_time_and_slip():
 @pytest.mark.parametrize("name", ["paper", "paper-si"])
 def test_every_column_of_the_table_has_the_figure_that_its_heading_names(name):
     scene = slipwave.read(name)
-    units = scene.units
-    second, metre, rate = (scene.transit * 0.9, 0.9e-6, 1e-6) if units else (1.0, 1.0, 1.0)
-    clock, length, speed = ("s", "m", "m/s") if units else ("transits", "L", "V*")
-    stage = StageFigures("step", 10.0, 20.0, 3.0, 0.61, 0.012, 0.017, 1.3, 0.021, 0.026)
-    heading, rows = stage_rows([stage], scene)
-    told = dict(zip(heading[1:], map(float, rows[0][1:]), strict=True))
+    second, metre, rate = (scene.transit * 0.9, 0.9e-6, 1e-6) if scene.units else (1.0, 1.0, 1.0)
+    clock, length, speed = ("s", "m", "m/s") if scene.units else ("transits", "L", "V*")
+    heading, rows = stage_rows([StageFigures("step", 10.0, 20.0, 3.0, 0.61, 0.012, 0.017, 1.3, 0.021, 0.026)], scene)
+    wanted = {f"from [{clock}]": 10.0 * second, f"V [{speed}]": 3.0 * rate, f"slip to 1/e [{length}]": 1.3 * metre}
+    wanted |= {"steady": 0.61, "direct": 0.012, "evolution": 0.017, "relaxation": 0.021, "healing": 0.026}
     assert (heading[0], rows[0][0]) == ("stage", "step")
-    assert told == pytest.approx(
-        {
-            f"from [{clock}]": 10.0 * second,
-            f"V [{speed}]": 3.0 * rate,
-            "steady": 0.61,
-            "direct": 0.012,
-            "evolution": 0.017,
-            f"slip to 1/e [{length}]": 1.3 * metre,
-            "relaxation": 0.021,
-            "healing": 0.026,
-        },
-        rel=1e-5,
-    )
+    assert dict(zip(heading[1:], map(float, rows[0][1:]), strict=True)) == pytest.approx(wanted, rel=1e-5)
 
 
 def test_a_figure_that_is_missing_has_a_reason(printed):

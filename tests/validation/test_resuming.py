@@ -146,90 +146,70 @@ def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, ans
     assert answer(*saving) | {"wall_s": 0} == direct | {"wall_s": 0}
 
 
-def told(err, until):
-    """When the run was interrupted, and how it can go on, from the last line of stderr."""
-    found = re.fullmatch(rf"slipwave: interrupted at t = (\S+) of {until} transits; (.*)", err.splitlines()[-1])
-    assert found is not None, err
-    return float(found[1]), found[2]
+def stopped(words, at, folder, until):
+    """What an interrupted command prints, when it was interrupted, and how it can go on, from the last line of stderr."""
+    done = interrupted(words, at, folder)
+    found = re.fullmatch(rf"slipwave: interrupted at t = (\S+) of {until} transits; (.*)", done.stderr.splitlines()[-1])
+    assert (done.returncode, bool(found)) == (INTERRUPTED, True), done.stderr
+    return done.stdout, float(found[1]), found[2]
 
 
 def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path):
     words = ["run", "paper", "--model", "delay", "--until", "40000", "--json", "--out", "x.nc"]
-    done = interrupted(words, 2000.0, tmp_path)
-    assert done.returncode == INTERRUPTED
-    time, way_on = told(done.stderr, "40000")
+    out, time, way_on = stopped(words, 2000.0, tmp_path, "40000")
     assert 2000.0 <= time < 4000.0
-    assert "no checkpoint was kept" in way_on
-    assert "--checkpoint FILE.npz" in way_on
-    result = json.loads(done.stdout)
+    assert way_on.startswith("no checkpoint was kept") and "--checkpoint FILE.npz" in way_on  # noqa: PT018
+    result = json.loads(out)
     assert result["failed"] == f"interrupted at t = {time:.6g} of 40000 transits"
     assert result["period"]["mean"] == pytest.approx(73.472, rel=2e-3)
     with xarray.open_dataset(tmp_path / "x.nc") as data:
-        assert data.attrs["complete"] == 0
-        assert data.attrs["events"] == result["events"] > 20
-    assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
+        assert (data.attrs["complete"], data.attrs["events"]) == (0, result["events"])
+    assert (result["events"] > 20, [path.name for path in tmp_path.iterdir()]) == (True, ["x.nc"])
 
 
 def test_a_run_with_checkpoints_names_the_last_one(tmp_path):
     words = ["run", "paper", "--model", "fd", "--cells", "16", "--until", "4000", "--checkpoint", "run.npz"]
-    done = interrupted([*words, "--checkpoint-every", "50"], 220.0, tmp_path)
-    assert done.returncode == INTERRUPTED
-    time, way_on = told(done.stderr, "4000")
+    _, time, way_on = stopped([*words, "--checkpoint-every", "50"], 220.0, tmp_path, "4000")
     found = re.fullmatch(r"'run.npz' holds the run up to t = (\S+): the same command goes on from there", way_on)
-    assert found is not None
-    assert 200.0 <= float(found[1]) < 201.0
-    assert 220.0 <= time <= 251.0
+    assert 200.0 <= float(found[1]) < 201.0 < 220.0 <= time <= 251.0
 
 
 def test_a_comparison_shows_the_models_it_has(tmp_path):
     words = ["compare", "paper", "--models", "delay,block8", "--until", "400", "--json", "--out", "x.png"]
-    done = interrupted(words, 100.0, tmp_path)
-    assert done.returncode == INTERRUPTED
-    assert told(done.stderr, "400")[1] == "model delay"
-    assert [row["model"] for row in json.loads(done.stdout)["models"]] == ["delay"]
+    out, _, way_on = stopped(words, 100.0, tmp_path, "400")
+    assert (way_on, [row["model"] for row in json.loads(out)["models"]]) == ("model delay", ["delay"])
     assert (tmp_path / "x.png").exists()
 
 
 FULL = Path("/dev/full")
-INTERFACE = ["--set", 'run.record=["events","interface"]']
 
 
 @pytest.mark.parametrize(
     ("words", "file"),
     [
-        (["run", "paper", "--model", "delay", "--until", "400", "--out", "x.nc"], "x.nc"),
-        (["run", "paper", "--model", "delay", "--until", "400", "--out", "x.nc", *INTERFACE], "samples"),
-        (["run", "paper", "--model", "fd", "--cells", "16", "--until", "110", "--fields", "x.nc"], "x.nc"),
-        (["run", "paper", "--model", "fd", "--cells", "16", "--until", "110", "--fields", "x.vtu"], "x.vtu"),
-        (["compare", "paper", "--models", "delay", "--until", "400", "--out", "x.pdf"], "x.pdf"),
-        (["compare", "paper", "--models", "delay", "--until", "400", "--out", "x.png"], "x.png"),
+        ("run paper --model delay --until 400 --out x.nc", "x.nc"),
+        ('run paper --model delay --until 400 --out x.nc --set run.record=["events","interface"]', "samples"),
+        ("run paper --model fd --cells 16 --until 110 --fields x.nc", "x.nc"),
+        ("run paper --model fd --cells 16 --until 110 --fields x.vtu", "x.vtu"),
+        ("compare paper --models delay --until 400 --out x.pdf", "x.pdf"),
+        ("compare paper --models delay --until 400 --out x.png", "x.png"),
     ],
-    ids=lambda value: value if isinstance(value, str) else value[0],
 )
 def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, file):
-    done = on_small_disk([*words, "--json"], 4000, tmp_path)
-    assert done.returncode == INPUT_WRONG, done.stderr
-    assert json.loads(done.stdout)["until"] in (110.0, 400.0)
-    line = done.stderr.splitlines()[-1]
-    assert line.startswith("slipwave: ")
-    assert file in line
-    assert "cannot be written: file too large" in line
-    assert "Traceback" not in done.stderr
-    assert list(tmp_path.iterdir()) == []
+    done = on_small_disk([*words.split(), "--json"], 4000, tmp_path)
+    assert (done.returncode, json.loads(done.stdout)["until"] in (110.0, 400.0)) == (INPUT_WRONG, True), done.stderr
+    assert re.match(rf"slipwave: .*{file}.*cannot be written: file too large", done.stderr.splitlines()[-1])
+    assert ("Traceback" in done.stderr, list(tmp_path.iterdir())) == (False, [])
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="this system has no /dev/full")
-@pytest.mark.parametrize(
-    "words", [["scenes"], ["--help"], ["stability", "paper"], ["run", "paper", "--until", "50", "--out", "x.nc"]]
-)
+@pytest.mark.parametrize("words", ["scenes", "--help", "stability paper", "run paper --until 50 --out x.nc"])
 def test_a_stdout_that_takes_nothing_is_one_line(tmp_path, words):
+    program = [sys.executable, "-m", "validation.cli", *words.split()]
     with FULL.open("w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "validation.cli", *words], cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True
-        )
-    assert done.returncode == INPUT_WRONG
-    assert done.stderr.splitlines()[-1] == "slipwave: the result cannot be written to stdout: no space left on device"
-    assert "Traceback" not in done.stderr
+        done = subprocess.run(program, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True)
+    told = "slipwave: the result cannot be written to stdout: no space left on device"
+    assert (done.returncode, done.stderr.splitlines()[-1], "Traceback" in done.stderr) == (INPUT_WRONG, told, False)
     assert [path.name for path in tmp_path.iterdir()] == (["x.nc"] if "x.nc" in words else [])
 
 
