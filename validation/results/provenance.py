@@ -23,6 +23,7 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
     """Attributes of a result of `command`: the resolved scene as TOML (not for one that was made in Python), the model and the
     options of the call that were given, the scene's numbers, and when and by which program it was computed."""
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
+    own = own_law(name_of(scene.law))
     program = f"slipwave {version('slipwave')}, commit {commit()}"
     return {
         "Conventions": CONVENTIONS,
@@ -39,7 +40,7 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
         "scene": scene.name,
         "scene_digest": scene.digest,
         **_scene_text(scene),
-        **_law(scene),
+        **({"law_file": own.path.name, "law_digest": own.digest} if own else {}),
         "model": model,
         **own_family(model),
         "options": json.dumps({name: value for name, value in options.items() if value is not None}),
@@ -52,12 +53,6 @@ def _scene_text(scene: Scene) -> dict[str, str]:
         return {"scene_toml": to_toml(scene)}
     except SceneError:
         return {}
-
-
-def _law(scene: Scene) -> dict[str, str]:
-    """File and digest of a friction law of the user's own."""
-    own = own_law(name_of(scene.law))
-    return {} if own is None else {"law_file": own.path.name, "law_digest": own.digest}
 
 
 def _numbers(scene: Scene) -> dict[str, float]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
@@ -183,6 +184,16 @@ def new_dataset(*parts: Any, **named: Any) -> Dataset:
     import xarray
 
     return xarray.Dataset(*parts, **named)
+
+
+def load_dataset(path: str | Path, problem: str) -> Dataset:
+    """The dataset of a netCDF file. Raises SceneError, which begins with the `problem`, if it is none."""
+    import xarray
+
+    try:
+        return xarray.load_dataset(path, engine="netcdf4")
+    except (OSError, ValueError) as error:
+        raise SceneError(f"{problem}: {str(error).lower()}") from None
 
 
 def save_drawing(path: str | Path, draw: "Callable[[], Drawing]") -> None:

@@ -13,7 +13,7 @@ from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
 from validation.branches.parameter import SHORT
 from validation.registry.families import one_port_of
-from validation.results.result import Dataset
+from validation.results.result import Dataset, load_dataset
 from validation.sweep.map_figures import Line, is_logarithmic
 
 
@@ -58,15 +58,10 @@ def onset_lines(data: Dataset) -> tuple[Line, ...]:
 
 def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
     """The special curves in files of `slipwave curve`. Raises SceneError for another file, or one over other parameters."""
-    import xarray
-
     axes = [str(name) for name in data["status"].dims if name != "model"]
     found = []
     for path in files:
-        try:
-            curve = xarray.load_dataset(path, engine="netcdf4")
-        except (OSError, ValueError) as error:
-            raise SceneError(f"--curve = {str(path)!r}: is no netCDF file: {str(error).lower()}") from None
+        curve = load_dataset(path, f"--curve = {str(path)!r}: is no netCDF file")
         names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
         if any(axis not in names for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")

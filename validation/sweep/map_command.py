@@ -12,7 +12,7 @@ from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA
-from validation.results.result import Dataset, Output, Result, finite
+from validation.results.result import Dataset, Output, Result, finite, load_dataset
 from validation.study.drawing import Drawing
 from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import difference
@@ -104,12 +104,7 @@ def gathered(source: SceneSource) -> Dataset:
     if path.is_dir():
         return dataset_of(stored_plan(path), Store(path))
     require("files", "a map")
-    import xarray
-
-    try:
-        data = xarray.load_dataset(path, engine="netcdf4")
-    except (OSError, ValueError) as error:
-        raise SceneError(f"SCENE = {str(source)!r}: neither a folder nor a netCDF file: {str(error).lower()}") from None
+    data = load_dataset(path, f"SCENE = {str(source)!r}: neither a folder nor a netCDF file")
     if "manifest" not in data.attrs:
         raise SceneError(f"SCENE = {str(source)!r}: holds no sweep; slipwave sweep DIR --gather writes one")
     return data

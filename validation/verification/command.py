@@ -149,7 +149,8 @@ def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, 
     if options.model != "auto":
         models = [_member(options.model)]
     elif families:
-        models = [model for family in families for model in _members(family)]
+        waves = [family for family in families if family in GRIDS]  # those of a ladder, else the usual member
+        models = [family.called(number) for family in waves for number in family.ladder or [family.usual]]
         if not models:
             raise SceneError(f"--family = {str(options.family)!r}: declares no full wave; compare and bench judge a reduction")
     else:
@@ -177,8 +178,3 @@ def _member(model: str) -> str:
         waves = ", ".join(one.pattern for one in GRIDS)
         raise SceneError(f"model = {model!r}: has no grid, so no order and no step limit to verify; models that do: {waves}")
     return family.called(family.default if number is None else number)
-
-
-def _members(family: Any) -> list[str]:
-    """The members of a family to judge: those with a ladder, else the usual one."""
-    return [family.called(number) for number in family.ladder or [family.usual]] if family in GRIDS else []
