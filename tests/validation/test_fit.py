@@ -10,6 +10,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.cli import main
 from validation.fit.cycles import CycleOfReduction, CycleOfSolver, disturbed
+from validation.fit.drawn import draw_fit, values_in_words
 from validation.fit.forward import OfReduction, OfSolver
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
@@ -231,3 +232,21 @@ def test_the_command_line_writes_the_fit(steps: Path, tmp_path: Path, capsys: py
     assert figure.stat().st_size > 10_000
     assert main(["show", str(out)]) == 0  # the scene with the best values
     assert "memory_length = 1.00" in capsys.readouterr().out
+
+
+def test_a_figure_says_the_values_and_shows_holds_over_time() -> None:
+    times, friction = np.array([0.0, 1.0, 2.0]), np.array([0.6, 0.61, 0.6])
+    held, moving = (Schedule((0.0, 1.0, 1.0, 2.0), (1e-6, 1e-6, after, after)) for after in (0.0, 2e-6))
+    records = [Experiment(f"/x/{k}.csv", times, friction, travelled(one, times), one) for k, one in enumerate((held, moving))]
+    rows = {
+        "interface.a": {"value": 0.0100113, "low": 0.0099561, "high": 0.0100665, "unit": "", "determined": True},
+        "interface.memory_length": {"value": 9.959e-6, "low": 9.899e-6, "high": 1.0019e-5, "unit": "m", "determined": True},
+        "level": {"value": -0.25, "low": -9.0, "high": 9.0, "unit": "", "determined": False},
+    }
+    told = ["$a$ = 0.010011 ± 0.000055", "$L$ = (9.959 ± 0.060) μm", "level = -0.25, not determined   (95 %)"]
+    assert values_in_words(rows).split(",   ") == told
+    above, beside, below, last = draw_fit(records, [friction - 0.001] * 2, "quasidynamic", rows, True).axes
+    assert [panel.get_xlabel() for panel in (below, last)] == ["time / s", "displacement of the load point / μm"]
+    assert [panel.get_title(loc="left") for panel in (above, beside)] == ["0.csv", "1.csv"]
+    np.testing.assert_allclose(beside.get_lines()[2].get_data(), [[0.0, 1.0, 3.0], friction - 0.001])
+    np.testing.assert_allclose(below.get_lines()[0].get_data(), [times, [0.001] * 3])

@@ -137,6 +137,13 @@ def test_a_load_point_that_no_model_follows_is_refused_in_one_line(moved: np.nda
         sw.fit(SAMPLE, data=[path], free=FREE)
 
 
+def test_a_record_without_events_names_the_columns_that_were_not_read(tmp_path: Path) -> None:
+    times = np.arange(40.0)
+    path = written(tmp_path / "odd.csv", "time_s,friction,Weg (um)", times, 0.6 + 0.001 * np.sin(times), times)
+    with pytest.raises(SceneError, match=r"or a column of the load point's displacement; not read: Weg \(um\)$"):
+        sw.fit(SAMPLE, data=[path], free=FREE)
+
+
 _KILLED = """
 import os, signal, sys
 from validation.fit.kept import KeptBest

@@ -24,6 +24,9 @@ from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, n
 
 Array = NDArray[np.float64]
 
+UNREAD = "not read"
+"""How the note on columns without a known name begins."""
+
 _COMMENTS = ("#", "%")
 _SKIP = ("", "_", "-")
 _ONE_RANGE = ("friction", "shear_stress", "load_point_displacement")  # in which no value is far from all others
@@ -323,4 +326,4 @@ def _told(
         yield f"{', '.join(bare)} without a unit: taken as SI, or as the units of a scene without SI (--units says others)"
     left = [text.cells[place] for place, one in headings.items() if not one.quantity and place < len(text.cells)]
     if left:
-        yield f"not read: {', '.join(left)}"
+        yield f"{UNREAD}: {', '.join(left)}"

@@ -19,6 +19,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series
 from validation.fit.cycles import CycleOfSolver
+from validation.fit.drawn import draw_fit
 from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.parameters import free_parameters
@@ -30,7 +31,7 @@ from validation.results.options import ModelOptions, RecordOptions, log, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.result import Dataset, Output, Result, finite
 from validation.results.wording import header
-from validation.study.drawing import Drawing, canvas, line, styled
+from validation.study.drawing import Drawing
 
 _TOLERANCE = 1e-7
 _CHEAP = "quasidynamic"
@@ -228,24 +229,8 @@ class FitResult(Result):
         return xarray.Dataset(columns, {"parameter": names, "other": names}, attributes)
 
     def plot(self) -> Drawing:
-        """Friction and residual of each record against the load point's displacement."""
-        with styled():
-            count = len(self.problem.records)
-            figure = canvas(height=3.6 if count == 1 else 2.6 * count)
-            grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
-            size, unit = (1e6, "$\\mu$m") if self.scene.units else (1.0, "$L$")
-            for k, (record, values) in enumerate(zip(self.problem.records, self._friction, strict=True)):
-                along, (upper, lower) = size * record.travel[record.shown], grid[:, k]
-                measured, fitted = record.friction[record.shown], values[record.shown]
-                upper.plot(along, measured, ".", color="#7fb0d6", markersize=1.5, label="measured", rasterized=True)
-                upper.plot(along, fitted, **line(self.model, color="#111111", linestyle="-"))
-                lower.plot(along, measured - fitted, ".", color="#7fb0d6", markersize=1.5, rasterized=True)
-                lower.axhline(0.0, color="#555555", linewidth=0.7)
-                lower.set_xlabel(f"displacement of the load point / {unit}")
-                upper.legend()
-            grid[0, 0].set_ylabel("friction")
-            grid[1, 0].set_ylabel("residual")
-            return figure
+        """Friction and residual of each record, and the values with their intervals."""
+        return draw_fit(self.problem.records, self._friction, self.model, self.parameters, self.scene.units is not None)
 
 
 @command

@@ -14,7 +14,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from validation.data.events import noise_of
-from validation.data.series import Series
+from validation.data.series import UNREAD, Series
 from validation.fit.cycles import MeanCycle, mean_cycle, phases
 from validation.fit.parameters import Schedule, schedule_of, sizes
 
@@ -76,7 +76,11 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
         raise SceneError(f"{series.source!r}: time begins at {times[0]:g}: the scene starts at 0")
     times, friction = times[inside], friction[inside]
     if known.is_constant:
-        return stick_slip(series.source, times, friction, known, notes)
+        try:
+            return stick_slip(series.source, times, friction, known, notes)
+        except SceneError as error:
+            unread = "".join(f"; {note}" for note in series.notes if note.startswith(UNREAD))
+            raise SceneError(f"{error}{unread}") from None
     noise = max(noise_of(times, friction), _rounding(friction), _FINEST * float(np.ptp(friction)), 1e-15)
     return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes), 1.0 / noise)
 

@@ -1,0 +1,69 @@
+"""The figure of a fit: friction and residual of each record, and above them the best values with their intervals."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from slipwave.observe.pieces import Array
+from validation.fit.records import Experiment
+from validation.results.comparison import barred
+from validation.study.drawing import Drawing, canvas, line, styled
+
+_MEASURED = "#7fb0d6"
+_PREFIXES = {-9: "n", -6: "μ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_LABELS = {"a_star": "$a_*$", "a": "$a$", "b": "$b$", "memory_length": "$L$", "reference_velocity": "$V_*$"}
+_IN_A_LINE = 4
+
+
+def draw_fit(
+    records: Sequence[Experiment], fitted: Sequence[Array], model: str, parameters: Mapping[str, Mapping[str, Any]], is_si: bool
+) -> Drawing:
+    """Measured and fitted friction over the displacement of the load point, or over time where it rests for a while."""
+    with styled():
+        count = len(records)
+        figure = canvas(width=8.0 if count < 3 else 3.4 * count, height=4.0 if count == 1 else 4.6)
+        grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
+        for record, values, (upper, lower) in zip(records, fitted, grid.T, strict=True):
+            along, name = _along(record, is_si)
+            measured, ours = record.friction[record.shown], values[record.shown]
+            upper.plot(along, measured, ".", color=_MEASURED, markersize=1.5, rasterized=True)
+            upper.plot([], [], "o", color=_MEASURED, markersize=4, label="measured")
+            upper.plot(along, ours, **line(model, color="#111111", linestyle="-"))
+            lower.plot(along, measured - ours, ".", color=_MEASURED, markersize=1.5, rasterized=True)
+            lower.axhline(0.0, color="#555555", linewidth=0.7)
+            lower.set_xlabel(name)
+            if count > 1:
+                upper.set_title(Path(record.name).name, fontsize="medium")
+        grid[0, 0].legend()
+        grid[0, 0].set_ylabel("friction")
+        grid[1, 0].set_ylabel("residual")
+        figure.align_ylabels(grid[:, 0])
+        figure.suptitle(values_in_words(parameters), fontsize="small")
+        return figure
+
+
+def _along(record: Experiment, is_si: bool) -> tuple[Array, str]:
+    """What a record is drawn over, with its name: a hold is a point on the way of the load point."""
+    if 0.0 in record.schedule.velocities:
+        return record.times[record.shown], "time / s" if is_si else "time / transits"
+    size, unit = (1e6, "μm") if is_si else (1.0, "$L$")
+    return size * record.travel[record.shown], f"displacement of the load point / {unit}"
+
+
+def values_in_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """The best values with half the width of their 95 % intervals, some in a line."""
+    said = [_said(key, row) for key, row in parameters.items()]
+    lines = [",   ".join(said[k : k + _IN_A_LINE]) for k in range(0, len(said), _IN_A_LINE)]
+    return "\n".join(lines) + "   (95 %)"
+
+
+def _said(key: str, row: Mapping[str, Any]) -> str:
+    word, value, unit = key.rpartition(".")[2], row["value"], row["unit"]
+    label = _LABELS.get(word, word.replace("_", " "))
+    power = 3 * math.floor(math.log10(abs(value)) / 3.0) if unit and value else 0
+    size = 10.0 ** (power if power in _PREFIXES else 0)
+    half = 0.5 * (row["high"] - row["low"]) / size
+    told = barred(value / size, half).replace("+-", "±") if row["determined"] else f"{value / size:.3g}, not determined"
+    unit = f" {_PREFIXES.get(power, '')}{unit}" if unit else ""
+    return f"{label} = ({told}){unit}" if unit and row["determined"] else f"{label} = {told}{unit}"
