@@ -1,6 +1,7 @@
 """Roots, counts and critical values of every scene and model; closed forms as yardsticks."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,8 +23,8 @@ from reduced.stability import (
     unstable_count,
     with_parameter,
 )
-from reduced.stability.roots import polish
-from slipwave.errors import SceneError
+from reduced.stability.roots import polish, zeros_in
+from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.friction.ageing import Ageing, AgeingRegularised
 from slipwave.friction.cutoff import AgeingCutoff, SlipCutoff
@@ -227,3 +228,24 @@ def test_error_laws_known_coefficients():
     assert error_law("modal:1", SLOPES).coefficient == pytest.approx(1 / 720 - 2 / (2 * math.pi) ** 4, rel=1e-10)
     with pytest.raises(SceneError):
         error_law("fd", SLOPES)
+
+
+def polynomial(*zeros):
+    def jet(s):
+        factors = np.array([s - zero for zero in zeros])
+        others = [np.prod(np.delete(factors, k, axis=0), axis=0) for k in range(len(zeros))]
+        return SimpleNamespace(value=np.prod(factors, axis=0), slope=np.sum(others, axis=0))
+
+    return jet
+
+
+@pytest.mark.parametrize("apart", [1.0, 1e-3, 1e-6])
+def test_all_zeros_are_found_each_once(apart):
+    true = np.array([0.3 + 0.2j, 0.3 + apart + 0.2j, 1.7 - 0.6j, *(0.1 * k + 0.9j for k in range(1, 9))])
+    found = zeros_in(polynomial(*true), -1.0 - 1.0j, 2.0 + 1.5j, true.size)
+    assert np.sort_complex(found) == pytest.approx(np.sort_complex(true), abs=1e-9)
+
+
+def test_a_double_zero_is_refused():
+    with pytest.raises(NumericsError, match=r"2 roots near s = 0.3\+0.19999\dj are too close to be distinguished"):
+        zeros_in(polynomial(0.3 + 0.2j, 0.3 + 0.2j), -1.0 - 1.0j, 2.0 + 1.5j, 2)
