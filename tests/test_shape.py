@@ -20,7 +20,7 @@ ROLES = {"run", "answer", "main"}
 """What every study, and every program, calls its own."""
 TWICE = set(
     """
-    Cycle Onset Run Side Verdict all_verdicts branch_claims error orbit orbit_claims orbit_of planes scenes score settled
+    Cycle Onset Verdict all_verdicts branch_claims error orbit orbit_claims orbit_of planes scenes score settled
     show spread verdicts
     """.split()  # noqa: SIM905
 )

@@ -18,7 +18,7 @@ from validation.studies.period_doubling import Bubble, bubble_table, doubled, en
 from validation.studies.snaking import measured as snake
 from validation.studies.snaking.measured import (
     Attractor,
-    Run,
+    PeriodsOfRun,
     attractor,
     in_thicker_slabs,
     multiplier_of,
@@ -32,7 +32,7 @@ from validation.study.over_r import branch_of, parts, scene_at, unaccounted
 
 
 def run(periods, settled=True):
-    return Run(-2.66, np.array(periods), np.array(periods[-8:]), settled)
+    return PeriodsOfRun(-2.66, np.array(periods), np.array(periods[-8:]), settled)
 
 
 def orbit(period, multiplier=0.5 + 0.6j):

@@ -12,7 +12,7 @@ from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
 from validation.branches.points import BranchPoint
 from validation.studies.snaking import measured
-from validation.studies.snaking.measured import Attractor, Run, Side, Sides, coexisting, grows, settles, sides
+from validation.studies.snaking.measured import Attractor, FoldSide, PeriodsOfRun, Sides, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
 from validation.study.drawing import Drawing, pen, ruled, subplots
@@ -154,7 +154,7 @@ def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
 
 
 def _beside_table(both: Sides) -> Table:
-    def told(side: Side) -> tuple[Cell, ...]:
+    def told(side: FoldSide) -> tuple[Cell, ...]:
         return complex_text(side.orbit), abs(side.seen), side.apart
 
     rows = ((one.kind, one.point.parameter, *told(before), *told(beyond)) for one, before, beyond in both)
@@ -209,7 +209,7 @@ def orbits_along(branch: Branch) -> Drawing:
     return figure
 
 
-def snake(branch: Branch, runs: Iterable[Run]) -> Drawing:
+def snake(branch: Branch, runs: Iterable[PeriodsOfRun]) -> Drawing:
     """T over log10 r, with the periods of direct runs; beside it the number of unstable multipliers."""
     corners = [corner for corner in branch.corners if corner.period > _LEAST]
     figure, (left, right) = subplots(6.4, 1, 2, r"$\log_{10} r$", "$T$ (transits)", sharey=True, width_ratios=(4.0, 1.0))

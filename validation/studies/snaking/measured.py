@@ -55,7 +55,7 @@ _RANGE = 5e-3  # transits
 _WANDERS = 1e-2  # transits, on both sides of the unstable orbit's period
 
 
-class Run(NamedTuple):
+class PeriodsOfRun(NamedTuple):
     """A run from the scene's own start: the periods of all its cycles, and of those of its last part (transits); whether they
     settled."""
 
@@ -69,7 +69,7 @@ class Attractor(NamedTuple):
     """A `run` from a nudge of this `size`, and the period of the branch's stable orbit that is nearest to its last cycle."""
 
     size: float
-    run: Run
+    run: PeriodsOfRun
     orbit: float
 
     @property
@@ -88,7 +88,7 @@ class Torus(NamedTuple):
     rotation: float
 
 
-class Side(NamedTuple):
+class FoldSide(NamedTuple):
     """An orbit beside a special point, at `log10_r`: the multiplier that passes there, of the `orbit` and as `seen` in runs."""
 
     log10_r: float
@@ -101,17 +101,17 @@ class Side(NamedTuple):
         return abs(self.seen / self.orbit - 1.0)
 
 
-Sides = list[tuple[Special, Side, Side]]
+Sides = list[tuple[Special, FoldSide, FoldSide]]
 
 
-def run_at(log10_r: float, size: float | None = None) -> Run:
+def run_at(log10_r: float, size: float | None = None) -> PeriodsOfRun:
     """A run of the delay system until its cycles stop changing, or over 9000 transits; from a nudge of this `size`, if given."""
     scene = scene_at(log10_r)
     if size is not None:
         scene = replace(scene, start=replace(scene.start, size=size))
     found = memo.settled("delay", scene, 1e-10, 1e-8, _MOST)
     periods, last = (found.observer.events(share * found.transits).period for share in (0.0, _LAST))
-    return Run(log10_r, periods, last, found.settled)
+    return PeriodsOfRun(log10_r, periods, last, found.settled)
 
 
 def attractor(log10_r: float, size: float, orbits: list[Closed]) -> Attractor:
@@ -141,7 +141,7 @@ def passages(time: Array, values: Array, level: float) -> Array:
     return np.asarray(dates[np.diff(dates, prepend=-np.inf) > _APART])
 
 
-def multiplier_of(run: Run, period: float) -> complex:
+def multiplier_of(run: PeriodsOfRun, period: float) -> complex:
     """The leading pair of multipliers (its member above the real axis) from a run that settles on the orbit of this `period`:
     the recursion of the deviations of its cycles, fitted where they are small."""
     deviations = run.periods - period
@@ -176,11 +176,11 @@ def sides(branch: Branch, first: int = 0, every: int = 1) -> Sides:
     return found
 
 
-def _side(point: OrbitPoint, kind: str) -> Side:
+def _side(point: OrbitPoint, kind: str) -> FoldSide:
     closed = point.closed
     passing, direction = _passing(closed, kind)
     apart = _cycles(closed, _OFF * direction) - _cycles(closed, -_OFF * direction)
-    return Side(point.parameter, passing, multiplier_seen(apart, abs(passing.imag) > _REAL))
+    return FoldSide(point.parameter, passing, multiplier_seen(apart, abs(passing.imag) > _REAL))
 
 
 def _passing(closed: Closed, kind: str) -> tuple[complex, Array]:
@@ -259,7 +259,7 @@ def branch_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
     )
 
 
-def settles(run: Run, orbit: Closed) -> Iterator[Verdict]:
+def settles(run: PeriodsOfRun, orbit: Closed) -> Iterator[Verdict]:
     """A run before the torus point against the orbit of the branch, and its approach against the multipliers."""
     period, at = orbit.cycle.period, minus(f"log_{{10}} r = {run.log10_r:g}")
     lead, seen = complex(floquet(orbit.monodromy)[0][0]), multiplier_of(run, period)
@@ -274,7 +274,7 @@ def settles(run: Run, orbit: Closed) -> Iterator[Verdict]:
     )
 
 
-def wanders(run: Run, orbit: Closed) -> Verdict:
+def wanders(run: PeriodsOfRun, orbit: Closed) -> Verdict:
     """A run beyond the torus point."""
     low, high = float(run.last.min()), float(run.last.max())
     apart = min(orbit.cycle.period - low, high - orbit.cycle.period)
