@@ -21,8 +21,8 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     # numba and pydantic are imported only here, so that `import slipwave` stays light
     from slipwave.input.assemble import assemble_scene
     from slipwave.input.overrides import apply_overrides
-    from slipwave.input.source import load_tables, tables_of
-    from slipwave.input.stored import is_stored, read_stored
+    from slipwave.input.source import is_stored, load_tables, tables_of
+    from slipwave.input.stored import read_stored
     from slipwave.input.validate import validate
     from slipwave.input.wording import one_line
     from slipwave.scene import Scene
@@ -35,7 +35,7 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
         name, data = one_line(Path(source).stem), read_stored(source).tables
     else:
         name, data = load_tables(source)
-    data = apply_overrides(data, overrides)
+    data = apply_overrides(data, overrides) if overrides else data
     return assemble_scene(data, validate(data), name)
 
 

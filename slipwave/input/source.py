@@ -35,6 +35,11 @@ def gallery_titles() -> dict[str, str]:
     return {name: str(_parse(_GALLERY / f"{name}.toml").get("title", "")) for name in gallery_names()}
 
 
+def is_stored(source: object) -> bool:
+    """Whether `source` is the path of a file of results (`slipwave.input.stored`)."""
+    return isinstance(source, str | Path) and Path(source).suffix == ".nc"
+
+
 def load_tables(source: str | Path | Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
     """(default name, raw tables) of a gallery name, a TOML file's path, or a dictionary (copied).
 
@@ -75,18 +80,19 @@ def _parse(path: Path) -> dict[str, Any]:
 
 def _content(path: Path) -> bytes:
     """The bytes of a file. Raises SceneError if there is no such file or it is too long, OSError if it cannot be read."""
-    label = shorten(str(path))
     try:
         if not path.is_file():
-            raise SceneError(f"SCENE = {label}: {_why_not_a_file(path)}")
+            raise SceneError(f"SCENE = {shorten(str(path))}: {_why_not_a_file(path)}")
     except ValueError as error:
         if isinstance(error, SceneError):
             raise
-        raise SceneError(f"SCENE = {label}: cannot be read: {error}") from None  # the path holds a character that none may have
+        # the path holds a character that none may have
+        raise SceneError(f"SCENE = {shorten(str(path))}: cannot be read: {error}") from None
     with path.open("rb") as stream:
         content = stream.read(LARGEST_FILE + 1)
     if len(content) > LARGEST_FILE:
-        raise SceneError(f"SCENE = {label}: longer than {LARGEST_FILE // 1_000_000} MB; a scene file is a short TOML text")
+        problem = f"longer than {LARGEST_FILE // 1_000_000} MB; a scene file is a short TOML text"
+        raise SceneError(f"SCENE = {shorten(str(path))}: {problem}")
     return content
 
 

@@ -12,8 +12,6 @@ from slipwave.friction.own import own_law
 from slipwave.input.source import parse_toml
 from slipwave.input.wording import one_line, shorten
 
-SUFFIX = ".nc"
-
 GRID_OPTIONS = ("cells", "cfl", "time")
 """Options of a call that belong to the grid of one model."""
 
@@ -27,11 +25,6 @@ class StoredScene(NamedTuple):
     model: str
     options: dict[str, Any]
     facts: dict[str, Any]
-
-
-def is_stored(source: object) -> bool:
-    """Whether `source` is the path of a file of results."""
-    return isinstance(source, str | Path) and Path(source).suffix == SUFFIX
 
 
 def read_stored(path: str | Path) -> StoredScene:
@@ -61,11 +54,9 @@ def read_stored(path: str | Path) -> StoredScene:
 
 
 def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
-    """(model, options) of a call: what is `given`, and for a file of results of the same `command` what it holds where the model
+    """(model, options) of a call on a file of results of the same `command`: what is `given`, and what it holds where the model
     is "auto" and an option None. Options of a grid hold for the file's own model only. Raises SceneError for a file of another
     command."""
-    if not is_stored(source):
-        return model, dict(given)
     stored = read_stored(Path(str(source)))
     if stored.command != command:
         raise SceneError(f"SCENE = {shorten(str(source))}: is a result of slipwave {stored.command}, not of slipwave {command}")

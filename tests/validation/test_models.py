@@ -14,8 +14,7 @@ from slipwave.input.stored import read_stored
 from slipwave.solve import follow
 from tests.own_families import removed
 from validation.registry.build import build, build_all
-from validation.registry.choice import families, honouring, resolve
-from validation.registry.families import FAMILIES, GRIDS
+from validation.registry.families import FAMILIES, GRIDS, families, honouring, resolve
 from validation.registry.own import load_families, own_files
 
 

@@ -24,7 +24,7 @@ from validation.branches.curve import Curve
 from validation.branches.parameter import Over
 from validation.branches.points import BranchPoint, CurvePoint
 from validation.cli import main
-from validation.registry.choice import families
+from validation.registry.families import families
 from validation.results.bench import BenchResult
 from validation.results.branch import BranchOptions, BranchResult
 from validation.results.curve import CurveOptions, CurveResult
@@ -197,7 +197,7 @@ def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_pa
 
 def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
-    from validation.registry.choice import families
+    from validation.registry.families import families
 
     chosen = [family for family in families() if family.name in ("delay", "fd")]
     monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)

@@ -15,7 +15,8 @@ from validation.coverage.held import Held
 from validation.coverage.scenes import SLABS, random_scene
 from validation.measure.order_fit import richardson
 from validation.measure.settle import settle
-from validation.registry.build import build, build_full_wave, judged_grid, prepare
+from validation.registry.build import build, build_full_wave, prepare
+from validation.registry.default_grid import judged_grid
 from validation.registry.orbits import find_orbit
 
 WITNESS = "dg:9"

@@ -14,7 +14,7 @@ from validation.fit.forward import Forward, OfReduction, OfSolver
 from validation.fit.parameters import NUISANCES, Free, Variants, sizes
 from validation.fit.records import Experiment
 from validation.fit.starts import other_starts, sticking_starts
-from validation.registry.choice import requested
+from validation.registry.families import requested
 
 
 @dataclass

@@ -15,8 +15,7 @@ from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.scene.start import StartKind
 from slipwave.step.flow import Flow
-from validation.registry.choice import families, honouring, requested, resolve
-from validation.registry.families import DELAY, GRIDS, family_of, make, one_port_of
+from validation.registry.families import DELAY, GRIDS, families, family_of, honouring, make, one_port_of, requested, resolve
 from validation.run.outlook import outlook
 from validation.run.progress import progress
 

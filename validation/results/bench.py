@@ -9,8 +9,7 @@ from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from validation.output import aligned, rounded
-from validation.registry.choice import honouring
-from validation.registry.families import one_port_of
+from validation.registry.families import honouring, one_port_of
 from validation.results.command import command
 from validation.results.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.results.options import RunsOptions

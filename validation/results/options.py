@@ -20,7 +20,8 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource, read, read_scene
-from slipwave.input.stored import is_stored, read_stored, recall
+from slipwave.input.source import is_stored
+from slipwave.input.stored import read_stored, recall
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
@@ -175,10 +176,11 @@ class ModelOptions(SceneOptions):
     def recalled(self, source: SceneSource, command: str, without: Sequence[str] = ()) -> Self:
         """With the model and the options (but those named) that a file of results of the same `command` holds, where none are
         given. Raises SceneError for a file of another command."""
+        if not is_stored(source):
+            return self
         known = {one.stored_as: one for one in options_of(type(self)).values() if one.more.get("stored")}
         model, found = recall(source, command, self.model, {name: getattr(self, one.name) for name, one in known.items()})
-        if is_stored(source):
-            require_same_family(model, read_stored(Path(str(source))).facts, f"SCENE = {shorten(str(source))}")
+        require_same_family(model, read_stored(Path(str(source))).facts, f"SCENE = {shorten(str(source))}")
         new = {one.name: one.checked(found[name]) for name, one in known.items() if one.name not in without}
         return replace(self, model=model, **new)
 

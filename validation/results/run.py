@@ -13,7 +13,7 @@ from slipwave.solve import FieldSolver, Solver
 from slipwave.solve.follow import DAY
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.registry import build as models
-from validation.registry.build import grid_in_words, judged_grid, note_on, note_on_given
+from validation.registry.default_grid import grid_in_words, judged_grid, note_on, note_on_given
 from validation.registry.families import Options, one_port_of
 from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
@@ -112,7 +112,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     try:
         done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)
-        is_default = options.cells is None and options.tol is None and not done.failed
+        is_default = options.cells is None and options.tol is None and not done.failed and isinstance(built.solver, FieldSolver)
         default = judged_grid(built.solver, start, options.cfl, options.time) if is_default else None
         exponent, failed, stopped = None, done.failed, done.stopped
         if options.lyapunov and not (failed or stopped):
@@ -145,7 +145,7 @@ def _exponent(done: Run, scene: Scene, options: RunOptions) -> tuple[Exponent | 
 def _doubts(solver: Solver, length: Length, options: RunOptions) -> list[str]:
     """Warnings about the result that are known before the run."""
     amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, options.tol)
-    given = note_on_given(options.cells, options.tol)
+    given = note_on_given(options.cells, options.tol) if isinstance(solver, FieldSolver) else []
     return [*([amplified.note] if amplified else []), *given, *costly_steps(solver)]
 
 

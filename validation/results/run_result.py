@@ -15,7 +15,7 @@ from slipwave.solve import Leaping
 from slipwave.solve.lyapunov import Exponent
 from validation.data.writing import write_series
 from validation.output import FIGURES, aligned, rounded
-from validation.registry.build import grid_in_words
+from validation.registry.default_grid import grid_in_words
 from validation.registry.families import one_port_of
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import cycle_in_si
@@ -148,7 +148,7 @@ class RunResult(Result):
         if self.choice:
             result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
         more = {
-            "protocol": stage_results(self.stages, done.solver.scene),
+            "protocol": stage_results(self.stages, done.solver.scene) if self.stages else [],
             "lyapunov": self.exponent._asdict() if self.exponent else None,
             "observed": {name: one.figures() for name, one in self.records.named.items()},
             "failed": done.failed,

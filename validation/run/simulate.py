@@ -151,8 +151,10 @@ class _Marched:
 def _of_protocol(verdict: Verdict | None, drive: Drive, until: float) -> Verdict | None:
     """`verdict`, or "protocol" where the second half of a run to `until` (transits) of a drive that changes holds no cycles that
     repeat or wander, but a stage of constant V to judge."""
+    if verdict is None or verdict.repeats:
+        return verdict
     levels = [stage for stage in stages_of(drive, until) if stage.kind not in ("ramp", "hold") and stage.end > 0.5 * until]
-    return verdict._replace(kind="protocol") if verdict and not verdict.repeats and levels else verdict
+    return verdict._replace(kind="protocol") if levels else verdict
 
 
 def reconsidered(run: Run, model: str) -> Run:

@@ -21,7 +21,7 @@ from slipwave.input.source import to_toml
 from slipwave.scene import Scene
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
-from validation.registry.choice import parse, resolve
+from validation.registry.families import parse, resolve
 from validation.results.result import Dataset
 from validation.run.progress import progress
 from validation.run.timing import cores

@@ -13,8 +13,7 @@ from slipwave.friction.check import LawError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource
 from validation.output import aligned
-from validation.registry.choice import parse, resolve
-from validation.registry.families import GRIDS, grid_of
+from validation.registry.families import GRIDS, grid_of, parse, resolve
 from validation.registry.own import load_families
 from validation.results.command import command
 from validation.results.options import ModelOptions
