@@ -17,8 +17,7 @@ from validation.measure.settle import SYMBOLS
 from validation.registry.build import build
 from validation.run import timing
 from validation.studies import grid_convergence, leapfrog_convergence
-from validation.studies.grid_convergence import in_time, orbits
-from validation.studies.grid_convergence.code import code_note, code_table, shared
+from validation.studies.grid_convergence import code_note, code_table, in_time, orbits, shared
 from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, delay_reference, without_error_in_time
 from validation.study import Evidence, Outcome
 

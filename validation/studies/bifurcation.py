@@ -90,7 +90,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _tables(branches: dict[str, Branch], waves: list[WaveOrbit], quick: bool) -> tuple[Table, ...]:
-    special = [special_table(branch) for branch in branches.values()]
+    special = [_special_table(branch) for branch in branches.values()]
     delay, *others = branches.values()
     return (*special, *(() if quick else (structure_table(delay, others),)), _wave_table(waves))
 
@@ -161,8 +161,7 @@ _LEFT = -2.706
 _ZOOM = -2.62
 
 
-def special_table(branch: Branch) -> Table:
-    """The Hopf point and all special points of a branch, in order."""
+def _special_table(branch: Branch) -> Table:
     onset, model = branch.onset, branch.model
     counts = f"{onset.unstable_below} → {onset.unstable_above}"
     rows: list[tuple[Cell, ...]] = [("Hopf point", onset.parameter, onset.period, 0.0, 0.0, None, counts, None)]

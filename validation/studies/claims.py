@@ -104,7 +104,7 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(verdicts),
         figures=(
             Figure("irregular", _CAPTION, lambda: irregular(deep), paper="Fig 9", carries=("P13 ",), zoom=True),
-            Figure("planes", _PLANES, lambda: slip_planes(deep), paper="Fig 9", carries=("P13 ",)),
+            Figure("planes", _PLANES, lambda: _slip_planes(deep), paper="Fig 9", carries=("P13 ",)),
             Figure("returns", _RETURNS, lambda: returns(deep), zoom=True),
         ),
         tables=(_branch_table(orbits), _deep_table(deep)),
@@ -180,8 +180,7 @@ def irregular(deep: dict[str, Deep]) -> Drawing:
     return figure
 
 
-def slip_planes(deep: dict[str, Deep]) -> Drawing:
-    """Stress over slip rate, one panel per model, with the stress of steady sliding at each rate."""
+def _slip_planes(deep: dict[str, Deep]) -> Drawing:
     law: Any = slipwave.read("paper-2.3").law
     shown = {model: run for model, run in deep.items() if model in ("delay", "kelvin-voigt")}
     figure, panels = subplots(3.4, 1, len(shown), "$v/V^*$", sharex=True, sharey=True)

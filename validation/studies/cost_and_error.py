@@ -57,7 +57,7 @@ def run(budget: Budget) -> StudyResult:
     finest = {model: Estimate(_finest(points, model).period, 0.0) for model in ("delay", *_ODES)}
     return StudyResult(
         answer=_answer(points),
-        figures=(Figure("cost", _CAPTION, lambda: work_precision(points), lead=True, timed=True),),
+        figures=(Figure("cost", _CAPTION, lambda: _work_precision(points), lead=True, timed=True),),
         tables=(_table(points), _final_states(), _race_table(ours, rivals)),
         verdicts=(
             _right(ours),
@@ -217,8 +217,7 @@ _CAPTION = (
 )
 
 
-def work_precision(points: list[TimedRun]) -> Drawing:
-    """Work-precision diagram, one line per model: error of the period over run time, both logarithmic."""
+def _work_precision(points: list[TimedRun]) -> Drawing:
     figure, axes = subplots(4.6, 1, 1, "run time (ms)", "relative error of the period")
     lines: dict[tuple[str, float | None, str | None], list[TimedRun]] = {}
     for point in points:

@@ -36,7 +36,7 @@ def run(budget: Budget) -> StudyResult:
         answer=f"Stated errors hold the truth in at least {100.0 * worst[least].share:.1f} of 100 computations of known truth, "
         f"in each of {len(KINDS)} kinds (the least: {least}).",
         tables=(_table(found),),
-        figures=(Figure("shares", _CAPTION, lambda: histograms(record)),),
+        figures=(Figure("shares", _CAPTION, lambda: _histograms(record)),),
         verdicts=(*(holds(kind, one) for kind, one in worst.items()), *_repeated(record, budget)),
         notes=("`python -m validation.coverage --record` computes what it lacks; it may be interrupted.",),
         numbers={f"held, {kind}": Number(one.share, 0.02) for kind, one in worst.items()},
@@ -122,8 +122,7 @@ _CAPTION = (
 )
 
 
-def histograms(record: Record) -> Drawing:
-    """A panel for each kind."""
+def _histograms(record: Record) -> Drawing:
     figure = canvas(WIDTH, 4.6)
     panels = figure.subplots(2, 4, sharex=True)
     edges = np.arange(np.log10(_LEAST), np.log10(_MOST) + 0.1, 0.25)

@@ -90,8 +90,8 @@ def run(budget: Budget) -> StudyResult:
         f"errors of down to {plain(finest, '.0e')} of its range.",
         tables=(_table(ladders),),
         figures=(
-            Figure("motion", _MOTION, draw_motion),
-            Figure("errors", "Errors over cells per slab; lines: fits of the order.", lambda: draw_errors(ladders)),
+            Figure("motion", _MOTION, _draw_motion),
+            Figure("errors", "Errors over cells per slab; lines: fits of the order.", lambda: _draw_errors(ladders)),
         ),
         verdicts=tuple(verdict for ladder in ladders for verdict in _verdicts(ladder)),
         notes=(
@@ -147,8 +147,7 @@ def _table(ladders: list[Ladder]) -> Table:
 _MOTION = "The given motion: slip rate v and stress μ at the interface, and the drive V(t) that causes it."
 
 
-def draw_motion() -> Drawing:
-    """The exact solution over time."""
+def _draw_motion() -> Drawing:
     figure, panels = subplots(3.2, 1, 3, "time, transits")
     times = np.linspace(BEGIN, UNTIL, 400)
     for pair, style in (("alike", "-"), ("unlike", "--")):
@@ -162,8 +161,7 @@ def draw_motion() -> Drawing:
     return figure
 
 
-def draw_errors(ladders: list[Ladder]) -> Drawing:
-    """A panel for each pair of slabs."""
+def _draw_errors(ladders: list[Ladder]) -> Drawing:
     pairs = list(dict.fromkeys(ladder.pair for ladder in ladders))
     figure, panels = subplots(3.6, 1, len(pairs), "cells per slab", "error", sharey=True)
     panels = np.ravel(panels)

@@ -83,15 +83,15 @@ def run(budget: Budget) -> StudyResult:
             Figure(
                 "ode-orbit",
                 _ODE_ORBIT,
-                lambda: ode_orbit(cycles["kelvin-voigt"]),
+                lambda: _ode_orbit(cycles["kelvin-voigt"]),
                 paper="Fig 4",
                 carries=("P3 ", "P5 "),
                 zoom=True,
             ),
             Figure("panels", _PANELS_CAPTION, lambda: panels(cycles, errors), paper="Fig 5", carries=("P4 ", "P5 ", "P6 ")),
-            Figure("growth", _GROWTH, lambda: cycles_over_r(grown)),
+            Figure("growth", _GROWTH, lambda: _cycles_over_r(grown)),
         ),
-        tables=(_orbits(runs), _reference_table(runs), over_r_table(grown)),
+        tables=(_orbits(runs), _reference_table(runs), _over_r_table(grown)),
         verdicts=tuple(verdicts(runs, escape, damped)),
         notes=(reference()["how"],),
         numbers=_numbers(runs),
@@ -233,8 +233,7 @@ def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> Drawing:
     return figure
 
 
-def ode_orbit(cycle: Cycle) -> Drawing:
-    """The paper's Fig 4: stress and elastic stress over one cycle of its ODE, slip rate below, and the orbit in two planes."""
+def _ode_orbit(cycle: Cycle) -> Drawing:
     figure = canvas(WIDTH, 5.6)
     grid = figure.subplot_mosaic([["stress", "stress"], ["rate", "rate"], ["plane", "state"]], height_ratios=(1.0, 1.0, 1.2))
     look = line("kelvin-voigt")
@@ -257,8 +256,7 @@ def _signed(error: float) -> str:
     return f"${100 * error:+.1f}$ %" if abs(error) >= 1e-3 else rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
 
 
-def over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
-    """Period and stress drop of the models as r grows."""
+def _over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
     rows = [
         (log10_r, model, one.period.value, one.period.error, one.drop.value, one.drop.error, one.cycles or None)
         for log10_r, models in places.items()
@@ -273,8 +271,7 @@ def over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
     return table("growth", caption, heading, rows)
 
 
-def cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
-    """One panel for each r: the elastic stress of the models over a cycle."""
+def _cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
     rows = (len(places) + 1) // 2
     figure, grid = subplots(2.4 * rows + 0.6, rows, 2, _SINCE, r"$y$ above its least", sharex=True, sharey=True)
     for axes, (log10_r, models) in zip(grid.flat, places.items(), strict=True):

@@ -92,7 +92,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("grip", _GRIP, lambda: over_grip(grid, orbits, pairs)),
             Figure("bare", _BARE, lambda: bare_and_grip(np.array(leaks), bare, held, edge)),
         ),
-        tables=(wave_table(pairs), bare_table(leaks, bare, held, ends)),
+        tables=(_wave_table(pairs), _bare_table(leaks, bare, held, ends)),
         verdicts=(
             agreement(pairs, budget.quick),
             dies(leaks, ends, bare[0].period),
@@ -130,8 +130,7 @@ _BARE = (
 _LOOKS = (("#111111", "-"), ("#0072b2", (0, (5, 1.5))))
 
 
-def wave_table(pairs: list[Pair]) -> Table:
-    """Delay system and full wave, grip by grip."""
+def _wave_table(pairs: list[Pair]) -> Table:
     rows = ((pair.stiffness, pair.impedance, *pair.exact, *pair.differences) for pair in pairs)
     differences = [f"difference in {name} [relative] .0e" for name in ("T", "Δμ", "v_{max}")]
     columns = "K [ε a transit] .0f | Z_{g}/ε .3g | T [transits] .9g | Δμ [σ] .7f | v_{max} [V*] .7g"
@@ -142,8 +141,7 @@ def wave_table(pairs: list[Pair]) -> Table:
     return table("grips", caption, " | ".join([columns, *differences]), rows)
 
 
-def bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], ends: list[str]) -> Table:
-    """Bare coefficients beside grips of the same reflection."""
+def _bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], ends: list[str]) -> Table:
     rows = ((q, end, *point, 2.0 / q - 1.0, *grip) for q, end, point, grip in zip(leaks, ends, bare, held, strict=True))
     figures = "T [transits] .6g | Δμ [σ] .5f | v_{max} [V*] .0f"
     heading = f"1 − R .0e | bare: ends as | {figures} | grip: Z_{{g}}/ε .5g | {figures}"

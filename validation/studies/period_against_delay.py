@@ -93,13 +93,13 @@ def run(budget: Budget) -> StudyResult:
             Figure(
                 "over-r",
                 _CAPTION,
-                lambda: periods_over_r(branches, listed, ratios),
+                lambda: _periods_over_r(branches, listed, ratios),
                 paper="Fig 8",
                 carries=("P7 ", "P12 ", "The paper’s periods"),
                 zoom=True,
             ),
         ),
-        tables=(period_table(listed), mean_table(listed)),
+        tables=(_period_table(listed), _mean_table(listed)),
         verdicts=(order(listed), *known(listed), settled(listed, runs), at_onset(branches), thick(ratios)),
         notes=(_ENERGY,),
         numbers=_numbers(listed),
@@ -141,8 +141,7 @@ _LAW_FROM = -2.55
 _PAPER: dict[str, Any] = {"color": "#d55e00", "marker": "x", "markersize": 7.0, "markeredgewidth": 1.5, "linestyle": "none"}
 
 
-def period_table(listed: list[Periods]) -> Table:
-    """Orbits of all models, with the law beside the blocks."""
+def _period_table(listed: list[Periods]) -> Table:
     models = (*WAVES, *MASSES)
     rows = [
         (one.log10_r, *(_first(one, model) for model in models), *(period_of(scene_at(one.log10_r), model) for model in MASSES))
@@ -164,8 +163,7 @@ def _first(one: Periods, model: str) -> Cell:
     return found[0] if found else None
 
 
-def mean_table(listed: list[Periods]) -> Table:
-    """Means over the cycles of runs."""
+def _mean_table(listed: list[Periods]) -> Table:
     found = ((model, one, mean) for model in WAVES for one in listed if (mean := one.means.get(model)))
     rows = (
         (model, one.log10_r, mean.period.value, mean.period.error, float(mean.cycles), _first(one, model))
@@ -179,8 +177,7 @@ def mean_table(listed: list[Periods]) -> Table:
     return table("deep", caption, heading, rows)
 
 
-def periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: dict[str, dict[float, float]]) -> Drawing:
-    """Left: periods over r. Right: the blocks' over their law, as slabs become thicker."""
+def _periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: dict[str, dict[float, float]]) -> Drawing:
     figure, (left, right) = subplots(4.6, 1, 2, r"$\log_{10} r$", "$T$ (transits)", width_ratios=(1.7, 1.0))
     for model, branch in branches.items():
         draw_branch(left, model, branch.corners, "period")

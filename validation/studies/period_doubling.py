@@ -92,7 +92,7 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=_answer(found),
         figures=(Figure("planes", _CAPTION, lambda: planes(found, others), paper="Fig 7", carries=("P10 ",)),),
-        tables=(orbit_table(found), *([bubble_table(others)] if others else [])),
+        tables=(_orbit_table(found), *([bubble_table(others)] if others else [])),
         verdicts=(*all_verdicts(found), *map(ends_simple, others)),
         notes=(_HOW,),
         numbers={
@@ -132,8 +132,7 @@ _TEN = math.log(10.0)
 _EVERY = 4  # nodes of a step, of which one is drawn
 
 
-def orbit_table(found: Doubled) -> Table:
-    """Figures and leading multipliers of both orbits."""
+def _orbit_table(found: Doubled) -> Table:
     rows: list[tuple[Cell, ...]] = [
         (name, *orbit.orbit.values().values(), ", ".join(plain(float(one.real), ".5f") for one in orbit.multipliers.values[:2]))
         for name, orbit in (("single", found.single), ("doubled", found.double))

@@ -75,15 +75,15 @@ def run(budget: Budget) -> StudyResult:
             Figure(
                 "critical-r",
                 _FIG_2,
-                lambda: critical_curves(curves.velocity, curves.delay, curves.kelvin_voigt),
+                lambda: _critical_curves(curves.velocity, curves.delay, curves.kelvin_voigt),
                 paper="Fig 2",
                 carries=("P1 ", "P2 ", "Fig 2"),
             ),
             Figure("planes", _FIG_3, lambda: planes(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),
             Figure("impedance", _FIG_Z, lambda: impedances(paper)),
-            Figure("spectrum", _FIG_S, lambda: spectra(spectrum, paper.transit)),
+            Figure("spectrum", _FIG_S, lambda: _spectra(spectrum, paper.transit)),
         ),
-        tables=(velocity_table(curves), model_table(onsets), scene_table(found)),
+        tables=(_velocity_table(curves), model_table(onsets), _scene_table(found)),
         verdicts=(
             *closed_form_verdicts(paper, curves),
             *fig_2(curves),
@@ -154,8 +154,7 @@ _MODELS = ("quasistatic", "quasidynamic", "block12", "block8", "kelvin-voigt", "
 _SHIFT = 0.2
 
 
-def velocity_table(curves: Curves) -> Table:
-    """Critical r at five velocities."""
+def _velocity_table(curves: Curves) -> Table:
     shown = [int(np.argmin(np.abs(np.log(curves.velocity / v)))) for v in (1.0, 10.0, 100.0, 1e3, 1e4)]
     rows = ((float(column[i]) for column in (curves.velocity, curves.delay, curves.kelvin_voigt, curves.error)) for i in shown)
     heading = "V [V*] .4g | r_{c}, delay (39) [L/V*] .12g | r_{c}, Kelvin–Voigt (27) [L/V*] .12g | relative error .3e"
@@ -173,8 +172,7 @@ def model_table(onsets: dict[str, tuple[float, float]]) -> Table:
     return table("models", "Onset of stick-slip in every model, V = 100, ε = 2.8 · 10^{-5}.", heading, rows)
 
 
-def scene_table(found: dict[str, Stability]) -> Table:
-    """Exact stability of one scene per row."""
+def _scene_table(found: dict[str, Stability]) -> Table:
     rows = []
     for name, stability in found.items():
         lead = stability.leading_roots[0]
@@ -195,8 +193,7 @@ def scene_table(found: dict[str, Stability]) -> Table:
     return table("scenes", caption, heading, rows)
 
 
-def critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Drawing:
-    """The paper's Fig 2: r_c over V, and the relative error of the Kelvin-Voigt system's."""
+def _critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Drawing:
     figure, (left, right) = subplots(3.1, 1, 2, "$V/V^*$", "$r_c$")
     for model, values in (("delay", delay), ("kelvin-voigt", kelvin_voigt)):
         left.loglog(velocity, values, **line(model, linestyle="-" if model == "delay" else (0, (5, 2))))
@@ -254,8 +251,7 @@ def impedances(paper: Scene) -> Drawing:
     return figure
 
 
-def spectra(found: Mapping[str, Stability], transit: float) -> Drawing:
-    """Leading roots of several models in the upper half of the complex plane, per transit."""
+def _spectra(found: Mapping[str, Stability], transit: float) -> Drawing:
     figure, axes = subplots(3.2, 1, 1, "Re $s$ (per transit)", "Im $s$ (per transit)")
     for size, (model, stability) in zip((7.0, 7.0, 10.0, 9.0, 12.0), found.items(), strict=True):
         style = pen(model)

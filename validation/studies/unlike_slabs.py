@@ -98,7 +98,7 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=_answer(runs, timed),
         figures=(Figure("cycles", _CAPTION, lambda: last_cycles(shown)),),
-        tables=(_table(runs), cost_table(timed)),
+        tables=(_table(runs), _cost_table(timed)),
         verdicts=(*_agreements(runs), *_families(runs), *_leapfrog(runs), *cost_verdicts(timed)),
         notes=(
             f"Neither scene has settled at {UNTIL:.0f} transits. The last complete cycle is compared as it is, at the same time "
@@ -176,8 +176,7 @@ def _leapfrog(runs: Mapping[str, list[PairRun]]) -> Iterator[Verdict]:
     yield in_range(title, WITNESS, ends, ratios, where, ".2f")
 
 
-def cost_table(found: Costs) -> Table:
-    """Microseconds a transit and ratios."""
+def _cost_table(found: Costs) -> Table:
     rows: list[tuple[Cell, ...]] = []
     for model, each in found.items():
         alike = each["alike"]

@@ -93,14 +93,14 @@ def run(budget: Budget) -> StudyResult:
     for model in ("delay", *MODELS, "fitted:4"):
         more = SHOWN if model == "fitted:4" else _NEAR_ONSET[budget.quick]
         orbits[model] = {x: orbit_of(model, x) for x in more} | orbits.get(model, {})
-    table = the_table(regimes, places_of_r, _ROUNDS[budget.quick])
+    table = _the_table(regimes, places_of_r, _ROUNDS[budget.quick])
     return StudyResult(
         answer=" ".join(table.sentences),
         figures=(
             Figure("cycle", _CYCLE, one_period),
             Figure("cost-error", _COST_ERROR, lambda: cost_and_error(table), timed=True),
-            Figure("errors", _CAPTION, lambda: errors_over_r(orbits)),
-            Figure("deep", _DEEP_CAPTION, lambda: errors_of_means(means)),
+            Figure("errors", _CAPTION, lambda: _errors_over_r(orbits)),
+            Figure("deep", _DEEP_CAPTION, lambda: _errors_of_means(means)),
         ),
         verdicts=all_verdicts(orbits, means, table),
         numbers=_numbers(orbits, means, table),
@@ -109,8 +109,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def the_table(regimes: ByModel, grid: tuple[float, ...], rounds: int) -> ModelTable:
-    """The table of the first screen."""
+def _the_table(regimes: ByModel, grid: tuple[float, ...], rounds: int) -> ModelTable:
     exact, _ = log10_onsets()
     sights = [Sight(places([x], ".2f"), scene_at(x), 10.0 ** (x - exact), f"--set slab.log10_r={x:g}") for x in grid]
     costs = {places([x], ".2f"): costs_at(x, rounds) for x in _COSTED}
@@ -214,8 +213,7 @@ def cost_and_error(table: ModelTable) -> Drawing:
     return figure
 
 
-def errors_over_r(orbits: Runs) -> Drawing:
-    """Absolute errors of the orbits' periods and drops; a missing orbit leaves a gap."""
+def _errors_over_r(orbits: Runs) -> Drawing:
     figure, panels = _panels("relative error")
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for model in MODELS:
@@ -225,8 +223,7 @@ def errors_over_r(orbits: Runs) -> Drawing:
     return figure
 
 
-def errors_of_means(means: Runs) -> Drawing:
-    """Signed differences of the means, in per cent, with two standard errors."""
+def _errors_of_means(means: Runs) -> Drawing:
     figure, panels = _panels("difference of the means (%)")
     grid = np.array(list(means["delay"]))
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):

@@ -1,21 +1,23 @@
 """Every full-wave family against the delay system: order in space in every output, and run time against error; then the error in
 time, by the two marches of one grid."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
+from itertools import combinations
 from typing import TypeAlias
 
 import numpy as np
 
 from fullwave.families import FullWave
+from slipwave.family import Exact
 from slipwave.observe.pieces import Array
+from slipwave.sources import ROOT, import_closure
 from validation.measure import grid_ladders
 from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, ROUGH_FROM, STEEP, STEEP_FROM, Course
 from validation.measure.order_fit import FEWEST_DENSE, TREND
 from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, QUANTITIES, RESOLVED, Climb, climb
-from validation.registry.families import GRIDS, grid_of
+from validation.registry.families import FAMILIES, GRIDS, grid_of
 from validation.studies.grid_convergence import in_time, orbits
-from validation.studies.grid_convergence.code import code_note, code_table
 from validation.studies.grid_convergence.in_time import without_error_in_time
 from validation.study import WITNESS, Budget, Cell, Figure, StudyResult, Table, Verdict, holding, stated, table
 from validation.study.drawing import Drawing, grid_pens, ruled, subplots
@@ -38,6 +40,8 @@ _THINNED = 2
 _ENOUGH = 1e-4  # error of the state for which run times are given
 
 _FLOOR = 1e-14
+_MARCH = {"fullwave.lines.motion": "the right-hand side with its faces", "fullwave.lines.kernel": "the time stepper"}
+COMPARED = tuple(family.name for family in FAMILIES if family.exact is not Exact.NEVER)
 _SCENES = {GENTLE.log10_r: "s", ROUGH.log10_r: "r", STEEP.log10_r: "t"}
 
 Curves: TypeAlias = Mapping[str, tuple[Array, Array, Array]]
@@ -53,7 +57,7 @@ def run(budget: Budget) -> StudyResult:
     beside = orbits.as_r_grows(orbits.ORBITS_AT[budget.quick], orbits.MEANS_AT[budget.quick])
     return StudyResult(
         answer=_answer(climbs, own, curves),
-        figures=(Figure("families", _CAPTION, lambda: convergence_and_cost(curves), timed=True),),
+        figures=(Figure("families", _CAPTION, lambda: _convergence_and_cost(curves), timed=True),),
         tables=(
             orders_table(climbs, [family for family in GRIDS if not family.ladder]),
             finest_table(climbs),
@@ -216,8 +220,7 @@ def _scene(climb: Climb) -> str:
     return _SCENES[climb.ladder.course.log10_r]
 
 
-def convergence_and_cost(curves: Curves) -> Drawing:
-    """Error of the state over points per slab, left, and over run time, right."""
+def _convergence_and_cost(curves: Curves) -> Drawing:
     figure, (left, right) = subplots(4.3, 1, 2, "points per slab", "error of the state", sharey=True)
     for model, own in grid_pens(curves).items():
         points, seconds, error = curves[model]
@@ -229,3 +232,49 @@ def convergence_and_cost(curves: Curves) -> Drawing:
     ruled(left, right)
     figure.legend(loc="outside upper left", ncols=4, handlelength=3.0)
     return figure
+
+
+def modules_of(family: str) -> frozenset[str]:
+    """Modules of this package that a family's solver is made of, as `fullwave.lines.march`."""
+    module = next(facts.module for facts in FAMILIES if facts.name == family)
+    start = ROOT.joinpath(*module.split(".")).with_suffix(".py")
+    files = (path.relative_to(ROOT).with_suffix("") for path in import_closure([start], packages=False))
+    return frozenset(".".join(path.parts).removesuffix(".__init__") for path in files)
+
+
+def shared(one: str, other: str) -> tuple[str, ...]:
+    """Modules beyond `slipwave` that two families have in common; the tables of facts, which compute nothing, left out."""
+    common = modules_of(one) & modules_of(other)
+    return tuple(sorted(name for name in common if not name.startswith("slipwave") and not name.endswith(".families")))
+
+
+def code_table() -> Table:
+    """One row per pair of families."""
+    rows = (
+        (f"`{one}`, `{other}`", len(common), ", ".join(name.removeprefix("fullwave.") for name in common) or "none")
+        for one, other in combinations(COMPARED, 2)
+        for common in [shared(one, other)]
+    )
+    caption = (
+        "Modules of the solvers that two families share, read from their imports; all share `slipwave` (the scene, friction, the "
+        "interface condition, the event detection). Comparing two families cannot reveal a mistake in what they share."
+    )
+    return table("code", caption, "pair | modules .0f | in common", rows)
+
+
+def code_note() -> str:
+    """What the pairs are worth as witnesses."""
+    alike = set(shared("sbp", "fem")) & set(shared("sbp", "dg"))
+    leapfrog = shared("fd", "sbp")
+    exact = max(len(shared("delay", family)) for family in COMPARED[1:])
+    return (
+        f"`sbp`, `fem` and `dg` have {len(alike)} modules in common, {_march_in(alike)}: they are witnesses of each other’s "
+        f"operators in space only. The leapfrog has {len(leapfrog)} modules in common with them, {_march_in(leapfrog)}. "
+        f"The delay system, which every error is measured against, has no grid and {exact or 'no'} solver modules in common "
+        "with any of them."
+    )
+
+
+def _march_in(modules: Collection[str]) -> str:
+    parts = [words for module, words in _MARCH.items() if module in modules]
+    return f"among them {' and '.join(parts)}" if parts else f"but not {' nor '.join(_MARCH.values())}"

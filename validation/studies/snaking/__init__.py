@@ -150,12 +150,12 @@ def _coexisting_table(found: dict[float, list[Closed]]) -> Table:
 
 def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     lead, found = floquet(closed.monodromy)[0][0], figures_of(closed)
-    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), complex_text(lead, ".4f"))
+    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), _complex_text(lead, ".4f"))
 
 
 def _beside_table(both: Sides) -> Table:
     def told(side: FoldSide) -> tuple[Cell, ...]:
-        return complex_text(side.orbit), abs(side.seen), side.apart
+        return _complex_text(side.orbit), abs(side.seen), side.apart
 
     rows = ((one.kind, one.point.parameter, *told(before), *told(beyond)) for one, before, beyond in both)
     columns = "before: multiplier | modulus seen in runs .6f | difference [relative] .0e"
@@ -167,8 +167,7 @@ def _beside_table(both: Sides) -> Table:
     return table("beside", caption, heading, rows)
 
 
-def complex_text(value: complex, spec: str = ".6f") -> str:
-    """A real multiplier, or a pair."""
+def _complex_text(value: complex, spec: str = ".6f") -> str:
     return plain(value.real, spec) + (f" ± {plain(abs(value.imag), spec)} i" if value.imag else "")
 
 
