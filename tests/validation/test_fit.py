@@ -9,7 +9,7 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.cli import main
-from validation.fit.cycles import CycleOfReduction, CycleOfSolver, disturbed
+from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.drawn import draw_fit, values_in_words
 from validation.fit.forward import OfReduction, OfSolver
 from validation.fit.least_squares import Best, intervals, minimise
@@ -166,24 +166,11 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
         assert row["low"] < value < row["high"], key
         assert row["high"] - row["low"] < 0.03 * value, key
     assert found.summary["data"][0]["period"]["fitted"] == pytest.approx(35.7603, rel=1e-4)
-    with pytest.raises(SceneError, match=r"period is 1\.19e\+06 transits: a fit with every wave takes 100000"):
+    with pytest.raises(SceneError, match=r"period is 1\.19e\+06 transits: a fit with every wave takes 10000"):
         sw.fit(STICKING, "delay", data=[str(path)], free=KEYS)
     np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")
     with pytest.raises(SceneError, match="no slip event"):
         sw.fit(STICKING, data=[str(path)], free=KEYS)
-
-
-def test_stick_slip_with_every_wave_is_fitted_near_its_start(tmp_path: Path) -> None:
-    made = problem_of(read("paper"), free_parameters(read("paper"), ["a", "b"]), [], [], "delay", 1e-7)
-    paper = Variants(read("paper"), made.free, schedule_of(read("paper")))
-    times, friction = CycleOfSolver(disturbed(paper), 73.5, "delay", 1e-6).motion(made.first, 0.25)
-    path = tmp_path / "paper.csv"
-    friction += 2e-4 * np.random.default_rng(5).standard_normal(times.size)
-    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [transits],mu", comments="")
-    found = sw.fit("paper", "delay", data=[str(path)], free=["a", "b"], settings=["interface.a=0.0345", "interface.b=0.0485"])
-    assert found.summary["parameters"]["interface.a"]["value"] == pytest.approx(0.0349, rel=0.03)
-    assert found.summary["parameters"]["interface.b"]["value"] == pytest.approx(0.0489, rel=0.03)
-    assert any("which these intervals do not hold" in note for note in found.notes)
 
 
 def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:

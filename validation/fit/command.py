@@ -19,10 +19,10 @@ from slipwave.input.stored import read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series
-from validation.fit.cycles import CycleOfSolver
 from validation.fit.drawn import draw_fit
 from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
+from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
@@ -152,9 +152,6 @@ class FitResult(Result):
                 "a part of the record (--window) or the model is not what the other is, or the fit ended beside its best values"
             )
             notes.append(f"the residual is {self.spread.noise:.1f} times the noise, and the intervals do not know why: {told}")
-        if any(isinstance(one, CycleOfSolver) for one in self.problem.models):
-            told = "waves lock the period to their round trips: fits from other start values end a percent or two away"
-            notes.append(f"{told}, which these intervals do not hold")
         together = self.spread.together
         if together > 2.0:
             wider = f"the intervals are {together**0.5:.1f} times as wide as those of white noise"
@@ -260,16 +257,15 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     problem = problem_of(scene, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model}
     best = recalled_best(options.checkpoint, next(problem.starts()), facts_of_fit(scene.digest, files, settings))
-    stopped = False
+    stopped, waves = False, next((one for one in problem.models if isinstance(one, CycleOfOrbit)), None)
     try:
         starts, is_cheap = problem.starts(), all(one.is_cheap for one in problem.models)
         if best.evaluations:
             log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
-            starts = chain([best.inner], starts if is_cheap else [])
-        elif not is_cheap:
-            nearby = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance), problem.starts())
-            starts = chain([best.inner] if any(one.cycle for one in records) else [], nearby)
-        found = minimise(problem, starts, best, problem.noise)
+            starts = chain([best.inner], starts if is_cheap or waves else [])
+        elif not is_cheap and not waves:
+            starts = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance), starts)
+        found = problem.by_orbits(waves, starts, best) if waves else minimise(problem, starts, best, problem.noise)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
             raise

@@ -5,7 +5,6 @@ through the middle between its maximum and its minimum. Phases close to events a
 recording than of friction.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
@@ -23,7 +22,7 @@ from slipwave.scene.start import Start, StartKind
 from slipwave.step.collocation import radau
 from slipwave.step.sensitivity import port_sensitivity
 from validation.data.events import noise_of
-from validation.fit.forward import join_pieces, marched, sampled, solved
+from validation.fit.forward import marched, sampled
 from validation.fit.parameters import Variants, sizes
 
 BINS = 48
@@ -37,10 +36,7 @@ _BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or 
 _SETTLED = 7  # events; the last cycle of so many is taken
 _LONGER = (1.0, 2.5, 6.0, 15.0)  # times the expected length of a march
 _BISECTIONS = 60
-_COARSE = 1e-5  # tolerance that is enough for a period that follows parameters in steps
-_MOST_STEPS = 1_500_000
-_MOST_TRANSITS = 1e5  # of a period
-_SHIFT = 1e-2  # of differences of cycles
+_SAME_PERIOD = 1e-5  # relative difference of two in a row with which the motion has settled
 DISTURBED = 1.0
 """Of psi, at the start of a march that is to stick and slip."""
 
@@ -78,8 +74,8 @@ def falls(values: Array, least: float) -> list[tuple[int, int]]:
     return [*found, (top, bottom)] if is_falling else found
 
 
-def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
-    """Of a record. Raises SceneError if there are no three slip events in it."""
+def dated_events(name: str, times: Array, friction: Array) -> tuple[list[tuple[int, int]], Array]:
+    """(maximum, minimum) of every slip event of a record, and their dates. Raises SceneError for fewer than three."""
     noise, size, events = noise_of(times, friction), float(np.ptp(friction)), []
     for together in sorted({max(1, times.size // blocks) for blocks in (times.size, *_BLOCKS)}):
         means = friction[: times.size // together * together].reshape(-1, together).mean(axis=1)
@@ -94,6 +90,12 @@ def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
             f"{name!r}: {found} (friction changes by {size:.3g}, noise {noise:.2g}); a fit of stick-slip needs 3; for "
             "steps and holds give drive.velocity, or a column of the load point's displacement"
         )
+    return events, dates
+
+
+def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
+    """Of a record. Raises SceneError if there are no three slip events in it."""
+    noise, (events, dates) = noise_of(times, friction), dated_events(name, times, friction)
     periods = np.diff(dates)
     which = np.searchsorted(dates, times, side="right") - 1
     inside = (which >= 0) & (which < periods.size)
@@ -136,12 +138,11 @@ def _date(times: Array, friction: Array, top: int, bottom: int) -> float:
     return float(times[above] + share * (times[above + 1] - times[above]))
 
 
-class CycleOfModel(ABC):
-    """The last of some cycles of a model that a disturbance has set going: period, then friction in the bins."""
+class CycleOfReduction:
+    """The last of some cycles of an ODE reduction that a disturbance has set going: period, then friction in the bins. The
+    derivative is exact for the steps that the march took."""
 
-    is_cheap: bool
-    alike: float
-    """Relative difference of two periods in a row with which the motion has settled."""
+    is_cheap: bool = True
 
     def __init__(self, variants: Variants, period: float, model: str, tolerance: float) -> None:
         self._variants, self._period, self._model, self._tolerance = variants, period, model, tolerance
@@ -159,13 +160,11 @@ class CycleOfModel(ABC):
         _, scene, pieces = self._marched(inner)
         return self._cycle(scene, pieces, [])[0]
 
-    @abstractmethod
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
-
-    @abstractmethod
-    def _march(self, scene: Scene, until: float) -> Pieces:
-        """The motion up to `until` (transits). Raises NumericsError where it cannot be computed."""
+        _, scene, pieces = self._marched(inner)
+        found = port_sensitivity(self._slabs(scene), self._variants.beside(inner), pieces)
+        return np.column_stack(self._cycle(scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
 
     def motion(self, inner: Array, every: float) -> tuple[Array, Array]:
         """Times (s, or transits in a scene without units), `every` so long, and friction of the later half of the march."""
@@ -179,10 +178,9 @@ class CycleOfModel(ABC):
             scene = self.scene(inner)
             for longer in _LONGER:
                 until = float(np.ceil(longer * (_SETTLED + 1.5) * self._period / sizes(scene)[0]))
-                pieces = self._march(scene, until)
+                pieces = marched(self._slabs(scene), until, self._tolerance)
                 events = self._falls(pieces)
-                is_whole = pieces.time[-1] + pieces.length[-1] > until - 1.0
-                if not is_whole or (len(events) >= _SETTLED and self._is_settled(pieces, events[-3:])):
+                if len(events) >= _SETTLED and self._is_settled(pieces, events[-3:]):
                     break
             if len(events) < _SETTLED:
                 raise NumericsError(f"{self._model}: no {_SETTLED} slip events in {pieces.time[-1]:.4g} transits")
@@ -191,9 +189,12 @@ class CycleOfModel(ABC):
 
     def _is_settled(self, pieces: Pieces, three: Sequence[tuple[int, int]]) -> bool:
         """Whether the last two periods are the same."""
-        slope = _slope(pieces)
-        dates = [_model_date(pieces, one, [slope])[0] for one in three]
-        return abs(dates[2] - 2.0 * dates[1] + dates[0]) < self.alike * (dates[2] - dates[1])
+        slope = slope_of(pieces)
+        dates = [model_date(pieces, one, [slope])[0] for one in three]
+        return abs(dates[2] - 2.0 * dates[1] + dates[0]) < _SAME_PERIOD * (dates[2] - dates[1])
+
+    def _slabs(self, scene: Scene) -> ReducedSlabs:
+        return ReducedSlabs(scene, lambda one: reduction_of(one, self._model), STAGES)
 
     def _falls(self, pieces: Pieces) -> list[tuple[int, int]]:
         """Events of the later half of a march, and those before that are as large."""
@@ -202,9 +203,9 @@ class CycleOfModel(ABC):
 
     def _cycle(self, scene: Scene, pieces: Pieces, by: list[Array]) -> list[Array]:
         """Period and friction of the last whole cycle, and their derivatives, where `by` (k, s) are those of mu."""
-        slope = _slope(pieces)
+        slope = slope_of(pieces)
         events = self._falls(pieces)[-2:]
-        (begin, at_begin), (end, at_end) = (_model_date(pieces, one, [slope, *by]) for one in events)
+        (begin, at_begin), (end, at_end) = (model_date(pieces, one, [slope, *by]) for one in events)
         period = end - begin
         rows = sampled(pieces, begin + self._phases * period, [pieces.mu, slope, *by])
         clock = sizes(scene)[0]
@@ -214,58 +215,7 @@ class CycleOfModel(ABC):
         return found
 
 
-class CycleOfReduction(CycleOfModel):
-    """By an ODE reduction; the derivative is exact for the steps that the march took."""
-
-    is_cheap: bool = True
-    alike: float = 1e-5
-
-    def slopes(self, inner: Array) -> Array:
-        """As `Forward`."""
-        _, scene, pieces = self._marched(inner)
-        found = port_sensitivity(self._slabs(scene), self._variants.beside(inner), pieces)
-        return np.column_stack(self._cycle(scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
-
-    def _march(self, scene: Scene, until: float) -> Pieces:
-        return marched(self._slabs(scene), until, self._tolerance)
-
-    def _slabs(self, scene: Scene) -> ReducedSlabs:
-        return ReducedSlabs(scene, lambda one: reduction_of(one, self._model), STAGES)
-
-
-class CycleOfSolver(CycleOfModel):
-    """By any other model. Waves lock the period to their round trips: it follows a parameter in steps of a tenth of a percent.
-    Its derivative at one place says nothing of the way ahead; so it is the difference of two marches, one percent to either
-    side."""
-
-    is_cheap: bool = False
-    alike: float = 1e-3
-
-    def __init__(self, variants: Variants, period: float, model: str, tolerance: float) -> None:
-        super().__init__(variants, period, model, max(tolerance, _COARSE))
-        transits = period / sizes(variants.base)[0]
-        if transits > _MOST_TRANSITS:
-            raise SceneError(
-                f"model = {model!r}: the measured period is {transits:.3g} transits: a fit with every wave takes "
-                f"{_MOST_TRANSITS:g} at most; quasidynamic fits such a record"
-            )
-
-    def slopes(self, inner: Array) -> Array:
-        """As `Forward`."""
-        shifts = _SHIFT * np.eye(inner.size)
-        return np.column_stack([(self.friction(inner + s) - self.friction(inner - s)) / (2.0 * _SHIFT) for s in shifts])
-
-    def _march(self, scene: Scene, until: float) -> Pieces:
-        parts, steps = [], 0
-        for pieces in solved(self._model, scene, until, self._tolerance):
-            parts.append(pieces)
-            steps += pieces.time.size
-            if steps > _MOST_STEPS:
-                break
-        return join_pieces(parts)
-
-
-def _slope(pieces: Pieces) -> Array:
+def slope_of(pieces: Pieces) -> Array:
     """d mu/dt at the nodes (k, s)."""
     return np.asarray(pieces.mu @ _basis(pieces.z.shape[1]).derivative.T / pieces.length[:, None])
 
@@ -274,7 +224,7 @@ def _binned(values: Array) -> Array:
     return np.asarray(values.reshape(BINS, _POINTS).mean(axis=1))
 
 
-def _model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tuple[float, list[float]]:
+def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tuple[float, list[float]]:
     """Date (transits) of an event between two nodes, and its derivatives by what `rows` after the slope are derivatives by."""
     stages, mu, slope = pieces.z.shape[1], pieces.mu.ravel(), rows[0]
     ends = [_extreme(slope, node // stages) for node in event]
@@ -310,13 +260,6 @@ def _basis(stages: int) -> Basis:
 def _value(row: Array, share: float) -> float:
     """Of the polynomial of a piece."""
     return float((interpolation_matrix(_basis(row.size), np.array([share])) @ row)[0])
-
-
-def blurred(cycle: MeanCycle, transit: float) -> Array:
-    """Errors of a cycle for a model with waves (period, bins), in which the details that waves leave say nothing: the period's
-    by a quarter of a `transit`, friction's by what differs from bin to bin."""
-    details = noise_of(phases(), cycle.friction)
-    return np.append(np.hypot(cycle.period_error, 0.25 * transit), np.hypot(cycle.friction_error, details))
 
 
 def disturbed(variants: Variants) -> Variants:

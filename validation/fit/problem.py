@@ -1,20 +1,28 @@
 """The residuals of a model over all records, as least squares takes them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
 import numpy as np
 
 from reduced.families import REDUCTIONS
+from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.fit.cycles import CycleOfReduction, CycleOfSolver, blurred, disturbed
+from validation.fit.by_orbits import fitted_orbit
+from validation.fit.cycles import CycleOfReduction, disturbed
+from validation.fit.folded import folded
 from validation.fit.forward import Forward, OfReduction, OfSolver
+from validation.fit.least_squares import Best, Solution
+from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import NUISANCES, Free, Variants, sizes
-from validation.fit.records import Experiment
-from validation.fit.starts import other_starts, sticking_starts
+from validation.fit.records import FINEST, Experiment
+from validation.fit.starts import other_starts, sticking_starts, unstable_starts
 from validation.registry.families import requested
+
+RINGING = ("kelvin-voigt", "modal")
+"""Reductions that swing on while they stick."""
 
 
 @dataclass
@@ -37,7 +45,7 @@ class FrictionProblem:
         own = [float(np.ptp(self.records[k].friction[self.records[k].shown])) for k, _ in self.own]
         self.large = np.array([*(1.0 if one.is_positive else np.nan for one in self.free), *own])
         self.first = np.array([one.inner(one.start) for one in self.free])
-        self.fineness = 1e-3 if any(isinstance(one, CycleOfSolver) for one in self.models) else 1e-10
+        self.fineness = 1e-10
         self._shapes = [self._columns(k) for k in range(len(self.records))]
 
     def _columns(self, k: int) -> Array:
@@ -65,6 +73,11 @@ class FrictionProblem:
         parts = [np.column_stack([m.slopes(keys), s]) for m, s in zip(self.models, self._shapes, strict=True)]
         return np.vstack([np.reshape(one.weight, (-1, 1)) * part for one, part in zip(self.records, parts, strict=True)])
 
+    def by_orbits(self, model: CycleOfOrbit, starts: Iterable[Array], best: Best) -> Solution:
+        """The best values of a record of stick-slip with every wave (`fitted_orbit`)."""
+        count = len(self.free)
+        return fitted_orbit(model, (self.low[:count], self.high[:count]), self._shapes[0][1:], starts, best)
+
     @property
     def noise(self) -> float:
         """The residual of a model that is right; 0 where the records have no noise."""
@@ -74,7 +87,10 @@ class FrictionProblem:
         """The scene's values, then others."""
         first, low, high = (part[: len(self.free)] for part in (self.first, self.low, self.high))
         cycle = next((one.cycle for one in self.records if one.cycle), None)
-        others = sticking_starts(self.free, first, cycle, self.models[0].scene) if cycle else other_starts(self.free, first)
+        scene_of = self.models[0].scene
+        others = sticking_starts(self.free, first, cycle, scene_of) if cycle else other_starts(self.free, first)
+        if isinstance(self.models[0], CycleOfOrbit):
+            others = chain(unstable_starts(self.free, first, scene_of), others)
         for start in chain([first], others):
             inside = np.clip(start, low, high)
             yield np.append(inside, self._levels(inside))
@@ -97,15 +113,33 @@ def problem_of(
     family, _, number, _ = requested(model, scene, tolerance=tolerance)
     kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
     name = family.called(family.default if number is None else number)
+    if any(one.cycle for one in records) and (kind is OfSolver or family.name in RINGING):
+        if len(records) > 1:
+            raise SceneError(f"model = {name!r}: with every wave one record of stick-slip at a time can be fitted")
+        return _with_waves(scene, free, words, records[0], name)
     models: list[Forward] = []
     for one in records:
         variants = Variants(scene, free, one.schedule)
         if one.cycle is None:
             models.append(kind(variants, one.times, name, tolerance))
         else:
-            cycle = CycleOfReduction if kind is OfReduction else CycleOfSolver
-            models.append(cycle(disturbed(variants), one.cycle.period, name, tolerance))
-    if kind is OfSolver:
-        transit = sizes(scene)[0]
-        records = [one._replace(weight=1.0 / blurred(one.cycle, transit)) if one.cycle else one for one in records]
+            models.append(CycleOfReduction(disturbed(variants), one.cycle.period, name, tolerance))
     return FrictionProblem(free, records, models, tuple(name for name in NUISANCES if name in words))
+
+
+def _with_waves(scene: Scene, free: tuple[Free, ...], words: Sequence[str], record: Experiment, model: str) -> FrictionProblem:
+    """The problem of a record of stick-slip with all samples of its cycles, in the order of their phase."""
+    assert record.samples is not None
+    cycles = folded(record.name, *record.samples, sizes(scene)[0])
+    cycles = cycles._replace(noise=max(cycles.noise, FINEST * float(np.ptp(cycles.friction))))
+    variants = disturbed(Variants(scene, free, record.schedule))
+    where = np.append(0.0, cycles.times - cycles.period * cycles.cycle)
+    own = record._replace(
+        times=where,
+        friction=np.append(cycles.period, cycles.friction),
+        travel=where * record.schedule.velocities[0],
+        weight=np.append(0.0, np.full(where.size - 1, 1.0 / cycles.noise)),
+    )
+    return FrictionProblem(
+        free, [own], [CycleOfOrbit(variants, cycles, model)], tuple(name for name in NUISANCES if name in words)
+    )

@@ -23,14 +23,16 @@ _REST = 0.003  # of the largest velocity; a slower load point is at rest
 _WORTH = 40.0  # times the square of the noise: what a bend must take off the sum of squares
 _MOST_KNOTS = 400
 _LEAST = 8  # samples
-_FINEST = 1e-4  # of the range of friction: the least noise that a record is taken to have
+FINEST = 1e-4
+"""Of the range of friction: the least noise that a record is taken to have."""
 
 
 class Experiment(NamedTuple):
     """`friction` at `times` since the start of the scene (s, or transits in a scene without units), the `schedule` of the load
     point, its displacement `travel` at these times (m, or L), and `notes` on how they were found. Residuals count with `weight`.
 
-    With `cycle` it is the mean cycle of stick-slip: in place of the first sample its period, then friction in its bins."""
+    With `cycle` it is the mean cycle of stick-slip: in place of the first sample its period, then friction in its bins; `samples`
+    are the times and friction that it is the mean of."""
 
     name: str
     times: Array
@@ -40,6 +42,7 @@ class Experiment(NamedTuple):
     notes: tuple[str, ...] = ()
     weight: Array | float = 1.0
     cycle: MeanCycle | None = None
+    samples: tuple[Array, Array] | None = None
 
     @property
     def shown(self) -> slice:
@@ -81,7 +84,7 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
         except SceneError as error:
             unread = "".join(f"; {note}" for note in series.notes if note.startswith(UNREAD))
             raise SceneError(f"{error}{unread}") from None
-    noise = max(noise_of(times, friction), _rounding(friction), _FINEST * float(np.ptp(friction)), 1e-15)
+    noise = max(noise_of(times, friction), _rounding(friction), FINEST * float(np.ptp(friction)), 1e-15)
     return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes), 1.0 / noise)
 
 
@@ -127,7 +130,7 @@ def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, not
     where = np.append(0.0, phases()) * cycle.period
     told = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
     travel = where * schedule.velocities[0]
-    return Experiment(name, where, values, travel, schedule, (*notes, told), 1.0 / errors, cycle)
+    return Experiment(name, where, values, travel, schedule, (*notes, told), 1.0 / errors, cycle, (times, friction))
 
 
 def travelled(schedule: Schedule, times: Array) -> Array:

@@ -23,6 +23,7 @@ _GROUPS = {"memory_length": ("memory_length",), "ab": ("a", "b")}
 _SPRINGS = ("stiffness", "shear_modulus", "thickness")
 _LOGARITHM = 15.0  # of the slip rate in an event over that between two: friction falls by so many times b - a
 _KAPPAS = (0.1, 0.3, 0.03, 0.6)  # of the critical stiffness
+_BELOW = (0.93, 0.8, 0.5)
 _RATIOS = (None, 0.6, 0.8)  # a/b; None: the scene's, if it can stick and slip
 
 
@@ -56,6 +57,25 @@ def sticking_starts(free: Sequence[Free], first: Array, cycle: MeanCycle, scene_
         weaker = getattr(scene.law, "b", 0.0) - getattr(scene.law, "a", 0.0)
         if "memory_length" in place and weaker > 0.0:
             inner[place["memory_length"]] += np.log(kappa * weaker * scene.transit / scene.stiffness)
+        yield inner
+
+
+def unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
+    """The first values, but for one of a, b and L, with which steady sliding is unstable: a spring of some shares of the critical
+    stiffness."""
+    place = {_word(one): k for k, one in enumerate(free) if one.is_positive}
+    scene = scene_of(first)
+    a, b = getattr(scene.law, "a", 0.0), getattr(scene.law, "b", 0.0)
+    for kappa in _BELOW:
+        inner, weaker = first.copy(), scene.stiffness / scene.transit / kappa
+        if "a" in place and b > weaker:
+            inner[place["a"]] = np.log(b - weaker)
+        elif "b" in place:
+            inner[place["b"]] = np.log(a + weaker)
+        elif "memory_length" in place and b > a:
+            inner[place["memory_length"]] += np.log((b - a) / weaker)
+        else:
+            return
         yield inner
 
 

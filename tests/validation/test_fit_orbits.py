@@ -1,0 +1,104 @@
+"""Stick-slip fitted with every wave: orbits over their period, known parameters in their intervals, and what is refused."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import slipwave as sw
+from slipwave.errors import NumericsError, SceneError
+from slipwave.input import read
+from validation.fit.cycles import disturbed
+from validation.fit.folded import FoldedRecord, folded
+from validation.fit.forward import OfSolver
+from validation.fit.orbits import CycleOfOrbit
+from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
+
+AWAY = ["interface.a=0.0349", "interface.b=0.0489"]
+
+
+def seen(a: float, noise: float, seed: int, begin: float = 2000.0) -> tuple[np.ndarray, np.ndarray]:
+    """16 cycles of the delay system in the scene `paper`, with noise, from a nudge."""
+    scene = read("paper", {"interface.a": a})
+    times = np.arange(begin, begin + 1200.0, 0.23)
+    steady = Variants(scene, (), Schedule((0.0,), (scene.velocity,)))
+    friction = OfSolver(disturbed(steady), times, "delay", 1e-7).friction(np.empty(0))
+    return times - begin, friction + noise * np.random.default_rng(seed).standard_normal(times.size)
+
+
+def written(path: Path, times: np.ndarray, friction: np.ndarray) -> str:
+    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [transits],mu", comments="")
+    return str(path)
+
+
+@pytest.mark.parametrize(("a", "noise", "away"), [(0.0349, 1e-3, (1.02, 0.985)), (0.0347, 1e-4, (0.87, 1.12))])
+def test_stick_slip_of_the_delay_system_gives_a_and_b_back_from_near_and_far(
+    a: float, noise: float, away: tuple[float, float], tmp_path: Path
+) -> None:
+    file = written(tmp_path / "paper.csv", *seen(a, noise, 14))
+    start = [f"interface.a={a * away[0]}", f"interface.b={0.0489 * away[1]}"]
+    found = sw.fit("paper", "delay", data=[file], free=["a", "b"], settings=start)
+    for key, value in (("interface.a", a), ("interface.b", 0.0489)):
+        row = found.summary["parameters"][key]
+        assert row["low"] < value < row["high"], key
+        assert row["high"] - row["low"] < 5.0 * noise * value, key
+    assert found.residual["over_noise"] == pytest.approx(1.0, abs=0.1)
+    assert found.residual["rms"] == pytest.approx(noise, rel=0.1)
+
+
+@pytest.fixture(scope="module")
+def followed() -> CycleOfOrbit:
+    """An orbit of the delay system, seen at some places of its cycle."""
+    scene = read("paper")
+    variants = disturbed(Variants(scene, free_parameters(scene, ["a", "b"]), schedule_of(scene)))
+    times = np.linspace(2.0, 71.0, 40)
+    made = CycleOfOrbit(variants, FoldedRecord(times, np.zeros(40), np.zeros(40), 73.47214494, 1.0), "delay")
+    made.begin(np.array([one.inner(one.start) for one in variants.free]))
+    return made
+
+
+def test_an_orbit_is_that_of_the_run_and_its_derivative_that_of_differences(followed: CycleOfOrbit) -> None:
+    inner = np.log([0.0349, 0.0489])
+    here = followed.friction(inner)
+    assert here[0] == pytest.approx(73.47214494, abs=1e-5)
+    exact, step = followed.slopes(inner), 1e-5
+    for k, shift in enumerate(step * np.eye(2)):
+        plus, minus = followed.friction(inner + shift), followed.friction(inner - shift)
+        difference = (plus - minus) / (2.0 * step)
+        assert exact[0, k] == pytest.approx(difference[0], rel=2e-3)
+        assert np.abs(exact[1:, k] - difference[1:]).max() < 2e-3 * np.abs(difference[1:]).max()
+    followed.friction(inner)
+
+
+def test_over_the_period_no_orbit_turns_back(followed: CycleOfOrbit) -> None:
+    """Over a parameter the period locks to round trips; over the period the parameter's slope swings twofold within a transit."""
+    followed.friction(np.log([0.0349, 0.0489]))
+    rest = followed.anchor.place[1:]
+    leading = [followed.walk(np.append(late, rest)).closed.parameter for late in np.arange(0.0, 2.1, 0.1)]
+    slopes = np.abs(np.diff(leading)) / 0.1
+    assert (np.diff(leading) * np.diff(leading)[0] > 0.0).all()
+    assert slopes.max() > 2.0 * slopes.min()
+
+
+def test_what_does_not_repeat_or_is_of_another_model_has_no_interval(tmp_path: Path) -> None:
+    times, friction = seen(0.0349, 1e-4, 5)
+    settling = written(tmp_path / "settling.csv", *seen(0.0340, 1e-4, 5, 1000.0))
+    with pytest.raises(NumericsError, match="no interval holds") as refused:
+        sw.fit("paper", "delay", data=[settling], free=["a", "b"], settings=["interface.a=0.034"])
+    assert refused.value.result.parameters["interface.a"]["value"] == pytest.approx(0.034, rel=0.03)
+    late = times + np.sin(times / 150.0)
+    with pytest.raises(SceneError, match="transits beside equal cycles"):
+        folded("late", late, friction, 1.0)
+    bent = written(tmp_path / "bent.csv", times, 0.3 + 1.1 * (friction - 0.3))
+    with pytest.raises(NumericsError, match="no orbit of the model is the record's"):
+        sw.fit("paper", "delay", data=[bent], free=["b"], settings=AWAY)
+
+
+def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path: Path) -> None:
+    file = written(tmp_path / "paper.csv", *seen(0.0349, 1e-3, 5))
+    found = sw.fit("paper", "modal:2", data=[file], free=["a"], settings=AWAY)
+    assert found.parameters["interface.a"]["value"] == pytest.approx(0.0349, rel=5e-3)
+    with pytest.raises(SceneError, match="one record of stick-slip at a time"):
+        sw.fit("paper", "delay", data=[file, file], free=["a"])
+    with pytest.raises(SceneError, match="needs a parameter that changes the period"):
+        sw.fit("paper", "delay", data=[file], free=["a_star"])

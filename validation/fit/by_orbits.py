@@ -1,0 +1,146 @@
+"""Least squares of a model's periodic orbit against all samples of a record (`validation.fit.orbits`)."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from reduced.orbit.multipliers import count_unstable, is_decided
+from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array
+from validation.fit.least_squares import Best, Solution, minimise
+from validation.fit.orbits import SHIFT, Anchor, CycleOfOrbit
+from validation.results.options import log
+
+_AWAY = 2.0  # transits to which the period may differ from the record's, and the date of an event
+_ALIKE, _LAGS = 0.15, 50  # correlation of what is left, and up to how many samples
+_AGAIN = 1e-3  # relative difference of two sums of squares that are the same minimum's
+_LITTLE = 0.5  # times the noise: a record without any
+_FAR, _MUCH = 1.2, 2.0  # times the noise: a residual that no noise explains; nor cycles that differ, which count as noise
+
+
+class OrbitCoordinates:
+    """The residuals of a record over the coordinates (period, date of the first event, parameters beside the leading one,
+    nuisances), as `Problem`."""
+
+    fineness = 1e-9
+
+    def __init__(self, model: CycleOfOrbit, low: Array, high: Array, shapes: Array) -> None:
+        """`low` and `high` (m,) bound the parameters; `shapes` (n, k) is what the nuisances add to friction."""
+        self.model, self._shapes, self._low, self._high = model, shapes, low, high
+        rest, count = np.arange(low.size) != model.leading, shapes.shape[1]
+        free = np.full(count, np.inf)
+        self.low = np.concatenate([[-_AWAY, -_AWAY], low[rest], -free])
+        self.high = np.concatenate([[_AWAY, _AWAY], high[rest], free])
+        self.names = ["period", "date", *map(str, range(low.size - 1 + count))]
+        self.large = np.ones(len(self.names))
+
+    def orbit(self, place: Array) -> Anchor:
+        """That of the coordinates. Raises NumericsError where the leading parameter would pass its bounds."""
+        count = self.model.anchor.place.size if self.model.anchor else 0
+        found = self.model.walk(np.insert(place[2 : count + 1], 0, place[0]))
+        if not self._low[self.model.leading] < found.closed.parameter < self._high[self.model.leading]:
+            raise NumericsError("the leading parameter passes its bounds")
+        return found
+
+    def residual(self, place: Array) -> Array:
+        """As `Problem`."""
+        found, record = self.orbit(place), self.model.record
+        own = place[place.size - self._shapes.shape[1] :]
+        return (self.model.seen(found, float(place[1])) + self._shapes @ own - record.friction) / record.noise
+
+    def slopes(self, place: Array) -> Array:
+        """As `Problem`."""
+        found, late = self.orbit(place), float(place[1])
+        by, _ = self.model.differences(found, late)
+        moved = [self.model.seen(found, late + sign * SHIFT[0]) for sign in (1.0, -1.0)]
+        return (
+            np.column_stack([by[:, 0], (moved[0] - moved[1]) / (2.0 * SHIFT[0]), by[:, 1:], self._shapes])
+            / self.model.record.noise
+        )
+
+
+@dataclass
+class _InParameters(Best):
+    """Also keeps the `best` values as parameters, of the orbit that the `model` came to."""
+
+    best: Best | None = None
+    model: CycleOfOrbit | None = None
+    keys: int = 0
+
+    def see(self, inner: Array, residual: Array) -> None:
+        """As `Best`."""
+        super().see(inner, residual)
+        if self.best is not None and self.model is not None and self.model.anchor is not None:
+            self.best.see(np.append(self.model.inner(self.model.anchor), inner[self.keys + 1 :]), residual)
+
+
+def fitted_orbit(
+    model: CycleOfOrbit, bounds: tuple[Array, Array], shapes: Array, starts: Iterable[Array], best: Best
+) -> Solution:
+    """The orbit nearest to the record, from the first of `starts` that leads to one as near as its noise allows, or the best,
+    over the parameters, whose `bounds` are given, then nuisances, which add `shapes` (n, k) to friction.
+
+    Raises NumericsError if no start leads to an orbit."""
+    keys, reasons = bounds[0].size, []
+    found: tuple[Solution, Anchor, OrbitCoordinates] | None = None
+    for start in starts:
+        try:
+            begun = model.begin(start[:keys])
+            log.info(
+                "an orbit of %.6g transits, the record's has %.6g",
+                *(x / model.transit for x in (model.period(begun), model.record.period)),
+            )
+            coordinates = OrbitCoordinates(model, *bounds, shapes)
+            first = np.concatenate([[0.0, 0.0], begun.place[1:], start[keys:]])
+            one = minimise(coordinates, [first], _InParameters(first, best=best, model=model, keys=keys))
+            there = coordinates.orbit(one.inner)
+        except NumericsError as reason:
+            reasons.append(str(reason))
+            continue
+        log.info("a residual of %.3g times the noise", _far(one))
+        again = found is not None and abs(one.cost / found[0].cost - 1.0) < _AGAIN
+        if found is None or one.cost < found[0].cost:
+            found = one, there, coordinates
+        if _far(one) < _FAR or again:
+            break
+    if found is None:
+        raise NumericsError(f"fit: no start value leads to an orbit: {reasons[0]}")
+    one, model.anchor, coordinates = found
+    model.late = float(one.inner[1])
+    return _over_parameters(model, one, coordinates.slopes(one.inner), keys, best.evaluations)
+
+
+def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, evaluations: int) -> Solution:
+    """A solution over coordinates, whose derivative is `by`, as one over parameters, with the date of events at its best."""
+    known = model.anchor
+    assert known is not None
+    _, change = model.differences(known, model.late)
+    date = by[:, 1] / np.linalg.norm(by[:, 1])
+    slopes = np.column_stack([by[:, [0, *range(2, keys + 1)]] @ np.linalg.inv(change), by[:, keys + 1 :]])
+    slopes -= np.outer(date, date @ slopes)
+    failed, far = one.failed, _far(one)
+    alike = _likeness(one.residual[np.argsort(model.record.times, kind="stable")])
+    if far > _FAR and (far > _MUCH or alike < _ALIKE):
+        failed = f"no orbit of the model is the record's: the best leaves {far:.3g} times the noise, and no interval holds for it"
+    elif far > _LITTLE and alike > max(_ALIKE, 5.0 / one.residual.size**0.5):
+        told = f"what is left correlates by {alike:.2g} within {_LAGS} samples"
+        failed = (
+            f"cycles of the record differ by more than noise ({told}), no interval holds: take a part that repeats (--window)"
+        )
+    elif is_decided(known.closed) and count_unstable(known.closed):
+        failed = "the orbit nearest to the record is unstable: no sample would stay on it"
+    residual, rows = np.append(0.0, one.residual), np.vstack([np.zeros(slopes.shape[1]), slopes])
+    return Solution(np.append(model.inner(known), one.inner[keys + 1 :]), residual, rows, evaluations, failed)
+
+
+def _far(one: Solution) -> float:
+    """The residual over the noise."""
+    return float(np.sqrt(np.mean(one.residual**2)))
+
+
+def _likeness(residual: Array) -> float:
+    """The largest correlation in size of a `residual` with itself, some samples later."""
+    square = float(residual @ residual)
+    lags = range(1, min(_LAGS, residual.size // 2) + 1)
+    return max(abs(float(residual[lag:] @ residual[:-lag])) for lag in lags) / max(square, 1e-300)

@@ -1,0 +1,210 @@
+"""The periodic orbit of a model as a function of its period and of all parameters but one.
+
+The period of a motion with waves locks to their round trips. Over a parameter it goes in steps, and at each the orbits turn back
+and come again, so that several coexist (`reduced.continuation`): a sum of squares over parameters has a minimum on every step.
+Over the period itself the orbits do not turn back. So the period, which a record gives at once, is a coordinate here in place of
+one parameter, the `leading` one, which follows from it. Over these coordinates friction is smooth.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.orbit.approach import guesses
+from reduced.orbit.closing import Closed, by_parameter, close, close_family
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe.pieces import SAME, Array
+from slipwave.scene import Scene
+from slipwave.step.flow import Flow
+from validation.fit.cycles import falls, model_date, slope_of
+from validation.fit.folded import FoldedRecord
+from validation.fit.forward import join_pieces, sampled
+from validation.fit.parameters import Variants, sizes
+from validation.registry.orbits import moving
+
+SHIFT = np.array([2e-3, 2e-4])
+"""Of differences of orbits: transits of period, logarithms of parameters."""
+
+_STRIDE = (0.5, 0.02, 0.1)  # the longest step from orbit to orbit: the same, and the leading parameter
+_SHORTEST = 1e-3  # of a way, a step
+_ACCURACY = 1e-6  # relative, of the orbits' figures
+_CLOSES_TO = 1e-9
+_MOST_TRANSITS = 1e4  # of a period
+_NEAR, _TRIALS = 0.05, 8  # of a period: as near as marches go, and how many there are
+_PATIENCE = 60.0  # periods of a march that comes near no orbit
+_LEAST_SLOPE = 1e-6  # d ln period/d ln parameter, below which it has no effect
+
+
+class Anchor(NamedTuple):
+    """An orbit that is known: its `place` (difference of its period from the record's in transits, then the parameters beside the
+    leading one), `closed` with the leading parameter."""
+
+    place: Array
+    closed: Closed
+
+
+class CycleOfOrbit:
+    """The periodic orbit of a model next to the last one: its period, then its friction at the samples of a folded record. As a
+    `Forward` it is a function of the parameters; `walk` goes along the coordinates in which it is smooth."""
+
+    is_cheap: bool = False
+
+    def __init__(self, variants: Variants, record: FoldedRecord, model: str) -> None:
+        self._variants, self.record, self._model = variants, record, model
+        self.transit = sizes(variants.base)[0]
+        if record.period > _MOST_TRANSITS * self.transit:
+            raise SceneError(
+                f"model = {model!r}: the measured period is {record.period / self.transit:.3g} transits: a fit with every wave "
+                f"takes {_MOST_TRANSITS:g} at most; quasidynamic fits such a record"
+            )
+        self.anchor: Anchor | None = None
+        self.leading, self.late = 0, 0.0
+
+    def scene(self, inner: Array) -> Scene:
+        """As `Forward`."""
+        return self._variants.scene(inner)
+
+    def friction(self, inner: Array) -> Array:
+        """As `Forward`. Raises NumericsError where no orbit is found."""
+        place, known = np.delete(inner, self.leading), self._begun(inner)
+        if not np.array_equal(inner, self.inner(known)):
+            flow = known.closed.flow.of(self.scene(inner))
+            closed = close(flow, known.closed.cycle.start, known.closed.cycle.period, _CLOSES_TO)
+            known = Anchor(np.append(self._late_by(closed), place), replace(closed, parameter=float(inner[self.leading])))
+            self.anchor = known
+        return np.append(self.period(known), self.seen(known, self.late))
+
+    def slopes(self, inner: Array) -> Array:
+        """As `Forward`, by the chain rule through the coordinates."""
+        known = self._begun(inner)
+        by, change = self.differences(known, self.late)
+        first = np.insert(np.zeros(inner.size - 1), 0, self.transit)
+        return np.asarray(np.vstack([first, by]) @ np.linalg.inv(change))
+
+    def begin(self, inner: Array) -> Anchor:
+        """The orbit that a march from steady sliding at these parameters leads to, or at others of the leading one, if its period
+        is then more like the record's. Raises NumericsError if there is none."""
+        closed = self._marched(inner)
+        slopes = self._period_slopes(closed, inner)
+        if self.anchor is None:
+            self.leading = self._strongest(slopes, closed.cycle.period)
+        slope = float(slopes[self.leading]) or 1.0
+        for _ in range(_TRIALS):
+            late = self._late_by(closed)
+            if abs(late) < _NEAR * closed.cycle.period:
+                break
+            other = inner.copy()
+            other[self.leading] -= float(np.clip(late / slope, -_STRIDE[2], _STRIDE[2]))
+            try:
+                closed = self._marched(other)
+            except NumericsError:
+                slope *= 2.0
+                continue
+            change = (self._late_by(closed) - late) / (other - inner)[self.leading]
+            slope, inner = change if change * slope > 0.0 else slope, other
+        place = np.append(self._late_by(closed), np.delete(inner, self.leading))
+        self.anchor = Anchor(place, replace(closed, parameter=float(inner[self.leading])))
+        return self.anchor
+
+    def _marched(self, inner: Array) -> Closed:
+        solver = moving(self._model, self.scene(inner))
+        failed = NumericsError(f"{self._model}: the run comes near no orbit")
+        for guess in guesses(solver, _ACCURACY, _PATIENCE * max(self.record.period / self.transit, 1.0)):
+            try:
+                return close(guess.flow, guess.state, guess.period, _CLOSES_TO)
+            except NumericsError as reason:
+                failed = reason
+        raise failed
+
+    def walk(self, place: Array) -> Anchor:
+        """The orbit at other coordinates, by orbits on the way from the last one. Raises NumericsError where the way ends."""
+        assert self.anchor is not None
+        longest = np.append(_STRIDE[0], np.full(place.size - 1, _STRIDE[1]))
+        shorter = 1.0
+        while not np.array_equal(self.anchor.place, place):
+            way = place - self.anchor.place
+            share = min(1.0, shorter / float(np.max(np.abs(way) / longest)))
+            to = place if share == 1.0 else self.anchor.place + share * way
+            try:
+                self.anchor = self.beside(self.anchor, to)
+            except NumericsError:
+                shorter *= 0.5
+                if shorter < _SHORTEST:
+                    raise
+        return self.anchor
+
+    def beside(self, known: Anchor, place: Array) -> Anchor:
+        """The orbit at coordinates next to a known one. Raises NumericsError if there is none."""
+        closed, flow = known.closed, known.closed.flow
+
+        def flow_at(leading: float) -> Flow:
+            if abs(leading - closed.parameter) > _STRIDE[2]:
+                raise NumericsError(f"{self._model}: no orbit next to a period of {closed.cycle.period:.6g} transits")
+            return flow.of(self.scene(np.insert(place[1:], self.leading, leading)))
+
+        weights = np.zeros(flow.size + 2)
+        weights[-2] = 1.0
+        clock = sizes(flow_at(closed.parameter).scene)[0]
+        period = (self.record.period + place[0] * self.transit) / clock
+        neighbour = closed if closed.drift.size else None
+        found = close_family(flow_at, closed.cycle.start, period, closed.parameter, weights, _CLOSES_TO, neighbour)
+        return Anchor(place, found)
+
+    def inner(self, known: Anchor) -> Array:
+        """The parameters of an orbit."""
+        return np.insert(known.place[1:], self.leading, known.closed.parameter)
+
+    def period(self, known: Anchor) -> float:
+        """Of an orbit, as the record's."""
+        return self.record.period + float(known.place[0]) * self.transit
+
+    def seen(self, known: Anchor, late: float) -> Array:
+        """Friction at the samples, if the model's event comes so `late` (transits) after the record's first."""
+        cycle, (times, count, *_) = known.closed.cycle, self.record
+        clock = sizes(known.closed.flow.scene)[0]
+        twice = join_pieces([cycle.pieces, cycle.pieces._replace(time=cycle.pieces.time + cycle.period)])
+        slope = slope_of(twice)
+        top, bottom = falls(twice.mu.ravel(), 0.5 * float(np.ptp(cycle.pieces.mu)))[0]
+        date = model_date(twice, (top, bottom), [slope])[0]
+        since = (times - count * self.period(known) - late * self.transit) / clock
+        return sampled(twice, (date + since) % cycle.period, [twice.mu])[0]
+
+    def differences(self, known: Anchor, late: float) -> tuple[Array, Array]:
+        """Derivatives by the coordinates of friction at the samples (n, m), and of the parameters (m, m)."""
+        shifts = np.diag(np.append(SHIFT[0], np.full(known.place.size - 1, SHIFT[1])))
+        pairs = [[self.beside(known, known.place + sign * shift) for sign in (1.0, -1.0)] for shift in shifts]
+        widths = 2.0 * np.diag(shifts)
+        by = [(self.seen(a, late) - self.seen(b, late)) / width for (a, b), width in zip(pairs, widths, strict=True)]
+        leading = [(a.closed.parameter - b.closed.parameter) / width for (a, b), width in zip(pairs, widths, strict=True)]
+        return np.column_stack(by), np.insert(np.eye(known.place.size)[1:], self.leading, leading, axis=0)
+
+    def _begun(self, inner: Array) -> Anchor:
+        return self.anchor or self.begin(inner)
+
+    def _late_by(self, closed: Closed) -> float:
+        clock = sizes(closed.flow.scene)[0]
+        return (closed.cycle.period * clock - self.record.period) / self.transit
+
+    def _period_slopes(self, closed: Closed, inner: Array) -> Array:
+        """d period/d parameters (transits) of an orbit; 0 for those that change a transit itself."""
+        size, slopes = closed.velocity.size, []
+        matrix = np.zeros((size + 1, size + 1))
+        matrix[:size, :size], matrix[:size, size] = closed.monodromy - np.eye(size), closed.velocity
+        matrix[size, :size] = closed.velocity
+        for k in range(inner.size):
+
+            def flow_at(x: float, k: int = k) -> Flow:
+                return closed.flow.of(self.scene(np.where(np.arange(inner.size) == k, x, inner)))
+
+            drift = by_parameter(flow_at, closed.cycle, float(inner[k]))
+            is_clock = abs(sizes(flow_at(inner[k] + SHIFT[1]).scene)[0] / sizes(closed.flow.scene)[0] - 1.0) > SAME
+            slopes.append(0.0 if is_clock else float(np.linalg.solve(matrix, np.append(-drift, 0.0))[-1]))
+        return np.array(slopes)
+
+    def _strongest(self, slopes: Array, period: float) -> int:
+        if np.abs(slopes).max() < _LEAST_SLOPE * period:
+            raise SceneError(
+                "--free: a fit of stick-slip with every wave needs a parameter that changes the period, as interface.a"
+            )
+        return int(np.argmax(np.abs(slopes)))
