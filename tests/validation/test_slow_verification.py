@@ -53,7 +53,7 @@ def test_failures_and_errors_turn_the_verdict_red(record):
 
 def test_a_changed_test_asks_for_a_new_run():
     names = {path.name for path in sources_of(study_called("slow-verification"))}
-    assert {"test_interface_order.py", "test_convergence_studies.py", "leapfrog_scenes.py", "system.py"} <= names
+    assert {"test_interface_order.py", "test_convergence_studies.py", "grid_scenes.py", "system.py"} <= names
 
 
 class Collected:
