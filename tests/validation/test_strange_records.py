@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import slipwave as sw
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.input.source import to_toml
 from validation.cli import main
 from validation.fit.command import FitResult
@@ -135,6 +135,26 @@ def test_a_load_point_that_no_model_follows_is_refused_in_one_line(moved: np.nda
     path = written(tmp_path / "odd.csv", "time_s,friction,displacement_um", times, 0.6 + 0.001 * np.sin(times), moved)
     with pytest.raises(SceneError, match=told):
         sw.fit(SAMPLE, data=[path], free=FREE)
+
+
+def test_a_ramp_before_steps_is_followed_by_some_steps(tmp_path: Path) -> None:
+    ramp = [(20.0 + 0.5 * k, 1e-6 * (1.0 + 0.2 * k)) for k in range(1, 21)]  # to 5 um/s in 10 s
+    times, steps = np.arange(0.0, 110.0, 0.2), [(0.0, 1e-6), *ramp, (50.0, 1e-5), (75.0, 1e-6)]
+    rng = np.random.default_rng(11)
+    friction = slider(times, steps) + 5e-4 * rng.standard_normal(times.size)
+    moved = 1e6 * travelled(times, steps) + 0.02 * rng.standard_normal(times.size)
+    holds(sw.fit(SAMPLE, data=[written(tmp_path / "ramp.csv", "seconds,cof,x_lp [um]", times, friction, moved)], free=FREE))
+
+
+def test_a_mass_that_a_model_leaves_out_is_said_to_be_undetermined(tmp_path: Path) -> None:
+    times = np.linspace(0.0, 80.0, 60)
+    path = written(tmp_path / "few.csv", "seconds,cof,x_lp [um]", times, slider(times, STEPS), 1e6 * travelled(times, STEPS))
+    scene = SAMPLE | {
+        "slab": SAMPLE["slab"] | {"face": {"kind": "machine", "stiffness": 42.857142857e9, "impedance": 0, "mass": 50}}
+    }
+    with pytest.raises(NumericsError, match=r"the data do not determine slab\.face\.mass$") as error:
+        sw.fit(scene, data=[path], free=["a", "slab.face.mass"], settings=["b=0.015", "memory_length='10 um'"])
+    assert error.value.result.notes.count("not determined: slab.face.mass") == 1
 
 
 def test_a_record_without_events_names_the_columns_that_were_not_read(tmp_path: Path) -> None:

@@ -319,8 +319,9 @@ def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) ->
     if bounds:
         yield f"{' and '.join(bounds)} ended at a bound"
     wide = [name for name, known in zip(problem.names, spread.determined, strict=True) if not known and name not in bounds]
+    together = [line for line in spread.singular if line not in wide]
     if wide:
-        yield f"the data do not determine {' and '.join(wide)}" + (f" ({'; '.join(spread.singular)})" if spread.singular else "")
+        yield f"the data do not determine {' and '.join(wide)}" + (f" ({'; '.join(together)})" if together else "")
 
 
 def _listed(given: Iterable[str]) -> list[str]:

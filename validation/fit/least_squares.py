@@ -210,7 +210,7 @@ def intervals(problem: Problem, found: Solution) -> Intervals:
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = covariance / np.outer(spread, spread)
     known, low, high = half < size, found.inner - half, found.inner + half
-    return Intervals(low, high, known, correlation, noise, together, tuple(singular), covariance, rise)
+    return Intervals(low, high, known, correlation, noise, together, tuple(dict.fromkeys(singular)), covariance, rise)
 
 
 def _direction(names: Sequence[str], row: Array) -> str:
