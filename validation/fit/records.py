@@ -1,6 +1,7 @@
 """Measured records as a fit takes them: friction at times, and how the load point moved."""
 
 import math
+import re
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
@@ -100,6 +101,11 @@ def _moved(series: Series, scene: Scene, times: Array) -> Array | None:
     return None
 
 
+def _is_bare(text: str) -> bool:
+    """Whether it has no unit, as 1e3 has none."""
+    return not text or re.fullmatch(r"[-+.\deE]+", text) is not None or not looks_measured(text)
+
+
 def _inside(series: Series, window: str | None) -> slice:
     """The samples of a `window` of the file's clock (s, or transits). Raises SceneError for one that holds too few."""
     times, unit = series["time"], "s"
@@ -108,7 +114,7 @@ def _inside(series: Series, window: str | None) -> slice:
     if window is None:
         return slice(None)
     try:
-        ends = [float(quantity(text, unit).value if looks_measured(text) else text or "nan") for text in window.split(":")]
+        ends = [float(text or "nan") if _is_bare(text) else quantity(text, unit).value for text in window.split(":")]
         begin, end = (default if math.isnan(one) else one for one, default in zip(ends, (-math.inf, math.inf), strict=True))
     except ValueError:
         raise SceneError(
