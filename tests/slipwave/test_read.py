@@ -137,3 +137,8 @@ def test_an_override_of_one_slab_leaves_the_other_as_it_was(key, side):
     other = "lower" if side == "upper" else "upper"
     assert getattr(after, other) == getattr(before, other)
     assert getattr(after, side) != getattr(before, side)
+
+
+def test_the_last_word_of_a_key_of_the_scenes_law_is_enough():
+    cutoff = slipwave.read("paper", ["interface.law=ageing-cutoff", "interface.cutoff_velocity=40"])
+    assert slipwave.read(cutoff, ["cutoff_velocity=50"]).law.cutoff_velocity == 50.0
