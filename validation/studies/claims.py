@@ -217,7 +217,12 @@ _CAPTION = (
     "its ripples are no longer sinusoidal and change shape from cycle to cycle; the paper’s ODE is irregular. μ in units of σ, "
     "time in transits."
 )
+_BRANCHES = "Judged by the study `bifurcation`, on branches."
 _OMISSIONS = (
+    Omission("P8, mildly subcritical Hopf point (Fig 6).", _BRANCHES, ("P8 ",)),
+    Omission("P9, period doublings and torus of the ODE (Fig 6b).", _BRANCHES, ("P9 ",)),
+    Omission("P10, unstable primary orbit with T = 79.09 (Fig 7).", "Judged by the study `period-doubling`.", ("P10 ",)),
+    Omission("P14, bifurcations of the delay system.", _BRANCHES, ("P14 ",)),
     Omission(
         "P7 and P11 beyond log_{10} r = −2.66.",
         "The delay system’s orbit loses stability there; runs then show a torus, not the orbit.",
