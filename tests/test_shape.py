@@ -35,12 +35,11 @@ OF_LIBRARIES = {
     "crossing.direction",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
     "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__",
-    "mark.until", "work.until", "engine.report", "model.anchor", "model.late",
+    "mark.until", "work.until", "engine.report",
     "found[name].attrs", "found['other_regime'].attrs",
 }  # fmt: skip
 """Attributes that numba, reprlib, ast, jinja2, Python and scipy expect their users to set, or for which they have no option; and
-`until` of a mark and of the progress, the end of the stretch of a run that has just begun, a sweep's `report`, and where a fit by
-orbits is anchored, which its model learns late."""
+`until` of a mark and of the progress, the end of the stretch of a run that has just begun, and a sweep's `report`."""
 
 
 def test_no_file_has_more_than_500_lines():

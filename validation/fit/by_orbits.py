@@ -106,8 +106,8 @@ def fitted_orbit(
             break
     if found is None:
         raise NumericsError(f"fit: no start value leads to an orbit: {reasons[0]}")
-    one, model.anchor, coordinates = found
-    model.late = float(one.inner[1])
+    one, there, coordinates = found
+    model.stay(there, float(one.inner[1]))
     return _over_parameters(model, one, coordinates.slopes(one.inner), keys, best.evaluations)
 
 

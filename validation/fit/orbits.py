@@ -134,6 +134,10 @@ class CycleOfOrbit:
                     raise
         return self.anchor
 
+    def stay(self, known: Anchor, late: float) -> None:
+        """Go on from this orbit, whose events come so `late` (transits)."""
+        self.anchor, self.late = known, late
+
     def beside(self, known: Anchor, place: Array) -> Anchor:
         """The orbit at coordinates next to a known one. Raises NumericsError if there is none."""
         closed, flow = known.closed, known.closed.flow
