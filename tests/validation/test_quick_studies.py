@@ -60,7 +60,7 @@ STUDIES = {
     "special-curves": Expected(3, (), {"delay LP at V = 100": (-2.7002517033, 2e-9)}),
     "period-doubling": Expected(5, (), {"T": (79.09, 1e-4)}),
     "laboratory": Expected(
-        11, ("Gualandi", "Leeman"), {"ageing 14 MPa period, 6 samples": (9.4, 0.1), "rise time, drop 0.19 MPa": (18.89, 1e-3)}
+        13, ("Gualandi", "Leeman"), {"ageing 14 MPa period, 6 samples": (9.4, 0.1), "rise time, drop 0.19 MPa": (18.89, 1e-3)}
     ),
     "claims": Expected(21, ("P11", "P12", "P5", "P6")),
     "regime-map": Expected(1, (), {f"{model} other regime, 17 x 9 points": near for model, near in REGIMES.items()}),
