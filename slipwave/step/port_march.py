@@ -12,7 +12,7 @@ from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, Place
 from slipwave.step.march import ANY_LENGTH, END, NEXT, NOT_READY, TOO_LONG, Memory, Stretch, begin, march, resolution_of
 from slipwave.step.nodal import PSI, TIME, Interface, Limits, Physics, nodal_of
-from slipwave.step.port import Levels, Slabs, padded
+from slipwave.step.port import LEVELS, Levels, Slabs, padded
 from slipwave.step.port_flow import PortFlow, flow_near
 
 CHUNK = 2048
@@ -21,7 +21,8 @@ CHUNK = 2048
 class PortMarch:
     """The march of friction against `slabs` in collocated steps, of lengths `longest`/2^k (transits) or, between two breaks,
     their distance over powers of two; `first` is the length of the first. `tolerance` is the requested relative error of the
-    figures of a cycle. `reason`: why no step may be short enough. `most_steps` are taken in one call of compiled code."""
+    figures of a cycle. `reason`: why no step may be short enough. `most_steps` are taken in one call of compiled code; k is below
+    `levels`."""
 
     bookkeeping = frozenset({"counts", "stretch"})
 
@@ -33,10 +34,11 @@ class PortMarch:
         first: float,
         reason: str = "",
         most_steps: int = CHUNK,
+        levels: int = LEVELS,
     ) -> None:
         scene, stages = slabs.scene, slabs.stages
         self.slabs, self._reason, self._most_steps = slabs, reason, most_steps
-        self._longest = longest
+        self._longest, self._levels = longest, levels
         self._whole = np.zeros(padded(slabs.remembered))
         self.values = self._whole[: slabs.remembered]
         rule, compiled, self._shape = rule_of(stages)
@@ -147,7 +149,7 @@ class PortMarch:
         stop, longest = self.slabs.next_break(begin), self._longest
         if not math.isinf(stop):
             longest = (stop - begin) / 2 ** max(0, math.ceil(math.log2((stop - begin) / longest)))
-        self._port = self.slabs.port(longest)._replace(values=self._whole)
+        self._port = self.slabs.port(longest, self._levels)._replace(values=self._whole)
         self._stretch = Stretch(begin, begin, stop, np.full(self._port.length.size, math.nan), ANY_LENGTH)
         self._resist(np.flatnonzero(self._port.ready))
 

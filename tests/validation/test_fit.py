@@ -4,14 +4,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import slipwave as sw
+from reduced.impedance.reduce import reduction_of
+from reduced.ode.march import STAGES
+from reduced.ode.slabs import ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.cli import main
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.drawn import draw_fit, values_in_words
-from validation.fit.forward import OfReduction, OfSolver
+from validation.fit.forward import OfReduction, OfSolver, marched
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
 from validation.fit.problem import problem_of
@@ -171,6 +175,38 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
     np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")
     with pytest.raises(SceneError, match="no slip event"):
         sw.fit(STICKING, data=[str(path)], free=KEYS)
+
+
+def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_values_back(tmp_path: Path) -> None:
+    """2 mm of rock, whose period is 1.6e8 transits; the record is by scipy, of a spring and a dashpot."""
+    a, b, length, velocity, stress, stiffness = 0.006, 0.01, 1e-5, 1e-6, 5e6, 1.6e9
+    damping = 0.5 * (30e9 * 2700.0) ** 0.5
+
+    def rates(_: float, y: np.ndarray) -> list[float]:
+        v, x = np.exp(y[0]), np.exp(y[0] + y[1]) / length
+        grows = -v / length * np.log(x)
+        return [(stiffness * (velocity - v) - stress * b * grows) / (stress * a + damping * v), grows]
+
+    times = np.linspace(1000.0, 2600.0, 5000)
+    begin = [np.log(velocity), np.log(length / velocity) - 1.0]
+    log_v, log_theta = solve_ivp(rates, (0.0, 2600.0), begin, "LSODA", times, rtol=1e-8, atol=1e-8).y
+    friction = 0.6 + a * (log_v - np.log(velocity)) + b * (log_theta + np.log(velocity / length))
+    friction += 1e-3 * np.random.default_rng(2).standard_normal(times.size)
+    path = tmp_path / "thin.csv"
+    np.savetxt(path, np.column_stack([times - 1000.0, friction]), delimiter=",", header="time [s],friction", comments="")
+    face = STICKING["slab"]["face"] | {"stiffness": f"{1e-9 / (0.5 / stiffness - 0.002 / 30e9)} GPa/m"}
+    thin = STICKING["slab"] | {"thickness": "2 mm", "face": face}
+    law = {"law": "slip", "a": 0.0054, "b": 0.0108, "memory_length": "13 um"}
+    sample = STICKING | {"interface": STICKING["interface"] | law, "slab": thin, "drive": {"velocity": "1 um/s"}}
+    scene = read(sample)
+    set_going = disturbed(Variants(scene, (), schedule_of(scene))).scene(np.empty(0))
+    slabs = ReducedSlabs(set_going, lambda one: reduction_of(one, "quasidynamic"), STAGES)
+    assert marched(slabs, 1.4e9, 1e-7).time.size < 3000
+    found = sw.fit(sample, data=[str(path)], free=KEYS)
+    for key, value in zip(KEYS, (a, b, length), strict=True):
+        row = found.summary["parameters"][key]
+        assert row["low"] < value < row["high"], key
+        assert row["high"] - row["low"] < 0.06 * value, key
 
 
 def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:
