@@ -101,6 +101,11 @@ def test_an_accessibility_checker_has_nothing_serious_to_say(opened, scheme, unf
     assert len(found["passes"]) > 15
 
 
+def test_no_two_places_of_the_page_have_one_name(opened):
+    names = opened(*WIDE).evaluate("[...document.querySelectorAll('[id]')].map(one => one.id)")
+    assert sorted(name for name in set(names) if names.count(name) > 1) == []
+
+
 @pytest.mark.parametrize("script", [True, False])
 def test_one_click_shows_what_proves_a_number(opened, script):
     page = opened(*WIDE, script=script)

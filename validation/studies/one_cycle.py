@@ -280,7 +280,7 @@ def _cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
             for cycle in one.drawn:
                 height = cycle.elastic_stress - cycle.elastic_stress.min()
                 axes.plot(cycle.time, height, **line(model, linewidth=share * style.width))
-        axes.set_title(rf"$\log_{{10}} r = {log10_r:g}$")
+        axes.set_title(rf"$\log_{{10}} r$ = {minus(f'{log10_r:g}')}")
     handles = [key(**line(model)) for model in COMPARED]
     figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=3.2)
     return figure
