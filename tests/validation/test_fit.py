@@ -170,6 +170,10 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
         assert row["low"] < value < row["high"], key
         assert row["high"] - row["low"] < 0.03 * value, key
     assert found.summary["data"][0]["period"]["fitted"] == pytest.approx(35.7603, rel=1e-4)
+    upper, lower = found.plot().axes
+    assert lower.get_xlabel() == "time since the last slip event / mean period (35.76 s)"
+    assert upper.get_legend().get_texts()[0].get_text() == "mean cycle"
+    assert upper.get_lines()[0].get_xdata()[[0, -1]] == pytest.approx([0.03, 0.97])
     with pytest.raises(SceneError, match=r"period is 1\.19e\+06 transits: a fit with every wave takes 10000"):
         sw.fit(STICKING, "delay", data=[str(path)], free=KEYS)
     np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")

@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from slipwave.observe.pieces import Array
 from validation.fit.records import Experiment
 from validation.results.comparison import barred
@@ -14,6 +16,8 @@ _MEASURED = "#7fb0d6"
 _PREFIXES = {-9: "n", -6: "μ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _LABELS = {"a_star": "$a_*$", "a": "$a$", "b": "$b$", "memory_length": "$L$", "reference_velocity": "$V_*$"}
 _IN_A_LINE = 4
+_FEW = 200  # points, that are drawn large, with twice their standard errors
+_SURE = 2.0
 
 
 def draw_fit(
@@ -27,11 +31,17 @@ def draw_fit(
         for record, values, (upper, lower) in zip(records, fitted, grid.T, strict=True):
             along, name = _along(record, is_si)
             measured, ours = record.friction[record.shown], values[record.shown]
-            upper.plot(along, measured, ".", color=_MEASURED, markersize=1.5, rasterized=True)
-            upper.plot([], [], "o", color=_MEASURED, markersize=4, label="measured")
+            are_few = measured.size <= _FEW
+            points: dict[str, Any] = {"color": _MEASURED, "markersize": 5.0 if are_few else 1.5, "rasterized": not are_few}
+            seen = "measured" if record.cycle is None else "mean cycle" if are_few else "all cycles"
+            upper.plot(along, measured, ".", **points)
+            upper.plot([], [], "o", color=_MEASURED, markersize=4, label=seen)
             upper.plot(along, ours, **line(model, color="#111111", linestyle="-"))
-            lower.plot(along, measured - ours, ".", color=_MEASURED, markersize=1.5, rasterized=True)
+            lower.plot(along, measured - ours, ".", **points)
             lower.axhline(0.0, color="#555555", linewidth=0.7)
+            if are_few and np.ndim(record.weight):
+                half = _SURE / np.asarray(record.weight)[record.shown]
+                lower.errorbar(along, measured - ours, half, fmt="none", ecolor=_MEASURED, elinewidth=0.8)
             lower.set_xlabel(name)
             if count > 1:
                 upper.set_title(Path(record.name).name, fontsize="medium")
@@ -45,10 +55,16 @@ def draw_fit(
 
 def _along(record: Experiment, is_si: bool) -> tuple[Array, str]:
     """What a record is drawn over, with its name: a hold is a point on the way of the load point."""
+    if record.cycle is not None:
+        return record.times[record.shown] / record.cycle.period, _phase(record.cycle.period, is_si)
     if 0.0 in record.schedule.velocities:
         return record.times[record.shown], "time / s" if is_si else "time / transits"
     size, unit = (1e6, "μm") if is_si else (1.0, "$L$")
     return size * record.travel[record.shown], f"displacement of the load point / {unit}"
+
+
+def _phase(period: float, is_si: bool) -> str:
+    return f"time since the last slip event / mean period ({period:.4g} {'s' if is_si else 'transits'})"
 
 
 def values_in_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:
