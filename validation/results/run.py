@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
@@ -23,9 +23,6 @@ from validation.run.outlook import amplified_rounding, costly_steps, outlook
 from validation.run.progress import progress
 from validation.run.recording import Wanted, Window, kept_of, records_of, time_between
 from validation.run.simulate import Run, reconsidered, simulate
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True, kw_only=True)
