@@ -409,6 +409,26 @@ def test_two_sweeps_into_one_folder_are_one(tmp_path):
         assert same(data, found[0])
 
 
+def test_a_sweep_begun_by_another_process_just_now_goes_on(tmp_path):
+    class Late(Store):
+        """Looks for a manifest at first, and another process writes it then."""
+
+        looked = False
+
+        @property
+        def manifest(self):
+            if not self.looked:
+                self.looked = True
+                Store(self.folder).begin({"axes": [1]})
+                return None
+            return super().manifest
+
+    assert Late(tmp_path / "new").begin({"axes": [1]}) is None
+    with pytest.raises(SceneError, match="holds another sweep"):
+        Late(tmp_path / "other").begin({"axes": [2]})
+    assert Store(tmp_path / "other").manifest == {"axes": [1]}
+
+
 def test_another_sweep_in_the_folder_is_refused(tmp_path, refused):
     out, manifest = str(tmp_path / "out"), tmp_path / "out" / "manifest.json"
     computed(plan((3, 2)), tmp_path / "out")

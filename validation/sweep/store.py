@@ -22,6 +22,7 @@ from slipwave.files import reason_of, whole_or_absent
 from validation.sweep.plan import Indices
 
 _MANIFEST, _PARTS = "manifest.json", "parts"
+_OURS = (".", _PARTS, _MANIFEST)  # another process may begin a sweep here between a look for the manifest and a look around
 _SHOWN = 3
 Columns = Mapping[str, npt.NDArray[Any]]
 
@@ -53,7 +54,7 @@ class Store:
             present = None
         if present is None:
             if self.folder.exists() and (
-                not self.folder.is_dir() or any(not path.name.startswith((".", _PARTS)) for path in self.folder.iterdir())
+                not self.folder.is_dir() or any(not path.name.startswith(_OURS) for path in self.folder.iterdir())
             ):
                 raise SceneError(f"--out = {str(self.folder)!r}: must be a new or empty folder, or one of a sweep")
             self._write_manifest(manifest)
