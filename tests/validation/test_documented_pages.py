@@ -25,6 +25,7 @@ from validation.studies.which_model import MODELS, SHOWN
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
+ROOMS = ("slipwave", "reduced", "fullwave", "validation")
 PAGES = (
     "laboratory.md",
     "fit.md",
@@ -229,6 +230,16 @@ def is_import(frame):
     while frame is not None and not frame.f_code.co_filename.startswith("<frozen importlib"):
         frame = frame.f_back
     return frame is not None
+
+
+def test_every_folder_of_the_rooms_is_in_the_table_of_the_house():
+    table = README.read_text(encoding="utf-8").partition("## The house")[2].partition("\n## ")[0]
+    named = set()
+    for row in re.findall(r"^\| (`.*?) \|", table, re.M):
+        first, *others = re.findall(r"`([\w/*.]+)`", row)
+        named |= {first, *others, *(f"{first.partition('/')[0]}/{other}" for other in others)}
+    folders = {path.parent.relative_to(ROOT) for room in ROOMS for path in (ROOT / room).glob("*/*.py")}
+    assert {str(folder) for folder in folders} - named == set()
 
 
 def test_the_walk_is_no_longer_than_it_is_written(printed):
