@@ -75,11 +75,23 @@ def test_advice_and_sentences_follow_the_table():
     }
     use, avoid = table.sentences
     assert use == (
-        "Use `delay`: it is exact and costs as little as any ODE that is right to 1 % (they take ~{1.2} of its time); where an "
-        "ODE is needed, `modal:8` (off by 1 · 10^{−4} at most where orbits repeat), `modal:1` up to 1.05 r_{c}."
+        "Use `delay`: it is exact and costs as little as any ODE that is right to 1 % (they take ~{1.2} times as long); where an "
+        "ODE is needed, `modal:8` (off by at most 1 · 10^{−4} where orbits repeat), `modal:1` up to 1.05 r_{c}."
     )
     assert avoid.startswith("Avoid `kelvin-voigt` (T −3.0 to −20 %), `quasidynamic` (slides steadily up to 1.05 r_{c}, then")
-    assert "ODEs that are right to 1 % take ~{0.5} of its time" in a_table(cost=0.5).sentences[0]
+    assert "ODEs that are right to 1 % take ~{0.5} times as long" in a_table(cost=0.5).sentences[0]
+
+
+def test_each_ode_is_off_by_its_own_error_and_a_full_wave_is_no_ode():
+    """Errors are rounded up; three standard errors of a mean are chance in a full wave, and a fault in an ODE."""
+    chance = regime(85.0, words="irregular", error=0.9)
+    more = {"modal:4": [regime(70.0141), EXACT[1]], "modal:2": [regime(70.0), chance], "dg:7": [EXACT[0], chance]}
+    first = [regime(70.0, drop=0.21), regime(90.0, words="irregular", error=0.9)]
+    table = compared_table("paper", "caption", SIGHTS, REGIMES | more | {"block8": first})
+    assert "`modal:8` or `modal:4` (off by at most 1 · 10^{−4} or 3 · 10^{−4} where orbits repeat)," in table.sentences[0]
+    assert "dg:7" not in table.sentences[0]
+    assert (table.row("dg:7").advice, table.row("modal:2").advice) == ("use as witness", "use up to 1.05 r_{c}")
+    assert table.row("block8").why == "Δμ +0.0 to +5.0 %"
 
 
 @pytest.mark.parametrize(

@@ -26,5 +26,5 @@ def test_bias_and_scatter_of_errors():
     errors = [Compared(70.0, off, bar) for off, bar in ((-0.03, 0.003), (-0.05, 0.004), (-0.04, 0.0))]
     assert bias_and_scatter(errors) == pytest.approx((-0.04, 0.01, math.sqrt(25e-6 / 3.0)))
     assert all(map(math.isnan, bias_and_scatter([])))
-    assert bias_in_words(-0.0394, 0.0051) == "−3.9 % ± 0.5"
+    assert bias_in_words(-0.0394, 0.0051) == "−3.9 ± 0.5 %"
     assert bias_in_words(-0.37, math.nan) == "−37.0 %"

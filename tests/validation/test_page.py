@@ -95,7 +95,9 @@ def test_claims_of_the_paper_are_counted_and_findings_come_first(tmp_path):
     kinds = [Outcome.PASS, Outcome.FINDING, Outcome.PASS]
     studies = [stored("claims", *(verdict(kind, Evidence.PAPER, f"P{n} holds") for n, kind in enumerate(kinds)), verdict())]
     html = page_of(tmp_path, *studies)
-    assert "Of 3 checks against its printed numbers and claims 2 hold; 1 do not" in summary_of(html, "paper")
+    assert "Of 3 checks against printed numbers and claims, under all seven questions, 2 hold; 1 do not" in summary_of(
+        html, "paper"
+    )
     assert [row[1:] for row in rows_of(html, "verdicts that are findings")][1:] == [
         ["P1 holds", "paper", "below 0.5", "0.1", "yes or no"]
     ]

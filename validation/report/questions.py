@@ -102,7 +102,9 @@ def _of_paper(studies: Sequence[Stored]) -> str:
     if not judged:
         return ""
     wrong = [verdict for verdict in judged if verdict.outcome is not Outcome.PASS]
-    said = f"Of {len(judged)} checks against its printed numbers and claims {len(judged) - len(wrong)} hold"
+    said = (
+        f"Of {len(judged)} checks against printed numbers and claims, under all seven questions, {len(judged) - len(wrong)} hold"
+    )
     return f"{said}; {len(wrong)} do not, and are listed first." if wrong else f"{said}."
 
 
@@ -111,5 +113,6 @@ def _of_checks(studies: Sequence[Stored]) -> str:
     verdicts = verdicts_of(studies)
     kinds = [f"{sum(v.evidence is kind for v in verdicts)} {kind.value}" for kind in Evidence]
     programmes = ("planted-faults", "coverage", "manufactured")
-    told = [study.result.conclusion for study in studies if study.result and study.name in programmes]
+    known = {study.name: study.result.conclusion for study in studies if study.result}
+    told = [known[name] for name in programmes if name in known]
     return " ".join([*told, f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."])

@@ -12,6 +12,7 @@ from validation.registry.families import one_port_of
 from validation.results.result import Dataset
 from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, every, table
 from validation.study.regimes import regime_areas
+from validation.study.text import places
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.difference import difference, model_regimes
 from validation.sweep.map_figures import figure_of
@@ -89,10 +90,11 @@ def _errors(rows: Any) -> Table:
 
 
 _PLANE = (
-    f"ratio of the slabs’ impedances and of their round trips (lower over upper slab) from 0.7 to 1.4, log10 r = {_LOG10_R:g} of "
-    f"the upper slab, V = 100 V*, the paper’s law, runs of at most {_UNTIL:g} transits from a nudge of steady sliding"
+    f"Ratio of the slabs’ impedances and of their round trips (lower over upper slab) from 0.7 to 1.4, "
+    f"log_{{10}} r = {places([_LOG10_R])} of the upper slab, V = 100 V*, the paper’s law, "
+    f"runs of at most {_UNTIL:g} transits from a nudge of steady sliding"
 )
-_REGIMES = f"Verdicts on the motion of unlike slabs: {_PLANE}. “Too short”: too few cycles for a verdict."
+_REGIMES = f"Verdicts on the motion of unlike slabs. {_PLANE}. “Too short”: too few cycles for a verdict."
 _DIFFERENCES = "Where a model of unlike slabs has another regime than the delay system; white: one of both has no verdict."
 _ERRORS = (
     f"{_PLANE}. Per cent of the area in which both a model and the delay system have a verdict; of that, per cent with another "

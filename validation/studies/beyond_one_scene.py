@@ -165,7 +165,7 @@ def _answer(rows: dict[str, list[float]], tables: Sequence[ModelTable]) -> str:
 
 def bias_in_words(bias: float, scatter: float) -> str:
     """Bias and scatter, in per cent."""
-    return minus(f"{100 * bias:+.1f} %{f' ± {100 * scatter:.1f}' if math.isfinite(scatter) else ''}")
+    return minus(f"{100 * bias:+z.1f}{f' ± {100 * scatter:.1f}' if math.isfinite(scatter) else ''} %")
 
 
 def _silent(tables: Sequence[ModelTable], model: str) -> str:

@@ -337,7 +337,7 @@ def verdicts(runs: dict[str, CycleRun], quasistatic: str, quasidynamic: str) -> 
     yield from (_as_computed(model, runs[model].orbit.values(), figures) for model, figures in known.items() if figures)
     if "fd" in runs:
         off = max(abs(error(runs["fd"], runs["delay"], name)) for name in SYMBOLS)
-        remark = f"leapfrog with {_CELLS} cells at CFL {_CFL}; the next study shows how the difference vanishes"
+        remark = f"leapfrog with {_CELLS} cells at CFL {_CFL}; `leapfrog-convergence` shows how the difference vanishes"
         yield claim("The full wave runs on the delay system’s orbit", WITNESS, off, _WAVE, remark)
     away = quasistatic not in ("", "steady")
     yield holding("The quasi-static model runs away", EXACT, "runs away", "runs away" if away else "goes on", away)

@@ -8,6 +8,7 @@ import slipwave
 from validation.results.result import Dataset
 from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, every, table
 from validation.study.regimes import regime_areas
+from validation.study.text import places
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, model_regimes
@@ -101,8 +102,8 @@ def _errors(data: Dataset, differences: Dataset, lines: tuple[Line, ...]) -> Tab
 
 
 _PLANE = (
-    f"log10 r from {_R[0]:g} to {_R[1]:g}, V from {_V[0]:g} to {_V[1]:g} V*, the paper’s law and ε, runs of at most {_UNTIL:g} "
-    "transits from a nudge of steady sliding"
+    f"log_{{10}} r from {places(_R[:1])} to {places(_R[1:2])}, V from {_V[0]:g} to {_V[1]:g} V*, the paper’s law "
+    f"and ε, runs of at most {_UNTIL:g} transits from a nudge of steady sliding"
 )
 _REGIMES = (
     f"Verdicts on the motion: {_PLANE}. Dashed: where steady sliding loses its stability, from the certified number of growing "

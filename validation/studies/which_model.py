@@ -113,7 +113,17 @@ def _the_table(regimes: ByModel, grid: tuple[float, ...], rounds: int) -> ModelT
     exact, _ = log10_onsets()
     sights = [Sight(places([x], ".2f"), scene_at(x), 10.0 ** (x - exact), f"--set slab.log10_r={x:g}") for x in grid]
     costs = {places([x], ".2f"): costs_at(x, rounds) for x in _COSTED}
-    return compared_table("paper", _TABLE, sights, regimes, costs)
+    return compared_table("paper", _caption(), sights, regimes, costs)
+
+
+def _caption() -> str:
+    """What the table shows, of which scene."""
+    scene, (onset, _) = scene_at(SHOWN[0]), log10_onsets()
+    return (
+        f"Errors relative to the exact delay system, in the paper’s scene (V = {scene.velocity:g} V*) from its onset at "
+        f"log_{{10}} r_{{c}} = {places([onset], '.5f')} on; r: round trip of a wave through one slab, in L/V*; cost: processor "
+        f"time. {_TABLE}"
+    )
 
 
 def costs_at(log10_r: float, rounds: int) -> dict[str, float]:
@@ -141,11 +151,12 @@ def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
 
 
 _TABLE = (
-    "Relative errors against the exact delay system: of orbits where its own is stable (by Newton’s method, the full wave’s by a "
-    "run), beyond of means over the cycles of a run, with two standard errors. The row of the delay system has its own values. A "
-    "regime is the verdict on a run. A model is good at an r if its regime is that of the delay system, and T and Δμ err by less "
-    "than 1 %, or by no more than 1 % and two standard errors; the advice is to use it everywhere, up to the last r before the "
-    "first where it is not good, or not at all. Cost: processor time of 1000 transits over that of the delay system."
+    "Bars (±): two standard errors of means over cycles, where no orbit of the delay system is stable; elsewhere orbits, by"
+    " Newton’s method, the full wave’s by a run. The row of the delay system has its own values. A regime is the verdict on"
+    " a run. A model is good at an r if its regime is that of the delay system, and T and Δμ err by less than 1 %, or by no"
+    " more than 1 % and two standard errors (a full wave: four); the advice is to use it everywhere, up to the last r "
+    "before the first where it is not good, or not at all. Cost: processor time of 1000 transits over that of the delay "
+    "system, the median of several rounds."
 )
 _CYCLE = (
     "One cycle of the paper’s scene: stress μ (σ) over time (transits), each model on its own orbit, from its slip event on. The "

@@ -1,11 +1,12 @@
 """Advice on models, computed from their table.
 
 The rule: a model is good at a place if its regime is that of the reference, and T and Δμ err by less than 1 % there, or by no
-more than 1 % and two standard errors of the difference. Good everywhere: "use"; a full wave, which serves to check the exact
-system, "use as witness". Good up to a place: "use up to" there, in r over the reference's onset. Not good at the first place:
-"avoid".
+more than 1 % and two standard errors of the difference. Good everywhere: "use". Good up to a place: "use up to" there, in r over
+the reference's onset. Not good at the first place: "avoid". A full wave, which serves to check the exact system, is for "use as
+witness"; it solves the same equations, so that only a difference beyond `_BY_CHANCE` speaks against it.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -17,14 +18,20 @@ from validation.study.text import minus, plain
 
 GOOD = 1e-2
 JUDGED = ("T", "Δμ")
+_BY_CHANCE = 4.0
+"""Standard errors by which the largest of some hundred differences may miss by chance, as the verdicts on means allow."""
 AS_CHEAP = 1.1
 """A cost up to which a model costs as little as another: run times of one program vary by a tenth."""
 
 
-def is_good(cell: ModelCell) -> bool:
-    """Whether the model may be used there."""
-    found = [cell.figures[symbol] for symbol in JUDGED if symbol in cell.figures]
-    return cell.right and all(abs(one.error or 0.0) <= GOOD + 2.0 * one.standard_error for one in found)
+def is_good(cell: ModelCell, bars: float = 2.0) -> bool:
+    """Whether the model may be used there, with so many standard errors allowed."""
+    return cell.right and all(not _is_off(cell, symbol, bars) for symbol in JUDGED)
+
+
+def _is_off(cell: ModelCell, symbol: str, bars: float = 2.0) -> bool:
+    found = cell.figures.get(symbol)
+    return found is not None and abs(found.error or 0.0) > GOOD + bars * found.standard_error
 
 
 def with_advice(table: ModelTable) -> ModelTable:
@@ -40,17 +47,28 @@ def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
         return "use", "exact"
     pairs = zip(table.row(table.reference).cells, row.cells, strict=True)
     decided = [column for column, both in enumerate(pairs) if UNDECIDED not in (both[0].regime, both[1].regime)]
-    good = [is_good(row.cells[column]) for column in decided]
+    witness = _is_witness(row)
+    good = [is_good(row.cells[column], _BY_CHANCE if witness else 2.0) for column in decided]
     last = (good.index(False) if False in good else len(good)) - 1
-    family = family_of(row.model)
     if last < 0:
         return "avoid", _trouble(row, table)
     if False in good:
         beyond = row.cells[decided[good.index(False)]]
         return f"use up to {table.columns[decided[last]].over_onset:.2f} r_{{c}}", f"then {_fault(beyond)}"
-    if family and family.exact is not Exact.NEVER:
+    if witness:
         return "use as witness", "full wave"
-    return "use", f"as an ODE, off by {plain(_largest(row), '.0e')}"
+    return "use", f"as an ODE, off by {_most(_largest(row))}"
+
+
+def _is_witness(row: ModelRow) -> bool:
+    family = family_of(row.model)
+    return family is not None and family.exact is not Exact.NEVER
+
+
+def _most(error: float) -> str:
+    """An error of which nothing is left out by rounding, to one digit."""
+    unit = 10.0 ** math.floor(math.log10(error)) if error else 1.0
+    return plain(unit * math.ceil(error / unit - 1e-9), ".0e")
 
 
 def _fault(cell: ModelCell) -> str:
@@ -66,15 +84,16 @@ def _size(cell: ModelCell, symbol: str) -> float:
 
 
 def _trouble(row: ModelRow, table: ModelTable) -> str:
-    """Why a model is to be avoided: up to where it has no cycles, and the range of its errors of T."""
+    """Why a model is to be avoided: up to where it has no cycles, and the range of its errors of T, or of Δμ if T is good."""
     silent = [(cell.regime, column) for cell, column in zip(row.cells, table.columns, strict=True) if not cell.figures]
-    errors = [cell.figures["T"].error for cell in row.cells if "T" in cell.figures]
+    symbol = next((symbol for symbol in JUDGED if any(_is_off(cell, symbol) for cell in row.cells)), "T")
+    errors = [cell.figures[symbol].error for cell in row.cells if symbol in cell.figures]
     words = []
     if silent:
         regimes = " or ".join(dict.fromkeys(regime for regime, _ in silent))
         words.append(regimes + (f" up to {silent[-1][1].over_onset:.2f} r_{{c}}" if errors else ""))
     if errors:
-        words.append(f"T {_span(errors)}")
+        words.append(f"{symbol} {_span(errors)}")
     return ", then ".join(words)
 
 
@@ -103,9 +122,10 @@ def _sentences(table: ModelTable) -> Iterator[str]:
     """What to use, with the news on costs; what to avoid."""
     good, also = _good_reductions(table), list[str]()
     if good:
-        off = plain(min(map(_largest, good)), ".0e")
-        also.append(f"{' or '.join(f'`{row.model}`' for row in good)} (off by {off} at most where orbits repeat)")
-    also += [f"`{row.model}` {row.advice.removeprefix('use ')}" for row in table.rows if row.advice.startswith("use up to")]
+        names, off = ([f"`{row.model}`" for row in good], [_most(_largest(row)) for row in good])
+        also.append(f"{' or '.join(names)} (off by at most {' or '.join(dict.fromkeys(off))} where orbits repeat)")
+    partly = [row for row in table.rows if row.advice.startswith("use up to") and not _is_witness(row)]
+    also += [f"`{row.model}` {row.advice.removeprefix('use ')}" for row in partly]
     yield f"Use `{table.reference}`: it is exact{_news(table)}{'; where an ODE is needed, ' if also else ''}{', '.join(also)}."
     avoid = [f"`{row.model}` ({row.why})" for row in table.rows if row.advice == "avoid"]
     if avoid:
@@ -117,7 +137,7 @@ def _news(table: ModelTable) -> str:
     costs = costs_of_good_reductions(table)
     if not costs:
         return ""
-    times = f"~{{{' to '.join(dict.fromkeys(f'{cost:.2g}' for cost in (min(costs), max(costs))))}}} of its time"
+    times = f"~{{{' to '.join(dict.fromkeys(f'{cost:.2g}' for cost in (min(costs), max(costs))))}}} times as long"
     if min(costs) * AS_CHEAP >= 1.0:
         return f" and costs as little as any ODE that is right to {100 * GOOD:g} % (they take {times})"
     return f"; ODEs that are right to {100 * GOOD:g} % take {times}"

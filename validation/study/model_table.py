@@ -8,6 +8,7 @@
 `words_of` says what a cell shows, `shade_of` how bad that is, `cell_records` has the table as one line for each number.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -102,25 +103,34 @@ class ModelTable:
 
 def words_of(cell: ModelCell, symbol: str) -> str:
     """What the cell shows of a quantity: the error in per cent down to 0.1 %, below as a power of ten, with two standard errors
-    where it is a mean; the value for the reference; the regime where there is no cycle. In the small markup."""
+    where it is a mean; the value for the reference, likewise; the regime where there is no cycle. In the small markup."""
     found = cell.figures.get(symbol)
     if found is None:
         return cell.regime
-    if found.error is None:
-        return f"{found.value:.5g}"
     bar = 2.0 * found.standard_error
+    if found.error is None:
+        return _with_bar(found.value, bar * abs(found.value), 2, 0) if bar > _CERTAIN else f"{found.value:.5g}"
     if bar > _CERTAIN:
-        return minus(f"{100 * found.error:+.1f} ± {100 * bar:.1f} %")
+        return minus(f"{_with_bar(100 * found.error, 100 * bar, 1, 1, '+')} %")
     return minus(f"{100 * found.error:+.1f} %") if abs(found.error) >= 1e-3 else plain(found.error, "+.0e")
 
 
+def _with_bar(value: float, bar: float, digits: int, least: int, sign: str = "") -> str:
+    """A value and its bar, with as many decimals as show so many digits of the bar, and so many at least."""
+    places = max(least, digits - 1 - math.floor(math.log10(bar)))
+    return f"{value:{sign}z.{places}f} ± {bar:.{places}f}"
+
+
 def shade_of(cell: ModelCell, symbol: str) -> str:
-    """A key of SHADES, "red" or "wrong"; "" for the reference and where nothing is compared in the right regime."""
+    """A key of SHADES, "red" or "wrong"; "" for the reference and where nothing is compared in the right regime. An error within
+    its two standard errors may be none."""
     if not cell.right:
         return "wrong"
     found = cell.figures.get(symbol)
     if found is None or found.error is None:
         return ""
+    if abs(found.error) <= 2.0 * found.standard_error:
+        return "none"
     return next((shade for shade, limit in SHADES.items() if abs(found.error) < limit), "red")
 
 

@@ -113,7 +113,7 @@ def _answer(climbs: list[Climb], own: list[orbits.GridOrbit], curves: Curves) ->
     off = ", ".join(f"{_NAMED[model]} to {plain(error, '.0e')}" for model, error in orbits.finest(own).items())
     short = sum(bool(climbed.shortfall()) for climbed in climbs)
     orders = "every family tried reaches its order" if not short else f"{short} of {len(climbs)} families miss their order"
-    return f"They do: in period and stress drop of their own orbits {off}; {orders}. {_cost(curves)}"
+    return f"Period and stress drop of full waves’ own orbits are the delay system’s: {off}; {orders}. {_cost(curves)}"
 
 
 def _cost(curves: Curves) -> str:
