@@ -13,9 +13,7 @@ from slipwave.compiled import inlined, njit
 from slipwave.friction import Law, unknown_of
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
-from slipwave.scene.drive import Constant, Ramps, velocity_at
-from slipwave.scene.forcing import Forcing
-from slipwave.scene.start import nudge_rate
+from slipwave.scene.drive import Constant, Forcing, Ramps, nudge_rate, velocity_at
 
 STEPS_PER_PIECE = 4
 """Steps in one piece: a quartic, so that reading events and extrema has an error of order 5, in a scheme of order 2."""

@@ -17,7 +17,7 @@ from fullwave.lines.system import System
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
-from slipwave.scene.start import StartKind
+from slipwave.scene.drive import StartKind
 from slipwave.solve import State, tables
 from slipwave.step.port_march import CHUNK, PortMarch
 

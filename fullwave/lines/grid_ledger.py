@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
-from slipwave.scene.forcing import Forcing
+from slipwave.scene.drive import Forcing
 from slipwave.step.collocation import Nodes
 from slipwave.step.nodal import Nodal
 from slipwave.step.port import Port, propagate, record

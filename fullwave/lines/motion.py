@@ -25,9 +25,7 @@ from slipwave.compiled import inlined
 from slipwave.friction import respond
 from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array
-from slipwave.scene.drive import velocity_at
-from slipwave.scene.forcing import Forcing
-from slipwave.scene.start import nudge_rate
+from slipwave.scene.drive import Forcing, nudge_rate, velocity_at
 
 
 @inlined

@@ -38,8 +38,7 @@ from numpy.typing import NDArray
 from slipwave.compiled.dispatch import by_class
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array
-from slipwave.scene.drive import Constant, Ramps
-from slipwave.scene.forcing import Forcing
+from slipwave.scene.drive import Constant, Forcing, Ramps
 
 Operator: TypeAlias = Any
 """An instance of a family's operator class (a NamedTuple)."""

@@ -11,7 +11,7 @@ import numpy as np
 from reduced.delay.network_kernel import OUTWARD, Network, gather, launch, lines_with
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
-from slipwave.scene.forcing import Forcing
+from slipwave.scene.drive import Forcing
 from slipwave.step.collocation import radau, rule_of
 from slipwave.step.nodal import Interface
 

@@ -16,7 +16,7 @@ from reduced.delay.transit_mesh import TransitMesh
 from slipwave.friction import rates, respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
-from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.nodal import DONE, ELASTIC, PSI, TIME
 

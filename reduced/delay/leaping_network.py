@@ -24,7 +24,7 @@ from reduced.delay.transmission_lines import SAME_PLACE, Lines
 from slipwave.friction import respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
-from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
 from slipwave.step.nodal import ELASTIC, PSI, TIME, Interface, constant_guess

@@ -9,7 +9,7 @@ from reduced.delay.leaping import LeapingDelay
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import respond, unknown_of
 from slipwave.scene import Scene
-from slipwave.scene.start import StartKind
+from slipwave.scene.drive import StartKind
 
 if TYPE_CHECKING:
     from reduced.delay.network import DelayNetwork

@@ -17,7 +17,7 @@ from slipwave.input.validate import allowed_in
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubt
-from slipwave.scene.drive import Drive
+from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import (
     FACES,
     Face,
@@ -29,7 +29,6 @@ from slipwave.scene.slab import (
     Viscosity,
     face_sizes,
 )
-from slipwave.scene.start import Start, StartKind
 from slipwave.scene.units import Units
 
 _PER_AREA = {"N/m": "Pa/m", "N s/m": "Pa s/m", "kg": "kg/m2"}

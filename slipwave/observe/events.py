@@ -2,7 +2,8 @@
 
 A slip event is a fall of the elastic stress y whose prominence is at least 10 % of that of the largest fall in the judged window.
 Prominence is defined by persistence (`swings`): a fall continues through rises smaller than those 10 % and ends at the first
-larger one. Nothing else enters: no round trip, no drive, no earlier event. The event is dated by its steepest rise of v (`rise`).
+larger one. Nothing else enters: no round trip, no drive, no earlier event. Events are dated by their steepest rise of v
+(`detector`).
 The same motion on another clock, with y in another unit, has the same events.
 
 Falls below a floor are no events, because rounding and the tolerance of a solver are not motion. The floor is the friction stress
@@ -18,9 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.friction import rate_of, respond, unknown_of
-from slipwave.observe.detector import new_detector, scan
+from slipwave.observe.detector import KEPT, MOST_ROOM, new_detector, room_for_rise, scan
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis
-from slipwave.observe.rise import KEPT, MOST_ROOM, room_for_rise
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS, JudgedSwings, judge_swings
 from slipwave.scene import Scene
 

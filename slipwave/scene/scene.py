@@ -7,10 +7,8 @@ from functools import cached_property
 from typing import Any
 
 from slipwave.friction import Law, respond, steady_state, unknown_of
-from slipwave.scene.drive import Drive
-from slipwave.scene.forcing import Forcing
+from slipwave.scene.drive import Drive, Forcing, Start
 from slipwave.scene.slab import Slab
-from slipwave.scene.start import Start
 from slipwave.scene.units import Units
 
 

@@ -9,9 +9,7 @@ import numpy as np
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law
 from slipwave.observe.pieces import Array
-from slipwave.scene.drive import Constant, Ramps, velocity_at
-from slipwave.scene.forcing import Forcing
-from slipwave.scene.start import nudge_rate
+from slipwave.scene.drive import Constant, Forcing, Ramps, nudge_rate, velocity_at
 from slipwave.step.collocation import Nodes, Rule
 
 DONE, NOT_SOLVED, NOT_SMOOTH, TOO_STEEP = range(4)

@@ -13,8 +13,7 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.lines.blocks import most_cells_alike, sections_of
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
-from slipwave.scene.drive import Drive
-from slipwave.scene.start import Start, StartKind
+from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.solve import follow
 
 

@@ -15,7 +15,7 @@ from fullwave.fields.record import FieldRecord, record_field
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import SceneError
 from slipwave.observe import HistoryObserver
-from slipwave.scene.start import Start, StartKind
+from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.units import Units
 from slipwave.solve import follow
 

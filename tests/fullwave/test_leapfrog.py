@@ -8,7 +8,7 @@ from grid_scenes import PAPER, SCENES, SLAB, of
 
 from fullwave.finite_difference import Leapfrog
 from slipwave.errors import NumericsError, SceneError
-from slipwave.scene.start import Start
+from slipwave.scene.drive import Start
 from slipwave.solve import follow
 
 

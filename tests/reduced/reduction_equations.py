@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import wrightomega
 
 from reduced.impedance.reduction import Reduction
-from slipwave.scene.start import NUDGE_CENTRE
+from slipwave.scene.drive import NUDGE_CENTRE
 
 Array = NDArray[np.float64]
 EVERY_TERM = Reduction(

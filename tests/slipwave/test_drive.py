@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from slipwave.compiled import allocating
-from slipwave.scene.drive import Constant, Drive, Ramps, velocity_at
-from slipwave.scene.start import NUDGE_CENTRE, nudge_rate
+from slipwave.scene.drive import NUDGE_CENTRE, Constant, Drive, Ramps, nudge_rate, velocity_at
 
 MANY = 10_000
 

@@ -8,8 +8,8 @@ import pytest
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import gallery_names, gallery_titles
+from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, StandardLinearViscosity
-from slipwave.scene.start import Start, StartKind
 
 INTERFACE = {"law": "ageing", "a_star": 0.369, "a": 0.0349, "b": 0.0489}
 PLAIN = {"interface": INTERFACE, "slab": {"epsilon": 2.8e-5, "r": 0.002}, "drive": {"velocity": 100}}

@@ -9,7 +9,7 @@ import slipwave
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.slip import Slip
 from slipwave.scene import Scene
-from slipwave.scene.drive import Drive, steady_drive
+from slipwave.scene.drive import Drive, Start, StartKind, steady_drive
 from slipwave.scene.slab import (
     GripFace,
     KelvinVoigtViscosity,
@@ -21,7 +21,6 @@ from slipwave.scene.slab import (
     Slab,
     StandardLinearViscosity,
 )
-from slipwave.scene.start import Start, StartKind
 
 ELASTIC = Slab(2.0, 3.0)
 LAYERED = (Layer(0.25, 0.5), Layer(0.75, 4.0))

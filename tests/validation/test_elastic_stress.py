@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.scene.drive import Drive
+from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import GripFace, Layer, Slab, StandardLinearViscosity
-from slipwave.scene.start import Start, StartKind
 from slipwave.solve import follow
 from validation.registry.build import build
 

@@ -13,9 +13,8 @@ import slipwave
 from fullwave.lines.kernel import STEPS_PER_PIECE
 from slipwave.friction.ageing import Ageing
 from slipwave.observe.pieces import SAME
-from slipwave.scene.drive import steady_drive
+from slipwave.scene.drive import Start, steady_drive
 from slipwave.scene.slab import Slab
-from slipwave.scene.start import Start
 
 EPSILON = 0.02
 SLAB = Slab(EPSILON, 1e-3)

@@ -31,9 +31,8 @@ from slipwave.friction.ageing import Ageing
 from slipwave.friction.slip import Slip
 from slipwave.observe import HistoryObserver
 from slipwave.scene import Scene
-from slipwave.scene.drive import steady_drive
+from slipwave.scene.drive import Start, steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, Slab
-from slipwave.scene.start import Start
 from slipwave.solve import follow
 from slipwave.solve.lyapunov import largest_exponent
 from validation.registry.build import build

@@ -18,7 +18,7 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
-from slipwave.scene.start import Start, StartKind
+from slipwave.scene.drive import Start, StartKind
 from slipwave.solve import follow
 from validation.registry.build import prepare
 

@@ -18,7 +18,7 @@ from reduced.ode.slabs import ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
-from slipwave.scene.start import Start, StartKind
+from slipwave.scene.drive import Start, StartKind
 from slipwave.step.collocation import radau
 from slipwave.step.sensitivity import port_sensitivity
 from validation.data.events import noise_of

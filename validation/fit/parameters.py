@@ -17,8 +17,7 @@ from slipwave.input.validate import allowed_in, validate
 from slipwave.input.wording import choices, key_text, nearest, shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.drive import Drive
-from slipwave.scene.start import Start, StartKind
+from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.step.sensitivity import Sides
 
 NUISANCES = ("level", "drift")

@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 
 from slipwave.observe import HistoryObserver
 from slipwave.scene import Scene
-from slipwave.scene.start import Start
+from slipwave.scene.drive import Start
 from slipwave.solve import Solver, follow
 
 BEFORE, AFTER = 60.0, 160.0

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from slipwave.scene import Scene
-from slipwave.scene.start import NUDGE_CENTRE
+from slipwave.scene.drive import NUDGE_CENTRE
 from validation.run.timing import timed
 
 _APART = 10.0  # transits; crossings of V closer than this belong to the same slip event

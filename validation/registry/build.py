@@ -5,7 +5,7 @@ from typing import Any, Unpack
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.scene import Scene
-from slipwave.scene.start import StartKind
+from slipwave.scene.drive import StartKind
 from slipwave.solve import FieldSolver, Solver
 from validation.registry.families import OPTIONS, Built, Options, given, make, parse, requested, resolve
 

@@ -3,7 +3,7 @@
 import math
 from typing import TYPE_CHECKING
 
-from slipwave.scene.start import StartKind
+from slipwave.scene.drive import StartKind
 from slipwave.solve import FieldSolver, Solver, State
 from validation.registry.build import build_full_wave
 

@@ -16,7 +16,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
 from slipwave.observe.pieces import Array, Pieces, lagrange_basis, values_at
 from slipwave.scene import Scene
-from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow, tables
 from slipwave.solve.follow import require_time
 from slipwave.step.flow import Place

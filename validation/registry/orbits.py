@@ -13,7 +13,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
-from slipwave.scene.start import StartKind
+from slipwave.scene.drive import StartKind
 from slipwave.step.flow import Flow
 from validation.registry.families import DELAY, GRIDS, families, family_of, honouring, make, one_port_of, requested, resolve
 from validation.run.outlook import outlook

@@ -15,7 +15,7 @@ from slipwave.observe import Events, Verdict, summarise
 from slipwave.observe.torus import MANY
 from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
-from slipwave.scene.start import NUDGE_CENTRE, NUDGE_REACH
+from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Solver
 from validation.run.outlook import Outlook, outlook
 

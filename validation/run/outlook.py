@@ -34,8 +34,7 @@ import numpy as np
 
 from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.drive import Drive
-from slipwave.scene.start import NUDGE_CENTRE, StartKind
+from slipwave.scene.drive import NUDGE_CENTRE, Drive, StartKind
 from slipwave.solve import Solver
 
 EXPECTED_ERROR = 1e-9

@@ -16,8 +16,8 @@ import slipwave
 from fullwave.options import AnyShare
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
+from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
-from slipwave.scene.start import Start, StartKind
 from slipwave.solve import FieldSolver, follow
 from validation.registry.build import build_full_wave
 from validation.registry.families import GRIDS, grid_of
