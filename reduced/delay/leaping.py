@@ -11,7 +11,7 @@ import numpy as np
 
 from reduced.delay.alike import Delay
 from reduced.delay.kernel import DelayMemory
-from reduced.delay.multirevolution import ORDER, Past, no_past
+from reduced.delay.multirevolution import ORDER, Past
 from reduced.delay.transit_mesh import TransitMesh
 from slipwave.friction import rates, respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
@@ -188,7 +188,7 @@ class LeapingDelay(Delay):
         self._pause = min(2 * self._pause, _LONGEST_PAUSE)
 
     def _nothing(self) -> Past:
-        return no_past(self._lines.incoming.size + 2, _EXTREMES)
+        return Past(np.empty(0), np.empty((0, self._lines.incoming.size + 2)), np.empty((0, _EXTREMES)))
 
 
 def _extremes(pieces: Pieces) -> Array:

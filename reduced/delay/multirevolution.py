@@ -70,8 +70,3 @@ def sum_rule(count: float) -> tuple[Array, Array]:
     reach = math.sqrt(max(3.0 * count**2 - 7.0, 1.0) / 20.0)
     outer = count * (count**2 - 1.0) / (24.0 * reach**2)
     return 0.5 * (count - 1.0) + reach * np.array([-1.0, 0.0, 1.0]), np.array([outer, count - 2.0 * outer, outer])
-
-
-def no_past(size: int, quantities: int) -> Past:
-    """No transit yet of a state of `size` numbers."""
-    return Past(np.empty(0), np.empty((0, size)), np.empty((0, quantities)))

@@ -19,11 +19,10 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     SceneError: one line that names the key, the value and what is allowed.
     """
     # numba and pydantic are imported only here, so that `import slipwave` stays light
-    from slipwave.input.assemble import assemble_scene
+    from slipwave.input.assemble import assemble_scene, validate
     from slipwave.input.overrides import apply_overrides
     from slipwave.input.source import is_stored, load_tables, tables_of
     from slipwave.input.stored import read_stored
-    from slipwave.input.validate import validate
     from slipwave.input.wording import one_line
     from slipwave.scene import Scene
 

@@ -1,4 +1,4 @@
-"""Turns validated tables into a frozen `Scene`: combines keys that depend on each other and converts SI (15).
+"""Turns tables into a frozen `Scene`: validates them, combines keys that depend on each other and converts SI (15).
 
 Values that were given with a unit are converted to the units of the scene (`in_scene`).
 """
@@ -8,12 +8,14 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+from pydantic import ValidationError
+
+import slipwave.input.schema as keys
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
-from slipwave.input.number import EPSILON, LATER_VELOCITY, RELAXATION, ROUND_TRIP, TIME, UNTIL, VELOCITY, Numbers
+from slipwave.input.complaint import complaint
 from slipwave.input.quantity import KINDS, Quantity, looks_measured, quantity
-from slipwave.input.schema import UNIT_KEYS, DriveTable, FaceTable, KelvinVoigtTable, LayerTable, SceneTable, SlabTable
-from slipwave.input.validate import allowed_in
+from slipwave.input.schema import Numbers, allowed_in
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubt
@@ -35,11 +37,19 @@ _PER_AREA = {"N/m": "Pa/m", "N s/m": "Pa s/m", "kg": "kg/m2"}
 _LARGEST_RATIO = 1e9
 
 
+def validate(data: dict[str, Any]) -> keys.SceneTable:
+    """Check every key of a scene's raw tables. Raises SceneError naming the first faulty key, its value and its range."""
+    try:
+        return keys.scene_keys().model_validate(data)
+    except ValidationError as failure:
+        raise SceneError(complaint(failure)) from None
+
+
 def require_units(key: str, given: str, units: Units | None, instead: str) -> Units:
     """`units`, if the scene has them. Raises SceneError for `key`, which is in SI, if it has none."""
     if units is None:
-        keys = f"interface.{', '.join(UNIT_KEYS[:-1])} and {UNIT_KEYS[-1]}"
-        raise SceneError(f"{key} = {given}: must come with {keys} (SI), or be {instead}")
+        units_of = f"interface.{', '.join(keys.UNIT_KEYS[:-1])} and {keys.UNIT_KEYS[-1]}"
+        raise SceneError(f"{key} = {given}: must come with {units_of} (SI), or be {instead}")
     return units
 
 
@@ -69,10 +79,10 @@ def moment(key: str, given: float | str, scene: Scene) -> float:
         time = quantity(given, "s") if isinstance(given, str) and looks_measured(given) else float(given)
     except ValueError:
         return math.nan
-    return in_scene(key, time, scene.units, TIME, scene.transit)
+    return in_scene(key, time, scene.units, keys.TIME, scene.transit)
 
 
-def outer_face(key: str, table: FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:
+def outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:
     """The face of the table at `key` on a slab of `epsilon` and `round_trip`: springs, dashpots and masses in SI or in newtons
     become relative to the slab. Raises SceneError for a value out of range and for units that the scene lacks."""
     kind, slab = FACES[table.kind], face_sizes(epsilon, round_trip)
@@ -112,11 +122,11 @@ def _per_area(key: str, name: str, given: float | Quantity, area: float | None) 
 _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
 
 
-def assemble_scene(data: dict[str, Any], tables: SceneTable, name: str) -> Scene:
+def assemble_scene(data: dict[str, Any], tables: keys.SceneTable, name: str) -> Scene:
     """The scene of the raw tables `data`, which are `tables` once validated, called `name` if they give no name. Raises
     SceneError for keys that do not fit together."""
     run, start, interface = tables.run, tables.start, dict(tables.interface)
-    units = _units({key: interface[key] for key in UNIT_KEYS if interface[key] is not None})
+    units = _units({key: interface[key] for key in keys.UNIT_KEYS if interface[key] is not None})
     law = LAWS[tables.interface.law].parameters
     upper, lower = _slabs(tables, units)
     filled = {
@@ -125,12 +135,12 @@ def assemble_scene(data: dict[str, Any], tables: SceneTable, name: str) -> Scene
     }
     return Scene(
         name=tables.name or name,
-        law=law(**{key: in_scene(f"interface.{key}", interface[key], units, VELOCITY) for key in law._fields}),
+        law=law(**{key: in_scene(f"interface.{key}", interface[key], units, keys.VELOCITY) for key in law._fields}),
         upper=upper,
         lower=lower,
         drive=_drive(tables.drive, units, upper.round_trip),
         start=Start(StartKind(start.kind), _DEFAULT_SIZES[start.kind] if start.size is None else start.size),
-        until=None if run.until is None else in_scene("run.until", run.until, units, UNTIL, upper.round_trip),
+        until=None if run.until is None else in_scene("run.until", run.until, units, keys.UNTIL, upper.round_trip),
         record=frozenset(run.record),
         units=units,
         written={"name": tables.name or name} | data | filled,
@@ -138,13 +148,13 @@ def assemble_scene(data: dict[str, Any], tables: SceneTable, name: str) -> Scene
 
 
 def _units(given: dict[str, float]) -> Units | None:
-    missing = [key for key in UNIT_KEYS if key not in given]
+    missing = [key for key in keys.UNIT_KEYS if key not in given]
     if given and missing:
         raise SceneError(f"interface.{missing[0]}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
     return Units(**given) if given else None
 
 
-def _slabs(tables: SceneTable, units: Units | None) -> tuple[Slab, Slab]:
+def _slabs(tables: keys.SceneTable, units: Units | None) -> tuple[Slab, Slab]:
     given = {key: table for key in ("slab", "upper", "lower") if (table := getattr(tables, key)) is not None}
     match [*given]:
         case ["slab"]:
@@ -160,7 +170,7 @@ def _slabs(tables: SceneTable, units: Units | None) -> tuple[Slab, Slab]:
     raise SceneError("slab: missing; must be [slab] (both alike) or both [upper] and [lower]")
 
 
-def _slab(key: str, table: SlabTable, units: Units | None) -> Slab:
+def _slab(key: str, table: keys.SlabTable, units: Units | None) -> Slab:
     material = {name: value for name in ("density", "shear_modulus") if (value := getattr(table, name)) is not None}
     in_si = material | ({} if table.thickness is None else {"thickness": table.thickness})
     for name, value in in_si.items():
@@ -178,18 +188,18 @@ def _epsilon(key: str, given: float | None, material: dict[str, float], units: U
             raise SceneError(f"{key}.{name} = {value:g}: must not be given together with {key}.epsilon")
         return given
     if units is None or not material:
-        raise SceneError(f"{key}.epsilon: missing; must be {EPSILON}, or give density and shear_modulus in SI")
+        raise SceneError(f"{key}.epsilon: missing; must be {keys.EPSILON}, or give density and shear_modulus in SI")
     if len(material) == 1:
         absent = "shear_modulus" if "density" in material else "density"
         raise SceneError(f"{key}.{absent}: missing; density and shear_modulus [SI] must both be given")
     sources = {f"{key}.{name}": value for name, value in material.items()}
-    return _in_range("epsilon", units.epsilon(**material), EPSILON, sources | _named(units, "normal_stress"))
+    return _in_range("epsilon", units.epsilon(**material), keys.EPSILON, sources | _named(units, "normal_stress"))
 
 
-def _round_trip(key: str, table: SlabTable, material: dict[str, float], units: Units | None) -> float:
+def _round_trip(key: str, table: keys.SlabTable, material: dict[str, float], units: Units | None) -> float:
     given = {name: value for name in ("r", "log10_r", "thickness") if (value := getattr(table, name)) is not None}
     if not given:
-        raise SceneError(f"{key}.r: missing; must be r ({ROUND_TRIP}), log10_r, or in SI thickness")
+        raise SceneError(f"{key}.r: missing; must be r ({keys.ROUND_TRIP}), log10_r, or in SI thickness")
     (name, value), *others = given.items()
     if others:
         raise SceneError(f"{key}.{others[0][0]} = {others[0][1]:g}: must not be given together with {key}.{name}")
@@ -198,7 +208,7 @@ def _round_trip(key: str, table: SlabTable, material: dict[str, float], units: U
     if units is None or len(material) < 2:
         raise SceneError(f"{key}.thickness = {value:g}: must come with density and shear_modulus, or be replaced by r")
     sources = {f"{key}.{name}": value for name, value in (given | material).items()}
-    return _in_range("r", units.round_trip(**given, **material), ROUND_TRIP, sources | _named(units, "memory_length"))
+    return _in_range("r", units.round_trip(**given, **material), keys.ROUND_TRIP, sources | _named(units, "memory_length"))
 
 
 def _named(units: Units, key: str) -> dict[str, float]:
@@ -215,17 +225,17 @@ def _in_range(quantity: str, result: float, allowed: Numbers, sources: dict[str,
     return result
 
 
-def _viscosity(key: str, table: SlabTable, units: Units | None) -> Viscosity | None:
+def _viscosity(key: str, table: keys.SlabTable, units: Units | None) -> Viscosity | None:
     viscosity = table.viscosity
     if viscosity is None:
         return None
-    time = in_scene(f"{key}.viscosity.time", viscosity.time, units, RELAXATION)
-    if isinstance(viscosity, KelvinVoigtTable):
+    time = in_scene(f"{key}.viscosity.time", viscosity.time, units, keys.RELAXATION)
+    if isinstance(viscosity, keys.KelvinVoigtTable):
         return KelvinVoigtViscosity(time)
     return StandardLinearViscosity(time, viscosity.ratio)
 
 
-def _layers(key: str, tables: list[LayerTable] | None) -> tuple[Layer, ...]:
+def _layers(key: str, tables: list[keys.LayerTable] | None) -> tuple[Layer, ...]:
     if tables is None:
         return (Layer(1.0, 1.0),)
     total = math.fsum(table.fraction for table in tables)
@@ -235,10 +245,10 @@ def _layers(key: str, tables: list[LayerTable] | None) -> tuple[Layer, ...]:
     return tuple(Layer(table.fraction / total, table.impedance) for table in tables)
 
 
-def _drive(table: DriveTable, units: Units | None, transit: float) -> Drive:
+def _drive(table: keys.DriveTable, units: Units | None, transit: float) -> Drive:
     key, given = "drive.velocity", table.velocity
-    times = [in_scene(key, time, units, TIME, transit) for time, _ in given]
-    velocities = [in_scene(key, v, units, LATER_VELOCITY if k else VELOCITY) for k, (_, v) in enumerate(given)]
+    times = [in_scene(key, time, units, keys.TIME, transit) for time, _ in given]
+    velocities = [in_scene(key, v, units, keys.LATER_VELOCITY if k else keys.VELOCITY) for k, (_, v) in enumerate(given)]
     is_rising = all(earlier <= later for earlier, later in pairwise(times))
     if not is_rising or any(times[k] == times[k - 2] for k in range(2, len(times))):
         given_times = f"{key}: times = {shorten(times)} (transits of the upper slab)"

@@ -8,13 +8,13 @@ its own. A new `kind` of face or viscosity first empties its table.
 import copy
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, cast, get_args, get_origin
+from typing import Any, cast
 
 from pydantic import BaseModel
 
 from slipwave.errors import SceneError
 from slipwave.input.quantity import looks_measured
-from slipwave.input.schema import InterfaceTable, SceneTable, scene_keys
+from slipwave.input.schema import InterfaceTable, SceneTable, scene_keys, tables_in
 from slipwave.input.source import parse_toml
 from slipwave.input.wording import key_text, listed, shorten
 
@@ -64,20 +64,14 @@ def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]
 
 
 def _keys(table: type[BaseModel], law: Any) -> Iterator[tuple[str, ...]]:
-    """The keys of `table` and of the tables in it; several kinds of table may have the same key."""
+    """The keys of `table` and of the tables in it; several kinds of table may have the same key. Tables in lists are
+    left out: they have no keys of their own."""
     for name, field in table.model_fields.items():
         yield (name,)
-        tables = _tables(field.annotation)
+        tables = [*tables_in(field.annotation, lists=False).items()]
         if name == "interface":
-            tables = [one for one in tables if one.__name__ == law] or [InterfaceTable]
-        yield from ((name, *key) for key in dict.fromkeys(key for one in tables for key in _keys(one, law)))
-
-
-def _tables(hint: Any) -> list[type[BaseModel]]:
-    """The tables that a type of the schema names, those in lists left out: they have no keys of their own."""
-    if isinstance(hint, type) and issubclass(hint, BaseModel):
-        return [hint]
-    return [] if get_origin(hint) is list else [table for part in get_args(hint) for table in _tables(part)]
+            tables = [one for one in tables if one[0] == law] or [("", InterfaceTable)]
+        yield from ((name, *key) for key in dict.fromkeys(key for _, one in tables for key in _keys(one, law)))
 
 
 def _key(text: str) -> list[str]:

@@ -3,9 +3,7 @@
 import re
 from typing import get_args
 
-from slipwave.input.number import Numbers
-from slipwave.input.schema import scene_keys
-from slipwave.input.validate import allowed_in, tables_in
+from slipwave.input.schema import Numbers, allowed_in, scene_keys, tables_in
 from slipwave.sources import ROOT
 
 SAME_AS_SLAB = ("upper", "lower")

@@ -9,11 +9,11 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.input import read
-from slipwave.input.number import Numbers
+from slipwave.input.assemble import validate
 from slipwave.input.overrides import full_key
 from slipwave.input.quantity import Quantity
+from slipwave.input.schema import Numbers, allowed_in
 from slipwave.input.source import tables_of
-from slipwave.input.validate import allowed_in, validate
 from slipwave.input.wording import choices, key_text, nearest, shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene

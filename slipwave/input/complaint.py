@@ -1,27 +1,34 @@
-"""Turns raw tables into validated tables; the first fault that pydantic finds becomes a SceneError of one line."""
+"""What is wrong with a scene's tables, in one line: the first fault that pydantic finds."""
 
 import re
-from collections.abc import Iterator
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel, ValidationError
-from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from slipwave.errors import SceneError
-from slipwave.input.number import Numbers
-from slipwave.input.schema import KeyTable, SceneTable, scene_keys
+from slipwave.input.schema import KeyTable, SceneTable, allowed_in, scene_keys, tables_in
 from slipwave.input.wording import choices, key_text, nearest, shorten
 
 _UNKNOWN = ("extra_forbidden", "invalid_key")
 
 
-def validate(data: dict[str, Any]) -> SceneTable:
-    """Check every key of a scene's raw tables. Raises SceneError naming the first faulty key, its value and its range."""
-    try:
-        return scene_keys().model_validate(data)
-    except ValidationError as failure:
-        raise SceneError(_complaint(min(failure.errors(include_url=False), key=_rank))) from None
+def complaint(failure: ValidationError) -> str:
+    """The line for the first faulty key: its dotted name, its value and what is allowed there."""
+    fault = min(failure.errors(include_url=False), key=_rank)
+    at = _located(fault["loc"])
+    key, value = key_text(at.place), shorten(fault["input"])
+    match fault["type"]:
+        case "extra_forbidden" | "invalid_key":
+            return f"{key} = {value}: unknown key; {_suggestion(at)}"
+        case "missing":
+            return f"{key}: missing; {_wanted(fault, at)}"
+        case "range":
+            return f"{key} = {value}: {fault['msg']}{_logarithm(at, fault['input'])}"
+        case "union_tag_invalid" | "union_tag_not_found":
+            word = next(iter(next(iter(at.below.values())).model_fields))
+            given = fault["input"].get(word) if isinstance(fault["input"], dict) else fault["input"]
+            return f"{key}.{word} = {shorten(given)}: must be {choices(at.below, given)}"
+    return f"{key} = {value}: {_wanted(fault, at)}"
 
 
 def _rank(fault: ErrorDetails) -> tuple[bool, bool]:
@@ -41,14 +48,6 @@ class _Located(NamedTuple):
     below: dict[str, type[KeyTable]]
 
 
-def tables_in(hint: Any) -> dict[str, type[KeyTable]]:
-    """The tables that a type of the schema names, by their kind, which is the only word of their first key."""
-    if isinstance(hint, type) and issubclass(hint, KeyTable):
-        words = get_args(next(iter(hint.model_fields.values())).annotation)
-        return {words[0] if len(words) == 1 else "": hint}
-    return {kind: table for part in get_args(hint) for kind, table in tables_in(part).items()}
-
-
 def _located(loc: tuple[str | int, ...]) -> _Located:
     """Where a fault is; pydantic puts the kind of a table between its keys (slab.face.grip.stiffness)."""
     found = _Located([], KeyTable, "", {}, {"": scene_keys()})
@@ -64,24 +63,6 @@ def _located(loc: tuple[str | int, ...]) -> _Located:
         below = found.below if isinstance(part, int) else tables_in(field.annotation) if field else {}
         found = found._replace(place=[*found.place, part], below=below)
     return found
-
-
-def _complaint(fault: ErrorDetails) -> str:
-    """The line for `fault`: dotted key = value: what is allowed there."""
-    at = _located(fault["loc"])
-    key, value = key_text(at.place), shorten(fault["input"])
-    match fault["type"]:
-        case "extra_forbidden" | "invalid_key":
-            return f"{key} = {value}: unknown key; {_suggestion(at)}"
-        case "missing":
-            return f"{key}: missing; {_wanted(fault, at)}"
-        case "range":
-            return f"{key} = {value}: {fault['msg']}{_logarithm(at, fault['input'])}"
-        case "union_tag_invalid" | "union_tag_not_found":
-            word = next(iter(next(iter(at.below.values())).model_fields))
-            given = fault["input"].get(word) if isinstance(fault["input"], dict) else fault["input"]
-            return f"{key}.{word} = {shorten(given)}: must be {choices(at.below, given)}"
-    return f"{key} = {value}: {_wanted(fault, at)}"
 
 
 def _logarithm(at: _Located, value: Any) -> str:
@@ -124,10 +105,3 @@ def _wanted(fault: ErrorDetails, at: _Located) -> str:
     if fault["type"] in ("model_type", "dict_type", "model_attributes_type", "missing"):
         return f"must be a table, [{key_text(at.place)}]"
     return f"must be valid: {fault['msg'].lower()}"
-
-
-def allowed_in(hint: Any) -> Iterator[Numbers | str]:
-    """What the schema allows for a key, from the metadata of its type or of the type's parts."""
-    yield from (item for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())) if isinstance(item, Numbers | str))
-    for part in (hint.annotation,) if isinstance(hint, FieldInfo) else get_args(hint):
-        yield from allowed_in(part)
