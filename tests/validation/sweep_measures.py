@@ -17,6 +17,14 @@ def slowly(scene):
     return {"sum": scene.law.a + scene.law.b}
 
 
+def until_freed(scene):
+    """At all points but those of the smallest `a`, waits for a file."""
+    freed = Path(os.environ["SLIPWAVE_TEST_MARKS"]) / "freed"
+    while scene.law.a > 0.001 and not freed.exists():
+        time.sleep(0.01)
+    return {"sum": scene.law.a + scene.law.b}
+
+
 def deadly(scene):
     """Kills its process at one point, always; at another one, twice."""
     if scene.law.a == 0.012:

@@ -13,38 +13,35 @@ import slipwave as sw
 
 pytest.importorskip("distributed")
 ROOT = Path(__file__).parents[2]
-SLOWLY = "tests.validation.sweep_measures:slowly"
+SLOWLY, UNTIL_FREED = (f"tests.validation.sweep_measures:{name}" for name in ("slowly", "until_freed"))
+_LONGEST = 600  # seconds after which a test gives up; no outcome depends on it
 VARY = {"a": (0.001, 0.019, 20), "b": (0.011, 0.029, 10)}
 
 
 @pytest.fixture
-def cluster():
+def cluster(tmp_path, monkeypatch):
     """The scheduler's address and its process."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    import distributed
+
+    monkeypatch.setenv("SLIPWAVE_TEST_MARKS", str(tmp_path))
+    where = ("--scheduler-file", str(tmp_path / "scheduler.json"))
 
     def start(*words):
         """One process of the cluster."""
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": ROOT}
-        return subprocess.Popen([sys.executable, "-m", "dask", *words], **quiet)
+        return subprocess.Popen([sys.executable, "-m", "dask", *words, *where, "--no-dashboard"], **quiet)
 
-    scheduler = start("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2], "--no-dashboard")
-    workers = [start("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny") for _ in range(2)]
+    scheduler = start("scheduler", "--host", "127.0.0.1", "--port", "0")
+    workers = [start("worker", "--nthreads", "1", "--no-nanny") for _ in range(2)]
     try:
-        _await_workers(address, 2)
+        with distributed.Client(scheduler_file=where[1], timeout=_LONGEST, set_as_default=False) as client:  # type: ignore[no-untyped-call]
+            client.wait_for_workers(2, timeout=_LONGEST)
+            address = client.scheduler.address
         yield address, scheduler
     finally:
         for process in (*workers, scheduler):
             process.kill()
             process.wait()
-
-
-def _await_workers(address, count):
-    import distributed
-
-    with distributed.Client(address, timeout="60s", set_as_default=False) as client:  # type: ignore[no-untyped-call]
-        client.wait_for_workers(count, timeout=60)
 
 
 @pytest.mark.slow
@@ -62,15 +59,16 @@ def test_a_cluster_gives_equal_arrays(tmp_path, cluster):
 @pytest.mark.slow
 def test_a_scheduler_killed_half_way_costs_nothing(tmp_path, cluster):
     address, scheduler = cluster
-    command = [sys.executable, "-m", "validation.cli", "sweep", "paper", "--measure", SLOWLY, "--scheduler", address]
+    command = [sys.executable, "-m", "validation.cli", "sweep", "paper", "--measure", UNTIL_FREED, "--scheduler", address]
     command += ["--vary", "a=0.001:0.019:20", "b=0.011:0.029:10", "--out", str(tmp_path / "out")]
     running = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while running.poll() is None and not list((tmp_path / "out" / "parts").glob("[0-9]*.npz")):
         time.sleep(0.01)
     scheduler.kill()
-    told = running.communicate(timeout=120)[1]
+    told = running.communicate()[1]
     assert running.returncode == 3, told
     assert "went away" in told.splitlines()[-1]
+    (tmp_path / "freed").touch()
     result = sw.sweep(tmp_path / "out", workers=1)
     assert result.summary["done"] == 200
     assert result.summary["computed_now"] < 200

@@ -211,6 +211,8 @@ def _where(options: SweepOptions) -> Where:
         raise SceneError(f"--part = {options.part!r}: must be I/N with I from 1 to N, as 3/16")
     if int(count) > 1 and options.refine:
         raise SceneError(f"--part = {options.part!r}: must not be given together with --refine, whose levels wait for each other")
+    if int(count) > 1 and options.anew:
+        raise SceneError(f"--part = {options.part!r}: must not be given together with --anew, which removes what others computed")
     return Where(options.workers or 0, options.scheduler, options.executor, (int(number), int(count)), options.most_seconds)
 
 

@@ -138,12 +138,13 @@ class Engine:
 
     def __post_init__(self) -> None:
         self.sizes = Sizes(self.workers)
+        self._refusals = 0  # of parts, since the executor last took one
 
     def run(self, points: Indices) -> None:
         """Compute these points, in this order. A part whose process was killed is done again; a point whose process was killed
         three times in a row is a row with that reason.
 
-        Raises NumericsError if the executor is gone for good; finished parts are kept.
+        Raises NumericsError if the executor is gone for good or takes no parts; finished parts are kept.
         """
         waiting: deque[tuple[Indices, int]] = deque([(points, 0)] if points.size else [])
         while waiting:
@@ -160,13 +161,16 @@ class Engine:
         """Until nothing is left, or the executor breaks: what was in flight is then `waiting` again."""
         broken = False
         while flying or (waiting and not broken):
-            while waiting and not broken and len(flying) < self._most(waiting):
+            while waiting and not broken and len(flying) < self._most(waiting, flying):
                 part, deaths = self._next(waiting)
                 try:
                     flying[executor.submit(compute, self.plan, part)] = part, deaths
-                except Exception:  # whatever the executor raises: `compute` itself never does
+                    self._refusals = 0
+                except Exception as error:  # whatever the executor raises: `compute` itself never does
                     waiting.appendleft((part, deaths))
-                    broken = True
+                    broken, self._refusals = True, self._refusals + 1
+                    if self._refusals > _TRIES:
+                        raise NumericsError(f"the executor takes no parts: {error}; finished parts are kept") from None
             alone = len(flying) == 1
             for future in wait(flying, _PATIENCE, FIRST_COMPLETED).done:
                 part, deaths = flying.pop(future)
@@ -184,9 +188,9 @@ class Engine:
                     "the scheduler went away; finished parts are kept, the same command goes on without --scheduler"
                 )
 
-    def _most(self, waiting: deque[tuple[Indices, int]]) -> int:
+    def _most(self, waiting: deque[tuple[Indices, int]], flying: dict["Future[Finished]", tuple[Indices, int]]) -> int:
         """Parts in flight; one alone where a process was killed, so that the guilty part is known."""
-        return 1 if waiting[0][1] else IN_FLIGHT * self.workers
+        return 1 if any(deaths for _, deaths in (waiting[0], *flying.values())) else IN_FLIGHT * self.workers
 
     def _next(self, waiting: deque[tuple[Indices, int]]) -> tuple[Indices, int]:
         rest, deaths = waiting.popleft()

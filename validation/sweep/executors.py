@@ -6,8 +6,8 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor
-from contextlib import contextmanager
+from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,6 +16,8 @@ from slipwave.extras import require
 from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
 from validation.registry.own import load_families, own_files
+
+_ENVIRONMENT = threading.Lock()
 
 
 @contextmanager
@@ -31,8 +33,9 @@ def processes(workers: int) -> Iterator[Callable[[], Executor]]:
         with _environment(dict.fromkeys(VARIABLES, "1")):
             pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin, ([*LAW_FILES], own_files()))
             made.append(pool)
-            for _ in range(workers):
-                pool.submit(int)
+            with suppress(BrokenExecutor):  # a process killed as it starts: whoever submits next is told
+                for _ in range(workers):
+                    pool.submit(int)
         return pool
 
     try:
@@ -71,17 +74,19 @@ def _begin(laws: list[Path], families: list[Path]) -> None:
 
 @contextmanager
 def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Context with these environment variables, which new processes inherit."""
-    before = {name: os.environ.get(name) for name in values}
-    os.environ.update(values)
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
+    """Context with these environment variables, which new processes inherit; for one thread at a time, so that each puts back
+    what was there."""
+    with _ENVIRONMENT:
+        before = {name: os.environ.get(name) for name in values}
+        os.environ.update(values)
+        try:
+            yield
+        finally:
+            for name, value in before.items():
+                if value is None:
+                    del os.environ[name]
+                else:
+                    os.environ[name] = value
 
 
 class Cluster(NamedTuple):

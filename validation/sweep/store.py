@@ -2,14 +2,16 @@
 
 A part is written to a temporary name, flushed to disk and renamed, and the folder is flushed too: after a crash of any kind a
 part is there whole or not at all, and what remains to be done follows from the points that are there, whoever computed them.
+Its name has a digest of the manifest that it belongs to: what a process still writes of a sweep that another process has begun
+anew, or left there when it was killed on the way, is never taken for the new one's.
 """
 
+import hashlib
 import json
 import os
 import shutil
 import uuid
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
@@ -32,16 +34,19 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self._digest = ""  # of the manifest of the sweep that was begun here
 
     @property
     def manifest(self) -> dict[str, Any] | None:
         """What the folder holds; None if it holds no sweep. Raises SceneError for a damaged manifest."""
-        with suppress(OSError, ValueError):
-            if not (self.folder / _MANIFEST).exists():
-                return None
+        try:
             found = json.loads((self.folder / _MANIFEST).read_text(encoding="utf-8"))
-            if isinstance(found, dict):
-                return found
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        except (OSError, ValueError):
+            found = None
+        if isinstance(found, dict):
+            return found
         raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep")
 
     def begin(self, manifest: Mapping[str, Any], anew: bool = False) -> None:
@@ -49,32 +54,39 @@ class Store:
         differs, unless it shall be computed `anew`; and for a folder with other files."""
         present = self.manifest
         if anew and present is not None:
+            (self.folder / _MANIFEST).unlink(missing_ok=True)  # first: parts of a sweep that has none are nobody's
             shutil.rmtree(self.folder / _PARTS, ignore_errors=True)
-            (self.folder / _MANIFEST).unlink()
-            present = None
-        if present is None:
+        elif present is None:
             if self.folder.exists() and (
                 not self.folder.is_dir() or any(not path.name.startswith(_OURS) for path in self.folder.iterdir())
             ):
                 raise SceneError(f"--out = {str(self.folder)!r}: must be a new or empty folder, or one of a sweep")
-            self._write_manifest(manifest)
         elif differing := [key for key in manifest if present.get(key) != manifest[key]]:
             told = "; ".join(_difference(key, present.get(key), manifest[key]) for key in differing[:_SHOWN])
             raise SceneError(
                 f"--out = {str(self.folder)!r}: holds another sweep ({told}); another folder, or --anew to begin again"
             )
+        else:
+            self._make_parts()
+            self._digest = _digest(present)
+            return
+        self._write_manifest(manifest)
 
-    def _write_manifest(self, manifest: Mapping[str, Any]) -> None:
+    def _make_parts(self) -> None:
         try:
             (self.folder / _PARTS).mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise SceneError(f"--out = {str(self.folder)!r}: cannot be made: {reason_of(error)}") from None
+
+    def _write_manifest(self, manifest: Mapping[str, Any]) -> None:
+        self._make_parts()
         temporary = self.folder / f".{uuid.uuid4().hex}.json"
         try:
             with temporary.open("w", encoding="utf-8") as file:
                 json.dump(manifest, file, indent=1, ensure_ascii=False)
                 os.fsync(file.fileno())
             os.link(temporary, self.folder / _MANIFEST)  # fails where another process has begun a sweep here just now
+            self._digest = _digest(manifest)
         except FileExistsError:
             self.begin(manifest)
         except OSError as error:
@@ -83,15 +95,24 @@ class Store:
             temporary.unlink(missing_ok=True)
 
     def write(self, points: Indices, columns: Columns) -> None:
-        """Add finished points. Raises SceneError if the part cannot be written."""
-        path = self.folder / _PARTS / f"{points[0]:012d}-{uuid.uuid4().hex[:12]}.npz"
+        """Add finished points of the sweep that was begun. Raises SceneError if the part cannot be written, or if another process
+        has begun another sweep here."""
+        present = self.manifest
+        if present is None or _digest(present) != self._digest:
+            raise SceneError(f"--out = {str(self.folder)!r}: another process has begun another sweep there; this one ends")
+        path = self.folder / _PARTS / f"{points[0]:012d}-{self._digest}-{uuid.uuid4().hex[:12]}.npz"
         with whole_or_absent(path) as temporary, temporary.open("wb") as file:
             np.savez(file, allow_pickle=False, **{"point": points, **columns})
         _flush(path.parent)
 
     def parts(self) -> Iterator[tuple[Indices, Columns]]:
-        """Every whole part: its points and their columns. A damaged one counts as absent."""
+        """Every whole part: its points and their columns. A damaged one counts as absent, and one of another manifest. A sweep of
+        an earlier version, whose parts have no digest, can be read and not gone on with."""
+        ours = self._digest or _digest(self.manifest or {})
         for path in sorted((self.folder / _PARTS).glob("[0-9]*.npz")):
+            whose = path.stem.split("-")[1:-1]
+            if whose != [ours] and (whose or self._digest):
+                continue
             try:
                 with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
                     columns = {name: data[name] for name in data.files}
@@ -106,6 +127,10 @@ class Store:
         for points, _ in self.parts():
             found[points] = True
         return found
+
+
+def _digest(manifest: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(manifest, sort_keys=True).encode()).hexdigest()[:8]
 
 
 def _difference(key: str, before: Any, now: Any) -> str:
