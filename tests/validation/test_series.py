@@ -171,7 +171,18 @@ def test_notes_say_what_was_assumed_and_left_out(tmp_path: Path) -> None:
     notes = " ".join(read_series(written(tmp_path, "time [s],disp,colour\n0,0,1\n0,1,1\n1,2,1\n")).notes)
     assert "load_point_displacement without a unit: taken as SI" in notes
     assert "not read: colour" in notes
-    assert "1 samples at the time of the one before left out" in notes
+    assert "1 samples at the time of the one before: taken as spread evenly" in notes
+
+
+def test_a_slow_clock_is_made_even_and_lines_cut_off_or_written_twice_are_left_out(tmp_path: Path) -> None:
+    times = np.arange(0.0, 20.0, 0.1)
+    lines = ["time_s,disp_um", *(f"{np.floor(4.0 * t) / 4.0:.2f},{10.0 * t:.4f}" for t in times), "19.75,19"]
+    path = tmp_path / "clock.txt"
+    path.write_text("\n".join([*lines[:9], *lines[8:]]), encoding="utf-16")
+    series = read_series(path)
+    np.testing.assert_allclose(series["time"] - series["time"][0], times, atol=0.01)
+    np.testing.assert_allclose(series["load_point_displacement"], 1e-5 * times, atol=1e-10)
+    assert "1 lines that are written twice left out" in series.notes
 
 
 @pytest.mark.parametrize("name", ["paper", "paper-si"])

@@ -15,6 +15,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input.source import to_toml
 from validation.cli import main
 from validation.fit.command import FitResult
+from validation.fit.records import followed
 
 TRUTH = {"interface.a": 0.01, "interface.b": 0.015, "interface.memory_length": 1e-5}
 FREE = ["a", "b", "memory_length"]
@@ -144,6 +145,28 @@ def test_a_ramp_before_steps_is_followed_by_some_steps(tmp_path: Path) -> None:
     friction = slider(times, steps) + 5e-4 * rng.standard_normal(times.size)
     moved = 1e6 * travelled(times, steps) + 0.02 * rng.standard_normal(times.size)
     holds(sw.fit(SAMPLE, data=[written(tmp_path / "ramp.csv", "seconds,cof,x_lp [um]", times, friction, moved)], free=FREE))
+
+
+@pytest.mark.parametrize(("decimals", "offset"), [(2, 0.0), (3, 4200.0), (6, -500.0)])
+def test_holds_between_few_samples_are_found_whatever_the_decimals(decimals: int, offset: float) -> None:
+    steps, parts, begin = [(0.0, 1e-5)], [np.arange(0.0, 20.0, 0.5)], 20.0
+    for hold in (3.0, 30.0, 300.0, 3000.0):
+        steps += [(begin, 0.0), (begin + hold, 1e-5)]
+        parts += [begin + np.geomspace(0.05, hold, 60), begin + hold + np.linspace(0.05, 20.0, 200)]
+        begin += hold + 20.0
+    times = np.concatenate(parts)
+    found = followed(times, 1e-6 * np.round(1e6 * travelled(times, steps) + offset, decimals))
+    assert found.velocities[1:-1:2] == pytest.approx([v for _, v in steps][:-1], rel=1e-3)
+    assert found.times[1:-1:2] == pytest.approx([t for t, _ in steps][1:], abs=2e-3)
+
+
+def test_a_clock_that_begins_after_the_scene_s_steps_counts_from_the_first_sample(tmp_path: Path) -> None:
+    times = np.linspace(0.0, 80.0, 200)
+    path = written(tmp_path / "late.csv", "elapsed time [s],friction", times + 81234.5, slider(times, STEPS))
+    steps = [["0 s", "1 um/s"], ["20 s", "1 um/s"], ["20 s", "10 um/s"], ["45 s", "10 um/s"], ["45 s", "1 um/s"]]
+    found = sw.fit(SAMPLE | {"drive": {"velocity": steps}}, data=[path], free=FREE)
+    assert [row["value"] for row in found.parameters.values()] == pytest.approx([*TRUTH.values()], rel=1e-3)
+    assert any("clock begins at 81234.5" in note for note in found.notes)
 
 
 def test_a_mass_that_a_model_leaves_out_is_said_to_be_undetermined(tmp_path: Path) -> None:

@@ -76,15 +76,16 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     return replace(found, noise=noise, smoothing=_effect(found, half, chosen))
 
 
-def noise_of(time: Array, values: Array) -> float:
+def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:
     """Standard deviation of what differs from sample to sample: by the median distance of samples from the straight line between
-    their neighbours, which slip events leave as it is; 0 for a record without noise."""
+    their neighbours, which slip events leave as it is; 0 for a record without noise, where it is below the share `quiet` of the
+    range."""
     if time.size < 3:
         return 0.0
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
     bends = values[1:-1] - (1.0 - share) * values[:-2] - share * values[2:]
     found = float(np.median(np.abs(bends) / np.sqrt(1.0 + (1.0 - share) ** 2 + share**2))) / 0.6745
-    return found if found > _QUIET * float(np.ptp(values)) else 0.0
+    return found if found > quiet * float(np.ptp(values)) else 0.0
 
 
 def smoothed(values: Array, samples: int, slope: bool = False) -> Array:

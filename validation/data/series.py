@@ -31,6 +31,7 @@ _COMMENTS = ("#", "%")
 _SKIP = ("", "_", "-")
 _ONE_RANGE = ("friction", "shear_stress", "load_point_displacement")  # in which no value is far from all others
 _FAR = 5.0  # times the range of the others
+_BEFORE = 20  # lines, than all of which a last one that does not end is shorter if it is cut off
 
 
 @dataclass(frozen=True)
@@ -117,20 +118,23 @@ def read_series(path: Path | str, columns: str | None = None, units: str | None 
 
 
 def _lines_of(path: Path) -> list[str]:
-    """The lines of a file in UTF-8 or Latin-1. Raises SceneError if it cannot be read or holds nothing."""
+    """The lines of a file in UTF-8, UTF-16 or Latin-1. Raises SceneError if it cannot be read or holds nothing."""
     try:
         raw = path.read_bytes()
     except (OSError, ValueError) as error:
         raise SceneError(f"{str(path)!r}: cannot be read: {reason_of(error)}") from None
-    if b"\0" in raw:
+    wide = raw.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if b"\0" in raw and not wide:
         raise SceneError(f"{str(path)!r}: is no file of text: CSV, or columns of numbers between blanks")
     try:
-        text = raw.decode("utf-8-sig")
+        text = raw.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     if not text.strip():
         raise SceneError(f"{str(path)!r}: is empty")
-    return text.splitlines()
+    lines = text.splitlines()
+    is_cut = not text.endswith(("\n", "\r")) and len(lines) > _BEFORE and len(lines[-1]) < min(map(len, lines[-_BEFORE:-1]))
+    return lines[:-1] if is_cut else lines
 
 
 def _parted(label: str, lines: list[str]) -> _Text:
@@ -299,20 +303,27 @@ def _converted(column: Array, unit: Unit | None) -> Array:
 
 
 def _rising(label: str, columns: dict[str, Array], places: Sequence[int]) -> tuple[dict[str, Array], list[str]]:
-    """The columns without samples at the time of the one before, and a note of those. Raises SceneError where time falls."""
+    """The columns without lines that are written twice, and with other samples at one time spread evenly, over the record or up
+    to the next time; notes of these. Raises SceneError where time falls."""
     steps = np.diff(columns["time"])
     if (steps < 0.0).any():
         at = int(np.argmax(steps < 0.0)) + 1
         before, after = columns["time"][at - 1 : at + 1]
         raise SceneError(f"{label!r}, line {places[at]}: time falls from {before:.9g} to {after:.9g}: must rise")
-    kept = np.concatenate(([True], steps > 0.0))
-    if kept.sum() < 2:
+    if not steps.any():
         raise SceneError(f"{label!r}: time is {columns['time'][0]:g} in every line: must rise")
-    if kept.all():
-        return columns, []
-    return {key: values[kept] for key, values in columns.items()}, [
-        f"{(~kept).sum()} samples at the time of the one before left out"
-    ]
+    new = np.concatenate(([True], np.any([np.diff(values) != 0.0 for values in columns.values()], axis=0)))
+    columns = {key: values[new] for key, values in columns.items()}
+    notes = [f"{(~new).sum()} lines that are written twice left out"] if not new.all() else []
+    ticks, first, counts = np.unique(columns["time"], return_index=True, return_counts=True)
+    if ticks.size < new.sum():
+        index = np.arange(new.sum())
+        even = np.polyval(np.polyfit(index, columns["time"], 1), index)
+        room = np.minimum(np.diff(ticks, append=np.inf), np.median(np.diff(ticks)))
+        spread = columns["time"] + (index - np.repeat(first, counts)) * np.repeat(room / counts, counts)
+        columns["time"] = np.asarray(even if np.ptp(columns["time"] - even) < 1.5 * np.diff(ticks).max() else spread)
+        notes.append(f"{new.sum() - ticks.size} samples at the time of the one before: taken as spread evenly")
+    return columns, notes
 
 
 def _told(

@@ -24,6 +24,8 @@ _REST = 0.003  # of the largest velocity; a slower load point is at rest
 _WORTH = 40.0  # times the square of the noise: what a bend must take off the sum of squares
 _MOST_KNOTS = 400
 _LEAST = 8  # samples
+_GAUGE = 1e-7  # of the range of a displacement, the least noise that it is taken to have
+_WRITTEN = 0.3  # of the values of a column that are multiples of its last digit
 FINEST = 1e-4
 """Of the range of friction: the least noise that a record is taken to have."""
 
@@ -76,8 +78,9 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
             raise SceneError(f"{series.source!r}: the load point {told}; a fit begins in steady sliding: cut the file")
         times, known = times - times[0], found._replace(times=tuple(t - times[0] for t in found.times))
         notes.append(f"the load point moves as in the file: {_told(known)}")
-    if times[0] < 0.0:
-        raise SceneError(f"{series.source!r}: time begins at {times[0]:g}: the scene starts at 0")
+    if times[0] < 0.0 or times[0] > known.times[-1] > 0.0:
+        notes.append(f"the file's clock begins at {times[0]:g}: its first sample is taken for the start of drive.velocity")
+        times = times - times[0]
     times, friction = times[inside], friction[inside]
     if known.is_constant:
         try:
@@ -146,8 +149,7 @@ def travelled(schedule: Schedule, times: Array) -> Array:
 
 def followed(times: Array, moved: Array) -> Schedule:
     """The velocity of a load point that `moved`, in steps: straight lines as few as the noise allows, which meet."""
-    jumps = moved[2:] - moved[1:-1] - (moved[1:-1] - moved[:-2]) * np.diff(times)[1:] / np.diff(times)[:-1]
-    noise = max(float(np.median(np.abs(jumps))) / (0.6745 * 6.0**0.5), 1e-9 * float(np.ptp(moved)), _rounding(moved))
+    noise = max(noise_of(times, moved, _GAUGE), _rounding(moved), _GAUGE * float(np.ptp(moved)))
     cuts = _merged(times, moved, _cuts(times, moved, noise), noise)
     parts = [(a, b, np.polyfit(times[a : b + 1], moved[a : b + 1], 1)) for a, b in pairwise(cuts)]
     corners = {k for k in range(1, len(parts) - 1) if _is_corner(times, parts[k - 1 : k + 2])}
@@ -164,11 +166,19 @@ def followed(times: Array, moved: Array) -> Schedule:
 
 
 def _rounding(moved: Array) -> float:
-    """Standard deviation of the error of a record that is written in whole steps; 0 for one that is not."""
-    steps = np.diff(np.unique(moved))
+    """Standard deviation of the error of a record that is written in whole steps, or with few decimals; 0 for one that is not."""
+    values = np.unique(moved)
+    if values.size < 2:
+        return 0.0
+    steps, size = np.diff(values), float(np.abs(values).max())
     least = float(steps[steps > 1e-9 * np.ptp(moved)].min(initial=np.inf))
-    away = (moved - moved[0]) / least
-    return least / 12.0**0.5 if np.abs(away - np.rint(away)).max() < 1e-3 else 0.0
+    largest = math.floor(math.log10(float(steps.max())))
+    for step in (least, *(10.0**k for k in range(largest, largest - 8, -1))):
+        away = (values if step != least else moved - moved[0]) / step
+        share = float(np.mean(np.abs(away - np.rint(away)) < 1e-3 + 1e-15 * size / step))
+        if share > (_WRITTEN if step != least else 0.999):
+            return float(step / 12.0**0.5)
+    return 0.0
 
 
 def _is_corner(times: Array, three: Sequence[tuple[int, int, Array]]) -> bool:
@@ -187,7 +197,7 @@ def _cuts(times: Array, moved: Array, noise: float) -> list[int]:
     """Samples at which the motion bends."""
     cuts, waiting = {0, times.size - 1}, [(0, times.size - 1)]
     while waiting and len(cuts) < _MOST_KNOTS:
-        begin, end = waiting.pop()
+        begin, end = waiting.pop(0)
         if end - begin < 3:
             continue
         line = moved[begin] + (moved[end] - moved[begin]) * (times[begin : end + 1] - times[begin]) / (times[end] - times[begin])
