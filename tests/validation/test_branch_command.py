@@ -10,11 +10,11 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray
-from hooked_process import interrupted
 
 import slipwave
 import slipwave as sw
 from slipwave.errors import NumericsError
+from tests.copies import interrupted
 from validation.branches import followed
 from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
@@ -85,7 +85,7 @@ def test_pieces_of_one_stability_meet_at_special_points(whole):
 
 
 @pytest.mark.parametrize(("by", "kept"), [(signal.SIGINT, True), (signal.SIGKILL, True), (signal.SIGINT, False)])
-def test_a_branch_that_was_stopped_goes_on_to_the_same_points(by, kept, tmp_path, answer, monkeypatch):
+def test_a_branch_that_was_stopped_goes_on_to_the_same_points(by, kept, tmp_path, answer, whole, monkeypatch):
     done = interrupted(["branch", *SHORT, "--json", *(["--out", "x.nc"] if kept else [])], 12.0, tmp_path, by)
     if by is signal.SIGINT:
         way = "--resume x.nc goes on from there" if kept else "no file was kept: --out FILE.nc keeps one to go on from"
@@ -96,9 +96,9 @@ def test_a_branch_that_was_stopped_goes_on_to_the_same_points(by, kept, tmp_path
     monkeypatch.chdir(tmp_path)
     with xarray.open_dataset("x.nc") as data:
         assert (data.attrs["complete"], data.sizes["point"]) == (0, 12)
-    resumed, at_once = answer("branch", *SHORT, "--resume", "x.nc"), answer("branch", *SHORT)
-    assert len(resumed["points"]) == 24
-    assert [resumed[name] for name in ("points", "special")] == [at_once[name] for name in ("points", "special")]
+    resumed, at_once = answer("branch", *SHORT, "--resume", "x.nc"), whole[0].summary
+    assert resumed["points"] == at_once["points"][:24]
+    assert resumed["special"] == at_once["special"][:1]
 
 
 def test_without_a_hopf_point_it_begins_with_an_orbit(answer):

@@ -16,6 +16,7 @@ import xarray
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import load_tables
+from tests.copies import in_a_copy
 from validation.cli import COMMANDS, INPUT_WRONG, command_called, main, spread
 from validation.registry import build as models
 from validation.results.options import options_of
@@ -165,7 +166,6 @@ def test_a_run_that_is_compiled_loads_little(printed):
 
 
 PAPER = (Path(slipwave.__file__).parent / "gallery" / "paper.toml").read_bytes()
-SLIPWAVE = [sys.executable, "-m", "validation.cli"]
 
 
 @pytest.mark.parametrize("name", ["\x1b[31mred", "a\nb", "bell\a", "\u202eleft", "\x7f"])
@@ -187,20 +187,24 @@ def test_a_files_own_name_is_spelt_out(name, tmp_path):
     read = slipwave.read(os.fsdecode(path)).name
     assert read.isprintable()
     read.encode("utf-8")
-    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
-    words = [*SLIPWAVE, "run", path, "--until", "20", "--out", "x.nc"]
-    done = subprocess.run(words, env=environment, cwd=tmp_path, capture_output=True)
+
+    def run():
+        sys.stdout.reconfigure(encoding="ascii")
+        sys.stderr.reconfigure(encoding="ascii")
+        return main(["run", os.fsdecode(path), "--until", "20", "--out", str(tmp_path / "x.nc")])
+
+    done = in_a_copy(run)
     assert done.returncode == 0, done.stderr
-    assert b"\x1b" not in done.stdout + done.stderr
-    assert done.stdout.splitlines()[0].startswith(b"scene ")
+    assert "\x1b" not in done.stdout + done.stderr
+    assert done.stdout.splitlines()[0].startswith("scene ")
     assert (tmp_path / "x.nc").exists()
 
 
 @pytest.mark.parametrize("name", [b"\xff.nc", b"\x1b[31m.nc"])
-def test_a_file_to_write_must_have_a_printable_name(name, tmp_path):
-    done = subprocess.run([*SLIPWAVE, "run", "paper", "--until", "20", "--out", name], cwd=tmp_path, capture_output=True)
-    assert (done.returncode, b"cannot be printed" in done.stderr, b"\x1b" in done.stderr) == (INPUT_WRONG, True, False)
-    assert list(tmp_path.iterdir()) == []
+def test_a_file_to_write_must_have_a_printable_name(name, tmp_path, refused, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    told = refused("run", "paper", "--until", "20", "--out", os.fsdecode(name))
+    assert ("cannot be printed" in told, "\x1b" in told, list(tmp_path.iterdir())) == (True, False, [])
 
 
 @pytest.mark.parametrize("option", ["--checkpoint", "--out", "--fields"])

@@ -2,8 +2,8 @@
 
 import itertools
 import json
+import os
 import re
-import signal
 import subprocess
 import sys
 from contextlib import redirect_stdout
@@ -13,43 +13,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from hooked_process import interrupted, on_small_disk
 
 import slipwave
+from fullwave.lines import explicit
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import saved_time
+from tests.copies import interrupted, killed, on_small_disk
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
 from validation.measure.settle import settle
 from validation.registry.build import build
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]
-
-
-KILLED = """
-import os, signal, sys
-import fullwave.lines.explicit
-from validation.cli import main
-
-left = int(sys.argv[2])
-
-
-def mortal(function):
-    def call(*arguments):
-        global left
-        left -= 1
-        if left == 0:
-            os.kill(os.getpid(), signal.SIGKILL)
-        return function(*arguments)
-
-    return call
-
-
-module, name = {"march": (fullwave.lines.explicit, "march_lines"), "replace": (os, "replace")}[sys.argv[1]]
-setattr(module, name, mortal(getattr(module, name)))
-sys.exit(main(sys.argv[3:]))
-"""
 
 
 def outcome(words):
@@ -68,13 +44,14 @@ def uninterrupted():
     return outcome(TO_KILL)
 
 
-@pytest.mark.parametrize(("at", "count"), [("march", 9), ("march", 14), ("replace", 5)])
-def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, at, count):
+@pytest.mark.parametrize(
+    ("home", "name", "count"), [(explicit, "march_lines", 9), (explicit, "march_lines", 14), (os, "replace", 5)]
+)
+def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, home, name, count):
     """Killed on its way into compiled code, or as a checkpoint was to take the place of the one before."""
     file = tmp_path / "run.npz"
     saving = [*TO_KILL, "--checkpoint", str(file), "--checkpoint-every", "50"]
-    done = subprocess.run([sys.executable, "-c", KILLED, at, str(count), *saving], capture_output=True, check=False)
-    assert done.returncode == -signal.SIGKILL
+    killed(saving, *place)
     assert file.exists()
     assert outcome(saving) == uninterrupted
 
@@ -125,8 +102,7 @@ def test_the_fields_of_a_resumed_run_are_those_of_one_that_never_stopped(tmp_pat
     assert main(whole) == 0
     words = [*words, "--fields", str(tmp_path / "parts.nc"), "--out", str(tmp_path / "again.nc")]
     saving = [*words, "--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "21.3"]
-    done = subprocess.run([sys.executable, "-c", KILLED, "replace", "5", *saving], capture_output=True, check=False)
-    assert done.returncode == -signal.SIGKILL
+    killed(saving, os, "replace", 5)
     assert 80.0 < saved_time(tmp_path / "run.npz") < 90.0
     assert main(saving) == 0
     for whole_file, parts_file in (("whole.nc", "parts.nc"), ("run.nc", "again.nc")):

@@ -1,9 +1,6 @@
 """Records as strangers write them, made by an integrator of its own, and fits that are killed and go on."""
 
 import json
-import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +10,10 @@ from scipy.integrate import solve_ivp
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input.source import to_toml
+from tests.copies import killed
 from validation.cli import main
 from validation.fit.command import FitResult
+from validation.fit.kept import KeptBest
 from validation.fit.records import followed
 
 TRUTH = {"interface.a": 0.01, "interface.b": 0.015, "interface.memory_length": 1e-5}
@@ -187,25 +186,6 @@ def test_a_record_without_events_names_the_columns_that_were_not_read(tmp_path: 
         sw.fit(SAMPLE, data=[path], free=FREE)
 
 
-_KILLED = """
-import os, signal, sys
-from validation.fit.kept import KeptBest
-see, left = KeptBest.see, int(sys.argv[1])
-
-def seen(self, inner, residual):
-    global left
-    see(self, inner, residual)
-    left -= 1
-    if left == 0:
-        os.kill(os.getpid(), signal.SIGKILL)
-
-KeptBest.see = seen
-from validation.cli import main
-from validation.fit.command import FitResult
-sys.exit(main(sys.argv[2:]))
-"""
-
-
 def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     times = np.linspace(0.0, 80.0, 300)
     friction = slider(times, STEPS) + 2e-4 * np.random.default_rng(9).standard_normal(300)
@@ -215,8 +195,7 @@ def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path: Path, cap
     whole = sw.fit(SAMPLE, data=[path], free=FREE)
     at = int(np.random.default_rng(10).integers(3, whole.summary["evaluations"]))
     words = ["fit", str(scene), "--data", path, "--free", ",".join(FREE), "--checkpoint", str(kept)]
-    killed = subprocess.run([sys.executable, "-c", _KILLED, str(at), *words], capture_output=True)
-    assert killed.returncode == -signal.SIGKILL
+    killed(words, KeptBest, "see", at + 1)
     done = json.loads(kept.read_text())
     assert 1 <= done["evaluations"] <= at
     assert main([*words, "--json"]) == 0

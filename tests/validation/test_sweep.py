@@ -3,11 +3,11 @@
 import contextlib
 import itertools
 import json
+import multiprocessing
 import os
 import resource
 import signal
 import subprocess
-import sys
 import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -229,6 +229,14 @@ def test_words_of_one_regime_have_no_boundary_between_them():
 
 
 @pytest.fixture
+def forked(monkeypatch):
+    """Processes of a sweep are copies of this one, which need to import nothing; elsewhere they are spawned."""
+    copies = multiprocessing.get_context("fork")
+    monkeypatch.setattr(multiprocessing, "get_context", lambda method: copies)
+    return copies
+
+
+@pytest.fixture
 def marks(tmp_path, monkeypatch):
     """A folder in which a measure counts its deaths."""
     (tmp_path / "marks").mkdir()
@@ -236,7 +244,7 @@ def marks(tmp_path, monkeypatch):
     return tmp_path / "marks"
 
 
-def test_a_killed_worker_is_a_part_done_again(tmp_path, marks):
+def test_a_killed_worker_is_a_part_done_again(tmp_path, marks, forked):
     axes = [axis_of("a", [0.010, 0.011, 0.012, 0.013, 0.014, 0.015])]
     what = plan_of(sw.read_scene("paper"), axes, ["delay"], "tests.validation.sweep_measures:deadly")
     data = computed(what, tmp_path / "deadly", executor=None, workers=2)
@@ -260,27 +268,25 @@ def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path):
 
 
 @pytest.mark.parametrize("moment", range(5))
-def test_a_sweep_killed_at_any_moment_goes_on(tmp_path, moment):
+def test_a_sweep_killed_at_any_moment_goes_on(tmp_path, moment, forked):
     """The parent, or one of its workers, is killed when so many parts are there."""
     generator = np.random.default_rng(moment)
     words = ["paper", "--vary", "a=0.001:0.019:10", "b=0.011:0.029:10", "--measure", "tests.validation.sweep_measures:slowly"]
     folder = tmp_path / "killed"
-    command = [sys.executable, "-c", "import sys; from validation.cli import main; sys.exit(main(sys.argv[1:]))", "sweep"]
-    running = subprocess.Popen(
-        [*command, *words, "--out", str(folder)], cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    running = forked.Process(target=main, args=(["sweep", *words, "--workers", "2", "--out", str(folder)],))
+    running.start()
     wanted = int(generator.integers(1, 6))
-    while running.poll() is None and len(list((folder / "parts").glob("[0-9]*.npz"))) < wanted:
+    while running.is_alive() and len(list((folder / "parts").glob("[0-9]*.npz"))) < wanted:
         time.sleep(0.005)
     children = Path(f"/proc/{running.pid}/task/{running.pid}/children")
-    victims = [int(word) for word in children.read_text().split()] if running.poll() is None else []
+    victims = [int(word) for word in children.read_text().split()] if running.is_alive() else []
     victim = running.pid if moment % 2 == 0 or not victims else int(generator.choice(victims))
     if victim == running.pid:
         running.kill()
-    elif running.poll() is None:
+    elif running.is_alive():
         with contextlib.suppress(ProcessLookupError):  # it may end just now
             os.kill(victim, signal.SIGKILL)
-    running.wait()
+    running.join()
     result = sw.sweep(folder, executor=Here())
     x, y = np.linspace(0.001, 0.019, 10), np.linspace(0.011, 0.029, 10)
     assert result.summary["done"] == 100
