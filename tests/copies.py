@@ -14,7 +14,7 @@ from validation.run import progress
 
 
 def in_a_copy(work, heard=lambda line, copy: None):
-    """How a copy ends and what it prints. `work` gives its exit status; `heard` is told every line of its stderr and its number."""
+    """How a copy ends and what it prints. `work` gives its exit status; `heard` gets each line of its stderr, and its number."""
     (printed, out), (said, err) = os.pipe(), os.pipe()
     copy = os.fork()
     if copy == 0:
