@@ -79,6 +79,29 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
         temporary.unlink(missing_ok=True)
 
 
+@contextmanager
+def alone_in(folder: Path, label: str) -> Iterator[None]:
+    """Context in which no other process is in one with the same `folder`, which is made. Raises SceneError, which begins with
+    `label`, if one is now; one that is killed leaves it. Where the system has no such locks all are let in."""
+    folder.mkdir(parents=True, exist_ok=True)
+    if os.name != "posix":
+        yield
+        return
+    import fcntl
+
+    place = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            try:
+                fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                reason = "another process writes to this folder now; wait for its end, or name another folder"
+                raise SceneError(f"{label}: {reason}") from None
+        yield
+    finally:
+        os.close(place)
+
+
 def _refusal(path: Path) -> OSError | None:
     """Why no more bytes can be written to `path`; None if they can. On a full disk libraries raise errors of their own kinds."""
     try:

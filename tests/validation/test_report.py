@@ -9,6 +9,8 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import Future
+from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from html.parser import HTMLParser
 
@@ -16,6 +18,7 @@ import pytest
 from fake_studies import draw, result
 
 from slipwave.errors import SceneError
+from validation.report import side_by_side
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
 from validation.studies import study_called
@@ -144,6 +147,38 @@ def test_what_a_killed_process_left_is_removed(fake, tmp_path):
         store.store_result(tmp_path, module, "key", result(), 1.0)
         other.kill()
     assert [part for part in parts if part.exists()] == [parts[0]]
+
+
+def test_two_processes_that_remove_what_a_third_left_do_not_fail(fake, tmp_path, monkeypatch):
+    """Each of them tries while the other does it."""
+    module, remove = fake.add("first"), store.shutil.rmtree
+
+    def twice(folder):
+        remove(folder)
+        remove(folder)
+
+    (tmp_path / ".first.old").mkdir()
+    monkeypatch.setattr(store.shutil, "rmtree", twice)
+    store.store_result(tmp_path, module, "key", result(), 1.0)
+    assert [path.name for path in tmp_path.iterdir() if path.name != "sources"] == ["first"]
+
+
+def test_a_second_report_into_a_folder_is_refused_while_the_first_is_made(fake, tmp_path):
+    told = []
+
+    def run(budget):
+        if not told:
+            told.append("let in")
+            with pytest.raises(SceneError) as refused:
+                make_report(tmp_path / "out")
+            told[0] = str(refused.value)
+        return result()
+
+    fake.add("first", run)
+    make_report(tmp_path / "out")
+    reason = "another process writes to this folder now; wait for its end, or name another folder"
+    assert told == [f"--out = {str(tmp_path / 'out')!r}: {reason}"]
+    assert answers(make_report(tmp_path / "out")) == [result().answer]
 
 
 def test_interrupted_report_resumes(fake, tmp_path):
@@ -340,6 +375,28 @@ def test_a_process_that_dies_is_a_study_that_failed(fake, tmp_path):
     assert answers(red.value.page) == [f"{os.getpid()} after "]
 
 
+def test_a_process_that_dies_while_others_start_costs_what_it_had(monkeypatch):
+    class Pool:
+        """Breaks as the second task is submitted."""
+
+        def __init__(self, *_):
+            self.tasks = []
+
+        def submit(self, *task):
+            self.tasks.append(task)
+            if len(self.tasks) == 2:
+                raise BrokenProcessPool
+            done = Future()
+            done.set_result("done")
+            return done
+
+        def shutdown(self):
+            assert len(self.tasks) == 3
+
+    monkeypatch.setattr(side_by_side, "ProcessPoolExecutor", Pool)
+    assert dict(side_by_side.share_out(str, "abc", 2, lambda *_: None)) == {"a": "done", "b": None, "c": "done"}
+
+
 INTERRUPTED = """
     import signal, subprocess
     started = subprocess.Popen(["sleep", "100000"])
@@ -361,7 +418,9 @@ from types import ModuleType
 from validation import studies
 from validation.report import build
 from validation.cli import main
+from validation.run import progress
 
+progress.PATIENCE = float("inf")
 folder, *words = sys.argv[1:]
 sys.path.insert(0, folder)
 studies.STUDIES.clear()

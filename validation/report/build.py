@@ -10,6 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple, cast
 
+from slipwave.files import alone_in
 from validation.report import baseline, store
 from validation.report.baseline import RedReport, red_lines
 from validation.report.changes import changes_since
@@ -48,29 +49,30 @@ def make_report(
     end. A study that fails is shown as failed and the others go on. Once all is written, RedReport (a NumericsError) is
     raised if a study or a verdict fails, or a number left its baseline; with `against`, an earlier report that takes the place of
     the baseline, if a number or a verdict is worse than there. An interrupted report resumes: finished studies are stored
-    whole. Raises SceneError for an unknown name in `only`.
+    whole. Raises SceneError for an unknown name in `only`, and while another process writes a report to `out`.
     """
     asked = choose(only)
     studies = [study_called(name) for name in choose(None)]
     tasks = {study.NAME: _task(study, out / "data", quick) for study in studies}
-    stored = {study.NAME: store.stored_result(out / "data", study, tasks[study.NAME].key) for study in studies}
-    wanted = [study for study in studies if study.NAME in asked and stored[study.NAME] is None]
-    for known in (result for name in asked if (result := stored[name])):
-        _say(known)
-    seconds = {study.NAME: _seconds(study, quick) for study in wanted}
-    spent = dict.fromkeys(seconds, 0.0)
-    with progress("report", sum(seconds.values())) as report:
+    with alone_in(out, f"--out = {str(out)!r}"):
+        stored = {study.NAME: store.stored_result(out / "data", study, tasks[study.NAME].key) for study in studies}
+        wanted = [study for study in studies if study.NAME in asked and stored[study.NAME] is None]
+        for known in (result for name in asked if (result := stored[name])):
+            _say(known)
+        seconds = {study.NAME: _seconds(study, quick) for study in wanted}
+        spent = dict.fromkeys(seconds, 0.0)
+        with progress("report", sum(seconds.values())) as report:
 
-        def tell(name: str, share: float) -> None:
-            """Report how far the study `name` is."""
-            spent[name] = share * seconds[name]
-            report(sum(spent.values()))
+            def tell(name: str, share: float) -> None:
+                """Report how far the study `name` is."""
+                spent[name] = share * seconds[name]
+                report(sum(spent.values()))
 
-        for result in _run(wanted, tasks, processes or cores(), tell):
-            stored[result.name] = result
-            tell(result.name, 1.0)
-            _say(result)
-    return _write(out, [result for result in stored.values() if result], quick, against)
+            for result in _run(wanted, tasks, processes or cores(), tell):
+                stored[result.name] = result
+                tell(result.name, 1.0)
+                _say(result)
+        return _write(out, [result for result in stored.values() if result], quick, against)
 
 
 def _write(out: Path, results: list[store.Stored], quick: bool, against: Record | None) -> Path:

@@ -8,7 +8,7 @@ import os
 import signal
 import threading
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, ProcessPoolExecutor, wait
 from contextlib import contextmanager, suppress
 from multiprocessing import active_children, get_context, parent_process
 from multiprocessing.queues import Queue
@@ -36,7 +36,7 @@ def share_out(
     pool = ProcessPoolExecutor(min(processes, len(tasks)), context, _begin, (news,))
     try:
         with _deaf():
-            futures: dict[Future[Answer], Task] = {pool.submit(_perform, work, k, task): task for k, task in enumerate(tasks)}
+            futures: dict[Future[Answer], Task] = {_submitted(pool, work, k, task): task for k, task in enumerate(tasks)}
         waiting = set(futures)
         while waiting:
             done, waiting = wait(waiting, _LOOK, FIRST_COMPLETED)
@@ -48,6 +48,15 @@ def share_out(
         for child in active_children():
             _end_group(child.pid)
         pool.shutdown()
+
+
+def _submitted(pool: ProcessPoolExecutor, work: Callable[[Task, Tell], Answer], number: int, task: Task) -> Future[Answer]:
+    try:
+        return pool.submit(_perform, work, number, task)
+    except BrokenExecutor as error:  # a process died while others were started
+        broken: Future[Answer] = Future()
+        broken.set_exception(error)
+        return broken
 
 
 def _perform(work: Callable[[Task, Tell], Answer], number: int, task: Task) -> Answer:

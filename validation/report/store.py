@@ -5,6 +5,7 @@ import json
 import math
 import os
 import shutil
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -135,7 +136,7 @@ def _is_running(process: str) -> bool:
 
 
 def _remove(folder: Path) -> None:
-    if folder.exists():
+    with suppress(FileNotFoundError):  # it is not there, or another process removes it too
         shutil.rmtree(folder)
 
 
