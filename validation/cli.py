@@ -80,12 +80,12 @@ def _parts(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
     """The function of a command, the details of its help, and examples."""
     from validation import other_commands
 
-    if name in ("report", "scenes", "schema", "score"):
-        return getattr(other_commands, name), "", other_commands.EXAMPLES[name]
+    if name in other_commands.WITHOUT_SCENE:
+        return other_commands.WITHOUT_SCENE[name], "", other_commands.EXAMPLES[name]
     from validation.command_line import command_line, on_a_scene
     from validation.results.options import SceneOptions
 
-    parsed = on_a_scene(SceneOptions, other_commands.show) if name == "show" else command_line(name)
+    parsed = on_a_scene(SceneOptions, other_commands.print_scene) if name == "show" else command_line(name)
     return parsed.function, parsed.details, other_commands.EXAMPLES.get(name, parsed.examples)
 
 
@@ -127,7 +127,7 @@ _ON_STDERR = _OnStderr()
 def main(arguments: list[str] | None = None) -> int:
     """Run the command given by `arguments` (default: the process's own) and return the exit status."""
     _prepare_streams()
-    words = spread(sys.argv[1:] if arguments is None else arguments)
+    words = one_value_each(sys.argv[1:] if arguments is None else arguments)
     command: Any = typer.main.get_command(app)
     try:
         _require_once(words)
@@ -159,7 +159,7 @@ def main(arguments: list[str] | None = None) -> int:
     return status if isinstance(status, int) else 0
 
 
-def spread(words: list[str]) -> list[str]:
+def one_value_each(words: list[str]) -> list[str]:
     """`--set a=1 b=2` and `--only x y` as one option per value; `--set a -1` and `--set a= -1` as `--set a=-1`."""
     result: list[str] = []
     option = ""

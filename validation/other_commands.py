@@ -1,7 +1,7 @@
 """The commands that give no result: `scenes`, `schema`, `show` and `report`."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,7 +26,7 @@ EXAMPLES = {
 }
 
 
-def scenes() -> None:
+def print_scenes() -> None:
     """The gallery's scenes, one line each."""
     from slipwave.input.source import gallery_titles
 
@@ -45,7 +45,7 @@ def schema(report: Annotated[bool, typer.Option("--report", help="that of report
     print(json.dumps(made(), indent=2))
 
 
-def score(
+def print_score(
     theirs: Annotated[Path, typer.Argument(metavar="THEIRS.csv", help="a CSV file with the columns id and value")],
     digits: Annotated[int, typer.Option(help="digits that every row must agree to, where as many are certified")] = 6,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON instead of a table")] = False,
@@ -57,7 +57,7 @@ def score(
         raise NumericsError(f"score: {len(found.failed)} rows do not agree: {', '.join(found.failed)}")
 
 
-def show(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
+def print_scene(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
     """A scene as pure TOML; what else a file of results holds as comments."""
     from slipwave.input.source import is_stored, to_toml
     from slipwave.input.stored import read_stored
@@ -93,7 +93,7 @@ def report(
     earlier = read_report(against) if against else None
     require_folder(out)
 
-    def show() -> None:
+    def tell() -> None:
         """The page's place and what changed, or the whole record."""
         if as_json:
             print((out / NAME).read_text(encoding="utf-8"), end="")
@@ -102,9 +102,9 @@ def report(
 
     try:
         make_report(out=out, quick=quick, only=only or None, against=earlier)
-        printed(show)
+        printed(tell)
     except RedReport as red:
-        printed(show)
+        printed(tell)
         for line in red.lines:
             typer.echo(line, err=True)
         raise
@@ -112,3 +112,7 @@ def report(
         raise Interrupted(
             f"interrupted; finished studies are kept in {out / 'data'}, and the same command goes on from there"
         ) from None
+
+
+WITHOUT_SCENE: dict[str, Callable[..., None]] = {"report": report, "scenes": print_scenes, "schema": schema, "score": print_score}
+"""Commands whose options are declared here, by name."""

@@ -138,7 +138,7 @@ _CLEAR = 0.15  # misfit below which the change of an amplitude has a meaning
 _CLOSELY = 0.01  # differences from period to period, over those within one
 
 
-class Verdict(NamedTuple):
+class MotionVerdict(NamedTuple):
     """`cycles`: complete cycles in the second half. `multiplicity`: events in a period, if periodic. `change`: largest relative
     difference of a figure between the last two cycles, or of the prominence between the first and the last event if decaying or
     growing; NaN if there are too few. `needed`: length in transits with which a run too short would have enough cycles, else
@@ -164,32 +164,32 @@ class Verdict(NamedTuple):
         return self.kind in ("torus", "irregular")
 
 
-def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float) -> Verdict:
+def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float) -> MotionVerdict:
     """The verdict on a run to `until` (transits) whose second half has these `cycles` and these events' `prominence`;
     `drive_rests` is true if V is constant there and not zero, `slides` if v ends at V."""
     count, figures = cycles.time.size, np.array(cycles[1:]).T
     if not drive_rests:
-        return Verdict("driven", count)
+        return MotionVerdict("driven", count)
     if slides and (prominence.size == 0 or (count and slides_at(float(cycles.v_max.max()), float(cycles.v_min.min())))):
-        return Verdict("steady", count)
+        return MotionVerdict("steady", count)
     if count < _FEWEST:
-        return Verdict("too short", count, needed=_needed(cycles, until, _FEWEST))
+        return MotionVerdict("too short", count, needed=_needed(cycles, until, _FEWEST))
     change = float(np.max(np.abs(figures[-1] / figures[-2] - 1.0)))
     multiplicity = _multiplicity(figures)
     if multiplicity:
-        return Verdict("periodic", count, multiplicity, change)
+        return MotionVerdict("periodic", count, multiplicity, change)
     trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1]))
     if trend:
         change = float(prominence[-1] / prominence[0] - 1.0)
         rate = float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
-        return Verdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=rate)
+        return MotionVerdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=rate)
     kind, turned = _turns(cycles)
     if kind != "torus" and (kind == "settling" or still_changes(figures)):
-        return Verdict("settling", count, change=change)
+        return MotionVerdict("settling", count, change=change)
     if count < MANY:
         kind = "too short"
     needed = _needed(cycles, until, max(MANY, 2 * (count >= MANY) * count)) if kind == "too short" else np.nan
-    return Verdict(kind, count, change=change, needed=needed, rotation=turned)
+    return MotionVerdict(kind, count, change=change, needed=needed, rotation=turned)
 
 
 def slides_at(rate: float, velocity: float) -> bool:

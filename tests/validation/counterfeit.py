@@ -160,7 +160,6 @@ PLACES = {
     "one-cycle": (
         Place("one_cycle:run_model", (part("orbit"),)),
         Place("one_cycle:at_r"),
-        Place("one_cycle:what_stops", S),
     ),
     "leapfrog-convergence": (
         Place("leapfrog_convergence:build"),
@@ -205,7 +204,7 @@ PLACES = {
     ),
     "unlike-slabs": (Place("unlike_slabs:march_pair", (part("figures"),), 1), Place("unlike_slabs:costs")),
     "partial-reflection": (
-        Place("partial_reflection:orbit_of"),
+        Place("partial_reflection:settled_cycle_of"),
         Place("partial_reflection:end_of"),
         Place("partial_reflection:last_cycle", S, 1),
     ),
@@ -215,7 +214,7 @@ PLACES = {
         Place("which_model:run_of_damped", S),
         Place("which_model:fitted_modes"),
         Place("which_model:mean_at", (scaled,)),
-        Place("which_model:orbit_of", (lambda value: value and scaled(value),)),
+        Place("which_model:own_figures_of", (lambda value: value and scaled(value),)),
         Place("which_model:regime_at", (lambda value: scaled(value, 1e-2),)),
     ),
     "beyond-one-scene": (

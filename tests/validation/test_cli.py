@@ -17,7 +17,7 @@ import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import load_tables
 from tests.copies import in_a_copy
-from validation.cli import COMMANDS, INPUT_WRONG, command_called, main, spread
+from validation.cli import COMMANDS, INPUT_WRONG, command_called, main, one_value_each
 from validation.registry import build as models
 from validation.results.options import options_of
 from validation.run.progress import progress
@@ -109,7 +109,7 @@ def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path, printed, ref
     ],
 )
 def test_options_take_several_values_which_may_be_negative(given, read):
-    assert spread(given.split()) == read.split()
+    assert one_value_each(given.split()) == read.split()
 
 
 @pytest.mark.parametrize(
@@ -134,7 +134,7 @@ def test_every_command_has_examples_that_it_accepts(printed):
     assert "Usage" in printed()
     for name in COMMANDS:
         shown = printed(name, "--help").partition("Examples:\n")[2].split("\n")
-        lines = [spread(shlex.split(line.partition(" > ")[0])) for line in shown if line.strip()]
+        lines = [one_value_each(shlex.split(line.partition(" > ")[0])) for line in shown if line.strip()]
         assert {tuple(line[:2]) for line in lines} == {("slipwave", name)}
         for line in lines:
             command_called(name).make_context(name, line[2:])

@@ -7,7 +7,7 @@ import pytest
 
 import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
-from slipwave.observe.verdict import Verdict
+from slipwave.observe.verdict import MotionVerdict
 from validation.cli import INPUT_WRONG, main
 from validation.results.comparison import barred, conclusion, differences, errors_of, in_json, nothing, remarks, without_errors
 
@@ -63,7 +63,7 @@ def changed(run, kind, period, margin):
     cycles = 9 if math.isfinite(period) else 0
     means = (Spread(period, 0.1), *[Spread(0.2 if cycles else math.nan, 0.1)] * 2)
     figures = RunStatistics(cycles, *means, 1.0, 1.0, Margins(margin, margin, margin))
-    return dataclasses.replace(run, verdict=Verdict(kind, cycles), statistics=figures)
+    return dataclasses.replace(run, verdict=MotionVerdict(kind, cycles), statistics=figures)
 
 
 def test_differences_of_motions_that_never_repeat_have_margins_and_are_no_errors(runs):

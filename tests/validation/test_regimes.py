@@ -6,7 +6,7 @@ import pytest
 import slipwave
 from tests.granite import GRANITE
 from validation.measure.correlated import mean_of
-from validation.measure.cycle import Cycle, ripple_period
+from validation.measure.cycle import OneCycle, ripple_period
 from validation.study.over_r import begun_at, scene_at
 from validation.study.regimes import AWAY, STEADY, UNDECIDED, Regime, regime_of
 
@@ -83,7 +83,7 @@ def cycle(period, amplitude=0.01):
     time = np.sort(np.concatenate([np.arange(0.0, 70.0, 0.031), np.arange(0.0, 70.0, 0.047)]))
     time = np.unique(time)
     stress = 0.2 + 0.002 * time + 1e-5 * time**2 + amplitude * np.cos(2 * np.pi * time / period)
-    return Cycle(time, np.ones_like(time), time * 0, stress, stress, np.ptp(time))
+    return OneCycle(time, np.ones_like(time), time * 0, stress, stress, np.ptp(time))
 
 
 @pytest.mark.parametrize("period", [1.0, 1.2825498])

@@ -227,7 +227,7 @@ P10 = {
 
 def test_p10_the_run_and_the_bubble_from_both_sides(found):
     """P10 needs an unstable orbit beside a stable one; each end of the bubble is at a doubling."""
-    assert {change: outcomes(doubling.all_verdicts(one)) for change, one in changes(found).items()} == P10
+    assert {change: outcomes(doubling.verdicts_on_doubling(one)) for change, one in changes(found).items()} == P10
     assert bubble_table([bubble(-1.02)]).rows[0][2:] == ("−2.5600000, −2.5450000", "−2.5500000")
 
 
@@ -286,11 +286,11 @@ JUDGED = [
     (snake.wanders, (run([77.9, 78.1], True), orbit(78.0)), "fail"),
     (snake.wanders, (run([78.01, 78.1], False), orbit(78.0)), "fail"),
     (snake.wanders, (run([78.0, 78.0], False), orbit(78.0)), "fail"),
-    (snake.branch_claims, (branch(*folds(0.98)), branch(*folds(0.98))), "pass pass pass"),
-    (snake.branch_claims, (branch(*folds(0.98)), branch(*folds(0.98, last=-2.7 + 2e-8))), "fail pass pass"),
-    (snake.branch_claims, (branch(*folds(0.98)), branch(*folds(0.98)[:-1])), "pass fail pass"),
-    (snake.branch_claims, (branch(*folds(0.98)[:-1]), branch(*folds(0.98))), "pass fail pass"),
-    *((snake.branch_claims, (branch(*folds(n)),) * 2, f"pass pass {end}") for n, end in
+    (snake.fold_claims, (branch(*folds(0.98)), branch(*folds(0.98))), "pass pass pass"),
+    (snake.fold_claims, (branch(*folds(0.98)), branch(*folds(0.98, last=-2.7 + 2e-8))), "fail pass pass"),
+    (snake.fold_claims, (branch(*folds(0.98)), branch(*folds(0.98)[:-1])), "pass fail pass"),
+    (snake.fold_claims, (branch(*folds(0.98)[:-1]), branch(*folds(0.98))), "pass fail pass"),
+    *((snake.fold_claims, (branch(*folds(n)),) * 2, f"pass pass {end}") for n, end in
       ((1.15, "pass"), (1.25, "fail"), (0.75, "fail"))),
     (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0)],), "pass pass"),
     (snake.coexisting, ([ATTRACTED, attracted(77.0, 77.0)],), "pass fail"),
@@ -311,11 +311,11 @@ JUDGED = [
     (claims.modes_converge, modal(-2.7002 - 1e-7), "pass"),
     (claims.modes_converge, modal(-2.7002 - 9e-7), "fail"),
     # at V = 100 the Hopf point lies at -2.6995497; one per cent of r is 0.0044
-    (special_curves.verdicts, curves(shift=5e-11), "pass pass pass"),
-    (special_curves.verdicts, curves(shift=2e-10), "fail pass pass"),
-    (special_curves.verdicts, curves(here=-2.70025169), "pass fail pass"),
-    (special_curves.verdicts, curves(beside=-2.6993), "pass pass finding"),
-    (special_curves.verdicts, curves(beside=-2.7045), "pass pass finding"),
+    (special_curves.curve_verdicts, curves(shift=5e-11), "pass pass pass"),
+    (special_curves.curve_verdicts, curves(shift=2e-10), "fail pass pass"),
+    (special_curves.curve_verdicts, curves(here=-2.70025169), "pass fail pass"),
+    (special_curves.curve_verdicts, curves(beside=-2.6993), "pass pass finding"),
+    (special_curves.curve_verdicts, curves(beside=-2.7045), "pass pass finding"),
     *((doubling.ends_simple, (bubble(one),), end) for one, end in
       ((-1.02, "pass"), (-0.98, "pass"), (-1.05, "fail"), (0.3, "fail"))),
 ]  # fmt: skip

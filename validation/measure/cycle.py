@@ -14,7 +14,7 @@ _RIPPLES = (25.0, 55.0)  # transits after the event's date in which the interfac
 _FIRST_MOST = 16  # chunks of pieces that are kept before the first check whether they are still needed
 
 
-class Cycle(NamedTuple):
+class OneCycle(NamedTuple):
     """A cycle's curves, arrays of equal length: time (transits) from the slip event's date, slip rate (V*), psi, mu, y; and its
     period."""
 
@@ -26,12 +26,12 @@ class Cycle(NamedTuple):
     period: float
 
 
-def cut(law: Law, samples: Array, date: float, period: float, before: float = 0.0, after: float = 0.0) -> Cycle:
+def cut(law: Law, samples: Array, date: float, period: float, before: float = 0.0, after: float = 0.0) -> OneCycle:
     """The part of `samples` (see `HistoryObserver`) that is the cycle of the event at `date`, with `before` transits ahead of it
     and `after` transits past its end."""
     inside = (samples[0] >= date - before) & (samples[0] <= date + period + after)
     columns = named_columns(law, samples[:, inside])
-    return Cycle(**columns | {"time": columns["time"] - date}, period=period)
+    return OneCycle(**columns | {"time": columns["time"] - date}, period=period)
 
 
 def watch(solver: Solver, until: float) -> EventObserver:
@@ -67,7 +67,7 @@ class CycleObserver:
             self._history.forget(float(dates[-3]))
         self._most = 2 * len(self._history) + _FIRST_MOST
 
-    def cycle(self, after: float) -> Cycle | None:
+    def cycle(self, after: float) -> OneCycle | None:
         """The last complete cycle of the window from `after` (transits) to now, or None if there was none."""
         events = self._watch.events(after)
         if not events.time.size:
@@ -75,7 +75,7 @@ class CycleObserver:
         return cut(self._law, self._history.samples(), float(events.time[-1]), float(events.period[-1]))
 
 
-def ripple_period(cycle: Cycle) -> float:
+def ripple_period(cycle: OneCycle) -> float:
     """Mean time (transits) between maxima of mu within _RIPPLES, the maxima placed by parabolas through three samples.
 
     Raises ValueError if there are fewer than three maxima.

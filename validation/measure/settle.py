@@ -16,7 +16,7 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.solve import Solver, follow
 from slipwave.solve.follow import Foresight
-from validation.measure.cycle import Cycle, cut
+from validation.measure.cycle import OneCycle, cut
 from validation.run.timing import timed
 
 SYMBOLS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
@@ -114,7 +114,7 @@ def estimate(events: Events) -> Orbit:
     return Orbit(*estimates)
 
 
-def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> Cycle:
+def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> OneCycle:
     """A cycle of the next two periods, from `before` transits ahead of its event to `after` transits past its end. The solver is
     put back where it was."""
     solver, observer, period = settled.solver, deepcopy(settled.observer), settled.orbit.period.value

@@ -14,7 +14,7 @@ FAST_PERIOD_KELVIN_VOIGT = math.pi / math.sqrt(6.0)
 """Period of the ripples of the Kelvin-Voigt system in the slow phase (43), in transits; exactly 1 in the delay system."""
 
 
-class Onset(NamedTuple):
+class CriticalValues(NamedTuple):
     """Critical frequency (20), (38), and critical round trips: r_* (22), of the delay system (39), of the Kelvin-Voigt system
     (27), and with radiation damping."""
 
@@ -25,8 +25,8 @@ class Onset(NamedTuple):
     r_quasidynamic: float
 
 
-def onset_of(law: Ageing, epsilon: float, velocity: float) -> Onset:
+def onset_of(law: Ageing, epsilon: float, velocity: float) -> CriticalValues:
     """Those of the ageing law at steady sliding with rate `velocity`, from F_v = a/V, G_phi = V, F_ss' = (a - b)/V of (16)."""
     slopes = FrictionSlopes(law.a / velocity, velocity, (law.a - law.b) / velocity)
     forms = (closed_forms.quasistatic_r, closed_forms.delay_r, closed_forms.kelvin_voigt_r, closed_forms.quasidynamic_r)
-    return Onset(slopes.omega_c, *(form(slopes, epsilon) for form in forms))
+    return CriticalValues(slopes.omega_c, *(form(slopes, epsilon) for form in forms))

@@ -10,7 +10,7 @@ import numpy as np
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.events import MeasuredMotion
-from validation.measure.cycle import Cycle
+from validation.measure.cycle import OneCycle
 from validation.output import aligned, rounded
 from validation.results.quantities import EVENTS, cycle_in_si, shown_in
 from validation.study.drawing import Axes, Drawing, canvas
@@ -115,7 +115,7 @@ def averaged(motion: MeasuredMotion, most: float) -> Averaged:
     return Averaged(time, mean - level, scatter, rate.mean(axis=0), level)
 
 
-def centred(cycle: Cycle, time: Array, stress: Array) -> Averaged:
+def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
     """A model's cycle, with one of its stresses as friction, at these times since its event; its second half is what precedes the
     event."""
     phase = np.concatenate((cycle.time - cycle.period, cycle.time))
@@ -125,7 +125,7 @@ def centred(cycle: Cycle, time: Array, stress: Array) -> Averaged:
     return Averaged(time, friction - level, np.zeros_like(friction), rate, level)
 
 
-def draw_beside_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, Cycle | None]], scene: Scene) -> Drawing:
+def draw_beside_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle | None]], scene: Scene) -> Drawing:
     """Friction, residual and slip rate over the time since the event: the whole cycle, and the event alone. The record is black,
     its scatter from cycle to cycle grey, a model's elastic stress dashed. Call it inside `styled()`."""
     shortest = min([float(motion.events.period.min()), *(cycle.period for _, cycle in cycles if cycle)])
@@ -157,7 +157,7 @@ def _draw_cycles(panels: Sequence[Axes], label: str, data: Averaged, sizes: tupl
     panels[2].plot(time, np.where(data.slip_rate > 0.0, sizes[1] * data.slip_rate, math.nan), color="#111111", linewidth=0.8)
 
 
-def _draw_model(panels: Sequence[Axes], model: str, cycle: Cycle | None, data: Averaged, sizes: tuple[float, float]) -> None:
+def _draw_model(panels: Sequence[Axes], model: str, cycle: OneCycle | None, data: Averaged, sizes: tuple[float, float]) -> None:
     """A model's cycle, and what it leaves of the record."""
     if cycle is None:
         panels[0].plot([], [], label=f"{model}: no cycles")

@@ -13,7 +13,7 @@ from slipwave.solve import Solver
 from slipwave.solve.follow import require_time
 from validation.data.events import MeasuredMotion, measured_motion
 from validation.data.series import read_series
-from validation.measure.cycle import Cycle, CycleObserver
+from validation.measure.cycle import CycleObserver, OneCycle
 from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import build_all
 from validation.registry.families import one_port_of
@@ -66,7 +66,7 @@ class CompareResult(Comparison):
     OUTPUTS: ClassVar = (Output("--out", FIGURES, "save_plot", _OVERLAY, "FILE.png", default="compare.png", key="figure"),)
 
     runs: list[Run]
-    cycles: list[Cycle | None]
+    cycles: list[OneCycle | None]
     motion: MeasuredMotion | None
 
     @property
@@ -191,7 +191,7 @@ def _measured(options: CompareOptions, scene: Scene) -> MeasuredMotion | None:
     return measured_motion(series, scene, options.smooth)
 
 
-def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tuple[Run, Cycle | None]], str]:
+def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tuple[Run, OneCycle | None]], str]:
     """The runs and their last cycles, in the order of `solvers`, and where the user stopped them. The reference runs first: all
     others last as long as it does."""
     first = next((solver for solver in solvers if solver.model == "delay"), solvers[0])
@@ -200,7 +200,7 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
         if math.isfinite(length.until):
             require_time(solver, length.until, most)
         warm(solver)
-    found: dict[str, tuple[Run, Cycle | None]] = {}
+    found: dict[str, tuple[Run, OneCycle | None]] = {}
     stopped = ""
     for solver in sorted(solvers, key=lambda solver: solver is not first):
         observer = CycleObserver(solver)

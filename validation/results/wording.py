@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import fields
 
 from slipwave.friction.law import name_of
-from slipwave.observe import RunStatistics, Verdict
+from slipwave.observe import MotionVerdict, RunStatistics
 from slipwave.observe.statistics import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
@@ -95,14 +95,14 @@ def exponent_in_words(found: Exponent) -> str:
     return f"{known}: motions close by {word} by a factor e in {1.0 / abs(found.rate):.3g} transits"
 
 
-def events_in_words(count: int | None, verdict: Verdict | None, needed: float = math.nan) -> str:
+def events_in_words(count: int | None, verdict: MotionVerdict | None, needed: float = math.nan) -> str:
     """The number of slip events of a run and its verdict, in one line; `needed` is the length of a run that is not too short."""
     if count is None or verdict is None:
         return "events were not watched (run.record is empty)"
     return f"{count} slip event{'s' if count != 1 else ''}; {verdict_in_words(verdict, needed)}"
 
 
-def verdict_in_words(verdict: Verdict, needed: float) -> str:
+def verdict_in_words(verdict: MotionVerdict, needed: float) -> str:
     """The verdict on the second half of a run, with the reason."""
     change = f"{abs(verdict.change):.2g}"
     longer = "one takes longer than a run can be" if math.isinf(needed) else f"try --until {float(f'{needed:.2g}'):g}"

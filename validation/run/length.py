@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple, TypeAlias
 
 from slipwave.errors import SceneError
-from slipwave.observe import Events, Verdict, summarise
+from slipwave.observe import Events, MotionVerdict, summarise
 from slipwave.observe.torus import MANY
 from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
@@ -45,7 +45,7 @@ class JudgedHalf(NamedTuple):
     events are not watched."""
 
     until: float
-    verdict: Verdict | None
+    verdict: MotionVerdict | None
     cycles: Events
 
 
@@ -173,7 +173,7 @@ def require_counted(scene: Scene, cycles: int | None) -> None:
         raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
 
 
-def needed(verdict: Verdict | None, scene: Scene, model: str) -> float:
+def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
     """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected;
     infinite if no run may be so long. `model` as for `length_of`."""
     if verdict is None or verdict.cycles or verdict.kind != "too short":

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from slipwave.errors import NumericsError
 from slipwave.friction import respond, steady_state, unknown_of
-from slipwave.observe import EventObserver, Events, RunStatistics, Verdict, judge_motion, slides_at, summarise
+from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
 from slipwave.observe.stages import stages_of
 from slipwave.observe.verdict import Kind, repeating
 from slipwave.scene import Scene
@@ -39,7 +39,7 @@ class Run:
     until: float
     events: Events
     starts: int | None
-    verdict: Verdict | None
+    verdict: MotionVerdict | None
     statistics: RunStatistics
     final: Final | None
     energy: Energy | None
@@ -120,7 +120,7 @@ class _Marched:
         cycles = self.watch.events(half)
         return JudgedHalf(2.0 * half, self._verdict(half, cycles) if self.watched else None, cycles)
 
-    def _verdict(self, half: float, cycles: Events) -> Verdict:
+    def _verdict(self, half: float, cycles: Events) -> MotionVerdict:
         """On the second half of what was run, which begins at `half` (transits) and has these `cycles`."""
         drive, end = self.solver.scene.drive, 2.0 * half
         slides = self.final is not None and slides_at(math.exp(self.final.ln_v), drive.at(end))
@@ -148,7 +148,7 @@ class _Marched:
         )
 
 
-def _of_protocol(verdict: Verdict | None, drive: Drive, until: float) -> Verdict | None:
+def _of_protocol(verdict: MotionVerdict | None, drive: Drive, until: float) -> MotionVerdict | None:
     """`verdict`, or "protocol" where the second half of a run to `until` (transits) of a drive that changes holds no cycles that
     repeat or wander, but a stage of constant V to judge."""
     if verdict is None or verdict.repeats:

@@ -92,7 +92,7 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answer=answer(shown, residuals["fd"], orders),
         figures=(Figure("entries", _ENTRIES, lambda: histories(shown)), Figure("closure", _CLOSURE, lambda: closure(residuals))),
-        tables=(_shares_table(shown), _residual_table(residuals, orders), _high_table(high)),
+        tables=(_shares_table(shown), _high_table(high)),
         verdicts=(*ladder_verdicts(residuals["fd"], orders), _balances(shown), *high_verdicts(high)),
         numbers={f"order of {model}": stated(found.order, found.half_width) for model, found in orders.items()},
     )
@@ -117,10 +117,6 @@ def ladder_verdicts(fd: Array, orders: Mapping[str, Fit]) -> Iterator[Verdict]:
     title = "Energy losses of the other families have the order of their squared jumps"
     for model, found in orders.items():
         yield of_order(title, EXACT, found, ORDERS[model], f"`{model}`", _ALLOWANCE)
-
-
-def _with_interval(found: Fit) -> str:
-    return f"{found.order:.2f} ± {found.half_width:.2f}"
 
 
 def _balances(shown: Mapping[str, EnergyRun]) -> Verdict:
@@ -154,28 +150,8 @@ def _shares_table(shown: Mapping[str, EnergyRun]) -> Table:
     return table("shares", caption, " | ".join(heading), rows)
 
 
-def _residual_table(residuals: Mapping[str, Array], orders: Mapping[str, Fit]) -> Table:
-    rows = (
-        (
-            model,
-            ", ".join(map(str, cells)),
-            ", ".join(plain(float(value), ".0e") for value in residuals[model]),
-            ORDERS.get(model),
-            _with_interval(orders[model]) if model in orders else None,
-        )
-        for model, cells in LADDERS.items()
-    )
-    caption = (
-        f"Residual of the ledger after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, on each grid, "
-        "and its fitted order with the 95 % interval. Upwind interfaces lose the square of their jumps. Continuous fields jump "
-        "at the slabs’ ends alone, by the error of the fields (order 2 in `sbp:2` and `fem:1`; order P for even P in `fem:P`): "
-        "the derived order is twice that. `dg:P` jumps by h^{P+1} at each of 1/h faces: the derived order is 2P + 1."
-    )
-    return table("residuals", caption, "family | cells | residual | derived .2g | order", rows)
-
-
 def _high_table(high: Mapping[str, Mapping[str, float]]) -> Table:
-    caption = f"The same for families of high degree, each on one grid, {UNTIL:.0f} transits."
+    caption = f"The same residual for families of high degree, each on one grid, {UNTIL:.0f} transits."
     heading = " | ".join(["family", "cells [a slab] .0f", *(f"{name} .0e" for name in BOUNDARIES)])
     return table("high", caption, heading, ((model, HIGH[model], *sizes.values()) for model, sizes in high.items()))
 
@@ -188,7 +164,9 @@ _ENTRIES = (
 )
 _CLOSURE = (
     f"Residual of the ledger after {UNTIL:.0f} transits of the paper’s scene, relative to the largest entry, over "
-    "cells per slab. The leapfrog conserves a discrete energy and stays at rounding."
+    "cells per slab. The leapfrog conserves a discrete energy and stays at rounding. Upwind interfaces lose the square of their "
+    "jumps. Continuous fields jump at the slabs’ ends alone, by the error of the fields (order 2 in `sbp:2` and `fem:1`; order P "
+    "for even P in `fem:P`): the residual has twice that order. `dg:P` jumps by h^{P+1} at each of 1/h faces: order 2P + 1."
 )
 
 

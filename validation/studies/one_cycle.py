@@ -11,19 +11,17 @@ from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.periodic import relative_error
 from reduced.stability import analyse
-from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
-from validation.measure.cycle import Cycle
-from validation.measure.settle import SYMBOLS, WINDOW, NoCycle, one_cycle
-from validation.references.onset import onset_of
+from validation.measure.cycle import OneCycle
+from validation.measure.settle import SYMBOLS, WINDOW, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.orbits import moving
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, memo, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, key, line, pen, subplots
 from validation.study.over_r import begun_at, scene_at
 from validation.study.text import minus, places, plain
-from validation.study.verdict import EXACT, WITNESS, Verdict, claim, holding
+from validation.study.verdict import WITNESS, Verdict, claim
 
 NAME = "one-cycle"
 QUESTION = "Do the simplified models run through the same cycle as the wave?"
@@ -48,7 +46,11 @@ class CycleRun(NamedTuple):
     """A model's orbit with errors of its computation, and one cycle of it."""
 
     orbit: Orbit
-    cycle: Cycle
+    cycle: OneCycle
+
+    def off(self, exact: "CycleRun", quantity: str) -> float:
+        """Relative error of `quantity` (a field of Orbit)."""
+        return self.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
 
 
 class AtR(NamedTuple):
@@ -57,7 +59,7 @@ class AtR(NamedTuple):
 
     period: Estimate
     drop: Estimate
-    drawn: list[Cycle]
+    drawn: list[OneCycle]
     cycles: int = 0
 
 
@@ -74,8 +76,7 @@ def run(budget: Budget) -> StudyResult:
     found = {log10_r: {model: at_r(model, log10_r) for model in COMPARED} for log10_r in _PLACES[budget.quick]}
     grown = {log10_r: {model: one for model, one in models.items() if one} for log10_r, models in found.items()}
     cycles = {model: own.cycle for model, own in runs.items()}
-    errors = {model: error(own, runs["delay"], "period") for model, own in runs.items()}
-    escape, damped = what_stops("quasistatic", 2000.0), what_stops("quasidynamic", 12000.0)
+    errors = {model: own.off(runs["delay"], "period") for model, own in runs.items()}
     return StudyResult(
         answer=_answer(runs),
         figures=(
@@ -92,28 +93,24 @@ def run(budget: Budget) -> StudyResult:
             Figure("growth", _GROWTH, lambda: _cycles_over_r(grown)),
         ),
         tables=(_orbits(runs), _reference_table(runs), _over_r_table(grown)),
-        verdicts=tuple(verdicts(runs, escape, damped)),
+        verdicts=tuple(cycle_verdicts(runs)),
         notes=(reference()["how"],),
         numbers=_numbers(runs),
         omissions=(
-            Omission(
-                "Quasi-static curve.",
-                f"It has no limit cycle: {escape or 'the run did not end'}.",
-                ("The quasi-static model runs away",),
-            ),
+            Omission("Quasi-static curve.", "It has no limit cycle.", ("The quasi-static model runs away",)),
             Omission("Quasi-dynamic curve.", _DAMPED, ("The quasi-dynamic model slides steadily",)),
         ),
     )
 
 
 def _percent(own: CycleRun, exact: CycleRun) -> str:
-    return minus(f"{100 * error(own, exact, 'period'):+.1f} %")
+    return minus(f"{100 * own.off(exact, 'period'):+.1f} %")
 
 
 def _answer(runs: dict[str, CycleRun]) -> str:
     exact = runs["delay"]
-    modes = [plain(abs(error(runs[name], exact, "period")), ".0e") for name in ("modal:1", "modal:2")]
-    outline = max(abs(error(own, exact, "period")) for own in runs.values()) < _OUTLINE
+    modes = [plain(abs(runs[name].off(exact, "period")), ".0e") for name in ("modal:1", "modal:2")]
+    outline = max(abs(own.off(exact, "period")) for own in runs.values()) < _OUTLINE
     return (
         f"{'In outline' if outline else 'No'}, with the period off by {_percent(runs['kelvin-voigt'], exact)} in the paper’s "
         f"ODE, by {_percent(runs['block8'], exact)} and {_percent(runs['block12'], exact)} in the blocks; by {modes[0]} with "
@@ -142,7 +139,7 @@ _OVERLAY = (
     f"fro, so that stress and rate ripple with a period of one transit ({math.pi / math.sqrt(6.0):.2f} in the Kelvin–Voigt ODE, "
     "none in the blocks). μ: interface stress in units of σ; v: slip rate in units of V*; time in transits of the wave."
 )
-_DAMPED = f"It slides steadily at log_{{10}} r = {places([LOG10_R])} (see its verdict); the last table shows it beyond its onset."
+_DAMPED = f"It slides steadily at log_{{10}} r = {places([LOG10_R])}; the last table shows it beyond its onset."
 _PANELS_CAPTION = "Stress μ over the same cycle, model by model, each over the delay system (grey), with the error of its period."
 _ODE_ORBIT = (
     f"The stable orbit of the paper’s ODE at log_{{10}} r = {places([LOG10_R])}: interface stress μ with the ripples that blocks "
@@ -164,7 +161,7 @@ def _orbits(runs: dict[str, CycleRun]) -> Table:
     rows = []
     for model, own in runs.items():
         pairs = [
-            (value, None if model == "delay" else error(own, runs["delay"], name)) for name, value in own.orbit.values().items()
+            (value, None if model == "delay" else own.off(runs["delay"], name)) for name, value in own.orbit.values().items()
         ]
         rows.append((model, *(cell for pair in pairs for cell in pair), relative_error(own.orbit)))
     heading = " | ".join(["model", *(f"{column} | error [relative] .1e" for column in columns), "own error [relative] .0e"])
@@ -186,7 +183,7 @@ def _reference_table(runs: dict[str, CycleRun]) -> Table:
     return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)
 
 
-def overlay(cycles: Mapping[str, Cycle]) -> Drawing:
+def overlay(cycles: Mapping[str, OneCycle]) -> Drawing:
     """Stress and slip rate over the cycle, left, and in the slow phase, right."""
     figure, grid = subplots(5.2, 2, 2, _SINCE, sharex="col", width_ratios=(1.9, 1.0))
     for model in _SHOWN:
@@ -207,7 +204,7 @@ def overlay(cycles: Mapping[str, Cycle]) -> Drawing:
     return figure
 
 
-def _zoom(column: np.ndarray, exact: Cycle) -> None:
+def _zoom(column: np.ndarray, exact: OneCycle) -> None:
     """Frame the slow phase by the delay system's range there."""
     inside = (exact.time >= _ZOOM[0]) & (exact.time <= _ZOOM[1])
     stress, rate = exact.stress[inside], np.log(exact.slip_rate[inside])
@@ -221,7 +218,7 @@ def _zoom(column: np.ndarray, exact: Cycle) -> None:
     column[0].set_title("slow phase, enlarged")
 
 
-def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> Drawing:
+def panels(cycles: Mapping[str, OneCycle], errors: Mapping[str, float]) -> Drawing:
     """One panel per model, its stress over the delay system's; `errors` of the period, relative, beside its name."""
     exact = cycles["delay"]
     figure, grid = subplots(5.2, (len(_PANELS) + 1) // 2, 2, _SINCE, r"$\mu$", sharex=True, sharey=True)
@@ -233,7 +230,7 @@ def panels(cycles: Mapping[str, Cycle], errors: Mapping[str, float]) -> Drawing:
     return figure
 
 
-def _ode_orbit(cycle: Cycle) -> Drawing:
+def _ode_orbit(cycle: OneCycle) -> Drawing:
     figure = canvas(WIDTH, 5.6)
     grid = figure.subplot_mosaic([["stress", "stress"], ["rate", "rate"], ["plane", "state"]], height_ratios=(1.0, 1.0, 1.2))
     look = line("kelvin-voigt")
@@ -286,11 +283,6 @@ def _cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
     return figure
 
 
-def error(own: CycleRun, exact: CycleRun, quantity: str) -> float:
-    """Relative error of `quantity` (a field of Orbit)."""
-    return own.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
-
-
 def run_model(model: str) -> CycleRun:
     """The orbit of `model` in the paper's scene: by Newton's method, but for the leapfrog, whose steps cannot be fractions of a
     period and which is run until it has settled."""
@@ -320,33 +312,14 @@ def _stable_orbit(model: str, scene: Scene) -> PeriodicOrbit | None:
     return periodic_orbit(*guess[:3], _TOLERANCE) if guess.settled else None
 
 
-def what_stops(model: str, most: float) -> str:
-    """What ends a run of `model` in the paper's scene: an error's message, `steady` sliding, or nothing."""
-    try:
-        memo.settled(model, slipwave.read("paper"), None, 1e-9, most)
-    except NumericsError as failure:
-        return str(failure).partition(" (scene")[0]
-    except NoCycle:
-        return "steady"
-    return ""
-
-
-def verdicts(runs: dict[str, CycleRun], quasistatic: str, quasidynamic: str) -> Iterator[Verdict]:
-    """Every orbit against other programs' and the delay system's, and what stops the simplest models (`what_stops`)."""
+def cycle_verdicts(runs: dict[str, CycleRun]) -> Iterator[Verdict]:
+    """Every orbit against other programs' and the delay system's; `which-model` judges what stops the simplest models."""
     known = {model: reference_orbit(model, LOG10_R) for model in runs}
     yield from (_as_computed(model, runs[model].orbit.values(), figures) for model, figures in known.items() if figures)
     if "fd" in runs:
-        off = max(abs(error(runs["fd"], runs["delay"], name)) for name in SYMBOLS)
+        off = max(abs(runs["fd"].off(runs["delay"], name)) for name in SYMBOLS)
         remark = f"leapfrog with {_CELLS} cells at CFL {_CFL}; `leapfrog-convergence` shows how the difference vanishes"
         yield claim("The full wave runs on the delay system’s orbit", WITNESS, off, _WAVE, remark)
-    away = quasistatic not in ("", "steady")
-    yield holding("The quasi-static model runs away", EXACT, "runs away", "runs away" if away else "goes on", away)
-    scene = slipwave.read("paper")
-    r_c = onset_of(scene.law, scene.upper.epsilon, scene.velocity).r_quasidynamic
-    expected, ours = ("steady" if steady else "stick-slip" for steady in (scene.transit < r_c, quasidynamic == "steady"))
-    remark = f"radiation damping: its onset, r = ε/(b − a − εV/2) = 10^{{{math.log10(r_c):.3f}}}, lies above this scene’s r"
-    title = "The quasi-dynamic model slides steadily where the wave sticks and slips"
-    yield holding(title, EXACT, expected, ours, ours == expected, f"earthquake modellers’ {remark}")
 
 
 def _as_computed(model: str, ours: dict[str, float], known: dict[str, float]) -> Verdict:

@@ -73,14 +73,14 @@ _SLOW_LEAKS = (0.05, 0.1, 0.15, 0.25, 0.5)  # 1 - R on both sides of locking
 def run(budget: Budget) -> StudyResult:
     """Settle over the grip's impedance, lay the full wave over it, then lower a bare coefficient from 1."""
     grid = np.geomspace(0.01, 100.0, 9 if budget.quick else 17)
-    orbits = {stiff: [orbit_of(grip_scene(stiff, z, LOG10_R)) for z in grid] for stiff in STIFFNESSES}
+    orbits = {stiff: [settled_cycle_of(grip_scene(stiff, z, LOG10_R)) for z in grid] for stiff in STIFFNESSES}
     budget.report(0.4)
     few = (0.1, 1.0, 10.0) if budget.quick else tuple(grid[::4])
     pairs = [pair_of(k, z, budget.quick) for k in STIFFNESSES for z in few]
     budget.report(0.6)
     leaks = _LEAKS[budget.quick]
-    bare = [orbit_of(bare_scene(leak)) for leak in leaks]
-    held = [orbit_of(grip_scene(HELD, 2.0 / leak - 1.0, LOG10_R_BARE)) for leak in leaks]
+    bare = [settled_cycle_of(bare_scene(leak)) for leak in leaks]
+    held = [settled_cycle_of(grip_scene(HELD, 2.0 / leak - 1.0, LOG10_R_BARE)) for leak in leaks]
     ends = [
         end_of(bare_scene(leak)) if math.isnan(point.period) else "stick-slip" for leak, point in zip(leaks, bare, strict=True)
     ]
@@ -203,7 +203,7 @@ def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
     return slipwave.read("paper", {"slab.log10_r": LOG10_R_BARE, "start.size": nudge, **face})
 
 
-def orbit_of(scene: Scene) -> Point:
+def settled_cycle_of(scene: Scene) -> Point:
     """The settled cycle of the delay system, NaN if there is none."""
     try:
         found = memo.settled("delay", scene, most=_MOST)

@@ -91,9 +91,9 @@ def run(budget: Budget) -> StudyResult:
     others = [] if budget.quick else [bubble(*ends) for ends in _PAIRS]
     return StudyResult(
         answer=_answer(found),
-        figures=(Figure("planes", _CAPTION, lambda: planes(found, others), paper="Fig 7", carries=("P10 ",)),),
+        figures=(Figure("planes", _CAPTION, lambda: orbits_in_planes(found, others), paper="Fig 7", carries=("P10 ",)),),
         tables=(_orbit_table(found), *([bubble_table(others)] if others else [])),
-        verdicts=(*all_verdicts(found), *map(ends_simple, others)),
+        verdicts=(*verdicts_on_doubling(found), *map(ends_simple, others)),
         notes=(_HOW,),
         numbers={
             "T": stated(found.single.orbit.period.value, found.single.orbit.period.error),
@@ -153,7 +153,7 @@ def _places(bubble: Bubble, kind: str) -> str:
     return ", ".join(f"{place:.7f}" for name, place in bubble.special if name == kind).replace("-", "−") or "–"
 
 
-def planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
+def orbits_in_planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
     """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
     figure = canvas(WIDTH, 8.4)
     grid = figure.subplot_mosaic([["rate", "rate"], ["stress", "state"], ["branch", "branch"]], height_ratios=(0.8, 1.2, 1.0))
@@ -253,7 +253,7 @@ def _multiplier_of_half(point: OrbitPoint, log10_r: float) -> float:
     return float(values[np.abs(values + 1.0).argmin()].real)
 
 
-def all_verdicts(found: Doubled) -> Iterator[Verdict]:
+def verdicts_on_doubling(found: Doubled) -> Iterator[Verdict]:
     """In the order of the page."""
     period, double = found.single.orbit.period.value, found.double.orbit.period.value
     known = reference()["paper"]["T_unstable_ode"]

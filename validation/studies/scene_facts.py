@@ -4,7 +4,7 @@ import math
 
 import slipwave
 from slipwave.scene import Scene
-from validation.references.onset import Onset, onset_of
+from validation.references.onset import CriticalValues, onset_of
 from validation.study import EXACT, PAPER, Budget, Cell, Figure, Number, StudyResult, Table, Verdict, claim, table
 from validation.study.drawing import Axes, Drawing, canvas
 
@@ -51,7 +51,7 @@ def _answer(ratio: float) -> str:
     )
 
 
-def _onset(chosen: Scene) -> Onset:
+def _onset(chosen: Scene) -> CriticalValues:
     return onset_of(chosen.law, chosen.upper.epsilon, chosen.velocity)
 
 

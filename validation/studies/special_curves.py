@@ -57,7 +57,7 @@ def run(budget: Budget) -> StudyResult:
         answer=_answer(found),
         figures=(Figure("curves", _CAPTION, lambda: _diagram(found)),),
         tables=(_table(found),),
-        verdicts=tuple(verdicts(found, _fold_at(end))),
+        verdicts=tuple(curve_verdicts(found, _fold_at(end))),
         notes=() if budget.quick else (_TURNS,),
         numbers={
             f"{model} {kind} at V = 100": stated(start.first, start.bracket)
@@ -97,7 +97,7 @@ def _below(model: str, point: CurvePoint) -> float:
     return float(1.0 - 10.0**point.first / critical)
 
 
-def verdicts(found: dict[Key, list[CurvePoint]], again: float) -> Iterator[Verdict]:
+def curve_verdicts(found: dict[Key, list[CurvePoint]], again: float) -> Iterator[Verdict]:
     """`again`: the end of the delay system's fold curve as log10 r of a fold at V = 100 (`_fold_at`)."""
     end, known = found["delay", "LP"][-1], reference()["special"]["delay"]["first fold"]["log10_r"]
     title = "Only the products εV and rV matter: the fold at V is that at V = 100 with ε and r larger by V/100"

@@ -19,7 +19,6 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.study import Budget, Figure, Number, StudyResult, Table, table
 from validation.study.drawing import WIDTH, Drawing, canvas, line, pen, subplots
-from validation.study.known import error_of_27
 from validation.study.text import plain
 from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding, of_paper
 
@@ -77,16 +76,15 @@ def run(budget: Budget) -> StudyResult:
                 _FIG_2,
                 lambda: _critical_curves(curves.velocity, curves.delay, curves.kelvin_voigt),
                 paper="Fig 2",
-                carries=("P1 ", "P2 ", "Fig 2"),
+                carries=("P1 ", "P2 "),
             ),
-            Figure("planes", _FIG_3, lambda: planes(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),
+            Figure("planes", _FIG_3, lambda: boundaries_in_plane(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),
             Figure("impedance", _FIG_Z, lambda: impedances(paper)),
             Figure("spectrum", _FIG_S, lambda: _spectra(spectrum, paper.transit)),
         ),
         tables=(_velocity_table(curves), model_table(onsets), _scene_table(found)),
         verdicts=(
             *closed_form_verdicts(paper, curves),
-            *fig_2(curves),
             *fig_3(traced, slopes, paper),
             thin_slabs(slopes),
             crossed(paper, onsets, found),
@@ -205,7 +203,7 @@ def _critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Draw
     return figure
 
 
-def planes(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Drawing:
+def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Drawing:
     """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
     figure, axes = subplots(4.0, 1, 1, "$r$", r"$\epsilon$")
     r = np.geomspace(10**-3.2, 10**-0.75, 4000)
@@ -301,12 +299,6 @@ def _gaps(paper: Scene, slopes: FrictionSlopes, epsilon: float, velocity: float)
             follow_root(characteristic(driven), s * (1.0 + 1e-3j)) / s - 1.0
         ),
     }
-
-
-def fig_2(curves: Curves) -> tuple[Verdict, ...]:
-    """What the paper concludes from its Fig 2."""
-    slow, fast = float(np.abs(curves.error[curves.velocity <= 1e3]).max()), abs(float(curves.error[-1]))
-    return error_of_27("Fig 2:", slow, fast)
 
 
 def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Iterator[Verdict]:

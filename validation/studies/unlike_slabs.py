@@ -12,7 +12,7 @@ from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from validation.measure.cycle import Cycle, cut, watch
+from validation.measure.cycle import OneCycle, cut, watch
 from validation.registry.build import build
 from validation.registry.families import explicit_time
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
@@ -54,7 +54,7 @@ class PairRun:
     model: str
     cells: int | None
     figures: dict[str, float]
-    cycle: Cycle
+    cycle: OneCycle
 
     def differs(self, exact: "PairRun") -> dict[str, float]:
         """Difference in psi (absolute) and in the cycle's figures (relative)."""
@@ -220,7 +220,7 @@ _CAPTION = (
 )
 
 
-def last_cycles(shown: Mapping[str, tuple[Cycle, Cycle]]) -> Drawing:
+def last_cycles(shown: Mapping[str, tuple[OneCycle, OneCycle]]) -> Drawing:
     """Columns: scenes; rows: stress and rate. Each entry holds (delay, full wave)."""
     figure, grid = subplots(4.8, 2, len(shown), "time since the slip event (transits)", sharex="col", sharey="row")
     for column, (pair, (exact, wave)) in zip(grid.T, shown.items(), strict=True):

@@ -92,7 +92,7 @@ def run(budget: Budget) -> StudyResult:
     orbits, means = parted(regimes, places_of_r)
     for model in ("delay", *MODELS, "fitted:4"):
         more = SHOWN if model == "fitted:4" else _NEAR_ONSET[budget.quick]
-        orbits[model] = {x: orbit_of(model, x) for x in more} | orbits.get(model, {})
+        orbits[model] = {x: own_figures_of(model, x) for x in more} | orbits.get(model, {})
     table = _the_table(regimes, places_of_r, _ROUNDS[budget.quick])
     return StudyResult(
         answer=" ".join(table.sentences),
@@ -102,7 +102,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("errors", _CAPTION, lambda: _errors_over_r(orbits)),
             Figure("deep", _DEEP_CAPTION, lambda: _errors_of_means(means)),
         ),
-        verdicts=all_verdicts(orbits, means, table),
+        verdicts=verdicts_on_models(orbits, means, table),
         numbers=_numbers(orbits, means, table),
         omissions=omissions(orbits),
         model_tables=(table,),
@@ -143,7 +143,7 @@ def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
         for model in MODELS
         for log10_r in SHOWN
         for symbol, name in (("T", "period"), ("drop", "drop"), ("v_max", "v_max"))
-        for off in [error(orbits, model, log10_r, name)]
+        for off in [error_beside_delay(orbits, model, log10_r, name)]
     }
     found |= {f"{DAMPED} T at {x}": Number(figures.period.value, 1e-8) for x, figures in means[DAMPED].items() if figures}
     known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error}
@@ -271,7 +271,7 @@ def parted(regimes: ByModel, grid: Sequence[float]) -> tuple[Runs, Runs]:
     return inside, {model: {x: one for x, one in by_r.items() if x not in SHOWN} for model, by_r in at.items()}
 
 
-def orbit_of(model: str, log10_r: float) -> CycleFigures | None:
+def own_figures_of(model: str, log10_r: float) -> CycleFigures | None:
     """The model's own orbit by Newton's method; None if it has none."""
     try:
         return CycleFigures.of(memo.own_orbit(model, begun_at(log10_r), TOLERANCE).orbit)
@@ -298,7 +298,7 @@ def log10_onsets() -> tuple[float, float]:
     return math.log10(found.r_delay), math.log10(found.r_quasidynamic)
 
 
-def error(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
+def error_beside_delay(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
     """Signed relative error of `period` or `drop` against the delay system; NaN where either has none."""
     ours, exact = runs[model].get(log10_r), runs["delay"].get(log10_r)
     if ours is None or exact is None:
@@ -309,7 +309,7 @@ def error(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
 
 def column(runs: Runs, model: str, quantity: str, part: Callable[[Estimate], float] = lambda one: abs(one.value)) -> Array:
     """A part of the errors of `model` at every r of the delay system, or their sizes."""
-    return np.array([part(error(runs, model, log10_r, quantity)) for log10_r in runs["delay"]])
+    return np.array([part(error_beside_delay(runs, model, log10_r, quantity)) for log10_r in runs["delay"]])
 
 
 def apart(one: CycleFigures | None, other: CycleFigures | None) -> float:
@@ -319,14 +319,14 @@ def apart(one: CycleFigures | None, other: CycleFigures | None) -> float:
     return max(abs(one.period.value / other.period.value - 1.0), abs(one.drop.value / other.drop.value - 1.0))
 
 
-def orbit_claims(orbits: Runs) -> Iterator[Verdict]:
+def error_claims(orbits: Runs) -> Iterator[Verdict]:
     """What the errors of the orbits are at log10 r = -2.68, and that more modes reduce them."""
     for model, limit in TARGETS.items():
-        off = abs(error(orbits, model, -2.68, "period").value)
+        off = abs(error_beside_delay(orbits, model, -2.68, "period").value)
         where = f"`{model}` at log_{{10}} r = −2.68, against the delay system"
         title = "The slabs’ exact modes give the period of the paper’s scene"
         yield claim(title, WITNESS, off, limit, where)
-    short = -error(orbits, "kelvin-voigt", -2.68, "period").value
+    short = -error_beside_delay(orbits, "kelvin-voigt", -2.68, "period").value
     title = "The paper’s ODE falls short of the exact period by some 4 %"
     where = "printed: 70.73 against 73.5 transits, log_{10} r = −2.68; half of the last printed digits is allowed"
     expected, off = f"{100 * _PRINTED:.2f} ± {100 * _HALF_DIGITS:.2f} %", abs(short - _PRINTED)
@@ -342,7 +342,7 @@ def orbit_claims(orbits: Runs) -> Iterator[Verdict]:
 def mean_claims(means: Runs, ran: dict[str, CycleFigures]) -> Iterator[Verdict]:
     """Means of wandering motions against the delay system's, and of orbits at the least r, which Newton's method finds without
     the run's end, against the means `ran` there over the cycles of a run."""
-    found = [error(means, *one) for one in product(_AS_WAVES, means["delay"], _JUDGED)]
+    found = [error_beside_delay(means, *one) for one in product(_AS_WAVES, means["delay"], _JUDGED)]
     off = max(abs(one.value) / one.error for one in found)
     title = (
         "Where no orbit is stable, the full wave, four and eight modes have the delay system’s mean period and mean stress drop"
@@ -361,8 +361,8 @@ def damped_claims(orbits: Runs, means: Runs, run: CycleFigures) -> Iterator[Verd
     """Where the quasi-dynamic model slides steadily, how short its period is beyond, and that a direct run has it too."""
     (_, onset), known = log10_onsets(), orbits[DAMPED] | means[DAMPED]
     right = sum((found is not None) == (log10_r > onset) for log10_r, found in known.items())
-    short = [-error(means, DAMPED, log10_r, "period").value for log10_r in means["delay"]]
-    where = f"`{DAMPED}`; onset, by the closed form, at log_{{10}} r = {places([onset], '.3f')}; orbits at {places(known)}"
+    short = [-error_beside_delay(means, DAMPED, log10_r, "period").value for log10_r in means["delay"]]
+    where = f"`{DAMPED}`; onset, r = ε/(b − a − εV/2), at log_{{10}} r = {places([onset], '.3f')}; orbits at {places(known)}"
     yield every(
         "The quasi-dynamic model slides steadily up to its own onset and not beyond", EXACT, right, len(known), where, "r"
     )
@@ -412,7 +412,7 @@ def no_modes() -> Verdict:
 
 def wave_claims(orbits: Runs) -> Iterator[Verdict]:
     """The full wave's cycles against the delay system's orbits."""
-    off = {name: max(abs(error(orbits, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
+    off = {name: max(abs(error_beside_delay(orbits, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
     where = f"`{WAVE}`, {CELLS} cells, propagated exactly in time, at {places(SHOWN)}"
     yield claim("The full wave has the period of the delay system’s orbit", WITNESS, off["period"], _WAVE_PERIOD, where)
     yield claim("The full wave has the stress drop of the delay system’s orbit", WITNESS, off["drop"], _WAVE_DROP, where)
@@ -447,10 +447,10 @@ def table_claims(table: ModelTable) -> Iterator[Verdict]:
     ).with_margin(1.0 / AS_CHEAP / least, 1.0, "of times")
 
 
-def all_verdicts(orbits: Runs, means: Runs, table: ModelTable) -> tuple[Verdict, ...]:
+def verdicts_on_models(orbits: Runs, means: Runs, table: ModelTable) -> tuple[Verdict, ...]:
     """In the order of the page."""
     periods = {model: orbit.period for model, by_r in orbits.items() if (orbit := by_r.get(-2.68)) and model != WAVE}
     ran = {model: mean_at(model, min(means["delay"])) for model in _REPEATING}
     of_means = (*mean_claims(means, ran), *damped_claims(orbits, means, run_of_damped()))
-    of_orbits = (*orbit_claims(orbits), *wave_claims(orbits), *known_claims(periods))
+    of_orbits = (*error_claims(orbits), *wave_claims(orbits), *known_claims(periods))
     return (*table_claims(table), *of_orbits, *of_means, fitted_modes("fitted:4"), no_modes())

@@ -1,13 +1,12 @@
-"""Claims that several studies judge: periods that other programs know, the order of periods (P7), the error of (27)."""
+"""Claims that several studies judge: periods that other programs know, the order of periods (P7)."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.references.published import half_digit, reference_orbit
-from validation.study import PAPER, WITNESS, Evidence, Verdict, claim, every, holding, in_range
+from validation.study import PAPER, WITNESS, Evidence, Verdict, claim, every, holding
 from validation.study.text import minus, places
 
 ERRORS = 4.0
@@ -15,8 +14,6 @@ ERRORS = 4.0
 
 JUST_BELOW = 0.01
 """A fold at most so far below the onset, relative, is "just below" it."""
-
-_VERY_SMALL, _ORDER_OF_TEN_PER_CENT = 1e-2, (0.1 / math.sqrt(10.0), 0.1 * math.sqrt(10.0))
 
 
 def error_of(*figures: Estimate) -> float:
@@ -82,13 +79,3 @@ def order_of_periods(listed: Sequence[PeriodRanges], remark: str) -> Verdict:
     held = sum(one.ordered for one in listed)
     title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([one.log10_r for one in listed])}"
     return every(title, PAPER, held, len(listed), remark, "r")
-
-
-def error_of_27(prefix: str, slow: float, fast: float) -> tuple[Verdict, Verdict]:
-    """The claim of Fig 2: the largest error up to V = 10^3, and that at V = 10^4."""
-    small = "read as: below a tenth of the error that is claimed for V = 10^{4}"
-    large = "read as: nearer to 10 % than to 1 % or 100 %, on a logarithmic scale"
-    return (
-        claim(f"{prefix} the error of (27) is very small for V < 10^{{3}}", PAPER, slow, _VERY_SMALL, small),
-        in_range(f"{prefix} it grows to the order of 10 % at V = 10^{{4}}", PAPER, _ORDER_OF_TEN_PER_CENT, [fast], large, ".1%"),
-    )

@@ -18,7 +18,7 @@ from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.measure.correlated import mean_of
-from validation.measure.cycle import Cycle, cut, watch
+from validation.measure.cycle import OneCycle, cut, watch
 from validation.measure.settle import MOST_TRANSITS, Settled, settle
 from validation.registry.build import build
 from validation.registry.orbit_start import first_event
@@ -91,7 +91,7 @@ def means(model: str, scene: Scene, until: float) -> Means:
     return Means(mean_of(found.period), mean_of(found.stress_drop), found.period.size)
 
 
-def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -> Cycle:
+def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -> OneCycle:
     """A closed orbit as the cycle of its first slip event, with `before` transits ahead of it and `after` transits past its end;
     its elastic stress is known but for a constant."""
     period, pieces = closed.cycle.period, closed.cycle.pieces
@@ -104,7 +104,7 @@ def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -
 
 
 @kept
-def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[Cycle]:
+def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[OneCycle]:
     """So many cycles of a run in turn, after its transient, if none is longer than `longest` (transits)."""
     solver = build(model, scene, tolerance=LATE_TOLERANCE)
     end = TRANSIENT + (count + 2) * longest

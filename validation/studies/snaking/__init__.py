@@ -64,7 +64,6 @@ def run(budget: Budget) -> StudyResult:
             Figure("orbits", _ORBITS, lambda: orbits_along(branch), zoom=True),
         ),
         tables=(
-            _pair_table(branch),
             _window_table(branch.corners),
             _coexisting_table(orbits),
             _beside_table(both),
@@ -72,7 +71,7 @@ def run(budget: Budget) -> StudyResult:
             _reappearance_table(again, residuals),
         ),
         verdicts=(
-            *measured.branch_claims(branch, finer),
+            *measured.fold_claims(branch, finer),
             *settles(runs[0], beside[0]),
             measured.wanders(runs[1], beside[1]),
             *grows(both),
@@ -110,7 +109,8 @@ _ORBITS = (
 )
 _WHY = (
     "Ripples of one transit decorate the cycle. As r grows, T grows, and a new ripple enters the cycle about once per transit of "
-    "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays."
+    "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays. The study "
+    "`bifurcation` lists r and T of every fold."
 )
 
 _ALONG, _POINTS, _RAISED = 24, 400, 0.15
@@ -118,17 +118,6 @@ _LEAST = 74.0
 """Period (transits) from which the branch is shown."""
 
 _RUNS: dict[str, Any] = {"color": "#d55e00", "capsize": 3.0, "linestyle": "none", "markerfacecolor": "none"}
-
-
-def _pair_table(branch: Branch) -> Table:
-    places = [[(one.point.parameter, one.point.closed.cycle.period) for one in pair] for pair in measured.fold_pairs(branch)]
-    since = [None, *np.diff([turn[1] for turn, _ in places]).tolist()]
-    rows = ((*turn, *back, turn[0] - back[0], growth) for (turn, back), growth in zip(places, since, strict=False))
-    heading = (
-        "turns at [log_{10} r] .9f | T [transits] .5f | back at [log_{10} r] .9f | T [transits] .5f | width [log_{10} r] .2e "
-        "| T since the pair before [transits] .3f"
-    )
-    return table("pairs", "Pairs of folds along the branch; the last column is the growth of T from pair to pair.", heading, rows)
 
 
 def _window_table(corners: list[BranchPoint]) -> Table:

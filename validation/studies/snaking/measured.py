@@ -234,7 +234,7 @@ def fold_pairs(branch: Branch) -> list[tuple[Special, Special]]:
     return list(zip(folds[::2], folds[1::2], strict=False))
 
 
-def branch_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
+def fold_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
     """The special points of the branch that a finer mesh and shorter steps find; the growth of T from pair to pair of folds."""
     both = list(zip(branch.special, finer.special, strict=False))
     off = max(abs(one.point.parameter - other.point.parameter) for one, other in both)
