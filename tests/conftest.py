@@ -5,8 +5,11 @@ import math
 import pytest
 from hypothesis import HealthCheck, settings
 
+from reduced.families import REDUCTIONS
 from slipwave.friction import LAWS
-from validation.registry.families import FAMILIES
+from slipwave.friction.own import LAW_FILES
+from validation.registry import own
+from validation.registry.families import FAMILIES, GRIDS
 
 # no deadline: the first call may compile
 _COMMON = {"deadline": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow]}
@@ -23,16 +26,21 @@ def pytest_addoption(parser):
 
 @pytest.fixture(autouse=True)
 def no_progress(monkeypatch):
-    """Tests of what is printed must not depend on how long it took: no test waits for progress unless it says so."""
+    """Tests of what is printed must not depend on how long it took: no test is told of progress or of a long run unless it says
+    so."""
     monkeypatch.setattr("validation.run.progress.PATIENCE", math.inf)
+    monkeypatch.setattr("validation.run.simulate._SOON", math.inf)
 
 
 @pytest.fixture(autouse=True)
 def nothing_left_behind():
-    """A friction law or a family of models that a test registers is gone after it: no test may depend on what its process ran
-    before."""
-    laws, families = dict(LAWS), list(FAMILIES)
+    """Friction laws and families of models that a test registers, and the files that it loads, are gone after it: no test may
+    depend on what its process ran before."""
+    tables, lists = (LAWS, LAW_FILES, own._OWN), (FAMILIES, GRIDS, REDUCTIONS)
+    before = [dict(table) for table in tables], [list(one) for one in lists]
     yield
-    for name in set(LAWS) - set(laws):
-        del LAWS[name]
-    FAMILIES[:] = families
+    for table, old in zip(tables, before[0], strict=True):
+        table.clear()
+        table |= old
+    for one, kept in zip(lists, before[1], strict=True):
+        one[:] = kept

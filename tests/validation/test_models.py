@@ -12,7 +12,6 @@ from slipwave.errors import SceneError
 from slipwave.family import FEATURES, features_of
 from slipwave.input.stored import read_stored
 from slipwave.solve import follow
-from tests.own_families import removed
 from validation.registry.build import build, build_all
 from validation.registry.families import FAMILIES, GRIDS, families, honouring, resolve
 from validation.registry.own import load_families, own_files
@@ -138,11 +137,10 @@ def block10(scene, name):
 
 @pytest.fixture
 def file(tmp_path):
-    """A file of families; what it adds is taken away."""
+    """A file of families."""
     path = tmp_path / "mine.py"
     path.write_text(ELEMENTS)
-    with removed():
-        yield path
+    return path
 
 
 def test_a_full_wave_and_a_reduction_of_ones_own(file, answer):

@@ -143,13 +143,14 @@ class Marching:
     ("model", "seconds", "says"), [("delay", 6.1, True), ("delay", 0.5, False), ("quasidynamic", 6.1, False)]
 )
 def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
-    """A tenth of the run has taken so many seconds, then two tenths."""
-    clock = iter([0.0, seconds, 10.0 + seconds])
+    """A tenth of the run has taken so many seconds; what came before it, as compilation, does not count."""
+    clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
+    monkeypatch.setattr("validation.run.simulate._SOON", 5.0)
     monkeypatch.setattr("validation.run.simulate.time.monotonic", lambda: next(clock))
-    advice = LongRunAdvice(Marching(model), 100.0, lambda done: None)  # type: ignore[arg-type]
+    advice = LongRunAdvice(Marching(model), 110.0, lambda done: None)  # type: ignore[arg-type]
     with caplog.at_level(logging.INFO, logger="slipwave"):
-        advice(10.0)
-        advice(90.0)
+        for done in (10.0, 20.0, 90.0):
+            advice(done)
     told = [record.getMessage() for record in caplog.records]
     assert [("61 s" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
 

@@ -8,7 +8,6 @@ import pytest
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.sources import ROOT
-from tests.own_families import removed
 from validation.cli import NUMERICS_FAILED, main
 
 RIGHT = """
@@ -54,8 +53,7 @@ register("mine", Mine, respond, steady_psi)
 
 @pytest.fixture
 def file(tmp_path):
-    with removed():
-        yield tmp_path / "mine.py"
+    return tmp_path / "mine.py"
 
 
 def missed(words, capsys):

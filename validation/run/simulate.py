@@ -182,18 +182,19 @@ class LongRunAdvice:
 
     def __init__(self, solver: Solver, until: float, report: Callable[[float], None]) -> None:
         self._solver, self._until, self._report = solver, until, report
-        self._began, self._start = time.monotonic(), solver.time
+        self._first: tuple[float, float] | None = None
         elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
         self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
 
     def __call__(self, done: float) -> None:
         """The time `done` (transits) is reached."""
         self._report(done)
-        elapsed = time.monotonic() - self._began
-        if self._silent or elapsed < _SOON or done <= self._start:
+        now = time.monotonic()
+        began, start = self._first = self._first or (now, done)  # what came before may have been compilation
+        if self._silent or now - began < _SOON or done <= start:
             return
         self._silent = True
-        seconds = elapsed * (self._until - self._start) / (done - self._start)
+        seconds = (now - began) * (self._until - start) / (done - start)
         if seconds > LONG:
             logging.getLogger("slipwave").info(
                 "this run will take about %.0f s; --model quasidynamic is cheaper and leaves out the echoes of waves, each of "
