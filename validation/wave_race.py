@@ -13,13 +13,11 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from statistics import median
 from typing import NamedTuple
 
 import slipwave
-from slipwave.solve import follow
 from validation.output import print_table
-from validation.timing import Setting, in_turn, solver_of, warm_up, whole
+from validation.timing import Setting, time_final
 
 PSI = -2.8174018894888
 """psi(600) by the delay system at three resolutions, and by another program."""
@@ -49,8 +47,7 @@ _BY_PROCESSOR = (
     "runpy.run_path(sys.argv[1], run_name='__main__')"
 )
 _UNTIL = 600.0
-_ROUNDS = 3
-_EACH = 2  # runs of each setting in a round
+_REPEATS = 5
 
 
 class Entrant(NamedTuple):
@@ -63,24 +60,13 @@ class Entrant(NamedTuple):
     ms: float
 
 
-def timed_in_turn(yardstick: Path | None, settings: Sequence[Setting] = SETTINGS, rounds: int = _ROUNDS) -> list[Entrant]:
-    """The other program and every setting, in turn, so that a machine that slows down slows all; medians."""
-    scene, theirs, ours = slipwave.read("paper-2.6"), list[list[Entrant]](), list[dict[Setting, float]]()
-    errors: dict[Setting, float] = {}
-
-    def march(setting: Setting) -> None:
-        errors[setting] = abs(follow(solver_of(setting, scene), _UNTIL).psi - PSI)
-
-    for setting in settings:
-        warm_up(setting, scene)
-    for _ in range(rounds):
-        theirs += [run_program(yardstick)] if yardstick else []
-        ours += in_turn({setting: whole(march, setting) for setting in settings}, _EACH)
-    rivals = [case[0]._replace(ms=median(run.ms for run in case)) for case in zip(*theirs, strict=True)]
-    return rivals + [
-        Entrant(one.time or one.model, _in_words(one), errors[one], 1e3 * median(times[one] for times in ours))
-        for one in settings
-    ]
+def raced(yardstick: Path | None, settings: Sequence[Setting] = SETTINGS, repeats: int = _REPEATS) -> list[Entrant]:
+    """The other program and every setting, each the fastest of its runs."""
+    scene = slipwave.read("paper-2.6")
+    runs = [run_program(yardstick) for _ in range(repeats)] if yardstick else []
+    rivals = [min(case, key=lambda one: one.ms) for case in zip(*runs, strict=True)]
+    ours = [(one, *time_final(one, scene, _UNTIL, repeats)) for one in settings]
+    return rivals + [Entrant(one.time or one.model, _in_words(one), abs(psi - PSI), 1e3 * spent) for one, spent, psi in ours]
 
 
 def _in_words(setting: Setting) -> str:
@@ -122,4 +108,4 @@ def main(found: Sequence[Entrant]) -> None:
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--yardstick", type=Path, metavar="PROGRAM.py")
-    main(timed_in_turn(parser.parse_args().yardstick))
+    main(raced(parser.parse_args().yardstick))

@@ -13,7 +13,7 @@ from validation import benchmark, timing
 from validation.benchmark import last, main, ratios
 from validation.run.timing import timed
 from validation.timing import March, Race, Setting, in_turn
-from validation.wave_race import Entrant, fastest, race_ratios, run_program, timed_in_turn
+from validation.wave_race import Entrant, fastest, race_ratios, raced, run_program
 from validation.wave_race import main as print_race
 
 PLAIN = """
@@ -120,7 +120,7 @@ def test_the_race_is_run_and_printed(tmp_path, capsys):
     (tmp_path / "plain.py").write_text(PLAIN)
     assert 0.0 <= run_program(tmp_path / "plain.py")[0].ms < 100.0
     settings = (Setting("delay", tolerance=1e-9), Setting("dg:16", 1e-10, 2, time="exact"))
-    print_race(timed_in_turn(tmp_path / "plain.py", settings, rounds=1))
+    print_race(raced(tmp_path / "plain.py", settings, repeats=1))
     head, other, delay, exact, *rest = capsys.readouterr().out.splitlines()
     assert head.split() == ["march", "error", "of", "psi(600)", "ms"]
     assert other.startswith("plain: degree 7, elements 8 ")

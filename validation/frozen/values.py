@@ -27,19 +27,8 @@ from validation.study.over_r import branch_of, scene_at
 
 FILE = Path(__file__).with_name("benchmark.csv")
 PAGE, SECOND = ROOT / "docs" / "benchmark" / "benchmark.csv", ROOT / "docs" / "benchmark" / "second_program.py"
-POINTS = {
-    "fold.1": ("LP", 0),
-    "fold.2": ("LP", 1),
-    "fold.3": ("LP", 2),
-    "fold.4": ("LP", 3),
-    "fold.5": ("LP", 4),
-    "torus.1": ("NS", 0),
-    "torus.2": ("NS", 1),
-    "torus.3": ("NS", 2),
-    "torus.4": ("NS", 3),
-    "doubling.1": ("PD", 0),
-    "doubling.2": ("PD", 1),
-}
+_KINDS = (("fold", "LP", 5), ("torus", "NS", 4), ("doubling", "PD", 2))
+POINTS = {f"{name}.{k + 1}": (kind, k) for name, kind, count in _KINDS for k in range(count)}
 """Special points by name: their kind, and which of it along the branch. With the onset they are twelve."""
 
 STARTS: dict[str, tuple[tuple[str, ...], tuple[float, ...]]] = {

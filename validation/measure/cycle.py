@@ -8,7 +8,7 @@ from slipwave.friction import Law
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array, Pieces
-from slipwave.solve import Solver, follow
+from slipwave.solve import Observer, Solver, follow
 
 _RIPPLES = (25.0, 55.0)  # transits after the event's date in which the interface creeps and the stress ripples
 _FIRST_MOST = 16  # chunks of pieces that are kept before the first check whether they are still needed
@@ -34,10 +34,11 @@ def cut(law: Law, samples: Array, date: float, period: float, before: float = 0.
     return OneCycle(**columns | {"time": columns["time"] - date}, period=period)
 
 
-def watch(solver: Solver, until: float) -> EventObserver:
-    """March `solver` to `until` (transits); the observer returned holds the slip events. Raises NumericsError as `follow`."""
+def watch(solver: Solver, until: float, *others: Observer) -> EventObserver:
+    """March `solver` to `until` (transits), with `others` that observe it; the observer returned holds the slip events. Raises
+    NumericsError as `follow`."""
     observer = EventObserver(solver.scene, solver.nodes)
-    follow(solver, until, [observer])
+    follow(solver, until, [observer, *others])
     return observer
 
 

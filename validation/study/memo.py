@@ -12,11 +12,10 @@ import numpy as np
 
 from reduced.orbit import PeriodicOrbit
 from reduced.orbit.closing import Closed
-from slipwave.observe import EventObserver, Events, HistoryObserver
+from slipwave.observe import Events, HistoryObserver
 from slipwave.observe.pieces import lagrange_basis, values_at
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
-from slipwave.solve import follow
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import OneCycle, cut, watch
 from validation.measure.settle import MOST_TRANSITS, Settled, settle
@@ -107,9 +106,8 @@ def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -
 def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[OneCycle]:
     """So many cycles of a run in turn, after its transient, if none is longer than `longest` (transits)."""
     solver = build(model, scene, tolerance=LATE_TOLERANCE)
-    end = TRANSIENT + (count + 2) * longest
-    history, observer = HistoryObserver(scene.law, solver.nodes, TRANSIENT), EventObserver(scene, solver.nodes)
-    follow(solver, end, [history, observer])
-    events, samples = observer.events(TRANSIENT), history.samples(per_piece)
+    history = HistoryObserver(scene.law, solver.nodes, TRANSIENT)
+    events = watch(solver, TRANSIENT + (count + 2) * longest, history).events(TRANSIENT)
+    samples = history.samples(per_piece)
     each = zip(events.time.tolist(), events.period.tolist(), strict=True)
     return [cut(scene.law, samples, date, period) for date, period in each][:count]

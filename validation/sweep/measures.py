@@ -2,8 +2,9 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, NamedTuple, cast, get_args
+from typing import Any, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from slipwave.scene import Scene
 from validation.registry.build import prepare
 from validation.registry.families import one_port_of
 from validation.results.quantities import Meaning
-from validation.run.length import Length, Until, UntilSettled
+from validation.run.length import Ended, JudgedHalf, Length, Until, UntilSettled
 from validation.run.outlook import Outlook, outlook
 from validation.run.simulate import Run, reconsidered, simulate
 
@@ -44,22 +45,24 @@ class Measure(NamedTuple):
     regime: tuple[str, ...] = ()
 
 
-class _Expected:
-    """As `Outlook`, computed only when a motion dies out: what repeats needs no spectrum."""
-
-    def __init__(self, scene: Scene, model: str) -> None:
-        self._scene, self._model = scene, model
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(outlook(self._scene, self._model), name)
+_UNKNOWN = Outlook(None, 0.0, math.inf)
 
 
+@dataclass(frozen=True)
 class UntilSure(UntilSettled):
-    """Until the motion is settled, but not beyond `until` (transits)."""
+    """Until the motion of `model` is settled, but not beyond `until` (transits)."""
+
+    expected: Outlook = _UNKNOWN
+    model: str = "delay"
 
     def ends(self, after: float) -> Iterator[float]:
         """As `Until`: a quarter, a half and the whole."""
         yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """As `Until`. What is expected is computed only when a motion dies out: what repeats needs no spectrum."""
+        dies_out = now.verdict is not None and now.verdict.kind in ("steady", "decaying")
+        return UntilSettled(self.scene, outlook(self.scene, self.model) if dies_out else self.expected).ended(now)
 
 
 def march_point(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
@@ -69,7 +72,7 @@ def march_point(scene: Scene, model: str, options: Options, whole: bool = False)
     solver = prepare(model, scene, tolerance=options.get("tol"), cells=options.get("cells")).solver
     one_port = one_port_of(solver.model)
     until = scene.until if scene.until is not None else TRANSITS
-    length: Length = Until(until) if whole else UntilSure(scene, cast(Outlook, _Expected(scene, one_port)), until=until)
+    length: Length = Until(until) if whole else UntilSure(scene, until=until, model=one_port)
     run = reconsidered(simulate(solver, length), one_port)
     if run.failed:
         raise NumericsError(run.failed)

@@ -10,7 +10,6 @@ from slipwave.input import read_scene
 from slipwave.observe import Events, HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.solve import follow
 from validation.measure.cycle import cut, watch
 from validation.references.published import laboratory
 from validation.registry.build import build
@@ -164,7 +163,7 @@ def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
     solver = build("delay", scene, tolerance=1e-6)
     history = HistoryObserver(scene.law, solver.nodes)
     expected = 20.0 * weakening * normal_stress * 1e6 / stiffness / (1e-3 * velocity)  # s: some periods
-    seen = _followed(solver, history, 6.0 * expected / transit)
+    seen = watch(solver, 6.0 * expected / transit, history).events()
     near = 0.1 / transit
     cycle = cut(scene.law, history.samples(), float(seen.time[-1]), near, before=near)
     return Rise(
@@ -174,14 +173,6 @@ def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
         float(seen.elastic_stress_drop[-1]) * normal_stress,
         1e3 * transit * rise_time(cycle.time, cycle.elastic_stress),
     )
-
-
-def _followed(solver: Any, history: HistoryObserver, until: float) -> Events:
-    from slipwave.observe import EventObserver
-
-    watching = EventObserver(solver.scene, solver.nodes)
-    follow(solver, until, [watching, history])
-    return watching.events()
 
 
 def rise_time(time: Array, elastic: Array) -> float:
