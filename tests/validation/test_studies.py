@@ -282,12 +282,12 @@ def beside(figure, off):
 
 
 def cycles(last):
-    return ([CycleErrors(theta, 7.0, {"kelvin-voigt": error}) for theta, error in ((0.2, -1e-2), (0.1, last))],)
+    return ([CycleErrors(theta, 7.0, {"kelvin-voigt": error}, {}) for theta, error in ((0.2, -1e-2), (0.1, last))],)
 
 
 def periods(ode=70.0, delay=73.0, block=76.0, mean=None):
     orbits = {"kelvin-voigt": [ode], "delay": [delay], "block8": [block], "block12": [block + 1.0]}
-    return Periods(-2.68, orbits, {"delay": Means(mean, mean, 50)} if mean else {})
+    return Periods(-2.68, orbits, {"delay": Means(mean, mean, 50)} if mean else {}, {})
 
 
 def thick(share):

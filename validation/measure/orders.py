@@ -168,10 +168,13 @@ class Climb:
 
 
 def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
-    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to run are left out."""
-    rows = []
+    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to run are left out. A march
+    before the first one is not timed: it may have to compile."""
+    rows = list[tuple[int, float, dict[str, float]]]()
     for cells in ladder.levels():
         try:
+            if not rows:
+                _marching(build(ladder.model, ladder.course.scene, cells=cells, cfl=ladder.cfl), ladder.course)()
             seconds, found = _timed(build, ladder, cells)
         except (NumericsError, SceneError):
             continue

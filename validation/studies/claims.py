@@ -77,10 +77,12 @@ class Loading(NamedTuple):
 
 
 class Ripples(NamedTuple):
-    """A model's orbit at log10 r = -2.68: period of its ripples (transits), and where the time of the cycle goes."""
+    """A model's orbit at log10 r = -2.68: period of its ripples (transits), where the time of the cycle goes, and how far the
+    period is from that of half as many samples."""
 
     period: float
     loading: Loading
+    error: float = 0.0
 
 
 _LOG10_R = {
@@ -138,7 +140,7 @@ def _answer(verdicts: tuple[Verdict, ...]) -> str:
 def _numbers(orbits: Orbits, ripples: dict[str, Ripples]) -> dict[str, Number]:
     periods = {f"{model} T at {r}": orbit.period for r, models in orbits.items() for model, orbit in models.items()}
     return {name: stated(found.value, found.error) for name, found in periods.items()} | {
-        f"{model} ripple period": Number(one.period, 1e-3) for model, one in ripples.items()
+        f"{model} ripple period": stated(one.period, one.error) for model, one in ripples.items()
     }
 
 
@@ -256,8 +258,9 @@ def measure_ripples(model: str) -> Ripples:
     """One cycle of the model's orbit at log10 r = -2.68."""
     scene = slipwave.read("paper")
     settled = memo.settled(model, scene, 1e-10, 1e-9)
-    cycle = one_cycle(settled, per_piece=16)
-    return Ripples(ripple_period(cycle), loading_of(settled.orbit, cycle, scene))
+    cycle, coarse = one_cycle(settled, per_piece=16), one_cycle(settled, per_piece=8)
+    period = ripple_period(cycle)
+    return Ripples(period, loading_of(settled.orbit, cycle, scene), abs(ripple_period(coarse) - period))
 
 
 def loading_of(orbit: Orbit, cycle: OneCycle, scene: Scene) -> Loading:

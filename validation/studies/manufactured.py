@@ -139,5 +139,5 @@ def _draw_errors(ladders: list[Ladder]) -> Drawing:
         used = cells[ladder.order.used]
         axes.loglog(used, ladder.order.constant * used**-ladder.order.order, color=own.color)
         axes.set_title(f"{ladder.pair} slabs")
-    panels[-1].legend(ncols=2, fontsize=8)
+    figure.legend(handles=panels[-1].get_legend_handles_labels()[0], loc="outside right center", fontsize=8)
     return figure

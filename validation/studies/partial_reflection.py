@@ -15,7 +15,7 @@ from validation.measure.cycle import watch
 from validation.measure.settle import NoCycle
 from validation.registry.build import build
 from validation.registry.families import explicit_time
-from validation.study import Budget, Figure, Number, StudyResult, Table, memo, table
+from validation.study import Budget, Figure, Number, StudyResult, Table, memo, stated, table
 from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain
 from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding
@@ -32,6 +32,7 @@ HELD = 10.0
 UNTIL = 900.0
 """Transits before which the two models' last complete cycle is compared."""
 RESTLESS = 1e-2
+_TOLERANCE = 1e-9
 """More than this from cycle to cycle, relative, is not an orbit."""
 
 _MOST = 5000.0
@@ -104,8 +105,13 @@ def run(budget: Budget) -> StudyResult:
             "load therefore falls by the factor R every transit, to 1/e in about 1/(1 − R) transits. Stick-slip needs a load "
             "that lasts for a period.",
         ),
-        numbers={f"grip {k:g}, Z_{{g}}/ε = 1: T": Number(orbits[k][len(grid) // 2].period, 1e-7) for k in STIFFNESSES},
+        numbers={f"grip {k:g}, Z_{{g}}/ε = 1: T": _with_error(k, orbits[k][len(grid) // 2].period) for k in STIFFNESSES},
     )
+
+
+def _with_error(stiffness: float, period: float) -> Number:
+    """The period where grips absorb every wave; its error is how far a run at ten times the tolerance is."""
+    return stated(period, abs(settled_cycle_of(grip_scene(stiffness, 1.0, LOG10_R), 10.0 * _TOLERANCE).period - period))
 
 
 def _answer(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> str:
@@ -203,10 +209,10 @@ def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
     return slipwave.read("paper", {"slab.log10_r": LOG10_R_BARE, "start.size": nudge, **face})
 
 
-def settled_cycle_of(scene: Scene) -> Point:
+def settled_cycle_of(scene: Scene, tolerance: float = _TOLERANCE) -> Point:
     """The settled cycle of the delay system, NaN if there is none."""
     try:
-        found = memo.settled("delay", scene, most=_MOST)
+        found = memo.settled("delay", scene, tolerance, most=_MOST)
     except NoCycle:
         return Point()
     orbit = found.orbit

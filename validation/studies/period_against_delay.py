@@ -4,16 +4,16 @@ import math
 from typing import Any, NamedTuple
 
 import slipwave
-from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable
+from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from validation.references.onset import onset_of
 from validation.references.published import reference
-from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
+from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, stated, table
 from validation.study.branch_drawing import draw_branch, special_keys
 from validation.study.drawing import Drawing, key, line, pen, ruled, subplots
 from validation.study.known import PeriodRanges, order_of_periods
-from validation.study.over_r import FAR, Branch, branch_of, scene_at
+from validation.study.over_r import FAR, Branch, branch_of, numbered_period, scene_at
 from validation.study.text import minus
 from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim
 
@@ -40,11 +40,12 @@ _THICK_LAW = 0.025
 
 class Periods(NamedTuple):
     """At one r, by model (transits): periods of all `orbits` found, and where none of these is stable, the mean over the cycles
-    of a run, with the number of its cycles."""
+    of a run, with the number of its cycles; `first`: the first of the orbits with its error."""
 
     log10_r: float
     orbits: dict[str, list[float]]
     means: dict[str, memo.Means]
+    first: dict[str, Number]
 
     @property
     def ranges(self) -> PeriodRanges:
@@ -84,7 +85,7 @@ def run(budget: Budget) -> StudyResult:
     branches = {model: branch_of(model, *_ENDS[quick][model]) for model in budget.each(_ENDS[quick], end=0.7)}
     listed = [periods_at(log10_r, branches, _UNTIL[quick]) for log10_r in _GRID[quick]]
     budget.report(0.9)
-    ratios = {model: {x: closed_orbit(model, x).cycle.period / period_of(scene_at(x), model) for x in _THICK} for model in MASSES}
+    ratios = {model: {x: own_period(model, x).value / period_of(scene_at(x), model) for x in _THICK} for model in MASSES}
     runs = {place: settled_period(*place) for place in _RUN}
     return StudyResult(
         answer=_answer(listed),
@@ -116,7 +117,7 @@ def _answer(listed: list[Periods]) -> str:
 
 
 def _numbers(listed: list[Periods]) -> dict[str, Number]:
-    return {f"{model} T at {one.log10_r:g}": Number(found[0], 1e-8) for one in listed for model, found in one.orbits.items()}
+    return {f"{model} T at {one.log10_r:g}": found for one in listed for model, found in one.first.items()}
 
 
 _CAPTION = (
@@ -230,17 +231,20 @@ def period_of(scene: Scene, model: str) -> float:
 
 def periods_at(log10_r: float, branches: dict[str, Branch], until: float) -> Periods:
     """All models at one r; runs last `until` (transits)."""
-    closed = {model: branches[model].orbits_at(log10_r) for model in WAVES} | {
-        model: [closed_orbit(model, log10_r)] for model in MASSES
-    }
+    closed = {model: branches[model].orbits_at(log10_r) for model in WAVES}
+    blocks = {model: own_period(model, log10_r) for model in MASSES}
+    first = {model: numbered_period(found[0]) for model, found in closed.items() if found}
+    first |= {model: stated(period.value, period.error) for model, period in blocks.items()}
     orbits = {model: [one.cycle.period for one in found] for model, found in closed.items() if found}
+    orbits |= {model: [period.value] for model, period in blocks.items()}
     unstable = [model for model in WAVES if all(count_unstable(one) for one in closed[model])]
-    return Periods(log10_r, orbits, {model: memo.means(model, scene_at(log10_r), until) for model in unstable})
+    means = {model: memo.means(model, scene_at(log10_r), until) for model in unstable}
+    return Periods(log10_r, orbits, means, first)
 
 
-def closed_orbit(model: str, log10_r: float) -> Closed:
-    """The orbit that a run comes near to, by Newton's method."""
-    return memo.own_orbit(model, scene_at(log10_r), _TOLERANCE).closed
+def own_period(model: str, log10_r: float) -> Estimate:
+    """The period of the orbit that a run comes near to, by Newton's method."""
+    return memo.own_orbit(model, scene_at(log10_r), _TOLERANCE).orbit.period
 
 
 def settled_period(model: str, log10_r: float) -> float:

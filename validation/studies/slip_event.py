@@ -12,7 +12,7 @@ from fullwave.fields.record import Field, record_field
 from slipwave.observe.pieces import Array
 from validation.measure.cycle import watch
 from validation.registry.build import build_full_wave
-from validation.study import EXACT, Budget, Figure, Number, StudyResult, Table, Verdict, claim, table
+from validation.study import EXACT, Budget, Figure, StudyResult, Table, Verdict, claim, stated, table
 from validation.study.drawing import Drawing
 
 NAME = "slip-event"
@@ -44,7 +44,7 @@ def run(budget: Budget) -> StudyResult:
     """Record one event, draw it, and compare its waves with straight characteristics."""
     event = _record(16 if budget.quick else 24)
     budget.report(0.8)
-    largest = float(event.slip_rate.max())
+    largest, stress = float(event.slip_rate.max()), event.field.upper.stress[:, 0]
     return StudyResult(
         answer=f"The interface slips at up to {largest:,.0f} V*, stays above 10 V for {_lasting(event):.1f} transits and "
         f"falls below V {_stop(event):.2f} transits after its fastest moment, when the wave that it sent out has come back.",
@@ -52,10 +52,17 @@ def run(budget: Budget) -> StudyResult:
         tables=(_arrivals(event),),
         verdicts=tuple(_verdicts(event, characteristics(event.field))),
         numbers={
-            "largest slip rate": Number(largest, 1e-3),
-            "stress swing": Number(float(np.ptp(event.field.upper.stress[:, 0])), 1e-3),
+            "largest slip rate": stated(largest, _missed(event.slip_rate)),
+            "stress swing": stated(float(np.ptp(stress)), _missed(stress) + _missed(-stress)),
         },
     )
+
+
+def _missed(values: Array) -> float:
+    """By how much the largest of the samples may fall short of the maximum between them: the parabola of its neighbours half an
+    interval away."""
+    most = int(np.argmax(values[1:-1]))
+    return float(2.0 * values[most + 1] - values[most] - values[most + 2]) / 8.0
 
 
 def _record(cells: int) -> Event:
@@ -157,5 +164,5 @@ _CAPTION = (
     "drive and reflects the disturbance with its velocity reversed. Within a transit of the fastest slip the returning wave has "
     "removed the load, and slip almost stops. The interface now holds its face as firmly as the drive holds the other, so the "
     "wave runs to and fro between the two and hardly weakens. This makes the chequered pattern on the right, which repeats after "
-    "one transit, and the ripples of the slow phase in the first study’s figure."
+    "one transit, and the ripples of the slow phase in the figure of `one-cycle`."
 )

@@ -170,7 +170,7 @@ def _diagram(found: dict[Key, list[CurvePoint]]) -> Drawing:
     for axes in others:
         axes.set(ylabel=r"$\log_{10} r$")
     for axes in (near, period, *others):
-        axes.set_xlabel("$V$")
+        axes.set_xlabel("$V/V^*$")
         axes.grid(True)
     lines = [line for axes in (near, *others) for line in axes.get_lines()]
     figure.legend(handles=lines, loc="outside upper left", ncols=2)

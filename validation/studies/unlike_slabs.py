@@ -15,7 +15,7 @@ from slipwave.solve import follow
 from validation.measure.cycle import OneCycle, cut, watch
 from validation.registry.build import build
 from validation.registry.families import explicit_time
-from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, table
+from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, stated, table
 from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain, power, run_time
 from validation.study.verdict import SELF, WITNESS, Outcome, Verdict, claim, holding, in_range
@@ -107,9 +107,14 @@ def run(budget: Budget) -> StudyResult:
             "twice the cells: three times the work. Run times on a busy machine prove nothing, so a ratio that is not reached is "
             "a finding.",
         ),
-        numbers={f"{name}: ψ({UNTIL:.0f})": Number(pair_runs[0].figures["psi"], 1e-10) for name, pair_runs in runs.items()},
+        numbers={f"{name}: ψ({UNTIL:.0f})": _with_error(name, pair_runs[0].figures["psi"]) for name, pair_runs in runs.items()},
         omissions=(Omission("Simplified models of unlike slabs.", "This study asks whether the two exact descriptions agree."),),
     )
+
+
+def _with_error(name: str, psi: float) -> Number:
+    """The state of the delay system; its error is how far a run at ten times the tolerance is."""
+    return stated(psi, abs(follow(build("delay", slipwave.read(name), tolerance=10.0 * TOLERANCE), UNTIL).psi - psi))
 
 
 def _answer(runs: dict[str, list[PairRun]], timed: Costs) -> str:

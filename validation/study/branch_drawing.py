@@ -18,8 +18,8 @@ _THIN = 0.8
 _BELOW = 1.5
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 _FINE = 6  # points of a curve for each interval between points of the branch
-OVERLAID = {"modal:2": "#e69f00", "modal:4": "#009e73", "modal:8": "#56b4e9"}
-"""Colours of branches that lie on the delay system's, drawn below it."""
+OVERLAID = {"modal:2": "#b55aa8", "modal:4": "#8d2f5e", "modal:8": "#5f3a8c"}
+"""Colours of branches that lie on the delay system's, drawn below it: shades of those of modes, as dashes tell stability."""
 
 
 def draw_branch(axes: Axes, model: str, corners: list[BranchPoint], name: str) -> None:

@@ -11,11 +11,13 @@ from reduced.continuation.point import FlowFamily, OrbitPoint
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_hopf, metric_for, orbits_at
 from reduced.orbit.approach import approach
-from reduced.orbit.closing import Closed
+from reduced.orbit.closing import Closed, close
+from reduced.orbit.periodic import FINER
 from reduced.parameters import with_parameter
 from slipwave.scene import Scene
 from validation.branches.points import BranchPoint, point_of
 from validation.registry.orbits import moving
+from validation.study import Number, stated
 
 RANGE = (-2.72, -2.3)
 """log10 r."""
@@ -116,3 +118,10 @@ def parts(corners: list[BranchPoint]) -> Iterator[tuple[bool, list[BranchPoint]]
         if n == len(corners) - 1 or (corners[n].unstable == 0) != (corners[begin].unstable == 0):
             yield corners[begin].unstable == 0, corners[begin : n + 1]
             begin = n
+
+
+def numbered_period(closed: Closed) -> Number:
+    """The orbit's period on a finer mesh, solved to rounding errors; its error is how far that on the orbit's own mesh is."""
+    flow, state = closed.flow.remeshed(closed.cycle, FINER)
+    period = close(flow, state, closed.cycle.period, 0.0).cycle.period
+    return stated(period, abs(period - closed.cycle.period))

@@ -47,6 +47,15 @@ class Line(NamedTuple):
     model: str
 
 
+_LABELS = {
+    "slab.log10_r": r"$\log_{10}\,r$",
+    "drive.velocity": "$V/V^*$",
+    "ratio_epsilon": "impedance, lower over upper slab",
+    "ratio_r": "round trip, lower over upper slab",
+}
+"""What pure numbers are called in a figure; other keys as they are."""
+
+
 def figure_of(data: Dataset, shown: str | None = None, lines: Sequence[Line] = ()) -> Drawing:
     """The figure of a gathered sweep with `lines` over its maps; `shown` is the column (default: regimes, period, stress drop).
 
@@ -75,7 +84,7 @@ def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Seq
     grid = figure.subplots(rows, width, squeeze=False).ravel()
     marks: dict[str, Any] = {}
     for axes, (model, column) in zip(grid, panels, strict=False):
-        marks |= _image(axes, model, names, column)
+        marks |= _image(axes, model, names, column, len(columns) == 1)
         for line in lines:
             if line.model in ("", model["model"].item()):
                 marks[line.name.partition(",")[0]] = axes.plot(line.across, line.up, **_LINE)[0]
@@ -88,12 +97,12 @@ def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Seq
     return figure
 
 
-def _image(axes: Axes, data: Dataset, names: Sequence[str], column: str) -> dict[str, Any]:
-    """Draw one column of a model; the colours of words by the words."""
+def _image(axes: Axes, data: Dataset, names: Sequence[str], column: str, alone: bool) -> dict[str, Any]:
+    """Draw one column of a model, which is all that is drawn of it if `alone`; the colours of words by the words."""
     across, up = (data[name] for name in names)
     values = data[column].transpose(names[1], names[0])
     _scales(axes, data, across, up)
-    axes.set_title(f"{data['model'].item()}: {column.replace('_', ' ')}")
+    axes.set_title(data["model"].item() if alone else f"{data['model'].item()}: {column.replace('_', ' ')}")
     if column == "other_regime":
         return _words(axes, across, up, values.fillna(-1), {"the same regime": "#dfe6ec", "another regime": "#c5523f"})
     if "flag_meanings" in values.attrs:
@@ -130,7 +139,8 @@ def _scales(axes: Axes, data: Dataset, across: DataArray, up: DataArray) -> None
         other = other_side(data, coordinate)
         if other:
             other.add(axes, coordinate is across)
-        label(coordinate.attrs.get("long_name", coordinate.name) + ("" if unit == "1" else f" [{unit}]"))
+        key = str(coordinate.attrs.get("long_name", coordinate.name))
+        label(_LABELS.get(key, key) if unit == "1" else f"{key} [{unit}]")
 
 
 def is_logarithmic(values: Any) -> bool:

@@ -13,11 +13,11 @@ from reduced.orbit.multipliers import count_unstable, floquet
 from validation.branches.points import BranchPoint
 from validation.studies.snaking import measured
 from validation.studies.snaking.measured import Attractor, FoldSide, PeriodsOfRun, Sides, coexisting, grows, settles, sides
-from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, table
+from validation.study import Budget, Cell, Figure, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
 from validation.study.drawing import Drawing, pen, ruled, subplots
 from validation.study.drawn import staying
-from validation.study.over_r import COMPARED, Branch, branch_of, parts, scene_at
+from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts, scene_at
 from validation.study.text import minus, plain
 
 NAME = "snaking"
@@ -81,7 +81,7 @@ def run(budget: Budget) -> StudyResult:
         ),
         notes=(_WHY,),
         numbers={
-            f"T at {log10_r:g}, orbit {n}": Number(closed.cycle.period, 1e-8)
+            f"T at {log10_r:g}, orbit {n}": numbered_period(closed)
             for log10_r, found in orbits.items()
             for n, closed in enumerate(found, 1)
         },
