@@ -26,7 +26,8 @@ def render(figure: Drawing, stem: Path, name: str) -> Words:
     """Write stem.svg, stem.png and stem.csv, byte for byte the same for the same drawing; ids in the SVG begin with `name`."""
     import matplotlib as mpl
 
-    figure.draw_without_rendering()  # only then do axes know their limits
+    figure.draw_without_rendering()  # only then do axes know their limits, and lie where they stay
+    figure.set_layout_engine("none")
     thin_out(figure)
     panels = drawn(figure)
     words = Words(title_of(panels), description_of(panels), panels)
