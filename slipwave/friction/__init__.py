@@ -1,16 +1,16 @@
 """Rate-and-state friction laws as plain data and compiled pure functions; `LAWS` lists the registered ones by name."""
 
 from slipwave.friction import ageing, cutoff, regularised, slip, spinodal
-from slipwave.friction.law import LAWS, Law, rate_of, rates, register, respond, steady_state, unknown_of, unknowns
+from slipwave.friction.law import LAWS, Law, rate_of, rates, register, respond, steady_psi, steady_state, unknown_of, unknowns
 from slipwave.packages import load_from_packages
 
-register("ageing", ageing.Ageing, ageing.respond_ageing, regularised.steady_psi)
-register("slip", slip.Slip, slip.respond_slip, regularised.steady_psi)
+register("ageing", ageing.Ageing, ageing.respond_ageing)
+register("slip", slip.Slip, slip.respond_slip)
 _SINH = (regularised.sinh_rate, regularised.sinh_unknown)
-register("ageing-regularised", ageing.AgeingRegularised, ageing.respond_ageing_regularised, regularised.steady_psi, *_SINH)
-register("slip-regularised", slip.SlipRegularised, slip.respond_slip_regularised, regularised.steady_psi, *_SINH)
-register("ageing-cutoff", cutoff.AgeingCutoff, cutoff.respond_ageing_cutoff, regularised.steady_psi)
-register("slip-cutoff", cutoff.SlipCutoff, cutoff.respond_slip_cutoff, regularised.steady_psi)
+register("ageing-regularised", ageing.AgeingRegularised, ageing.respond_ageing_regularised, steady_psi, *_SINH)
+register("slip-regularised", slip.SlipRegularised, slip.respond_slip_regularised, steady_psi, *_SINH)
+register("ageing-cutoff", cutoff.AgeingCutoff, cutoff.respond_ageing_cutoff)
+register("slip-cutoff", cutoff.SlipCutoff, cutoff.respond_slip_cutoff)
 register("spinodal", spinodal.Spinodal, spinodal.respond_spinodal, spinodal.steady_spinodal, *_SINH)
 
 __all__ = ["LAWS", "Law", "rate_of", "rates", "register", "respond", "steady_state", "unknown_of", "unknowns"]

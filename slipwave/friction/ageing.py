@@ -22,12 +22,8 @@ def respond_ageing(law: Ageing, z: float, psi: float) -> Response:
     return v, v, law.a_star + law.a * z + law.b * psi, law.a, law.b, healing - v, -v, -healing
 
 
-class AgeingRegularised(NamedTuple):
+class AgeingRegularised(Ageing):
     """As the plain law, with the direct effect of `regularised`."""
-
-    a_star: float
-    a: float
-    b: float
 
 
 def respond_ageing_regularised(law: AgeingRegularised, z: float, psi: float) -> Response:

@@ -27,13 +27,8 @@ class AgeingCutoff(NamedTuple):
     cutoff_velocity: float
 
 
-class SlipCutoff(NamedTuple):
-    """As the plain law, and the slip rate above which the state effect is cut off (V*)."""
-
-    a_star: float
-    a: float
-    b: float
-    cutoff_velocity: float
+class SlipCutoff(AgeingCutoff):
+    """The same parameters."""
 
 
 @njit

@@ -145,6 +145,11 @@ def friction_slopes(law: Law, velocity: float) -> FrictionSlopes:
 _GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unknown_of)
 
 
+def steady_psi(law: Law, v: float) -> float:
+    """psi_ss = -ln |v|, of every law here but one: at steady sliding contacts are as old as slip over L takes."""
+    return -math.log(abs(v))
+
+
 def _exponential(law: Law, z: float) -> float:
     return math.exp(z)
 
@@ -157,7 +162,7 @@ def register(
     name: str,
     parameters: type[Any],
     respond: Callable[..., Response],
-    steady_state: Callable[..., float],
+    steady_state: Callable[..., float] = steady_psi,
     rate_of: Callable[..., float] = _exponential,
     unknown_of: Callable[..., float] = _logarithm,
 ) -> None:

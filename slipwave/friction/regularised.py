@@ -36,8 +36,3 @@ def direct_effect(a_star: float, a: float, b: float, z: float, psi: float) -> tu
     # near rest the logarithm would lose every digit of the rate; for weak friction (small a) the exponential overflows
     size = math.asinh(half * math.exp(c)) if c < _LARGEST_EXPONENT else c + math.log(half + root)
     return v, v_z, math.copysign(a * size, v), a * 0.5 * v_z / root, b * v / (2.0 * root)
-
-
-def steady_psi(law: Law, v: float) -> float:
-    """psi_ss = -ln |v|, of every law here."""
-    return -math.log(abs(v))

@@ -22,12 +22,8 @@ def respond_slip(law: Slip, z: float, psi: float) -> Response:
     return v, v, law.a_star + law.a * z + law.b * psi, law.a, law.b, -v * distance, -v * (1.0 + distance), -v
 
 
-class SlipRegularised(NamedTuple):
+class SlipRegularised(Slip):
     """As the plain law, with the direct effect of `regularised`."""
-
-    a_star: float
-    a: float
-    b: float
 
 
 def respond_slip_regularised(law: SlipRegularised, z: float, psi: float) -> Response:

@@ -12,7 +12,7 @@ from slipwave.friction.ageing import Ageing
 from slipwave.friction.ageing import respond_ageing as respond
 from slipwave.friction.check import check_law
 from slipwave.friction.law import LAWS, Registered, register
-from slipwave.friction.regularised import steady_psi as steady_state
+from slipwave.friction.law import steady_psi as steady_state
 
 ROOT = Path(__file__).resolve().parents[2]
 ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")

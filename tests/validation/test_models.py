@@ -222,7 +222,7 @@ def test_a_file_that_is_none(tmp_path, name, told):
 
 PACKAGE = {
     "mine.py": ELEMENTS,
-    "laws.py": "from slipwave.friction import ageing, register\nfrom slipwave.friction.regularised import steady_psi\n"
+    "laws.py": "from slipwave.friction import ageing, register\nfrom slipwave.friction.law import steady_psi\n"
     "class Mine(ageing.Ageing): pass\nregister('my-ageing', Mine, ageing.respond_ageing, steady_psi)\n",
     "mine-1.0.dist-info/METADATA": "Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n",
     "mine-1.0.dist-info/entry_points.txt": "[slipwave.families]\nmine = mine:MINE\nblock10 = mine:block10\nlost = nowhere:LOST\n"

@@ -35,7 +35,7 @@ STEP = """
 """
 LAW = """
 from slipwave.friction import ageing, register
-from slipwave.friction.regularised import steady_psi
+from slipwave.friction.law import steady_psi
 
 
 class Mine(ageing.Ageing):
