@@ -16,7 +16,7 @@ Stresses are deviations from the stress of steady sliding, in units of the norma
 drive at the whole time, `following` the drive at the next half step; time is in transits.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,16 +43,24 @@ class Grip(NamedTuple):
 
 @by_class(inline=True)
 def settle_face(
-    face: Rigid | Grip, inertia: float, old: float, pull: float, damping: float, mean: float, following: float
+    face: Any, inertia: float, old: float, pull: float, damping: float, mean: float, following: float
 ) -> tuple[float, float]:
     """(alpha, beta) of the face's row for the grid impedance `inertia` and the velocity `old` half a step before."""
-    raise NotImplementedError(type(face))
+    resistance = face.impedance + face.half_spring
+    total = inertia + resistance + damping
+    return damping / total, (inertia * old - pull + face.memory[0] + resistance * mean) / total
 
 
 @by_class(inline=True)
-def push(face: Rigid | Grip, traction: float, velocity: float, mean: float) -> float:
+def push(face: Any, traction: float, velocity: float, mean: float) -> float:
     """Power of the drive from the deviation `traction`; also advances a grip's spring to the next half step."""
-    raise NotImplementedError(type(face))
+    slip = mean - velocity
+    lost = face.impedance * slip * slip
+    face.memory[0] += 2.0 * face.half_spring * slip
+    face.memory[1] += lost
+    if face.half_spring == 0.0:
+        return float(traction * velocity + lost - face.steady_load * slip)  # the dead load acts on the face itself
+    return traction * mean
 
 
 @settle_face.register(Rigid)
@@ -63,24 +71,6 @@ def _settle_rigid(face, inertia, old, pull, damping, mean, following):  # type: 
 @push.register(Rigid)
 def _push_rigid(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     return traction * velocity
-
-
-@settle_face.register(Grip)
-def _settle_grip(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
-    resistance = face.impedance + face.half_spring
-    total = inertia + resistance + damping
-    return damping / total, (inertia * old - pull + face.memory[0] + resistance * mean) / total
-
-
-@push.register(Grip)
-def _push_grip(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
-    slip = mean - velocity
-    lost = face.impedance * slip * slip
-    face.memory[0] += 2.0 * face.half_spring * slip
-    face.memory[1] += lost
-    if face.half_spring == 0.0:
-        return traction * velocity + lost - face.steady_load * slip  # the dead load acts on the face itself
-    return traction * mean
 
 
 def coupling(face: Rigid | Grip, inertia: float, damping: float) -> float:

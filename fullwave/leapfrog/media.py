@@ -1,4 +1,5 @@
-"""A slab on its staggered grid: the functions that the kernel calls, for elastic slabs (`viscous` has the others).
+"""A slab on its staggered grid: the functions that the kernel calls, written for elastic layers. A medium that differs in one
+registers its own version, as homogeneous slabs do here for speed, and others in `viscous`.
 
 Depth is travel time (transits of the upper slab) from the interface, so that waves have speed 1, and `u` is the velocity in the
 slab's own direction of drive (u = w_1 above, u = -w_2 below). Both slabs then obey
@@ -71,27 +72,30 @@ def elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
 
 @by_class(inline=True)
 def load(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
-    """(Z, S) of the interface's half cell."""
-    raise NotImplementedError(type(medium))
+    """(Z, S) of the interface's half cell, here from nothing but its momentum."""
+    return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
 
 
 @by_class()
 def accelerate(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
     """Advance velocities by one step, with u = `rate` at the interface; returns the drive's power without the steady stress."""
-    raise NotImplementedError(type(medium))
+    velocity, stress, mobility = medium.velocity, medium.stress, medium.mobility
+    n = stress.size
+    velocity[0] = 2.0 * rate - velocity[0]
+    for j in range(1, n):
+        velocity[j] += mobility[j] * (stress[j] - stress[j - 1])
+    old = velocity[n]
+    _, top = settle_face(face, medium.outer_inertia, old, stress[n - 1], 0.0, mean, following)
+    velocity[n] = 2.0 * top - old
+    return push(face, stress[n - 1] + medium.outer_inertia * (top - old), top, mean)
 
 
 @by_class()
 def strain(medium: Medium) -> None:
     """Advance stresses by one step."""
-    raise NotImplementedError(type(medium))
-
-
-@load.register(Uniform)
-@load.register(Layered)
-def load_elastic(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
-    """Only the momentum of the half cell."""
-    return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
+    velocity, stress, stiffness = medium.velocity, medium.stress, medium.stiffness
+    for j in range(stress.size):
+        stress[j] += stiffness[j] * (velocity[j + 1] - velocity[j])
 
 
 @accelerate.register(Uniform)
@@ -107,30 +111,8 @@ def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no
     return push(face, stress[n - 1] + medium.inertia * (top - old), top, mean)
 
 
-@accelerate.register(Layered)
-def accelerate_layered(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
-    """As the uniform slab, with a different mass for each node."""
-    velocity, stress, mobility = medium.velocity, medium.stress, medium.mobility
-    n = stress.size
-    velocity[0] = 2.0 * rate - velocity[0]
-    for j in range(1, n):
-        velocity[j] += mobility[j] * (stress[j] - stress[j - 1])
-    old = velocity[n]
-    _, top = settle_face(face, medium.outer_inertia, old, stress[n - 1], 0.0, mean, following)
-    velocity[n] = 2.0 * top - old
-    return push(face, stress[n - 1] + medium.outer_inertia * (top - old), top, mean)
-
-
 @strain.register(Uniform)
 def _strain_uniform(medium):  # type: ignore[no-untyped-def]
     velocity, stress = medium.velocity, medium.stress
     for j in range(stress.size):
         stress[j] += medium.stiffness * (velocity[j + 1] - velocity[j])
-
-
-@strain.register(Layered)
-def strain_layered(medium: Medium) -> None:
-    """As the uniform slab, with a different stiffness for each cell."""
-    velocity, stress, stiffness = medium.velocity, medium.stress, medium.stiffness
-    for j in range(stress.size):
-        stress[j] += stiffness[j] * (velocity[j + 1] - velocity[j])

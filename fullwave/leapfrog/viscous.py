@@ -17,17 +17,7 @@ import numpy as np
 
 from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, push, settle_face
 from fullwave.leapfrog.grid import LeapfrogGrid
-from fullwave.leapfrog.media import (
-    Side,
-    accelerate,
-    accelerate_layered,
-    elastic_medium,
-    layered_medium,
-    load,
-    load_elastic,
-    strain,
-    strain_layered,
-)
+from fullwave.leapfrog.media import Side, accelerate, elastic_medium, layered_medium, load, strain
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
@@ -140,8 +130,3 @@ def _accelerate_kelvin_voigt(medium, face, rate, mean, following):  # type: igno
         below = above
     medium.lost[0] += lost
     return push(face, medium.stress[n - 1] + pull + medium.node_inertia[n] * (below - old), below, mean)
-
-
-load.register(StandardLinear)(load_elastic)
-accelerate.register(StandardLinear)(accelerate_layered)
-strain.register(KelvinVoigt)(strain_layered)

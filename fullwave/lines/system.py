@@ -135,40 +135,14 @@ class Viscous(NamedTuple):
 
 
 @by_class()
-def total_stress(medium: Elastic | Viscous, slot: int, state: Array, rates: Array, at: int) -> float:
+def total_stress(medium: Any, slot: int, state: Array, rates: Array, at: int) -> float:
     """s + tau s_t at a stress slot, before the faces' terms (s in elastic slabs)."""
-    raise NotImplementedError(type(medium))
+    return float(state[slot] + medium.retardation[slot] * rates[at + slot])
 
 
 @by_class()
-def retard(medium: Elastic | Viscous, operator: Operator, size: int, state: Array, rates: Array, at: int) -> None:
+def retard(medium: Any, operator: Operator, size: int, state: Array, rates: Array, at: int) -> None:
     """Kelvin-Voigt: replace D s in the velocity slots by D (s + tau s_t)."""
-    raise NotImplementedError(type(medium))
-
-
-@by_class()
-def dissipate(medium: Elastic | Viscous, size: int, state: Array, rates: Array, at: int) -> float:
-    """Sets the rates of the memory stresses (standard linear); returns the dissipated power in the marched slabs, per transit."""
-    raise NotImplementedError(type(medium))
-
-
-@total_stress.register(Elastic)
-def _elastic_stress(medium, slot, state, rates, at):  # type: ignore[no-untyped-def]
-    return state[slot]
-
-
-@total_stress.register(Viscous)
-def _viscous_stress(medium, slot, state, rates, at):  # type: ignore[no-untyped-def]
-    return state[slot] + medium.retardation[slot] * rates[at + slot]
-
-
-@retard.register(Elastic)
-def _elastic_retard(medium, operator, size, state, rates, at):  # type: ignore[no-untyped-def]
-    return None
-
-
-@retard.register(Viscous)
-def _viscous_retard(medium, operator, size, state, rates, at):  # type: ignore[no-untyped-def]
     total, spare, retardation, is_velocity = medium.total, medium.spare, medium.retardation, medium.is_velocity
     for i in range(size):
         total[i] = state[i] + retardation[i] * rates[at + i]
@@ -178,13 +152,9 @@ def _viscous_retard(medium, operator, size, state, rates, at):  # type: ignore[n
             rates[at + i] = spare[i]
 
 
-@dissipate.register(Elastic)
-def _elastic_dissipate(medium, size, state, rates, at):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-@dissipate.register(Viscous)
-def _viscous_dissipate(medium, size, state, rates, at):  # type: ignore[no-untyped-def]
+@by_class()
+def dissipate(medium: Any, size: int, state: Array, rates: Array, at: int) -> float:
+    """Sets the rates of the memory stresses (standard linear); returns the dissipated power in the marched slabs, per transit."""
     weight, rate, fraction, retardation = medium.weight, medium.rate, medium.fraction, medium.retardation
     lost = 0.0
     memory = size + SCALARS
@@ -197,3 +167,18 @@ def _viscous_dissipate(medium, size, state, rates, at):  # type: ignore[no-untyp
             rates[at + i] -= flow
             lost += weight[i] * flow * state[memory + i] / fraction[i]
     return lost
+
+
+@total_stress.register(Elastic)
+def _elastic_stress(medium, slot, state, rates, at):  # type: ignore[no-untyped-def]
+    return state[slot]
+
+
+@retard.register(Elastic)
+def _elastic_retard(medium, operator, size, state, rates, at):  # type: ignore[no-untyped-def]
+    return None
+
+
+@dissipate.register(Elastic)
+def _elastic_dissipate(medium, size, state, rates, at):  # type: ignore[no-untyped-def]
+    return 0.0

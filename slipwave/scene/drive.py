@@ -13,7 +13,7 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numba.extending import register_jitable
@@ -45,23 +45,18 @@ class Ramps(NamedTuple):
 
 
 @by_class(inline=True)
-def velocity_at(drive: Constant | Ramps, time: float, within: float) -> float:
+def velocity_at(drive: Any, time: float, within: float) -> float:
     """V (in V*) at `time` (transits) of the straight stretch of V that holds `within`.
 
     A march passes the middle of its step as `within`: at a step's end V is then that before a jump there, whatever the rounding
     of `time`. With `within` = `time`, V at a jump is that after it.
     """
-    raise NotImplementedError(type(drive))
+    return float(_interpolated(drive.times, drive.velocities, time, within))
 
 
 @velocity_at.register(Constant)
 def _constant(drive, time, within):  # type: ignore[no-untyped-def]
     return drive.velocity
-
-
-@velocity_at.register(Ramps)
-def _ramps(drive, time, within):  # type: ignore[no-untyped-def]
-    return _interpolated(drive.times, drive.velocities, time, within)
 
 
 @register_jitable

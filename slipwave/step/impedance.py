@@ -1,10 +1,11 @@
 """The impedance K of a slab pair over one collocation step: the stress at node j is  mu_j = S_j - sum_l K_jl v_l.
 
 Waves that leave the interface and do not return within the step give a diagonal K with equal entries. States that respond within
-the step give a full matrix. Compiled code is specialised on the class, so a diagonal K pays for none of it.
+the step give a full matrix, for which the functions here are written. Compiled code is specialised on the class, so a diagonal K
+pays for none of it.
 """
 
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
@@ -28,22 +29,36 @@ Impedance: TypeAlias = Diagonal | Full
 
 
 @by_class(inline=True)
-def own(impedance: Impedance, j: int) -> float:
+def own(impedance: Any, j: int) -> float:
     """K_jj."""
-    raise NotImplementedError(type(impedance))
+    return float(impedance.matrix[j, j])
 
 
 @by_class(inline=True)
-def others(impedance: Impedance, nodes: Nodes, j: int, rates: Array) -> float:
+def others(impedance: Any, nodes: Nodes, j: int, rates: Array) -> float:
     """Sum over l != j of K_jl rates_l."""
-    raise NotImplementedError(type(impedance))
+    matrix, total = impedance.matrix, 0.0
+    for m in range(len(nodes)):
+        if m != j:
+            total += matrix[j, m] * rates[m]
+    return total
 
 
 @by_class(inline=True)
-def influence(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
+def influence(impedance: Any, nodes: Nodes, nodal: Nodal) -> float:
     """Add the stress by other nodes' rates to the mismatch of each node. Returns the largest influence of the others on a node's
     z: sum over l != j of |K_jl v_z,l| over F_z,j + K_jj v_z,j."""
-    raise NotImplementedError(type(impedance))
+    matrix, largest = impedance.matrix, 0.0
+    for j in range(matrix.shape[0]):
+        stress, size, inverse = 0.0, 0.0, nodal.inverse[j]
+        for m in range(len(nodes)):
+            if m != j:
+                stress += matrix[j, m] * nodal.v[m]
+                size += abs(matrix[j, m]) * nodal.v_z[m]
+        nodal.mismatch[j] += stress * inverse
+        nodal.gain[j] -= nodal.by_z[j] * stress * inverse
+        largest = max(largest, size * inverse)
+    return largest
 
 
 @own.register(Diagonal)
@@ -59,32 +74,3 @@ def _others_of_diagonal(impedance, nodes, j, rates):  # type: ignore[no-untyped-
 @influence.register(Diagonal)
 def _influence_in_diagonal(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
     return 0.0
-
-
-@own.register(Full)
-def _own_of_full(impedance, j):  # type: ignore[no-untyped-def]
-    return impedance.matrix[j, j]
-
-
-@others.register(Full)
-def _others_of_full(impedance, nodes, j, rates):  # type: ignore[no-untyped-def]
-    matrix, total = impedance.matrix, 0.0
-    for m in range(len(nodes)):
-        if m != j:
-            total += matrix[j, m] * rates[m]
-    return total
-
-
-@influence.register(Full)
-def _influence_in_full(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
-    matrix, largest = impedance.matrix, 0.0
-    for j in range(matrix.shape[0]):
-        stress, size, inverse = 0.0, 0.0, nodal.inverse[j]
-        for m in range(len(nodes)):
-            if m != j:
-                stress += matrix[j, m] * nodal.v[m]
-                size += abs(matrix[j, m]) * nodal.v_z[m]
-        nodal.mismatch[j] += stress * inverse
-        nodal.gain[j] -= nodal.by_z[j] * stress * inverse
-        largest = max(largest, size * inverse)
-    return largest

@@ -10,6 +10,7 @@ during stick, and by elimination otherwise.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from slipwave.compiled.dispatch import by_class
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.step.collocation import Nodes
-from slipwave.step.impedance import Diagonal, Full, Impedance, influence, others, own
+from slipwave.step.impedance import Diagonal, Impedance, influence, others, own
 from slipwave.step.nodal import Interface, Nodal, constant_guess, nodal_of
 
 _MAX_NEWTON = 25
@@ -134,7 +135,7 @@ def relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, noda
 @by_class(inline=True)
 def sweeps_for(impedance: Impedance, total: float) -> int:
     """Sweeps that a Newton iteration needs if the largest influence of all nodes on one is `total`; 0: elimination is cheaper."""
-    raise NotImplementedError(type(impedance))
+    return 2 if total < 0.05 else 4 if total < 0.2 else 6 if total < 0.5 else 0
 
 
 @sweeps_for.register(Diagonal)
@@ -142,24 +143,9 @@ def _sweeps_alone(impedance, total):  # type: ignore[no-untyped-def]
     return 2 if total < 0.01 else 3 if total < 0.04 else 0  # what they leave, total^(sweeps + 1) < 3e-6, is not measured
 
 
-@sweeps_for.register(Full)
-def _sweeps_coupled(impedance, total):  # type: ignore[no-untyped-def]
-    return 2 if total < 0.05 else 4 if total < 0.2 else 6 if total < 0.5 else 0
-
-
 @by_class(inline=True)
 def pull(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
     """nodal.stress <- kappa dz, what the other nodes add to the mismatch of a node; returns by how much it changes."""
-    raise NotImplementedError(type(impedance))
-
-
-@pull.register(Diagonal)
-def _pull_nothing(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-@pull.register(Full)
-def _pull_others(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
     s, moved = len(nodes), 0.0
     for j in range(s):
         change = -nodal.mismatch[j] - nodal.stress[j] - nodal.ratio[j] * nodal.trial[j]
@@ -171,29 +157,15 @@ def _pull_others(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
     return moved
 
 
+@pull.register(Diagonal)
+def _pull_nothing(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
+    return 0.0
+
+
 @by_class()
-def eliminate_nodes(impedance: Impedance, nodes: Nodes, integral: Array, nodal: Nodal) -> None:
-    """As `relax`, by elimination of all nodes."""
-    raise NotImplementedError(type(impedance))
-
-
-@eliminate_nodes.register(Diagonal)
-def _eliminate_alone(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
-    """change <- (1 - A diag(slope))^-1 change."""
-    s, state = len(nodes), nodal.state
-    for j in range(s):
-        for m in range(s):
-            state[j, m] = -integral[m, j] * nodal.slope[m]
-        state[j, j] += 1.0
-        state[j, s] = nodal.change[j]
-    eliminate(state, s + 1)
-    for j in range(s):
-        nodal.change[j] = state[j, s]
-
-
-@eliminate_nodes.register(Full)
-def _eliminate_coupled(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
-    """With P = 1 - A h G_psi and c the right-hand side of psi, linearised friction and state are
+def eliminate_nodes(impedance: Any, nodes: Nodes, integral: Array, nodal: Nodal) -> None:
+    """As `relax`, by elimination of all nodes. With P = 1 - A h G_psi and c the right-hand side of psi, linearised friction and
+    state are
 
         (1 + kappa) dz + ratio dpsi = -mismatch,     dpsi = P^-1 (c + A B dz).
 
@@ -223,6 +195,20 @@ def _eliminate_coupled(impedance, nodes, integral, nodal):  # type: ignore[no-un
             change += state[j, s + 1 + m] * rate[m, s]
         nodal.change[j] = change
         nodal.mismatch[j] = -rate[j, s] - nodal.ratio[j] * change
+
+
+@eliminate_nodes.register(Diagonal)
+def _eliminate_alone(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
+    """change <- (1 - A diag(slope))^-1 change."""
+    s, state = len(nodes), nodal.state
+    for j in range(s):
+        for m in range(s):
+            state[j, m] = -integral[m, j] * nodal.slope[m]
+        state[j, j] += 1.0
+        state[j, s] = nodal.change[j]
+    eliminate(state, s + 1)
+    for j in range(s):
+        nodal.change[j] = state[j, s]
 
 
 @inlined

@@ -15,7 +15,7 @@ dg = (h G)_p dp, so these answers contain its derivative too. Whoever made the s
 linear in that.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,19 +85,14 @@ def step_answer(
 
 
 @by_class(inline=True)
-def feed_back(impedance: Impedance, nodes: Nodes, answer: Array) -> None:
+def feed_back(impedance: Any, nodes: Nodes, answer: Array) -> None:
     """Add to `answer` what other nodes' rates contribute to the stress of a node."""
-    raise NotImplementedError(type(impedance))
+    _solve_together(nodes, impedance.matrix, answer)
 
 
 @feed_back.register(Diagonal)
 def _feed_back_nothing(impedance, nodes, answer):  # type: ignore[no-untyped-def]
     return None
-
-
-@feed_back.register(Full)
-def _feed_back_all(impedance, nodes, answer):  # type: ignore[no-untyped-def]
-    _solve_together(nodes, impedance.matrix, answer)
 
 
 @allocating

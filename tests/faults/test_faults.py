@@ -227,7 +227,7 @@ def test_compiled_code_meets_the_tests_of_what_imports_it(tmp_path):
         "tests/fullwave/test_near.py::near": ["fullwave/lines/motion.py::rates"],
         "tests/reduced/test_other.py::other": ["reduced/delay/march.py::DelayMarch.solve"],
     }
-    assert nearest(tmp_path, "fullwave/lines/system.py", "_viscous_retard", tests) == [["own", "near", "far"], []]
+    assert nearest(tmp_path, "fullwave/lines/system.py", "retard", tests) == [["own", "near", "far"], []]
 
 
 def test_a_change_that_never_ends_is_stopped_by_processor_time(copy, monkeypatch):
