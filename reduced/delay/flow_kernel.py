@@ -60,12 +60,12 @@ def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Arr
     waves, tops, moved = units[:, :faces].copy(), units[:, faces:psi].copy(), units[:, stress:-1].copy()
     received = np.zeros_like(moved)
     lines = (near, waves.reshape(-1, layers, 2, 1, s), tops.reshape(-1, slabs, 2), passage_of(near, s))
-    _send(nodes, *lines, length, integral, moved, received)
+    send(nodes, *lines, length, integral, moved, received)
     return np.column_stack([waves, tops, units[:, -1], received, units[:, psi]]).T
 
 
 @allocating
-def _send(
+def send(
     nodes: Nodes,
     network: Network,
     waves: Array,
@@ -76,10 +76,11 @@ def _send(
     stress: Array,
     incoming: Array,
 ) -> None:
-    """Send each of n states through a `network` without delays: waves (n, layers, 2, 1, s) and tops (n, slabs, 2), in place, with
-    the interface's stress (n, s); incoming (n, s) += the stress that waves bring to the interface."""
+    """Send each of n states through a step of a `network`: waves (n, layers, 2, ring, s), oldest first, tops (n, slabs, 2), in
+    place, with the interface's stress (n, s); incoming (n, s) += the stress that waves bring to the interface."""
     cursor = np.zeros(1, dtype=np.int64)
     for c in range(waves.shape[0]):
+        cursor[0] = 0
         lines = NetworkLines(network.interface_impedance, network, waves[c], tops[c], cursor, passage)
         gather(nodes, lines, length, integral, incoming[c])
         for j in range(len(nodes)):

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.delay.network_kernel import OUTWARD, Network, gather, launch, lines_with
+from reduced.delay.flow_kernel import send
+from reduced.delay.network_kernel import Network, passage_of
 from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.scene.drive import Forcing
@@ -52,7 +53,8 @@ def mean_friction(law: Law, interface: Interface, weights: Array) -> Friction:
 
 
 class FrozenStep:
-    """The linear step of a `network` of step `length` (transits). `empty` is a disturbance of the right shape."""
+    """The linear step of a `network` of step `length` (transits), found by sending unit disturbances and unit stresses of the
+    interface through the march's own functions. `empty` is a disturbance of the right shape."""
 
     def __init__(self, network: Network, length: float, stages: int, forcing: Forcing) -> None:
         self._impedance, self._forcing, self._length = network.interface_impedance, forcing, length
@@ -60,26 +62,15 @@ class FrozenStep:
         ring, layers, slabs = int(network.back.max()) + 1, network.impedance.size, network.first.size
         self.empty = Disturbance(np.zeros((layers, 2, ring, stages)), np.zeros((slabs, 2)), np.zeros(2))
         self.size = self.empty.vector.size
-        self._arriving = np.zeros((self.size, stages))
-        self._free = np.zeros((self.size, self.size))
-        for column in range(self.size - 2):
-            self._add(network, stages, column)
-        self._free[-1, -1] = 1.0
-        sent = np.zeros((*self.empty.waves.shape, stages))
-        for first in network.first:
-            sent[first, OUTWARD, -1] = 2.0 * np.eye(stages)
-        self._sent = np.zeros((self.size, stages))
-        self._sent[: self.empty.waves.size] = sent.reshape(-1, stages)
-
-    def _add(self, network: Network, stages: int, column: int) -> None:
-        """What becomes of a unit disturbance, with no stress at the interface, by the march's own functions."""
-        unit = np.zeros(self.size)
-        unit[column] = 1.0
-        waves, tops, rest = self.empty.like(unit)
-        lines, (_, rule, nodes) = lines_with(network, waves.copy(), tops.copy()), rule_of(stages)
-        gather(nodes, lines, self._length, rule.integral, self._arriving[column])
-        launch(nodes, lines)
-        self._free[:, column] = Disturbance(np.roll(lines.waves, -1, axis=2), lines.tops, rest).vector
+        units, cuts = np.eye(self.size + stages), np.cumsum([self.empty.waves.size, self.empty.tops.size, 2])
+        waves, tops, rest, stress = (part.copy() for part in np.split(units, cuts, axis=1))
+        waves, incoming = waves.reshape(-1, *self.empty.waves.shape), np.zeros_like(stress)
+        lines = (network, waves, tops.reshape(-1, *self.empty.tops.shape), passage_of(network, stages))
+        _, rule, nodes = rule_of(stages)
+        send(nodes, *lines, length, rule.integral, stress, incoming)
+        after = np.column_stack([np.roll(waves, -1, axis=3).reshape(len(units), -1), tops, rest])
+        self._free, self._sent = after[: self.size].T.copy(), after[self.size :].T.copy()
+        self._arriving = incoming[: self.size]
 
     def matrix(self, friction: Friction) -> tuple[Array, Array]:
         """The map (n, n) of a disturbance over one step, and the nodal stress (s, n) that it causes."""
