@@ -68,8 +68,3 @@ def delay_epsilon(slopes: FrictionSlopes, r: float) -> float:
     """Boundary eps_c(r) of the delay system (40); negative between its branches."""
     omega = slopes.omega_c
     return -slopes.healing * slopes.steady * math.tan(0.5 * r * omega) / (0.5 * omega)
-
-
-def limit_of_fast_roots(slopes: FrictionSlopes, epsilon: float, r: float) -> float:
-    """Re s of the neutral spectrum: -(1/r) ln |(2 F_v + epsilon)/(2 F_v - epsilon)|, from (37) at high frequency."""
-    return -math.log(abs((2.0 * slopes.direct + epsilon) / (2.0 * slopes.direct - epsilon))) / r

@@ -12,7 +12,7 @@ from fullwave.lines.budget import MOST_BYTES
 from fullwave.lines.grid_ledger import GridLedger, Power
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, StepMap, grid_impedance_at, to_legendre
-from fullwave.lines.step_maps import StepMaps, at_nodes, dissipation_of, maps_of
+from fullwave.lines.step_maps import StepMaps, at_nodes, dissipation_of
 from fullwave.lines.system import System
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
@@ -85,7 +85,7 @@ class GridSlabs:
         key = f"{longest:.12e}"
         longest = float(key)
         dissipation = self._dissipation if self.is_kept[0] else None
-        known = self._known.pop(key, None) or Known(maps_of(self.slabs, dissipation, longest), self._blank(longest))
+        known = self._known.pop(key, None) or Known(StepMaps(self.slabs, dissipation, longest), self._blank(longest))
         self._known[key] = known  # the last used is the last to be forgotten
         if len(self._known) > self._most_known:
             del self._known[next(iter(self._known))]

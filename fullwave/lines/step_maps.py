@@ -6,10 +6,7 @@ Dissipated power is a quadratic form in (x, u, c). Over a step x is linear in y 
 is y^T G y with one symmetric matrix G for each step length; that of a step twice as long follows as for the step's map.
 """
 
-import hashlib
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
@@ -92,10 +89,6 @@ def _values(terms: tuple[int, ...], time: Array | float) -> Array:
     return values
 
 
-_MOST_KEPT = 8
-_kept: "dict[bytes, StepMaps] | None" = None
-
-
 class StepMaps:
     """Maps of `slabs` in steps of `longest` (transits) / 2^level, and the `heats` by `dissipation`, if there is any, by level."""
 
@@ -131,33 +124,6 @@ class StepMaps:
         self._maps[level] = step
         if heat is not None:
             self.heats[level] = heat
-
-
-@contextmanager
-def maps_kept() -> Iterator[None]:
-    """While this is open, a march takes the maps that an earlier one made of the same grid: in a sweep over V, friction or r,
-    which do not change the slabs on the transit clock. The maps of eight grids or longest steps are kept in memory, but none with
-    viscous heat."""
-    global _kept
-    before, _kept = _kept, {}
-    try:
-        yield
-    finally:
-        _kept = before
-
-
-def maps_of(slabs: LinearSlabs, dissipation: Dissipation | None, longest: float) -> StepMaps:
-    """The maps of `slabs` (`StepMaps`), made by an earlier march if `maps_kept` is open."""
-    if _kept is None or dissipation is not None:
-        return StepMaps(slabs, dissipation, longest)
-    tables = (slabs.rates, slabs.inputs, slabs.outputs, slabs.direct)
-    shapes = f"{slabs.input_terms} {slabs.output_terms} {longest:.12e} {[table.shape for table in tables]}"
-    key = hashlib.sha256(shapes.encode() + b"".join(np.ascontiguousarray(table).tobytes() for table in tables)).digest()
-    found = _kept.pop(key, None) or StepMaps(slabs, None, longest)
-    _kept[key] = found  # the last used is the last to be forgotten
-    if len(_kept) > _MOST_KEPT:
-        del _kept[next(iter(_kept))]
-    return found
 
 
 def at_nodes(step: StepMap, stages: int, inputs: Array) -> tuple[Array, Array, Array]:

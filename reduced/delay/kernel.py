@@ -6,7 +6,8 @@ clock,
     F(z, psi) + (eps/2) v(z) = S,     psi' = r G(z, psi) + nudge(t),     S(t + 1) = S(t) - eps v(t) + eps V(t + 1/2),
 
 which is (29, 35) with S = mu_ss + eps V/2 - 2 eps g(t - 1). Their steps divide the transit, so that delayed values lie on the
-same collocation nodes and nothing is interpolated. All others are a `network_kernel.Network`.
+same collocation nodes and nothing is interpolated. What the march asks of lines is written here for these, `Alike`. All others
+are a `network_kernel.Network`, with versions of its own.
 """
 
 from typing import Any, NamedTuple
@@ -69,34 +70,19 @@ class Alike(NamedTuple):
 @by_class(inline=True)
 def receive(lines: Any, nodes: Nodes, physics: Physics, n: int, length: float, nodal: Nodal) -> None:
     """nodal.incoming <- S of step `n`, which is `length` long. What is remembered does not change."""
-    raise NotImplementedError(type(lines))
+    for j in range(len(nodes)):
+        nodal.incoming[j] = lines.incoming[n, j]
 
 
 @by_class(inline=True)
 def roughness(lines: Any, nodes: Nodes, tail: Array, nodal: Nodal) -> float:
     """Highest Legendre coefficient of what the far ends of the lines launch in the step."""
-    raise NotImplementedError(type(lines))
+    return 0.0
 
 
 @by_class(inline=True)
 def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, length: float, nodal: Nodal) -> None:
     """Remember the waves of the solved step `n`."""
-    raise NotImplementedError(type(lines))
-
-
-@receive.register(Alike)
-def _arrive_from_one(lines, nodes, physics, n, length, nodal):  # type: ignore[no-untyped-def]
-    for j in range(len(nodes)):
-        nodal.incoming[j] = lines.incoming[n, j]
-
-
-@roughness.register(Alike)
-def _roughness_of_one(lines, nodes, tail, nodal):  # type: ignore[no-untyped-def]
-    return 0.0
-
-
-@leave.register(Alike)
-def _leave_into_one(lines, nodes, physics, n, start, length, nodal):  # type: ignore[no-untyped-def]
     drive, middle = physics.drive, start + 0.5 * length + 0.5
     for j in range(len(nodes)):
         driven = velocity_at(drive, start + nodes[j] * length + 0.5, middle)

@@ -124,13 +124,7 @@ def line_aligned(*shape: int) -> Array:
 @by_class()
 def record(ledger: Any, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, nodal: Nodal) -> None:
     """Add the work and heat of a step of `level` to the `ledger` of `port`, whose `vector` has (x, u, c) in its first `rows`
-    entries. Register a version for the class of a ledger."""
-    raise NotImplementedError(type(ledger))
-
-
-@record.register(NoLedger)
-def _record_nothing(ledger, port, nodes, level, rows, integral, nodal):  # type: ignore[no-untyped-def]
-    return
+    entries. Nothing for `NoLedger`: register a version for the class of a ledger."""
 
 
 @inlined

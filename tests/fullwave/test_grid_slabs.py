@@ -8,7 +8,7 @@ import pytest
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
-from fullwave.lines import grid_slabs, march, propagator, step_maps
+from fullwave.lines import grid_slabs, march
 from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import follow
 
@@ -50,36 +50,3 @@ def test_the_advised_number_of_cells_fits(gallery, about, monkeypatch):
         advised = int(str(refusal.value).partition("at most some ")[2].split()[0])
         assert advised == pytest.approx(about, rel=0.12)
         DiscontinuousGalerkin(scene, 7, advised, time="exact")
-
-
-def test_maps_are_kept_between_the_runs_of_a_sweep_where_this_is_asked_for(monkeypatch):
-    """Over V and r one grid has one set of maps; another grid has its own. The motion is the same to the last bit."""
-    made = []
-    monkeypatch.setattr(step_maps, "short_step", lambda *given: made.append(given) or propagator.short_step(*given))
-
-    def psi(change, cells=2):
-        return follow(DiscontinuousGalerkin(slipwave.read("paper", [change]), 5, cells, time="exact"), 20.0).psi
-
-    runs = (("drive.velocity=100.0", 2), ("drive.velocity=150.0", 2), ("slab.log10_r=-2.6", 2), ("drive.velocity=100.0", 3))
-    alone = [psi(*run) for run in runs]
-    assert len(made) == 4
-    made.clear()
-    with step_maps.maps_kept():
-        assert [psi(*run) for run in runs] == alone
-        assert len(made) == 2
-    assert psi(*runs[0]) == alone[0]
-    assert len(made) == 3
-
-
-def test_kept_maps_are_those_of_the_same_slabs():
-    """Grids of equal size that differ in a number of their rates only."""
-
-    def psi(middle):
-        layers = ", ".join(f"{{fraction={share}, impedance={one}}}" for share, one in ((0.3, 1.0), (0.4, middle), (0.3, 1.0)))
-        scene = slipwave.read("paper", [f"slab.layers=[{layers}]"])
-        return follow(DiscontinuousGalerkin(scene, 5, 3, time="exact"), 20.0).psi
-
-    alone = [psi(1.5), psi(2.0)]
-    assert abs(alone[0] - alone[1]) > 1e-6
-    with step_maps.maps_kept():
-        assert [psi(1.5), psi(2.0)] == alone
