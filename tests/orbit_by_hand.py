@@ -121,9 +121,6 @@ class FlowByHand:
         grown, turned = self._motion(starts, cycle.period)
         return self._end(starts, cycle.period, grown[-1], turned[-1]).imag / _TINY
 
-    def frozen_tangent(self, cycle):
-        raise NotImplementedError
-
     def essential_radius(self, cycle):
         return self.radius
 

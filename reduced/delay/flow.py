@@ -101,24 +101,32 @@ class DelayFlow:
         )
         return np.asarray((later - earlier) / (2.0 * _CHANGE * self.length))
 
-    def tangent(self, cycle: Cycle) -> Array:
-        """As `Flow`."""
-        return self._carry(cycle, False)
-
-    def frozen_tangent(self, cycle: Cycle) -> Array:
-        """As `Flow`."""
-        return self._carry(cycle, True)
+    def tangent(self, cycle: Cycle, frozen: bool = False) -> Array:
+        """As `Flow`. If `frozen`, psi is held at its values along `cycle`: what the interface returns of the waves alone."""
+        nodes, integral = self._nodes, self._rule.integral
+        exchange = exchange_of(nodes, self._network, self.length, integral)
+        waves, tops, psi = self._parts(np.eye(self.size))
+        faces = exchange.weights.shape[0]
+        memory = np.zeros((self.kept + 1, exchange.back.shape[0], self.size))
+        memory[:, :faces] = waves.reshape(self.kept + 1, faces, -1)
+        memory[self.kept - 1, faces:-1], memory[self.kept - 1, -1] = tops.reshape(-1, self.size), psi
+        _, fraction = self._steps(cycle.period)
+        motion, h = Motion(cycle.pieces.z, cycle.pieces.psi, frozen), self.length * self.scene.transit
+        last = self._psi_row(fraction)
+        cursor = march_tangent(nodes, self.scene.law, exchange, h, integral, motion, memory, self.kept, last)
+        waves, tops, psi = memory[:, :faces].reshape(waves.shape), memory[cursor - 1, faces:-1], memory[cursor - 1, -1]
+        return self._state(waves, tops.reshape(*self.tops_remembered.shape, -1), psi, cursor, fraction)
 
     def essential_radius(self, cycle: Cycle) -> float:
         """As `Flow`: the spectral radius of the waves' motion with psi held. For alike plain slabs the interface returns a wave
         with the factor rho = (F_v - epsilon/2)/(F_v + epsilon/2), and the radius is exp of the integral of ln |rho| over the
         period. Slabs of incommensurate round trips whose faces lose nothing have motions, as near as one likes, in which the
-        interface carries no stress: then it is 1. Of others it is that of `frozen_tangent`."""
+        interface carries no stress: then it is 1. Of others it is that of the frozen `tangent`."""
         if self.scene.alike and self.scene.upper.is_plain:
             return self._returned(cycle)
         if self.undecided:
             return 1.0
-        return float(np.abs(np.linalg.eigvals(without(self.frozen_tangent(cycle), self.idle))).max())
+        return float(np.abs(np.linalg.eigvals(without(self.tangent(cycle, frozen=True), self.idle))).max())
 
     @cached_property
     def idle(self) -> Array:
@@ -134,7 +142,7 @@ class DelayFlow:
         rate = scene.velocity * friction_slopes(scene.law, scene.velocity).direct / impedance
         pieces = empty_pieces(1, NODES)
         pieces.z[:], pieces.psi[:] = unknown_of(scene.law, rate), scene.steady_psi
-        return idle_states(self.frozen_tangent(Cycle(self.length, self.steady, self.steady, pieces, 0)))
+        return idle_states(self.tangent(Cycle(self.length, self.steady, self.steady, pieces, 0), frozen=True))
 
     @cached_property
     def undecided(self) -> bool:
@@ -196,22 +204,6 @@ class DelayFlow:
         psi = self._psi_row(fraction) @ np.r_[left, pieces.psi[-1]]
         ring, tops = np.moveaxis(lines.waves, 2, 0)[..., None], lines.tops[..., None]
         return self._state(ring, tops, np.array([psi]), int(lines.cursor[0]), fraction)[:, 0]
-
-    def _carry(self, cycle: Cycle, frozen: bool) -> Array:
-        """Derivative of the end with respect to the start."""
-        nodes, integral = self._nodes, self._rule.integral
-        exchange = exchange_of(nodes, self._network, self.length, integral)
-        waves, tops, psi = self._parts(np.eye(self.size))
-        faces = exchange.weights.shape[0]
-        memory = np.zeros((self.kept + 1, exchange.back.shape[0], self.size))
-        memory[:, :faces] = waves.reshape(self.kept + 1, faces, -1)
-        memory[self.kept - 1, faces:-1], memory[self.kept - 1, -1] = tops.reshape(-1, self.size), psi
-        _, fraction = self._steps(cycle.period)
-        motion, h = Motion(cycle.pieces.z, cycle.pieces.psi, frozen), self.length * self.scene.transit
-        last = self._psi_row(fraction)
-        cursor = march_tangent(nodes, self.scene.law, exchange, h, integral, motion, memory, self.kept, last)
-        waves, tops, psi = memory[:, :faces].reshape(waves.shape), memory[cursor - 1, faces:-1], memory[cursor - 1, -1]
-        return self._state(waves, tops.reshape(*self.tops_remembered.shape, -1), psi, cursor, fraction)
 
     def _parts(self, states: Array) -> tuple[Array, Array, Array]:
         """Waves in a ring (steps, layers, 2, s, m), faces (slabs, 2, m) and psi (m,) of `states` (n, m)."""

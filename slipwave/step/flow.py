@@ -73,9 +73,6 @@ class Flow(Protocol):
     def tangent(self, cycle: Cycle) -> Array:
         """d end/d start (n, n) along `cycle`."""
 
-    def frozen_tangent(self, cycle: Cycle) -> Array:
-        """The same with psi held at its values along `cycle`: what the interface returns of the waves alone."""
-
     def essential_radius(self, cycle: Cycle) -> float:
         """Radius below which infinitely many multipliers of the model accumulate, those of `idle` states left out; 0 if it has
         finitely many."""

@@ -87,11 +87,15 @@ class PortFlow:
 
     def tangent(self, cycle: Cycle) -> Array:
         """As `Flow`."""
-        return self._carry(cycle, False)
-
-    def frozen_tangent(self, cycle: Cycle) -> Array:
-        """As `Flow`."""
-        return self._carry(cycle, True)
+        port, changes, pieces = self._port(cycle.period), np.eye(self.size), cycle.pieces
+        values, psi = np.zeros((self.size, port.values.size)), changes[:, -1].copy()
+        values[:, : self.size - 1] = changes[:, :-1]
+        motion = Motion(pieces.z, pieces.psi, False)
+        with one_thread():
+            carry(
+                self._shape, self.scene.law, port, self.scene.transit, self._rule.integral, self.mesh.levels, motion, values, psi
+            )
+        return np.column_stack([values[:, : self.size - 1], psi]).T
 
     def essential_radius(self, cycle: Cycle) -> float:
         """As `Flow`: what a port remembers is finite."""
@@ -139,18 +143,6 @@ class PortFlow:
             for level in np.unique(levels)[::-1]:
                 _prepare(self._slabs, self._made, int(level))
         return self._made
-
-    def _carry(self, cycle: Cycle, frozen: bool) -> Array:
-        """Derivative of the end with respect to the start."""
-        port, changes, pieces = self._port(cycle.period), np.eye(self.size), cycle.pieces
-        values, psi = np.zeros((self.size, port.values.size)), changes[:, -1].copy()
-        values[:, : self.size - 1] = changes[:, :-1]
-        motion = Motion(pieces.z, pieces.psi, frozen)
-        with one_thread():
-            carry(
-                self._shape, self.scene.law, port, self.scene.transit, self._rule.integral, self.mesh.levels, motion, values, psi
-            )
-        return np.column_stack([values[:, : self.size - 1], psi]).T
 
 
 def flow_near(slabs: Slabs, start: Array, period: float, tolerance: float, longest: float) -> PortFlow:

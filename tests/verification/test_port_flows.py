@@ -1,7 +1,6 @@
 """ODE reductions and grids over one period as differentiable maps: the derivative against differences of the motion, the motion
 against the run that it continues, and on other scenes and meshes."""
 
-import dataclasses
 from functools import partial
 
 import numpy as np
@@ -12,13 +11,11 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.impedance import reduction_of
-from reduced.ode.march import STAGES, ReducedModel
-from reduced.ode.slabs import ReducedSlabs
+from reduced.ode.march import ReducedModel
 from reduced.orbit.closing import close
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from slipwave.step.port_flow import PortFlow
 from tests.differences import difference, largest
 from tests.reduced.reduction_equations import EVERY_TERM
 
@@ -74,24 +71,6 @@ def test_the_tangent_is_the_derivative_of_the_march(kind, name):
     cycle = flow.march(state, 4.0)
     expected = difference(lambda change: flow.march(state + change, 4.0).end, flow.size)
     assert largest(flow.tangent(cycle) - expected) < 1e-7 * largest(expected)
-    frozen_psi = flow.frozen_tangent(cycle)
-    assert not frozen_psi[-1].any()
-    assert not frozen_psi[:-1, -1].any()
-
-
-@pytest.mark.parametrize("name", REDUCTIONS)
-def test_the_frozen_tangent_holds_psi(name):
-    """Where a transit is so short on the clock of friction that psi does not change within the period by itself."""
-    flow, state = moving("reduced", name)
-    reduction = reduction_in(flow.scene, name)
-    upper, lower = (
-        dataclasses.replace(slab, round_trip=1e-14 * slab.round_trip) for slab in (flow.scene.upper, flow.scene.lower)
-    )
-    response = ReducedSlabs(dataclasses.replace(flow.scene, upper=upper, lower=lower), lambda _: reduction, STAGES)
-    still = PortFlow(response, flow.mesh)
-    found = still.frozen_tangent(still.march(state, 4.0))[:-1, :-1]
-    expected = difference(lambda change: still.march(state + np.append(change, 0.0), 4.0).end[:-1], flow.size - 1)
-    assert largest(found - expected) < 1e-7 * largest(expected)
 
 
 @pytest.mark.parametrize(("kind", "name"), [*CASES, *OTHERS])
