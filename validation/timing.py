@@ -5,7 +5,7 @@ a run's last cycles, relative to given values.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
@@ -119,11 +119,6 @@ def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -
     warm_up(setting, scene)
     runs = [timed(lambda: follow(solver_of(setting, scene), until)) for _ in range(repeats)]
     return min(seconds for seconds, _ in runs), runs[0][1].psi
-
-
-def cheapest(points: Sequence[TimedRun], error: float) -> TimedRun | None:
-    """The fastest point whose period is right to `error`, if there is one."""
-    return min((one for one in points if abs(one.period_error) <= error), key=lambda one: one.seconds, default=None)
 
 
 def solver_of(setting: Setting, scene: Scene) -> Solver:

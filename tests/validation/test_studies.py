@@ -14,9 +14,11 @@ import slipwave
 from slipwave.input.source import gallery_names
 from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import fit_order
+from validation.references.lsoda import PlainRun
 from validation.report.build import make_report
 from validation.studies import STUDIES, energy, scene_facts, slip_event, stability_attacks, study_called
 from validation.studies import period_against_delay as measured
+from validation.studies.cost_and_error import _race_factor
 from validation.studies.energy import LADDERS, ORDERS, history_of, ledger_order, residual_of
 from validation.studies.error_laws import MODELS, CycleErrors, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
 from validation.studies.partial_reflection import Pair, Point, agreement, dies, keeps, locking_leak, locks
@@ -28,7 +30,7 @@ from validation.studies.unlike_slabs import cost_verdicts
 from validation.study import Outcome
 from validation.study.drawing import styled
 from validation.study.memo import Means
-from validation.timing import Setting, TimedRun, cheapest, time_final, time_run
+from validation.timing import Setting, TimedRun, time_final, time_run
 
 
 @pytest.mark.parametrize("name", STUDIES)
@@ -81,14 +83,14 @@ def test_the_time_of_a_run_is_the_least_of_its_repetitions(monkeypatch):
     assert time_final(Setting("block8"), fast, 5.0, repeats=2)[0] == 4.0
 
 
-def test_cheapest_point_within_an_error():
-    points = [
-        TimedRun(Setting("a"), 3.0, 1.0, 1e-9, 0.0),
-        TimedRun(Setting("b"), 1.0, 1.0, 1e-3, 0.0),
-        TimedRun(Setting("c"), 2.0, 1.0, -1e-8, 0.0),
-    ]
-    assert cheapest(points, 1e-7).setting.model == "c"
-    assert cheapest(points, 1e-10) is None
+@pytest.mark.parametrize(
+    ("mine", "theirs", "words"), [(1e-9, -9e-9, "~{2 times} faster"), (2e-8, 0.0, "not reached"), (0.0, -2e-8, "not reached")]
+)
+def test_a_race_counts_the_fastest_runs_that_are_right(mine, theirs, words):
+    """To 1e-8 of the known period, 70.73234499; the fastest runs of both are wrong."""
+    ours = [TimedRun(Setting("a"), s, 70.73234499 * (1.0 + off), 0.0, 0.0) for s, off in ((0.1, 1e-3), (3.0, mine), (4.0, mine))]
+    rivals = [PlainRun(1e-8, 70.73234499 * (1.0 + off), s, 1) for s, off in ((0.2, 1e-3), (6.0, theirs))]
+    assert words in _race_factor(ours, rivals)
 
 
 def test_a_report_of_one_study_is_whole(tmp_path):

@@ -10,10 +10,11 @@ from functools import cache
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, NamedTuple, TypedDict, Unpack
 
-from fullwave.families import FAMILIES as GRIDS
+from fullwave.families import FAMILIES as WITH_GRID
 from fullwave.families import FullWave, facts_of
-from reduced.families import DELAY, REDUCTIONS
+from reduced.families import DELAY as DELAY
 from reduced.families import FAMILIES as WITHOUT_GRID
+from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.family import Exact, Family, features_of, in_words
 from slipwave.input.wording import nearest, shorten
@@ -24,28 +25,10 @@ if TYPE_CHECKING:
     from slipwave.scene import Scene
     from slipwave.solve import Solver
 
-__all__ = [
-    "DELAY",
-    "FAMILIES",
-    "GRIDS",
-    "OPTIONS",
-    "Built",
-    "Options",
-    "add_family",
-    "explicit_time",
-    "families",
-    "family_of",
-    "given",
-    "grid_of",
-    "honouring",
-    "make",
-    "one_port_of",
-    "parse",
-    "requested",
-    "resolve",
-]
+GRIDS = WITH_GRID
+"""The full waves, those of other packages and files at the end."""
 
-FAMILIES: list[Family] = [*WITHOUT_GRID, *GRIDS]
+FAMILIES: list[Family] = [*WITHOUT_GRID, *WITH_GRID]
 """Cheapest first; `auto` takes the first that is exact. Families of other packages and files are added at the end."""
 
 OPTIONS = tuple(dict.fromkeys(option for family in reversed(FAMILIES) for option in family.options))

@@ -1,9 +1,7 @@
 """Slabs that differ: the exact delay system against every full-wave family, and what the difference costs."""
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -33,14 +31,14 @@ TOLERANCE = 1e-11
 _WATCHED = 140.0  # transits before UNTIL that are kept for the picture
 _BEFORE, _AFTER = 3.0, 2.0
 
-MODELS: dict[str, tuple[float, dict[str, Any]]] = {
-    "delay": (600.0, {"tolerance": 1e-9}),
-    "delay, loose": (600.0, {"tolerance": 1e-6}),
-    "dg:7": (200.0, {"cells": 4, "time": "explicit"}),
-    "dg:7, finer": (60.0, {"cells": 8, "time": "explicit"}),
-    "fd": (200.0, {"cells": 128, "cfl": 0.5}),
+MODELS = {
+    "delay": (600.0, Setting("delay", tolerance=1e-9)),
+    "delay, loose": (600.0, Setting("delay", tolerance=1e-6)),
+    "dg:7": (200.0, Setting("dg:7", cells=4, time="explicit")),
+    "dg:7, finer": (60.0, Setting("dg:7", cells=8, time="explicit")),
+    "fd": (200.0, Setting("fd", cells=128, cfl=0.5)),
 }
-"""Row -> transits timed and options."""
+"""Row -> transits timed, and the setting."""
 
 Costs = dict[str, dict[str, float]]
 """model -> pair -> microseconds a transit."""
@@ -198,10 +196,8 @@ def _cost_table(found: Costs) -> Table:
 
 
 def _words(model: str) -> str:
-    options = MODELS[model][1]
-    if "tolerance" in options:
-        return f"tolerance 10^{{{math.log10(options['tolerance']):.0f}}}"
-    return f"{options['cells']:.0f} cells a slab"
+    setting = MODELS[model][1]
+    return f"{setting.cells} cells a slab" if setting.cells else setting.words
 
 
 def cost_verdicts(found: Costs) -> Iterator[Verdict]:
@@ -268,8 +264,7 @@ def costs(repeats: int) -> Costs:
     """Least of `repeats` runs of every model on every pair; the pairs alternate."""
     scene = alike_and_unlike()
     found: Costs = {}
-    for row, (until, options) in MODELS.items():
-        setting = Setting(row.partition(",")[0], **options)
+    for row, (until, setting) in MODELS.items():
         runs = {name: March(setting, pair, until) for name, pair in scene.items()}
         for pair in scene.values():
             warm_up(setting, pair)

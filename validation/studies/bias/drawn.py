@@ -9,7 +9,7 @@ from validation.fit.synthetic import NOISE
 from validation.studies.bias.atlas import ALLOWED, Atlas
 from validation.studies.bias.measured import COVERED, MACHINES, MODELS, QUANTITIES, RINGING, SLIPPING_SWINGS, SWINGS
 from validation.study import Cell, Table, table
-from validation.study.drawing import Drawing, canvas, pen, styled
+from validation.study.drawing import Drawing, pen, subplots
 
 _COLORS = ("#0072b2", "#e69f00", "#d55e00")
 _SHOWN = 4  # the swing whose errors the table shows
@@ -55,35 +55,33 @@ def table_of_coverage(covered: Mapping[str, Sequence[Sequence[bool]]]) -> Table:
 
 def draw_atlas(atlas: Atlas) -> Drawing:
     """A panel for each model: the largest error of a, b and L over the swing, by machine; stick-slip as circles."""
-    with styled():
-        figure = canvas(height=4.8)
-        grid = figure.subplots(2, 4, sharex=True, sharey=True)
-        for axes, model in zip(grid.flat, MODELS, strict=False):
-            steps, slips = (_percent(atlas.worst(model, steps)) for steps in (True, False))
-            excluded = atlas.excluded(model)
-            for k, (color, mass, errors, slip) in enumerate(zip(_COLORS, MACHINES, steps, slips, strict=True)):
-                out = excluded[k].any(axis=1)
-                axes.plot(SWINGS, errors, color=color, label="no machine" if mass is None else f"machine, mass {mass:g}")
-                axes.plot(SWINGS[out], errors[out], "x", color=color, markersize=5)
-                made = np.isfinite(slip)
-                axes.plot(SLIPPING_SWINGS[made], slip[made], "o", color=color, markersize=4, fillstyle="none")
-            axes.axhline(100.0 * ALLOWED, color="#555555", linewidth=0.8, linestyle=(0, (4, 2)))
-            axes.set(xscale="log", yscale="log", ylim=_SEEN)
-            axes.set_title(called(model), fontsize="medium")
-        legend = grid.flat[-1]
-        legend.set_axis_off()
-        lines = [line for line in grid.flat[0].get_lines() if not str(line.get_label()).startswith("_")]
-        lines += [
-            legend.plot([], [], mark, color="#555555", fillstyle="none", label=words)[0]
-            for mark, words in (("x", "truth excluded"), ("o", "stick-slip"))
-        ]
-        legend.legend(handles=lines, loc="center", fontsize="small", borderaxespad=0.0)
-        for axes in grid.flat[3:7]:
-            axes.set_xlabel("swing / time of slip by $L$", fontsize="small")
-            axes.tick_params(labelbottom=True)
-        for axes in grid[:, 0]:
-            axes.set_ylabel("largest error of a, b, L / %", fontsize="small")
-        return figure
+    figure, grid = subplots(4.8, 2, 4, sharex=True, sharey=True)
+    for axes, model in zip(grid.flat, MODELS, strict=False):
+        steps, slips = (_percent(atlas.worst(model, steps)) for steps in (True, False))
+        excluded = atlas.excluded(model)
+        for k, (color, mass, errors, slip) in enumerate(zip(_COLORS, MACHINES, steps, slips, strict=True)):
+            out = excluded[k].any(axis=1)
+            axes.plot(SWINGS, errors, color=color, label="no machine" if mass is None else f"machine, mass {mass:g}")
+            axes.plot(SWINGS[out], errors[out], "x", color=color, markersize=5)
+            made = np.isfinite(slip)
+            axes.plot(SLIPPING_SWINGS[made], slip[made], "o", color=color, markersize=4, fillstyle="none")
+        axes.axhline(100.0 * ALLOWED, color="#555555", linewidth=0.8, linestyle=(0, (4, 2)))
+        axes.set(xscale="log", yscale="log", ylim=_SEEN)
+        axes.set_title(called(model), fontsize="medium")
+    legend = grid.flat[-1]
+    legend.set_axis_off()
+    lines = [line for line in grid.flat[0].get_lines() if not str(line.get_label()).startswith("_")]
+    lines += [
+        legend.plot([], [], mark, color="#555555", fillstyle="none", label=words)[0]
+        for mark, words in (("x", "truth excluded"), ("o", "stick-slip"))
+    ]
+    legend.legend(handles=lines, loc="center", fontsize="small", borderaxespad=0.0)
+    for axes in grid.flat[3:7]:
+        axes.set_xlabel("swing / time of slip by $L$", fontsize="small")
+        axes.tick_params(labelbottom=True)
+    for axes in grid[:, 0]:
+        axes.set_ylabel("largest error of a, b, L / %", fontsize="small")
+    return figure
 
 
 def _percent(worst: Array) -> Array:

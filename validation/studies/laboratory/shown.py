@@ -9,7 +9,7 @@ import numpy as np
 from validation.references.published import laboratory
 from validation.studies.laboratory.measured import MeasuredCycle, Rise, leeman_runs
 from validation.study import Cell, Table, table
-from validation.study.drawing import Drawing, canvas, styled
+from validation.study.drawing import Drawing, canvas, subplots
 
 LAWS = ("ageing", "slip")
 NAMES = ("period", "drop", "peak")
@@ -91,45 +91,40 @@ def table_of_rises(rises: Sequence[Rise]) -> Table:
 
 def draw_cases(cases: Sequence[Case]) -> Drawing:
     """Measured values with their scatter beside the ranges of the laws."""
-    with styled():
-        figure = canvas(9.0, 3.6)
-        for axes, name in zip(figure.subplots(1, 3), NAMES, strict=True):
-            for law, aside in zip(LAWS, (-0.15, 0.15), strict=True):
-                own = [case for case in cases if case.law == law]
-                stress = [case.row["sigma_MPa"] + aside for case in own]
-                low, median, high = (np.array(side) for side in zip(*(case.bands[name] for case in own), strict=True))
-                ends, label = [median - low, high - median], f"{law} law, median and 95 %"
-                axes.errorbar(stress, median, ends, fmt="_", color=_COLORS[law], linewidth=2.5, alpha=0.7, label=label)
-            values = np.array([measured_figure(row, name) for row in leeman_runs()])
-            axes.errorbar(
-                [row["sigma_MPa"] for row in leeman_runs()],
-                values,
-                SCATTER[name] * values,
-                fmt="o",
-                color="#111111",
-                markersize=4,
-                label="measured",
-            )
-            axes.set(xlabel="normal stress / MPa", ylabel=_SHOWN[name], ylim=(0, None))
-        axes.set(yscale="log", ylim=(0.01, 60))
-        figure.axes[0].legend(fontsize="small", loc="lower right")
-        return figure
+    figure = canvas(9.0, 3.6)
+    for axes, name in zip(figure.subplots(1, 3), NAMES, strict=True):
+        for law, aside in zip(LAWS, (-0.15, 0.15), strict=True):
+            own = [case for case in cases if case.law == law]
+            stress = [case.row["sigma_MPa"] + aside for case in own]
+            low, median, high = (np.array(side) for side in zip(*(case.bands[name] for case in own), strict=True))
+            ends, label = [median - low, high - median], f"{law} law, median and 95 %"
+            axes.errorbar(stress, median, ends, fmt="_", color=_COLORS[law], linewidth=2.5, alpha=0.7, label=label)
+        values = np.array([measured_figure(row, name) for row in leeman_runs()])
+        axes.errorbar(
+            [row["sigma_MPa"] for row in leeman_runs()],
+            values,
+            SCATTER[name] * values,
+            fmt="o",
+            color="#111111",
+            markersize=4,
+            label="measured",
+        )
+        axes.set(xlabel="normal stress / MPa", ylabel=_SHOWN[name], ylim=(0, None))
+    axes.set(yscale="log", ylim=(0.01, 60))
+    figure.axes[0].legend(fontsize="small", loc="lower right")
+    return figure
 
 
 def draw_rises(rises: Sequence[Rise]) -> Drawing:
     """Rise times over stress drops."""
-    with styled():
-        figure = canvas(height=2.8)
-        axes = figure.subplots()
-        low, high = laboratory()["togo-2015"]["rise_time_ms"]
-        axes.axhspan(low, high, color="#cccccc", linewidth=0.0, label="measured")
-        drops = [one.drop for one in rises]
-        axes.plot(
-            drops, [one.time for one in rises], "o", color="#0072b2", markersize=4, label="exact waves, machine of 153 MPa/m"
-        )
-        axes.set(xlabel="stress drop / MPa", ylabel="rise time / ms", ylim=(0, 25), xlim=(0, None))
-        axes.legend(fontsize="small", loc="lower right")
-        return figure
+    figure, axes = subplots(2.8, x="stress drop / MPa", y="rise time / ms")
+    low, high = laboratory()["togo-2015"]["rise_time_ms"]
+    axes.axhspan(low, high, color="#cccccc", linewidth=0.0, label="measured")
+    drops = [one.drop for one in rises]
+    axes.plot(drops, [one.time for one in rises], "o", color="#0072b2", markersize=4, label="exact waves, machine of 153 MPa/m")
+    axes.set(ylim=(0, 25), xlim=(0, None))
+    axes.legend(fontsize="small", loc="lower right")
+    return figure
 
 
 _SAMPLED = (
