@@ -5,7 +5,7 @@ STAMP := .venv/installed
 # small matrices gain nothing from more threads, and lose a factor of 50 where processes share the machine
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: install test report wheel bench docs cf page browser faults mutants
+.PHONY: install test studies report wheel bench docs cf page browser faults mutants
 
 install: $(STAMP)
 
@@ -22,7 +22,12 @@ test: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/pytest -m "not slow" -n 2
+	$(BIN)/pytest -m "not slow and not studies" -n 2 --dist worksteal
+
+# those tests that take most of the time: quick runs of whole studies, with counterfeit figures that must turn them red
+studies: export PYTHONDONTWRITEBYTECODE =
+studies: $(STAMP)
+	$(BIN)/pytest -m studies -n 2
 
 # make report QUICK=1 takes the cheap version of every study
 report: $(STAMP)

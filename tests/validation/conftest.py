@@ -1,16 +1,33 @@
 """Fixtures: synthetic studies for the report's tests, and what the commands of `slipwave` say."""
 
 import json
+from functools import partial
+from typing import ClassVar
 
+import jinja2
 import pytest
 from fake_studies import Fake
 
 from validation.cli import INPUT_WRONG, main
 
 
+class Compiled(jinja2.BytecodeCache):
+    """Templates that this process has compiled already: a test writes many pages, a report one."""
+
+    kept: ClassVar[dict[str, bytes]] = {}
+
+    def load_bytecode(self, bucket):
+        if bucket.key in self.kept:
+            bucket.bytecode_from_string(self.kept[bucket.key])
+
+    def dump_bytecode(self, bucket):
+        self.kept[bucket.key] = bucket.bytecode_to_string()
+
+
 @pytest.fixture
 def fake(monkeypatch, tmp_path):
     """Synthetic studies instead of the report's, run in this process unless a test asks for several."""
+    monkeypatch.setattr(jinja2, "Environment", partial(jinja2.Environment, bytecode_cache=Compiled()))
     monkeypatch.setattr("validation.report.build.cores", lambda: 1)
     return Fake(monkeypatch, tmp_path)
 

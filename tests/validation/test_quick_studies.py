@@ -90,12 +90,14 @@ def held(name):
 
 ELSEWHERE = {"which-model", "period-against-delay", "slip-event", "claims"}
 """Studies that a test file of their own runs, once."""
+SLOW = {"regime-map", "asymmetry-map", "laboratory", "manufactured"}
+LONG = {"beyond-one-scene", "bifurcation", "stability-boundaries"}
 
 
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=[pytest.mark.slow] * (name.endswith("-map") or name in ("laboratory", "manufactured")))
+        pytest.param(name, marks=[pytest.mark.slow] * (name in SLOW) + [pytest.mark.studies] * (name in LONG))
         for name in STUDIES
         if name not in ELSEWHERE
     ],

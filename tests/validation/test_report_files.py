@@ -370,12 +370,20 @@ def test_ci_runs_the_tests_and_the_report_and_goes_red_with_it(tmp_path, status,
     path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run([ROOT / ".ci" / "run"], env=os.environ | {"PATH": path}, check=False)
     assert done.returncode == ends
-    assert {"test", "report QUICK=1"} <= set((tmp_path / "asked").read_text().splitlines())
+    assert {"test", "studies", "report QUICK=1"} <= set((tmp_path / "asked").read_text().splitlines())
 
 
-def test_make_hands_the_status_on(tmp_path):
-    """`make report` runs slipwave bare: what it ends with ends make."""
+@pytest.mark.parametrize(
+    ("words", "last"),
+    [
+        (("report", "QUICK=1"), "slipwave report --quick"),
+        (("test",), 'pytest -m "not slow and not studies" -n 2 --dist worksteal'),
+        (("studies",), "pytest -m studies -n 2"),
+    ],
+)
+def test_make_hands_the_status_on(words, last):
+    """The last command is run bare: what it ends with ends make. Each test is run by one of two commands, or by the report."""
     rule = subprocess.run(
-        ["make", "--no-print-directory", "--dry-run", "report", "QUICK=1"], cwd=ROOT, capture_output=True, text=True, check=True
+        ["make", "--no-print-directory", "--dry-run", *words], cwd=ROOT, capture_output=True, text=True, check=True
     )
-    assert rule.stdout.splitlines()[-1] == ".venv/bin/slipwave report --quick"
+    assert rule.stdout.splitlines()[-1] == f".venv/bin/{last}"

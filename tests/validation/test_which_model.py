@@ -48,6 +48,7 @@ def test_the_quasi_dynamic_model_sticks_and_slips_beyond_its_onset(log10_r, peri
     assert (beside.period.value, beside.cycles) == (pytest.approx(found.period.value, rel=1e-9), 0)
 
 
+@pytest.mark.studies
 def test_the_table_has_every_model_at_every_r():
     """At log10 r = -2.65 the period is 79.3225 in the mean (lifted shooting); eight modes keep the torus."""
     result = held("which-model")
