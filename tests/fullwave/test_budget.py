@@ -2,9 +2,9 @@
 taken."""
 
 import dataclasses
+import os
 import resource
 import signal
-import subprocess
 import sys
 from functools import partial
 
@@ -21,24 +21,9 @@ from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow
 from tests.compiled_work import count_calls
-
-ENDLESS = """
-import sys
-import fullwave.lines.explicit
-import fullwave.lines.march
+from tests.copies import in_a_copy
 from validation.cli import main
 
-march = fullwave.lines.explicit.march_lines
-
-
-def telling(*arguments):
-    print("begun", flush=True)
-    return march(*arguments)
-
-
-fullwave.lines.explicit.march_lines = telling
-sys.exit(main(["run", "paper", "--model", "dg:24", "--cells", "10000", "--until", "1e9", "--yes"]))
-"""
 SMALL = {**FAMILIES, "fd": partial(Leapfrog, cells=16, cfl=0.9)}
 
 
@@ -153,12 +138,16 @@ def test_the_count_is_about_what_is_taken(kind, options, monkeypatch):
 
 
 def test_interrupt_ends_a_big_run():
-    heard = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # whoever runs the tests may have it ignored
-    with subprocess.Popen(
-        [sys.executable, "-c", ENDLESS], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=heard
-    ) as process:
-        assert process.stdout.readline() == "begun\n"
-        process.send_signal(signal.SIGINT)
-        said = process.communicate()[1]
-    assert process.returncode == 130
-    assert said.splitlines()[-1].startswith("slipwave: interrupted")
+    march = fullwave.lines.explicit.march_lines
+
+    def telling(*arguments):
+        fullwave.lines.explicit.march_lines = march
+        print("begun", file=sys.stderr)
+        return march(*arguments)
+
+    def run():
+        fullwave.lines.explicit.march_lines = telling
+        return main(["run", "paper", "--model", "dg:24", "--cells", "10000", "--until", "1e9", "--yes"])
+
+    done = in_a_copy(run, lambda line, copy: line != "begun\n" or os.kill(copy, signal.SIGINT))
+    assert (done.returncode, done.stderr.splitlines()[-1].startswith("slipwave: interrupted")) == (130, True)

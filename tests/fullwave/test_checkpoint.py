@@ -2,10 +2,8 @@
 
 import os
 import random
-import signal
-import subprocess
-import sys
 import time
+from multiprocessing import get_context
 
 import pytest
 from grid_scenes import PAPER
@@ -16,24 +14,14 @@ from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints, load_checkpoint, save_checkpoint
 
-UNTIL = 3000.0
-SCRIPT = """
-import sys
-from pathlib import Path
-import slipwave
-from fullwave.finite_difference import Leapfrog
-from slipwave.observe import EventObserver
-from slipwave.solve import follow
-from slipwave.solve.checkpoint import Checkpoints
-chosen = slipwave.read("paper")
-solver = Leapfrog(chosen, 32, 0.9)
-print("go", flush=True)
-events, path, until = EventObserver(chosen, solver.nodes), Path(sys.argv[1]), float(sys.argv[2])
-marks = Checkpoints(solver, {"events": events}, path, until, 20.0)
-if path.exists():
-    marks.resume()
-follow(solver, until, [events], marks=[marks])
-"""
+
+def run_for_ever(path):
+    solver = Leapfrog(PAPER, 32, 0.9)
+    events = EventObserver(PAPER, solver.nodes)
+    marks = Checkpoints(solver, {"events": events}, path, 1e9, 20.0)
+    if path.exists():
+        marks.resume()
+    follow(solver, 1e9, [events], marks=[marks])
 
 
 def outcome(solver, events):
@@ -51,14 +39,13 @@ def assert_same_bits(ours, theirs):
 def test_killed_and_resumed_equals_uninterrupted(tmp_path):
     path = tmp_path / "run.npz"
     for _ in range(3):
-        process = subprocess.Popen([sys.executable, "-c", SCRIPT, str(path), "1e9"], stdout=subprocess.PIPE)
-        process.stdout.readline()
-        while not path.exists() and process.poll() is None:
+        process = get_context("fork").Process(target=run_for_ever, args=(path,))
+        process.start()
+        while not path.exists() and process.is_alive():
             time.sleep(0.005)
         time.sleep(random.uniform(0.0, 0.1))
-        process.send_signal(signal.SIGKILL)
-        process.wait()
-        process.stdout.close()
+        process.kill()
+        process.join()
         assert path.exists()
     solver = Leapfrog(PAPER, 32, 0.9)
     events = EventObserver(PAPER, solver.nodes)

@@ -8,6 +8,7 @@ sections whose code takes more than 10 s to compile are run by the full report.
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -19,6 +20,15 @@ ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 KEYS = "tests/slipwave/test_readme_keys.py"
 FOR_ALL = ("slipwave", "reduced", "fullwave", "validation", "examples")
+
+
+ALL = """
+import shlex, sys
+from validation.cli import main
+for line in sys.argv[1:]:
+    assert main([*shlex.split(line), "--json"]) == 0
+    print(end="\\f")
+"""
 
 
 class Reader:
@@ -40,9 +50,12 @@ class Reader:
         self.output = done.stdout + done.stderr
         return done.returncode
 
-    def json(self, line):
-        assert self.run(f"{line} --json 2>/dev/null") == 0
-        return json.loads(self.output)
+    def json(self, *lines):
+        """What the commands print, computed one after the other by one process."""
+        assert self.run(f"python -c {shlex.quote(ALL)} {shlex.join(lines)} 2>/dev/null") == 0
+        found = [json.loads(text) for text in self.output.split("\f") if text]
+        assert len(found) == len(lines)
+        return found
 
     def change(self, file, old, new):
         self.changed.add(file)
@@ -138,12 +151,9 @@ def test_an_outer_face(reader):
     assert reader.changed == {"slipwave/scene/slab.py", "slipwave/input/schema.py"}
     for scene, stiffness, mass in (("paper", "2", "0.1"), ("paper-si", "5e7", "2")):
         given = {"stiffness": stiffness, "mass": mass}
-        bolt, machine = (
-            reader.json(
-                f"slipwave stability {scene} " + " ".join(f"--set slab.face.{key}={value}" for key, value in face.items())
-            )
-            for face in ({"kind": "bolt"} | given, {"kind": "machine", "impedance": "0"} | given)
-        )
+        faces = ({"kind": "bolt"} | given, {"kind": "machine", "impedance": "0"} | given)
+        words = (" ".join(f"--set slab.face.{key}={value}" for key, value in face.items()) for face in faces)
+        bolt, machine = reader.json(*(f"stability {scene} {face}" for face in words))
         for key in ("log10_r_c", "leading_roots", "si"):
             assert bolt.get(key) == machine.get(key)
     wrong = "--set slab.face.kind=bolt --set slab.face.mass=0 --set slab.face.stiffness=0"
@@ -154,10 +164,10 @@ def test_an_outer_face(reader):
 def test_a_reduction(reader):
     reader.follow(EXTENDING["Adding an ODE reduction"])
     assert len(reader.changed) == 2
-    compared = reader.json("slipwave compare paper --models block8,block10,block12 --until 4000")
+    compared, alone = reader.json("compare paper --models block8,block10,block12 --until 4000", "stability paper --model block10")
     light, middle, heavy = (row["period"]["mean"] for row in compared["models"])
     assert light < middle < heavy
-    assert reader.json("slipwave stability paper --model block10")["model"] == "block10"
+    assert alone["model"] == "block10"
     assert reader.run("slipwave run --help") == 0
     assert "block10" in reader.output
 
@@ -167,7 +177,7 @@ def test_a_discretisation(reader):
     reader.follow(EXTENDING["Adding a discretisation"])
     assert reader.changed == {"finite_volume.py", "pyproject.toml"}
     words = ("delay", "fv --family finite_volume.py --cells 200", "fv --family finite_volume.py --cells 400")
-    exact, *found = (reader.json(f"slipwave run paper --until 12 --model {model}")["final"]["psi"] for model in words)
+    exact, *found = (run["final"]["psi"] for run in reader.json(*(f"run paper --until 12 --model {model}" for model in words)))
     coarse, fine = (abs(psi - exact) for psi in found)
     assert coarse / fine == pytest.approx(2.0, rel=0.1)
     assert reader.run("slipwave run viscous --until 1 --family finite_volume.py --model fv") == 2
@@ -181,8 +191,8 @@ def test_an_observer(reader):
     """In one file; in two if `slipwave run` is to show it by name."""
     reader.follow(EXTENDING["Adding an observer"])
     assert reader.changed == {"slip.py", "slipwave/observe/excess.py", "slipwave/scene/recorded.py"}
-    run = 'slipwave run paper --until 2000 --set \'run.record=["events", "excess"]\' --checkpoint run.npz'
-    found = reader.json(run)["observed"]["excess"]["slip"]
+    run = 'run paper --until 2000 --set \'run.record=["events", "excess"]\' --checkpoint run.npz'
+    found = reader.json(run)[0]["observed"]["excess"]["slip"]
     assert found == pytest.approx(0.00209 * 2000 * 100 * 0.8, rel=0.25)
 
 
@@ -193,7 +203,7 @@ def test_a_scene_key(reader):
     assert reader.changed == {"slipwave/input/schema.py", "slipwave/input/assemble.py"}
     row = "| `drive.factor` | by which every velocity is multiplied | 1e-9..1e9 |"
     assert (reader.folder / "README.md").read_text().replace(f"{row}\n", "") == before
-    half, plain = (reader.json(f"slipwave stability paper --set {change}") for change in ("factor=0.5", "V=50"))
+    half, plain = reader.json("stability paper --set factor=0.5", "stability paper --set V=50")
     assert half == plain
 
 
@@ -202,7 +212,7 @@ def test_an_option(reader):
     assert len(reader.changed) == 1
     assert reader.run("slipwave show run.nc") == 0
     assert '"remark": "sample 7"' in reader.output
-    assert reader.json("slipwave run run.nc")["notes"] == ["sample 7"]
+    assert reader.json("run run.nc")[0]["notes"] == ["sample 7"]
 
 
 def test_a_study(reader):
