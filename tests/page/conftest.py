@@ -8,6 +8,8 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
+PATIENCE = 600_000
+"""Milliseconds after which a test gives up; no outcome depends on it."""
 FOLDER = Path(os.environ.get("REPORT", ROOT / "reports"))
 
 
@@ -37,7 +39,7 @@ def browser():
     program = next(filter(None, map(shutil.which, PROGRAMS)), None)
     with sync_playwright() as driver:
         try:
-            browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+            browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"], timeout=PATIENCE)
         except Error as error:
             if os.environ.get("REQUIRE_BROWSER") == "1":
                 raise
@@ -55,6 +57,7 @@ def opened(browser):
         context = browser.new_context(
             viewport={"width": width, "height": height}, java_script_enabled=script, color_scheme=scheme
         )
+        context.set_default_timeout(PATIENCE)
         contexts.append(context)
         page = context.new_page()
         page.complaints, page.asked = [], []

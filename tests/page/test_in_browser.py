@@ -111,7 +111,7 @@ def test_one_click_shows_what_proves_a_number(opened, script):
     page = opened(*WIDE, script=script)
     page.locator("#answer .models .shown:visible td a").first.click()
     proof = page.locator(":target")
-    assert proof.is_visible()
+    proof.wait_for()  # until it is seen: the event that unfolds it comes after the click
     assert proof.locator("code").count() >= 1
     assert proof.locator("a[href^='#']").count() >= 1
 
@@ -119,7 +119,7 @@ def test_one_click_shows_what_proves_a_number(opened, script):
 def test_one_click_shows_what_changed(opened):
     page = opened(*WIDE)
     page.locator("header a[href='#changed']").click()
-    assert page.locator("#changed .caption").first.is_visible()
+    page.locator("#changed .caption").first.wait_for()
     assert "Compared with" in page.locator("#changed .caption").first.inner_text()
 
 

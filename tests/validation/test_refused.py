@@ -116,7 +116,6 @@ sweep paper --out x --vary a=0.01:0.02:3 --models delai | delay
 sweep paper --out x --vary a=0.01:0.02:4 --refine 2 | as 5
 sweep paper --out x --vary a=0.01:0.02:3 --part 4/3 | --part
 sweep paper --out x --vary a=0.01:0.02:3 --part 1/3 --anew | --anew, which removes
-sweep paper --out x --vary a=0.01:0.02:3 --scheduler nowhere | --scheduler
 sweep paper --out x --rows nothing.csv | --rows
 map nothing.nc | neither a folder
 """

@@ -99,16 +99,15 @@ class Cluster(NamedTuple):
 
 @contextmanager
 def cluster(address: str) -> Iterator[Cluster]:
-    """Context with the dask scheduler at `address`. Raises SceneError if there is none, or if it has no workers."""
+    """Context with the dask scheduler at `address`. Raises SceneError if none answers within dask's own time
+    (`distributed.comm.timeouts.connect`, 30 s unless the user says otherwise), or if it has no workers."""
     require("cluster", "--scheduler")
     for name in ("distributed", "tornado.application"):  # a scheduler that goes away is told in one line, by us
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     import distributed
 
     try:
-        client: Any = distributed.Client(  # type: ignore[no-untyped-call]
-            address, timeout="5s", set_as_default=False
-        )
+        client: Any = distributed.Client(address, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError, TimeoutError) as error:
         reason = (str(error) or type(error).__name__).splitlines()[0]
         raise SceneError(f"--scheduler = {address!r}: no scheduler answers there: {reason}") from None
