@@ -16,7 +16,7 @@ from validation.results.options import RunsOptions
 from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress
 from validation.run.simulate import Run, simulate
-from validation.study.drawing import Drawing, canvas, pen, styled
+from validation.study.drawing import Drawing, pen, styled, subplots
 from validation.timing import Setting, solver_of, warm_up
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
@@ -66,9 +66,8 @@ class BenchResult(Comparison):
     def plot(self) -> Drawing:
         """Error of the period against wall time, a line for each model; runs without cycles are left out."""
         with styled():
-            figure = canvas(height=4.8)
-            axes = figure.subplots()
-            axes.set(xscale="log", yscale="log", xlabel="wall time / s", ylabel="relative error of the period")
+            figure, axes = subplots(4.8, x="wall time / s", y="relative error of the period")
+            axes.set(xscale="log", yscale="log")
             for model in dict.fromkeys(run.solver.model for run, _ in self.runs):
                 rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
                 if rows:

@@ -15,7 +15,7 @@ from validation.results.quantities import INTERFACE, si_factor, stored_name
 from validation.results.reasons import PREFIXES, power_of
 from validation.run.length import second_half
 from validation.run.simulate import Run
-from validation.study.drawing import Axes, Drawing, canvas, styled
+from validation.study.drawing import Axes, Drawing, canvas, styled, subplots
 
 _LABELS = {"time": "time / transits", "stress": "friction stress / normal stress", "slip_rate": "slip rate / V*"}
 _SI_LABELS = {"time": "time / s", "stress": "friction stress / {}Pa", "slip_rate": "slip rate / (m/s)"}
@@ -110,12 +110,10 @@ def return_map(run: Run) -> Drawing:
     if period.size < 2:
         raise SceneError("a return map needs two complete cycles in the second half of the run")
     with styled():
-        figure = canvas(4.6, 4.6)
-        axes = figure.subplots()
+        figure, axes = subplots(4.6, x="period / transits", y="next period / transits", width=4.6)
         axes.plot(period[:-1], period[1:], ".", color="#111111", markersize=3.5)
         axes.axline((float(period[0]), float(period[0])), slope=1.0, color="#777777", linewidth=0.7)
-        title = f"{run.solver.scene.name}, {run.solver.model}: {run.kind}"
-        axes.set(title=title, xlabel="period / transits", ylabel="next period / transits")
+        axes.set_title(f"{run.solver.scene.name}, {run.solver.model}: {run.kind}")
         axes.grid(True)
         axes.set_aspect("equal", adjustable="datalim")
         return figure

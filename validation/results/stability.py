@@ -23,7 +23,7 @@ from validation.results.provenance import SCHEMA, provenance
 from validation.results.reasons import on_stability
 from validation.results.result import Dataset, Result, finite, new_dataset
 from validation.results.wording import header
-from validation.study.drawing import Drawing, canvas, styled
+from validation.study.drawing import Drawing, styled, subplots
 
 _CRITICAL = {
     "omega_c": "critical frequency, in V*/L",
@@ -106,11 +106,9 @@ class StabilityResult(Result):
         """The leading roots in the complex plane; those right of the dashed line grow."""
         data = self.dataset
         with styled():
-            figure = canvas(height=4.5)
-            axes = figure.subplots()
+            figure, axes = subplots(4.5, x="growth rate Re s / (V*/L)", y="frequency Im s / (V*/L)")
             axes.plot(data["root_real"], data["root_imaginary"], "o", color="#111111", markerfacecolor="white")
             axes.axvline(0.0, color="#777777", linewidth=0.8, linestyle="--")
-            axes.set(xlabel="growth rate Re s / (V*/L)", ylabel="frequency Im s / (V*/L)")
             axes.set_title(f"{self.scene.name}, {self.found.model}: leading roots of steady sliding")
             return figure
 
