@@ -50,7 +50,7 @@ def run(budget: Budget) -> StudyResult:
 def swept_plane(budget: Budget) -> Dataset:
     """The plane as every model has it."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
-    counts, levels = ((17, 9), 1) if budget.quick else ((25, 13), 2)
+    counts, levels = ((13, 7), 1) if budget.quick else ((25, 13), 2)
     axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
     plan = plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE, refine=levels)
     return swept_here(plan)
