@@ -46,7 +46,7 @@ class Reader:
         """The command's exit status; what it printed is `output`."""
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         environment = {**os.environ, "PATH": path, "PYTHONPATH": str(self.folder)}
-        done = subprocess.run(line, shell=True, cwd=self.folder, env=environment, capture_output=True, text=True, timeout=600)
+        done = subprocess.run(line, shell=True, cwd=self.folder, env=environment, capture_output=True, text=True, timeout=3600)
         self.output = done.stdout + done.stderr
         return done.returncode
 
