@@ -91,7 +91,7 @@ def held(name):
 ELSEWHERE = {"which-model", "period-against-delay", "slip-event", "claims"}
 """Studies that a test file of their own runs, once."""
 SLOW = {"regime-map", "asymmetry-map", "laboratory", "manufactured"}
-LONG = {"beyond-one-scene", "bifurcation", "stability-boundaries"}
+LONG = {"beyond-one-scene", "bifurcation", "partial-reflection", "snaking", "stability-boundaries"}
 
 
 @pytest.mark.parametrize(
