@@ -288,7 +288,7 @@ def cycles(last):
 
 
 def periods(ode=70.0, delay=73.0, block=76.0, mean=None):
-    orbits = {"kelvin-voigt": [ode], "delay": [delay], "block8": [block], "block12": [block + 1.0]}
+    orbits = {"kelvin-voigt": [70.0, ode], "delay": [delay], "block8": [block], "block12": [block + 1.0]}
     return Periods(-2.68, orbits, {"delay": Means(mean, mean, 50)} if mean else {}, {})
 
 
