@@ -310,7 +310,8 @@ def _told(one: Experiment, fitted: Array) -> dict[str, Any]:
     facts: dict[str, Any] = {"file": one.name, "samples": one.times[one.shown].size}
     if one.cycle is None:
         return facts
-    period = {"measured": one.cycle.period, "error": one.cycle.period_error, "fitted": float(fitted[0])}
+    error = float(np.hypot(one.cycle.period_error, np.linalg.norm(one.cycle.together[0])))
+    period = {"measured": one.cycle.period, "error": error, "fitted": float(fitted[0])}
     return facts | {"events": one.cycle.events, "drop": one.cycle.drop, "period": period}
 
 

@@ -29,7 +29,9 @@ BINS = 48
 MARGIN = 0.02
 """Share of a cycle on either side of an event that is left out."""
 
-_POINTS = 3  # of a bin at which a model is asked
+_NODES, _WEIGHTS = (part / 2.0 for part in np.polynomial.legendre.leggauss(3))  # of a bin, at which a model is asked
+_FEWEST = 12  # bins that have samples
+_STANDS_OUT = 4.0  # standard errors, beyond which cycles differ by more than noise
 _FALL = 0.4  # of the range of friction: a smaller fall is no event
 _ABOVE = 8.0  # times the noise: the smallest fall that can be told from it
 _BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
@@ -42,20 +44,19 @@ DISTURBED = 1.0
 
 
 class MeanCycle(NamedTuple):
-    """The `period` (s or transits) and mean friction in `BINS` (phases), with their standard errors; `events` and `drop`."""
+    """The `period` (s or transits) and mean friction in bins, whose samples have the mean `phases`; the standard errors of each
+    alone; `events`, `drop`, and the `drift` that was taken out. `together` (bins + 1, k): what one standard deviation of each
+    error does that they have in common, first to the period."""
 
     period: float
     period_error: float
     friction: Array
     friction_error: Array
+    phases: Array
+    together: Array
     events: int
     drop: float
-
-
-def phases() -> Array:
-    """Middle of the bins."""
-    edges = np.linspace(MARGIN, 1.0 - MARGIN, BINS + 1)
-    return np.asarray(0.5 * (edges[1:] + edges[:-1]))
+    drift: float
 
 
 def falls(values: Array, least: float) -> list[tuple[int, int]]:
@@ -94,46 +95,108 @@ def dated_events(name: str, times: Array, friction: Array) -> tuple[list[tuple[i
 
 
 def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
-    """Of a record. Raises SceneError if there are no three slip events in it."""
+    """Of a record, without a drift from cycle to cycle that stands out. Raises SceneError if it has no three slip events."""
     noise, (events, dates) = noise_of(times, friction), dated_events(name, times, friction)
     periods = np.diff(dates)
     which = np.searchsorted(dates, times, side="right") - 1
     inside = (which >= 0) & (which < periods.size)
     where = (times[inside] - dates[which[inside]]) / periods[which[inside]]
     bins = np.floor((where - MARGIN) / (1.0 - 2.0 * MARGIN) * BINS).astype(int)
-    rows = np.full((periods.size, BINS), np.nan)
-    counts = np.zeros(BINS)
-    for b in range(BINS):
-        for k in range(periods.size):
-            mine = friction[inside][(bins == b) & (which[inside] == k)]
-            counts[b] += mine.size
-            rows[k, b] = mine.mean() if mine.size else np.nan
-    if not counts.all():
-        raise SceneError(f"{name!r}: too few samples: a fit of stick-slip needs one in each {BINS}th of the mean cycle")
-    return _mean(periods, rows, counts, noise, np.median(np.diff(times)), [friction[a] - friction[b] for a, b in events])
+    shown = (bins >= 0) & (bins < BINS)
+    place = which[inside][shown] * BINS + bins[shown]
 
+    def total(values: Array) -> Array:
+        """Of the samples in each bin of each cycle (cycles, BINS)."""
+        return np.asarray(np.bincount(place, values, periods.size * BINS).reshape(-1, BINS)[:, there], dtype=float)
 
-def _mean(periods: Array, rows: Array, counts: Array, noise: float, step: float, drops: list[float]) -> MeanCycle:
-    """Standard errors are of the scatter of cycles, but not below those of noise and sampling."""
-    cycles = np.maximum(np.isfinite(rows).sum(axis=0), 1)
-    scatter = np.nanstd(rows, axis=0) / np.sqrt(np.maximum(cycles - 1, 1))
-    timing = step / (6.0 * periods.size) ** 0.5  # two dates, each within a sample
-    spread = float(np.std(periods, ddof=1)) / periods.size**0.5 if periods.size > 2 else 0.0
-    least = max(noise, 1e-9) / np.sqrt(counts)
+    there = np.isin(np.arange(BINS), bins)
+    if there.sum() < _FEWEST:
+        raise SceneError(f"{name!r}: too few samples: a fit of stick-slip needs one in each of {_FEWEST} parts of the mean cycle")
+    counts = total(np.ones(place.size))
+    with np.errstate(invalid="ignore"):
+        rows, at = total(friction[inside][shown]) / counts, total(where[shown]) / counts
+    phases = np.nanmean(at, axis=0)
+    slope = np.gradient(np.nanmean(rows, axis=0), phases)
+    errors = _date_errors(times, friction, events, noise)
+    moved = float(np.abs(slope).mean() * np.sqrt(np.mean(errors**2)) / periods.mean())  # what a date's error adds to a cycle
+    rows, drift = _level(rows - slope * (at - phases), phases, moved)  # each as at the mean phase
+    values, seen = np.nanmean(rows, axis=0), np.isfinite(rows).mean(axis=0)
+    own, together = _dating(dates, errors, times, slope / periods.mean(), phases)
+    error, common = _scatter(rows - values, counts, noise)
+    together = np.column_stack([together, np.append(0.0, np.full(values.size, common))])
+    drops = [friction[a] - friction[b] for a, b in events]
     return MeanCycle(
         float(periods.mean()),
-        max(spread, timing, 1e-9 * float(periods.mean())),
-        np.nanmean(rows, axis=0),
-        np.maximum(scatter, least),
-        periods.size + 1,
+        max(own, 1e-9 * float(periods.mean()), 0.01 * together[0, 1]),
+        values,
+        np.hypot(error, moved * np.sqrt((1.0 - seen) / (seen * len(rows)))),  # cycles that are left out are dated otherwise
+        phases,
+        together,
+        dates.size,
         float(np.median(drops)),
+        drift,
     )
+
+
+def _level(rows: Array, phases: Array, moved: float) -> tuple[Array, float]:
+    """Rows of cycles without the straight line of their means, and what it changes from the first to the last; 0 if that does
+    not stand out of their scatter and of what the error of a date has `moved`."""
+    count = np.arange(len(rows)) - 0.5 * (len(rows) - 1)
+    means = np.nanmean(rows - np.nanmean(rows, axis=0), axis=1)
+    slope = float(count @ means / (count @ count))
+    left = means - slope * count
+    error = float(np.sqrt(left @ left / max(len(rows) - 2, 1) / (count @ count)))
+    if len(rows) < 4 or abs(slope) < _STANDS_OUT * error or abs(slope) * len(rows) < _STANDS_OUT * moved:
+        return rows, 0.0
+    return np.asarray(rows - slope * (count[:, None] + phases - 0.5)), slope * (len(rows) - 1)
+
+
+def _scatter(away: Array, counts: Array, noise: float) -> tuple[Array, float]:
+    """Standard errors of the mean in each bin, and that of its level, from how cycles lie `away` from it: those of noise, but for
+    what stands out."""
+    white = max(noise, 1e-9) ** 2 / np.maximum(counts, 1.0)
+    cycles, seen = len(away), np.isfinite(away)
+    level = np.nanmean(away, axis=1)
+    known = np.nanmean(np.where(seen, white, np.nan), axis=1) / seen.sum(axis=1)
+    freedom = max(int(seen.sum()) - cycles - counts.shape[1] + 1, 1)
+    excess = float(np.nansum((away - level[:, None]) ** 2 / white)) / freedom
+    excess = excess if excess > 1.0 + _STANDS_OUT * (2.0 / freedom) ** 0.5 else 1.0
+    more = float(level @ level) / max(cycles - 1, 1) - excess * float(known.mean())
+    stands_out = more > _STANDS_OUT * excess * float(known.mean()) * (2.0 / cycles) ** 0.5
+    return np.sqrt(excess * np.sum(white * seen, axis=0)) / seen.sum(axis=0), (more / cycles) ** 0.5 if stands_out else 0.0
+
+
+def _date_errors(times: Array, friction: Array, events: list[tuple[int, int]], noise: float) -> Array:
+    """Standard deviations of the dates of events: a fall between two samples is anywhere between them."""
+    above = np.array([_above(friction, *one) for one in events])
+    gap, fall = times[above + 1] - times[above], friction[above] - friction[above + 1]
+    drop = np.array([friction[a] - friction[b] for a, b in events])
+    return np.asarray(gap * np.hypot(np.minimum(fall / drop, 1.0) / 12.0**0.5, noise / np.maximum(fall, noise)))
+
+
+def _dating(dates: Array, errors: Array, times: Array, slope: Array, phases: Array) -> tuple[float, Array]:
+    """The standard error of the period, of cycles that differ by more than dates are wrong; and what the errors of dates do to
+    period and friction, whose `slope` is by time: (bins + 1, 2) for a shift of all events, and for cycles that seem too long."""
+    periods, count = np.diff(dates), dates.size - 1
+    turns = np.arange(dates.size) * float(periods.mean() / np.median(np.diff(times)))
+    alike = abs(np.exp(2j * np.pi * turns).mean()) ** 2 * dates.size  # events that meet the clock's ticks alike are wrong alike
+    shift = float(np.sqrt(np.mean(errors**2) * max(alike, 1.0) / dates.size))
+    ends = float(np.hypot(errors[0], errors[-1])) / count
+    varied = float(np.var(periods, ddof=1)) if count > 1 else 0.0
+    own = (max(varied - 2.0 * float(np.mean(errors**2)), 0.0) / count) ** 0.5
+    by_shift, by_length = np.append(0.0, slope * shift), np.append(1.0, slope * (phases - 0.5)) * ends
+    return own, np.column_stack([by_shift, by_length])
+
+
+def _above(friction: Array, top: int, bottom: int) -> int:
+    """The last sample above the middle between its maximum and its minimum."""
+    return top + int(np.flatnonzero(friction[top:bottom] > 0.5 * (friction[top] + friction[bottom]))[-1])
 
 
 def _date(times: Array, friction: Array, top: int, bottom: int) -> float:
     """Where friction falls last through the middle between its maximum and its minimum."""
     middle = 0.5 * (friction[top] + friction[bottom])
-    above = top + int(np.flatnonzero(friction[top:bottom] > middle)[-1])
+    above = _above(friction, top, bottom)
     share = (friction[above] - middle) / (friction[above] - friction[above + 1])
     return float(times[above] + share * (times[above + 1] - times[above]))
 
@@ -144,12 +207,13 @@ class CycleOfReduction:
 
     is_cheap: bool = True
 
-    def __init__(self, variants: Variants, period: float, model: str, tolerance: float) -> None:
+    def __init__(self, variants: Variants, period: float, model: str, tolerance: float, phases: Array | None = None) -> None:
+        """Around a `period` like this; bins whose samples have these mean `phases`, or their middles."""
         self._variants, self._period, self._model, self._tolerance = variants, period, model, tolerance
         self._last: tuple[Array, Scene, Pieces] | None = None
-        edges = np.linspace(MARGIN, 1.0 - MARGIN, BINS + 1)
-        share = (np.arange(_POINTS) + 0.5) / _POINTS
-        self._phases = (edges[:-1, None] + share * np.diff(edges)[:, None]).ravel()
+        width = (1.0 - 2.0 * MARGIN) / BINS
+        middles = MARGIN + width * (np.arange(BINS) + 0.5) if phases is None else phases
+        self._phases = (middles[:, None] + width * _NODES).ravel()
 
     def scene(self, inner: Array) -> Scene:
         """As `Forward`."""
@@ -221,7 +285,7 @@ def slope_of(pieces: Pieces) -> Array:
 
 
 def _binned(values: Array) -> Array:
-    return np.asarray(values.reshape(BINS, _POINTS).mean(axis=1))
+    return np.asarray(values.reshape(-1, _WEIGHTS.size) @ _WEIGHTS)
 
 
 def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tuple[float, list[float]]:

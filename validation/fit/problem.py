@@ -65,13 +65,13 @@ class FrictionProblem:
     def residual(self, inner: Array) -> Array:
         """Of the model minus what was measured, over the noise of each record."""
         pairs = zip(self.friction(inner), self.records, strict=True)
-        return np.concatenate([one.weight * (friction - one.friction) for friction, one in pairs])
+        return np.concatenate([one.weighed(friction - one.friction) for friction, one in pairs])
 
     def slopes(self, inner: Array) -> Array:
         """As `Problem`."""
         keys = inner[: len(self.free)]
         parts = [np.column_stack([m.slopes(keys), s]) for m, s in zip(self.models, self._shapes, strict=True)]
-        return np.vstack([np.reshape(one.weight, (-1, 1)) * part for one, part in zip(self.records, parts, strict=True)])
+        return np.vstack([one.weighed(part) for one, part in zip(self.records, parts, strict=True)])
 
     def by_orbits(self, model: CycleOfOrbit, starts: Iterable[Array], best: Best) -> Solution:
         """The best values of a record of stick-slip with every wave (`fitted_orbit`)."""
@@ -123,7 +123,7 @@ def problem_of(
         if one.cycle is None:
             models.append(kind(variants, one.times, name, tolerance))
         else:
-            models.append(CycleOfReduction(disturbed(variants), one.cycle.period, name, tolerance))
+            models.append(CycleOfReduction(disturbed(variants), one.cycle.period, name, tolerance, one.cycle.phases))
     return FrictionProblem(free, records, models, tuple(name for name in NUISANCES if name in words))
 
 
@@ -139,6 +139,7 @@ def _with_waves(scene: Scene, free: tuple[Free, ...], words: Sequence[str], reco
         friction=np.append(cycles.period, cycles.friction),
         travel=where * record.schedule.velocities[0],
         weight=np.append(0.0, np.full(where.size - 1, 1.0 / cycles.noise)),
+        together=None,
     )
     return FrictionProblem(
         free, [own], [CycleOfOrbit(variants, cycles, model)], tuple(name for name in NUISANCES if name in words)

@@ -16,7 +16,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from validation.data.events import noise_of
 from validation.data.series import UNREAD, Series
-from validation.fit.cycles import MeanCycle, mean_cycle, phases
+from validation.fit.cycles import MeanCycle, mean_cycle
 from validation.fit.parameters import Schedule, schedule_of, sizes
 
 _ALONE = 3.0  # standard deviations by which a straight line may miss
@@ -35,7 +35,8 @@ class Experiment(NamedTuple):
     point, its displacement `travel` at these times (m, or L), and `notes` on how they were found. Residuals count with `weight`.
 
     With `cycle` it is the mean cycle of stick-slip: in place of the first sample its period, then friction in its bins; `samples`
-    are the times and friction that it is the mean of."""
+    are the times and friction that it is the mean of. `together` (samples, k) is what one standard deviation of each error does
+    that samples have in common."""
 
     name: str
     times: Array
@@ -46,11 +47,20 @@ class Experiment(NamedTuple):
     weight: Array | float = 1.0
     cycle: MeanCycle | None = None
     samples: tuple[Array, Array] | None = None
+    together: Array | None = None
 
     @property
     def shown(self) -> slice:
         """The samples that are friction."""
         return slice(1 if self.cycle else 0, None)
+
+    def weighed(self, values: Array) -> Array:
+        """`values` (samples, ...) over the noise, so that of an error in common no more is left than of noise."""
+        own = np.reshape(self.weight, (-1, *[1] * (values.ndim - 1))) * values
+        if self.together is None:
+            return np.asarray(own)
+        ways, sizes, _ = np.linalg.svd(np.reshape(self.weight, (-1, 1)) * self.together, full_matrices=False)
+        return np.asarray(own - (ways * (1.0 - 1.0 / np.hypot(1.0, sizes))) @ (ways.T @ own))
 
 
 def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Experiment:
@@ -136,10 +146,13 @@ def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, not
     """The mean cycle of a record at one velocity. Raises SceneError if it has no slip events."""
     cycle = mean_cycle(name, times, friction)
     values, errors = (np.append(a, b) for a, b in ((cycle.period, cycle.friction), (cycle.period_error, cycle.friction_error)))
-    where = np.append(0.0, phases()) * cycle.period
+    where = np.append(0.0, cycle.phases) * cycle.period
     told = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
+    if cycle.drift:
+        told += f"; its drift by {cycle.drift:.3g} was taken out, and the level at the middle counts (--free level)"
     travel = where * schedule.velocities[0]
-    return Experiment(name, where, values, travel, schedule, (*notes, told), 1.0 / errors, cycle, (times, friction))
+    notes = [*notes, told]
+    return Experiment(name, where, values, travel, schedule, tuple(notes), 1.0 / errors, cycle, (times, friction), cycle.together)
 
 
 def travelled(schedule: Schedule, times: Array) -> Array:
