@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from reduced.delay.kernel import Alike, Clock, DelayMemory, march_delay
+from reduced.delay.kernel import Clock, DelayMemory, alike_lines, march_delay
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.transit_mesh import TransitMesh, cuts_of, transit_mesh
 from reduced.delay.transmission_lines import NODES
@@ -126,22 +126,14 @@ class Delay(DelayMarch):
         return saved | {"counts": counts, "incoming": incoming, "guess": np.stack([psi[0], z[0]]), "now": now, "waiting": waiting}
 
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
-        """March `transits` transits; returns (transits kept, verdict). From a step that is rejected it goes back to the
-        beginning, and marches to the last whole transit once more."""
-        incoming, (guess, now) = self._lines.incoming.copy(), self._memory
-        memory = DelayMemory(Interface(guess.psi.copy(), guess.z.copy()), now.copy())
-        done, iterations, verdict = self._march_whole(transits, pieces)
-        self.iterations += iterations
-        kept = done // self.steps
-        if verdict != DONE:
-            self._take(self._mesh, incoming, memory)
-            self._march_whole(kept, pieces)
-        return kept, verdict
-
-    def _march_whole(self, transits: int, pieces: Pieces) -> tuple[int, int, int]:
+        """March `transits` transits; returns (transits kept, verdict). A rejected step takes the memory back to the transit's
+        start."""
         clock = self._clock._replace(origin=float(self._memory.now[TIME]), times=transits)
         first = min(0, pieces.time.size - self.steps * transits)  # room for all steps or for those of the last transit
-        return march_delay(self._shape, self._physics, self._lines, self._memory, self._nodal, clock, self._limits, first, pieces)
+        march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
+        done, iterations, verdict = march_delay(self._shape, *march, first, pieces)
+        self.iterations += iterations
+        return done // self.steps, verdict
 
     def _refine(self, verdict: int) -> None:
         """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""
@@ -159,7 +151,7 @@ class Delay(DelayMarch):
     def _take(self, mesh: TransitMesh, incoming: Array, memory: DelayMemory) -> None:
         """Go on from this memory in the steps of `mesh`."""
         self._mesh, self._clock, self._memory = mesh, Clock(0.0, np.append(mesh.starts, 1.0), mesh.lengths), memory
-        self._lines = Alike(0.5 * self.scene.upper.epsilon, incoming)
+        self._lines = alike_lines(0.5 * self.scene.upper.epsilon, incoming)
 
 
 def refuse_unless_plain(scene: Scene) -> None:

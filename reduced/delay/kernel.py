@@ -61,10 +61,19 @@ def clock_of(origin: float, done: int, count: int, length: float) -> Clock:
 
 
 class Alike(NamedTuple):
-    """Waves of alike plain slabs of `impedance` eps/2: S at the nodes of the steps of the next transit, `incoming` (steps, s)."""
+    """Waves of alike plain slabs of `impedance` eps/2: S at the nodes of the steps of the next transit, `incoming` (steps, s); in
+    the midst of a transit the solved steps' S `before` (steps, s), and the present at its `start`."""
 
     impedance: float
     incoming: Array
+    before: Array
+    start: DelayMemory
+
+
+def alike_lines(impedance: float, incoming: Array) -> Alike:
+    """The waves at the start of a transit."""
+    stages = incoming.shape[1]
+    return Alike(impedance, incoming, np.empty_like(incoming), DelayMemory(Interface(*np.empty((2, stages))), np.empty(3)))
 
 
 @by_class(inline=True)
@@ -86,7 +95,39 @@ def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, leng
     drive, middle = physics.drive, start + 0.5 * length + 0.5
     for j in range(len(nodes)):
         driven = velocity_at(drive, start + nodes[j] * length + 0.5, middle)
+        lines.before[n, j] = lines.incoming[n, j]
         lines.incoming[n, j] += 2.0 * lines.impedance * (driven - nodal.v[j])
+
+
+@by_class(inline=True)
+def begin_clock(lines: Any, memory: DelayMemory) -> None:
+    """Called at the start of each repetition of the clock."""
+
+
+@by_class(inline=True)
+def go_back(lines: Any, memory: DelayMemory, n: int) -> None:
+    """Called where step `n` of the clock is rejected. What is remembered stays that of the step's start."""
+
+
+@begin_clock.register(Alike)
+def _begin_transit(lines, memory):  # type: ignore[no-untyped-def]
+    _copy(memory, lines.start)
+
+
+@go_back.register(Alike)
+def _back_to_transit(lines, memory, n):  # type: ignore[no-untyped-def]
+    for k in range(n):
+        for j in range(lines.incoming.shape[1]):
+            lines.incoming[k, j] = lines.before[k, j]
+    _copy(lines.start, memory)
+
+
+@njit
+def _copy(memory: DelayMemory, into: DelayMemory) -> None:
+    for j in range(memory.guess.z.size):
+        into.guess.psi[j], into.guess.z[j] = memory.guess.psi[j], memory.guess.z[j]
+    for j in range(memory.now.size):
+        into.now[j] = memory.now[j]
 
 
 @njit
@@ -102,7 +143,8 @@ def march_delay(
     pieces: Pieces,
 ) -> tuple[int, int, int]:
     """March the steps of the `clock`, of which the first becomes piece `first`, or none where that is negative. Returns (steps,
-    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start."""
+    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start, that of `Alike` at the start of
+    its transit."""
     s, (law, forcing, _, rule) = len(nodes), physics
     impedance, origin, iterations = Diagonal(lines.impedance), clock.origin, 0
     guess, now, count = memory.guess, memory.now, clock.length.size
@@ -110,6 +152,7 @@ def march_delay(
         n = k % count
         if n == 0:
             origin = now[TIME] if k else clock.origin
+            begin_clock(lines, memory)
         start, length, left = origin + clock.begin[n], clock.length[n], now[PSI]
         begin_step(nodes, physics, start, length, left, nodal)
         for j in range(s):
@@ -121,6 +164,7 @@ def march_delay(
         if verdict == DONE and not roughness(lines, nodes, rule.tail, nodal) <= limits.resolution:
             verdict = NOT_SMOOTH
         if verdict != DONE:
+            go_back(lines, memory, n)
             return k, iterations, verdict
         if first + k >= 0:
             elastic, step = now[ELASTIC], (start, length)

@@ -8,6 +8,7 @@ import numbers
 import re
 import tomllib
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,14 +26,21 @@ _DEEP_KEY = re.compile(rf"(?<![\w-]){_KEY_PART}(?:\.[ \t]*{_KEY_PART}){{20}}")
 _GALLERY = Path(__file__).resolve().parent.parent / "gallery"
 
 
-def gallery_names() -> list[str]:
+@cache
+def gallery_names() -> tuple[str, ...]:
     """Names of the gallery's scenes, sorted."""
-    return sorted(path.stem for path in _GALLERY.glob("*.toml"))
+    return tuple(sorted(path.stem for path in _GALLERY.glob("*.toml")))
+
+
+@cache
+def _of_gallery(name: str) -> dict[str, Any]:
+    """The tables of a scene of the gallery, which nobody edits while we run; not to be changed."""
+    return _parse(_GALLERY / f"{name}.toml")
 
 
 def gallery_titles() -> dict[str, str]:
     """Name and one-line title of every scene of the gallery."""
-    return {name: str(_parse(_GALLERY / f"{name}.toml").get("title", "")) for name in gallery_names()}
+    return {name: str(_of_gallery(name).get("title", "")) for name in gallery_names()}
 
 
 def is_stored(source: object) -> bool:
@@ -50,7 +58,7 @@ def load_tables(source: str | Path | Mapping[str, Any]) -> tuple[str, dict[str, 
     if not isinstance(source, str | Path):
         raise SceneError(f"SCENE = {shorten(source)}: must be a gallery name, the path of a TOML file, or a dictionary")
     if isinstance(source, str) and source in gallery_names():
-        return source, _parse(_GALLERY / f"{source}.toml")
+        return source, copy.deepcopy(_of_gallery(source))
     return one_line(Path(source).stem), _parse(Path(source))
 
 
@@ -99,7 +107,7 @@ def _content(path: Path) -> bytes:
 def _why_not_a_file(path: Path) -> str:
     if path.exists():
         return f"must be a TOML file or a gallery name; this is {'a folder' if path.is_dir() else 'not a regular file'}"
-    what, known = f"neither a file nor one of the gallery: {', '.join(gallery_names())}", gallery_names()
+    what, known = f"neither a file nor one of the gallery: {', '.join(gallery_names())}", list(gallery_names())
     if path.suffix or len(path.parts) > 1:
         what, known = "no such file", [str(other) for other in path.parent.glob("*.toml")]
     guess = path.stem if path.stem in gallery_names() else nearest(str(path), known)

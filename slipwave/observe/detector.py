@@ -16,7 +16,7 @@ import numpy as np
 
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law, rate_of, unknown_of
-from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root, near, raise_record
+from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root, overshoot, raise_record
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, DIRECTION, END, RECORDS, thin
 
@@ -67,7 +67,7 @@ def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
 def scan(pieces: Pieces, first: int, found: Detector) -> int:
     """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if there is no
     room for all swings that one more piece may complete."""
-    y, z, mu, running, last = pieces.y, pieces.z, pieces.mu, found.running, found.last
+    y, running, last = pieces.y, found.running, found.last
     nodes = found.basis.nodes
     n = nodes.size
     for k in range(first, pieces.time.size):
@@ -76,8 +76,8 @@ def scan(pieces: Pieces, first: int, found: Detector) -> int:
         if math.isnan(last[0]):
             last[0] = evaluate(found.basis, y[k], 0.0)
             _begin(pieces, k, 0.0, 1.0 if y[k, n - 1] >= last[0] else -1.0, found)
-        turns = _turns(found.basis.derivative, y, k, running[DIRECTION], last[0])
-        if turns or running[DIRECTION] < 0.0 or near(z[k], running, RECORDS) or near(mu[k], running, RECORDS + 2):
+        turns, stirs = _look(found.basis.derivative, pieces, k, running, last[0])
+        if turns or stirs or running[DIRECTION] < 0.0:
             begin = _split(pieces, k, found) if turns else 0.0
             _take(pieces, k, begin, nodes[n - 1], found)
         last[0] = running[END] = y[k, n - 1]
@@ -86,16 +86,24 @@ def scan(pieces: Pieces, first: int, found: Detector) -> int:
 
 
 @inlined
-def _turns(derivative: Array, y: Array, k: int, direction: float, left: float) -> bool:
-    """Whether the elastic stress, going in `direction` with the value `left` so far, turns in piece k or at its beginning. The
-    last row of `derivative` gives the slope at the end of the piece."""
+def _look(derivative: Array, pieces: Pieces, k: int, running: Array, left: float) -> tuple[bool, bool]:
+    """Whether the elastic stress, with the value `left` so far, turns in piece k or at its beginning, and whether the rate or the
+    friction stress may exceed a record of the `running` swing (`near`): one loop, which is all that most pieces need. The last
+    row of `derivative` gives the slope at the end of the piece."""
+    y, z, mu, direction = pieces.y, pieces.z, pieces.mu, running[DIRECTION]
     n = y.shape[1]
     slope, back = 0.0, False
+    low_z, top_z, low_mu, top_mu = z[k, 0], z[k, 0], mu[k, 0], mu[k, 0]
     for j in range(n):
-        back = back or direction * (y[k, j] - left) < 0.0
+        back |= direction * (y[k, j] - left) < 0.0
         left = y[k, j]
         slope += derivative[n - 1, j] * left
-    return back or direction * slope < 0.0
+        low_z, top_z = min(low_z, z[k, j]), max(top_z, z[k, j])
+        low_mu, top_mu = min(low_mu, mu[k, j]), max(top_mu, mu[k, j])
+    by_z, by_mu = overshoot(top_z - low_z, n), overshoot(top_mu - low_mu, n)
+    quiet = top_z + by_z <= running[RECORDS] and by_z - low_z <= running[RECORDS + 1]
+    quiet = quiet and top_mu + by_mu <= running[RECORDS + 2] and by_mu - low_mu <= running[RECORDS + 3]
+    return back or direction * slope < 0.0, not quiet
 
 
 @inlined

@@ -43,6 +43,10 @@ class Events(NamedTuple):
     v_min: Array
 
 
+NO_EVENTS = Events(*np.empty((6, 0)))
+"""None at all."""
+
+
 class EventObserver:
     """Reads pieces; gives the events of any window that lasts to the latest piece. Falls below `floor` (normal stress), such as
     the noise of a record, are no events either."""
@@ -98,7 +102,7 @@ class EventObserver:
         events = judged.events[1:] if judged.events.size and judged.events[0] == 0 else judged.events
         events = events if judged.over else events[:-1]
         if events.size < 2:
-            return Events(*np.empty((6, 0)))
+            return NO_EVENTS
         dates, begins = judged.swings[events, DATE], events[:-1]
         inner = judged.swings[: events[-1]]
         highest = np.maximum.reduceat(inner[:, [BEGIN, END]].max(axis=1), begins)

@@ -106,11 +106,18 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
     -minimum; `slopes` is scratch. The value at 0, which the piece before has already, counts for a new record only."""
     if not near(values, memory, slot):
         return
+    bottom, top = bounds(values)
+    reach = overshoot(top - bottom, values.size)
+    known = begin == 0.0 and end == basis.nodes[values.size - 1] and not math.isinf(memory[slot])
     first = begin if begin > 0.0 or math.isinf(memory[slot]) else end
     differentiate(basis, values, slopes)
     for side in range(2):
         sign = 1.0 - 2.0 * side
-        peak = max(_peak(basis, values, slopes, sign, begin, end), sign * evaluate(basis, values, first))
+        if known and (top if side == 0 else -bottom) + reach <= memory[slot + side]:
+            continue
+        peak = _peak(basis, values, slopes, sign, begin, end)
+        if first != end:
+            peak = max(peak, sign * evaluate(basis, values, first))
         memory[slot + side] = max(memory[slot + side], peak)
 
 

@@ -47,20 +47,22 @@ def rotation(figures: Array) -> Rotation | None:
     columns = figures.reshape(len(figures), -1)
     if len(columns) < MANY or (np.ptp(columns, axis=0) == 0.0).any():
         return None
-    found = [_follow(columns, _strongest(column)) for column in columns.T]
-    return min(found, key=lambda one: one.misfit)
+    found = [_follow(columns, start) for start in dict.fromkeys(_strongest(column) for column in columns.T)]
+    misfit, rho, resolved, most = min(found)
+    changes = [_change(column, rho, max(resolved, 1)) for column in columns.T]
+    return Rotation(rho, misfit, *max(changes, key=lambda one: abs(one[0])), resolved, most)
 
 
 def _strongest(figure: Array) -> float:
     """The frequency of the strongest oscillation, to a sixteenth of the width of a peak."""
     count = figure.size
-    trials = np.arange(1, _GRID * count // 2) / (_GRID * count)
     window = np.hanning(count + 2)[1:-1] * (figure - figure.mean())
-    return float(trials[np.argmax(np.abs(np.exp(-2j * np.pi * trials[:, None] * np.arange(count)) @ window))])
+    spectrum = np.abs(np.fft.rfft(window, _GRID * count)[1 : _GRID * count // 2])
+    return float(1 + np.argmax(spectrum)) / (_GRID * count)
 
 
-def _follow(columns: Array, start: float) -> Rotation:
-    """The description by a phase whose frequency is near `start`."""
+def _follow(columns: Array, start: float) -> tuple[float, float, int, int]:
+    """The description by a phase whose frequency is near `start`: misfit, number, terms and most, as in `Rotation`."""
     from scipy.optimize import OptimizeResult, minimize_scalar
 
     count = len(columns)
@@ -74,9 +76,7 @@ def _follow(columns: Array, start: float) -> Rotation:
     first = float(best(start, 1, _ROUGH * width).x)
     resolved = _terms(first, count, most)
     found = best(first, max(resolved, 1), _NEAR)
-    changes = [_change(column, float(found.x), max(resolved, 1)) for column in columns.T]
-    worst = max(changes, key=lambda one: abs(one[0]))
-    return Rotation(float(found.x), float(found.fun), *worst, resolved, most)
+    return float(found.fun), float(found.x), resolved, most
 
 
 def _terms(rho: float, count: int, most: int) -> int:

@@ -205,12 +205,12 @@ def _multiplicity(figures: Array) -> int | None:
     later = figures[-max(_FEWEST, (count + 1) // 2) :]
     tried = min(_MOST_EVENTS, len(later) // 2)
     for n in range(1, tried + 1):
-        if _apart(later, n) <= REPEATS:
+        if _repeats(later, n, REPEATS):
             periods = len(later) // n
             means = later[-periods * n :].reshape(periods, n, -1).mean(axis=1)
             return None if goes_on(means / np.abs(later.mean(axis=0)), REPEATS) else n
     own = float(np.max(np.std(figures, axis=0) / np.abs(figures.mean(axis=0))))
-    return next((n for n in range(tried + 1, count // 2 + 1) if _apart(figures, n) <= min(REPEATS, _CLOSELY * own)), None)
+    return next((n for n in range(tried + 1, count // 2 + 1) if _repeats(figures, n, min(REPEATS, _CLOSELY * own))), None)
 
 
 def repeating(cycles: Events, multiplicity: int) -> Events:
@@ -219,13 +219,15 @@ def repeating(cycles: Events, multiplicity: int) -> Events:
     first, last = 0, len(figures) - 2 * multiplicity  # bisection: the more cycles, the larger their spread
     while first < last:
         middle = (first + last) // 2
-        first, last = (first, middle) if _apart(figures[middle:], multiplicity) <= REPEATS else (middle + 1, last)
+        first, last = (first, middle) if _repeats(figures[middle:], multiplicity, REPEATS) else (middle + 1, last)
     return Events(*(column[first:] for column in cycles))
 
 
-def _apart(figures: Array, n: int) -> float:
-    """The largest spread of a figure over every n-th cycle, relative."""
-    return float(max(np.max(np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0))) for k in range(n)))
+def _repeats(figures: Array, n: int, within: float) -> bool:
+    """Whether every n-th cycle is the same: the relative spread of each figure over them is at most `within`."""
+    if (np.abs(figures[-1] - figures[-1 - n]) > within * np.abs(figures).max(axis=0)).any():  # no spread is smaller than this
+        return False
+    return all(np.max(np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0))) <= within for k in range(n))
 
 
 def _trend(prominence: Array, ratio: float) -> float:

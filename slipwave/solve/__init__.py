@@ -2,7 +2,7 @@
 
 from slipwave.solve.follow import Final, Mark, Observer, final_state, follow
 from slipwave.solve.restoring import tables, take_back, whole_numbers
-from slipwave.solve.solver import Energy, FieldSolver, Leaping, Resumable, SlabSnapshot, Snapshot, Solver, State
+from slipwave.solve.solver import Energy, FieldSolver, Leaping, Resumable, SlabSnapshot, Snapshot, Solver, State, has_fields
 
 __all__ = ["Energy", "FieldSolver", "Final", "Leaping", "Mark", "Observer", "Resumable", "SlabSnapshot", "Snapshot", "Solver"]
-__all__ += ["State", "final_state", "follow", "tables", "take_back", "whole_numbers"]
+__all__ += ["State", "final_state", "follow", "has_fields", "tables", "take_back", "whole_numbers"]

@@ -20,7 +20,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import SAME, Pieces, lagrange_basis, values_at
 from slipwave.scene.recorded import OBSERVERS
-from slipwave.solve.solver import Leaping, Resumable, Solver
+from slipwave.solve.solver import Leaping, Resumable, Solver, offers
 
 
 @dataclass(frozen=True)
@@ -76,8 +76,8 @@ def follow(
     converge; the observers have then seen the pieces before that.
     """
     pieces: Pieces | None = None
-    leaper = cast(Leaping, solver) if leaps and _offers(solver, Leaping) else None
-    spanning = [cast(Spanning, one) for one in observers if _offers(one, Spanning)]
+    leaper = cast(Leaping, solver) if leaps and offers(solver, Leaping) else None
+    spanning = [cast(Spanning, one) for one in observers if offers(one, Spanning)]
     patient = len(spanning) == len(observers)
     _act(solver, marks)
     while solver.time < until - SAME:
@@ -101,17 +101,6 @@ def follow(
     return final_state(solver, pieces, until)
 
 
-_known: dict[tuple[type, type], bool] = {}
-
-
-def _offers(one: object, protocol: type) -> bool:
-    """Whether it is an instance of the `protocol`; asked once for a class, because the question takes 0.1 ms."""
-    kind = (type(one), protocol)
-    if kind not in _known:
-        _known[kind] = isinstance(one, protocol)
-    return _known[kind]
-
-
 def _act(solver: Solver, marks: Sequence[Mark]) -> None:
     for mark in marks:
         if mark.due <= solver.time + SAME:
@@ -119,7 +108,7 @@ def _act(solver: Solver, marks: Sequence[Mark]) -> None:
 
 
 def _require_finite(solver: Solver, pieces: Pieces) -> None:
-    if not math.isfinite(float(pieces.z.sum() + pieces.psi.sum() + pieces.mu.sum())):
+    if not all(math.isfinite(np.vdot(values, values)) for values in (pieces.z, pieces.psi, pieces.mu)):
         raise NumericsError(
             f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
             f"(scene {solver.scene.name!r}, digest {solver.scene.digest})"
@@ -150,12 +139,16 @@ def _failed_at(solver: Solver, pieces: Pieces) -> float:
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
     """The interface at `until` (transits), evaluated from the solver's latest `pieces`, which must contain that time."""
-    z, psi, mu, _ = (float(value[0]) for value in values_at(pieces, lagrange_basis(solver.nodes), np.array([until])))
+    if solver.nodes[-1] == 1.0 and abs(until - pieces.time[-1] - pieces.length[-1]) < _AT_END:  # as a rule: nothing to evaluate
+        z, psi, mu = (float(values[-1, -1]) for values in pieces[2:5])
+    else:
+        z, psi, mu, _ = (float(value[0]) for value in values_at(pieces, lagrange_basis(solver.nodes), np.array([until])))
     v = rate_of(solver.scene.law, z)
     return Final(math.log(v) if v > 0 else math.nan, psi, mu)
 
 
 DAY = 86400.0
+_AT_END = 1e-12  # transits
 _ENOUGH = 20_000  # pieces, some 0.1 s; from then on their number per transit is extrapolated to the rest of the run
 
 

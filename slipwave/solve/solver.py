@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
@@ -158,3 +158,19 @@ class FieldSolver(Solver, Protocol):
 
     def frames(self) -> list[Snapshot]:
         """The fields at the ends of the last advance's steps, if they are kept; at least those at the present time."""
+
+
+_known: dict[tuple[type, type], bool] = {}
+
+
+def offers(one: object, protocol: type) -> bool:
+    """Whether it is an instance of the `protocol`; asked once for a class, because the question takes 0.1 ms."""
+    kind = (type(one), protocol)
+    if kind not in _known:
+        _known[kind] = isinstance(one, protocol)
+    return _known[kind]
+
+
+def has_fields(solver: Solver) -> TypeGuard[FieldSolver]:
+    """Whether it is a full wave."""
+    return offers(solver, FieldSolver)

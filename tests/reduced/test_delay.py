@@ -7,7 +7,9 @@ from reduced.delay.alike import Delay
 from reduced.delay.network import DelayNetwork
 from slipwave import read
 from slipwave.errors import NumericsError, SceneError
+from slipwave.observe.pieces import empty_pieces
 from slipwave.solve import follow
+from slipwave.step.nodal import DONE
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}
 
@@ -47,6 +49,17 @@ def test_coarse_step_is_refined_not_nan():
     solver = Delay(paper(-2.3, **JUMP), nodes=5, steps=1, tolerance=1e-6)
     assert np.isfinite(follow(solver, 400).psi)
     assert solver.steps > 8
+
+
+def test_a_rejected_step_takes_the_march_back_to_the_start_of_its_transit():
+    rejected, whole = (Delay(paper(-2.3), nodes=6, steps=6, tolerance=1e-6) for _ in range(2))
+    kept, verdict = rejected._march(400, empty_pieces(2400, 6))
+    assert kept > 0
+    assert verdict != DONE
+    assert whole._march(kept, empty_pieces(6 * kept, 6)) == (kept, DONE)
+    assert rejected.iterations > whole.iterations + 6  # some steps of its last transit were solved
+    state, wanted = rejected.state(), whole.state()
+    assert all(np.array_equal(state[name], wanted[name]) for name in ("incoming", "guess", "now"))
 
 
 @pytest.mark.parametrize(

@@ -115,14 +115,13 @@ def resolve(model: str, scene: "Scene", among: Collection[Family] = FAMILIES) ->
     no reason."""
     if model != "auto":
         return model, ""
-    able = [family for family in families() if family in among and not family.refusal(scene)]
-    exact = [family for family in able if family.exact is not Exact.NEVER]
-    best = next((family for family in [*exact, *able] if family.is_installed), None)
+    ordered = sorted(families(), key=lambda family: family.exact is Exact.NEVER)  # exact ones first, each as they were
+    best = next((one for one in ordered if one in among and not one.refusal(scene) and one.is_installed), None)
     if best is None:
         raise SceneError(f"model = 'auto': no model of this installation can do {in_words(features_of(scene))}")
-    refusal = DELAY.refusal(scene) or "it is not part of this installation"
-    why = "exact for this scene" if best is DELAY else f"the delay system cannot do {refusal}"
-    return best.example, why
+    if best is DELAY:
+        return best.example, "exact for this scene"
+    return best.example, f"the delay system cannot do {DELAY.refusal(scene) or 'it is not part of this installation'}"
 
 
 def requested(model: str, scene: "Scene", **options: Unpack[Options]) -> tuple[Family, "Scene", int | None, Options]:

@@ -9,7 +9,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from slipwave.solve import FieldSolver, Solver
+from slipwave.solve import Solver, has_fields
 from slipwave.solve.follow import DAY
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.registry import build as models
@@ -97,7 +97,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     if built.choice is not None:
         log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
     announced(built.solver.model, built.why)
-    if isinstance(built.solver, FieldSolver):
+    if has_fields(built.solver):
         built.solver.keep_ledger()
     start = built.solver.state()
     one_port = one_port_of(built.solver.model)
@@ -109,7 +109,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     try:
         done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)
-        is_default = options.cells is None and options.tol is None and not done.failed and isinstance(built.solver, FieldSolver)
+        is_default = options.cells is None and options.tol is None and not done.failed and has_fields(built.solver)
         default = judged_grid(built.solver, start, options.cfl, options.time) if is_default else None
         exponent, failed, stopped = None, done.failed, done.stopped
         if options.lyapunov and not (failed or stopped):
@@ -128,7 +128,7 @@ def _exponent(done: Run, scene: Scene, options: RunOptions) -> tuple[Exponent | 
     """The exponent of a run, by a twin of its solver, or why there is none, and whether the user stopped it. A grid chosen
     for a tolerance is not chosen again."""
     solver, numerical = done.solver, options.numerical
-    if isinstance(solver, FieldSolver):
+    if has_fields(solver):
         numerical = numerical | Options(cells=solver.cells, tolerance=solver.settings.get("resolution"))
     twin = models.prepare(solver.model, scene, True, **numerical).solver
     try:
@@ -142,7 +142,7 @@ def _exponent(done: Run, scene: Scene, options: RunOptions) -> tuple[Exponent | 
 def _doubts(solver: Solver, length: Length, options: RunOptions) -> list[str]:
     """Warnings about the result that are known before the run."""
     amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, options.tol)
-    given = note_on_given(options.cells, options.tol) if isinstance(solver, FieldSolver) else []
+    given = note_on_given(options.cells, options.tol) if has_fields(solver) else []
     return [*([amplified.note] if amplified else []), *given, *costly_steps(solver)]
 
 

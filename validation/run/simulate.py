@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from slipwave.errors import NumericsError
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
+from slipwave.observe.events import NO_EVENTS
 from slipwave.observe.stages import stages_of
 from slipwave.observe.verdict import Kind, repeating
 from slipwave.scene import Scene
@@ -17,7 +18,7 @@ from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.follow import DAY, Foresight, require_time
 from validation.run.length import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, Until, second_half
-from validation.run.outlook import outlook
+from validation.run.outlook import is_stable, outlook
 from validation.run.progress import progress
 
 LONG = 60.0
@@ -129,9 +130,11 @@ class _Marched:
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
         """What is known of it."""
         solver, watch, judged = self.solver, self.watch, self._judged or self.judged()
-        verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, self.until), watch.events(math.inf)
-        if verdict and verdict.repeats:
-            cycles = repeating(judged.cycles, verdict.multiplicity) if verdict.multiplicity else judged.cycles
+        verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, self.until), judged.cycles
+        if not (verdict and verdict.repeats):
+            cycles = NO_EVENTS
+        elif verdict.multiplicity:
+            cycles = repeating(cycles, verdict.multiplicity)
         return Run(
             solver=solver,
             until=self.until,
@@ -161,7 +164,7 @@ def reconsidered(run: Run, model: str) -> Run:
     """`run`, whose verdict is not that of a lasting motion if steady sliding is unstable: what decays is then a transient that
     growing disturbances follow, and what still slides steadily has not had the time in which rounding alone would have left it.
     `model` is one with the one-port of the model that ran."""
-    if run.kind not in ("steady", "decaying") or run.verdict is None or outlook(run.solver.scene, model).stable is not False:
+    if run.kind not in ("steady", "decaying") or run.verdict is None or is_stable(run.solver.scene, model) is not False:
         return run
     if run.kind == "decaying":
         return replace(run, verdict=run.verdict._replace(kind="settling", rate=math.nan))

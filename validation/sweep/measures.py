@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import Any, NamedTuple, get_args
 
@@ -17,7 +17,7 @@ from validation.registry.build import prepare
 from validation.registry.families import one_port_of
 from validation.results.quantities import Meaning
 from validation.run.length import Ended, JudgedHalf, Length, Until, UntilSettled
-from validation.run.outlook import Outlook, outlook
+from validation.run.outlook import Outlook, is_stable, outlook
 from validation.run.simulate import Run, reconsidered, simulate
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
@@ -61,8 +61,11 @@ class UntilSure(UntilSettled):
 
     def ended(self, now: JudgedHalf) -> Ended | None:
         """As `Until`. What is expected is computed only when a motion dies out: what repeats needs no spectrum."""
-        dies_out = now.verdict is not None and now.verdict.kind in ("steady", "decaying")
-        return UntilSettled(self.scene, outlook(self.scene, self.model) if dies_out else self.expected).ended(now)
+        expected = self.expected
+        if now.verdict is not None and now.verdict.kind in ("steady", "decaying"):
+            stable = is_stable(self.scene, self.model)
+            expected = outlook(self.scene, self.model) if stable is False else replace(expected, stable=stable)
+        return UntilSettled(self.scene, expected).ended(now)
 
 
 def march_point(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
