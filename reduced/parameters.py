@@ -81,6 +81,17 @@ PARAMETERS: dict[str, Callable[[Scene, float], Scene]] = {
 """name -> (scene, value) -> the scene with that parameter changed. r and epsilon are the upper slab's, their ratios kept."""
 
 
+LABELS = {
+    "ratio_r": "round trip, lower over upper slab",
+    "ratio_epsilon": "impedance, lower over upper slab",
+    "grip_impedance": "impedance of the face's dashpot / ε",
+    "grip_stiffness": "stiffness of the face's spring / (ε/r)",
+    "machine_mass": "mass on the face / (ε r)",
+    "reflection": "reflection coefficient of the outer face",
+}
+"""What the axis of a figure says of those that are no keys of a scene."""
+
+
 def with_parameter(scene: Scene, name: str, value: float) -> Scene:
     """`scene` with parameter `name` set to `value`. Raises SceneError for an unknown name, naming the nearest known one."""
     if name not in PARAMETERS:

@@ -63,6 +63,25 @@ def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]
     return [full for full in known if full[-len(words) :] in (words, tuple(key))]
 
 
+def label_of(key: str, unit: str = "") -> str:
+    """What the axis of a figure says of a `key` with values in `unit` (empty: as the key takes numbers): the title of its last
+    word in the table of keys, with symbol and unit; the key itself if it has none."""
+    first, last = key.split(".")[0], key.rpartition(".")[2]
+    fields = (table.model_fields.get(_SYMBOLS.get(last, last)) for table in _below(scene_keys()))
+    words, slash, own = next((field.title for field in fields if field and field.title), key).partition(" / ")
+    of_slab = f" of the {first} slab" if first in ("upper", "lower") else ""
+    shown = (f"({unit})" if {"/", " "} & set(unit) else unit) or own
+    return words.replace(" of a slab", "") + of_slab + (f" / {shown}" if slash or unit else "")
+
+
+def _below(table: type[BaseModel]) -> Iterator[type[BaseModel]]:
+    """`table` and all tables in it."""
+    yield table
+    for field in table.model_fields.values():
+        for one in tables_in(field.annotation).values():
+            yield from _below(one)
+
+
 def _keys(table: type[BaseModel], law: Any) -> Iterator[tuple[str, ...]]:
     """The keys of `table` and of the tables in it; several kinds of table may have the same key. Tables in lists are
     left out: they have no keys of their own."""

@@ -120,8 +120,8 @@ Measured: TypeAlias = float | Quantity
 Text: TypeAlias = Annotated[str, _SHORT, AfterValidator(_printable), "a text of 1 to 200 printable characters"]
 
 
-def _optional(meaning: str) -> Any:
-    return Field(default=None, description=meaning)
+def _optional(meaning: str, title: str | None = None) -> Any:
+    return Field(default=None, title=title, description=meaning)
 
 
 class KeyTable(BaseModel):
@@ -134,9 +134,9 @@ class InterfaceTable(KeyTable):
     """The friction law, its parameters and, for scenes in SI, all three units."""
 
     law: str = Field(description="friction law")
-    normal_stress: Annotated[float, physical("Pa")] | None = _optional("sigma, for scenes in SI")
-    memory_length: Annotated[float, physical("m")] | None = _optional("L, for scenes in SI")
-    reference_velocity: Annotated[float, physical("m/s")] | None = _optional("V*, for scenes in SI")
+    normal_stress: Annotated[float, physical("Pa")] | None = _optional("sigma, for scenes in SI", "normal stress σ")
+    memory_length: Annotated[float, physical("m")] | None = _optional("L, for scenes in SI", "memory length L")
+    reference_velocity: Annotated[float, physical("m/s")] | None = _optional("V*, for scenes in SI", "reference velocity V*")
 
 
 class RigidTable(KeyTable):
@@ -149,17 +149,27 @@ class GripTable(KeyTable):
     """Spring and dashpot between drive and outer face."""
 
     kind: Literal["grip"]
-    stiffness: Annotated[Measured, Numbers(1e-9, 1e9, ("Pa/m",))] = Field(description="relative to epsilon/r")
-    impedance: Annotated[Measured, Numbers(0.0, 1e9, ("Pa s/m",))] = Field(description="relative to epsilon")
+    stiffness: Annotated[Measured, Numbers(1e-9, 1e9, ("Pa/m",))] = Field(
+        title="stiffness of the face's spring / (ε/r)", description="relative to epsilon/r"
+    )
+    impedance: Annotated[Measured, Numbers(0.0, 1e9, ("Pa s/m",))] = Field(
+        title="impedance of the face's dashpot / ε", description="relative to epsilon"
+    )
 
 
 class MachineTable(KeyTable):
     """A grip with a mass on the slab's face. A mass of 1 is twice the slab's own."""
 
     kind: Literal["machine"]
-    stiffness: Annotated[Measured, Numbers(0.0, 1e15, ("Pa/m", "N/m"))] = Field(description="relative to epsilon/r, or in SI")
-    impedance: Annotated[Measured, Numbers(0.0, 1e15, ("Pa s/m", "N s/m"))] = Field(description="relative to epsilon, or in SI")
-    mass: Annotated[Measured, Numbers(0.0, 1e15, ("kg/m2", "kg"))] = Field(description="relative to epsilon r, or in SI")
+    stiffness: Annotated[Measured, Numbers(0.0, 1e15, ("Pa/m", "N/m"))] = Field(
+        title="stiffness of the face's spring / (ε/r)", description="relative to epsilon/r, or in SI"
+    )
+    impedance: Annotated[Measured, Numbers(0.0, 1e15, ("Pa s/m", "N s/m"))] = Field(
+        title="impedance of the face's dashpot / ε", description="relative to epsilon, or in SI"
+    )
+    mass: Annotated[Measured, Numbers(0.0, 1e15, ("kg/m2", "kg"))] = Field(
+        title="mass on the face / (ε r)", description="relative to epsilon r, or in SI"
+    )
     area: Annotated[float, physical("m2")] | None = _optional("of contact, in SI: then numbers are N/m, N s/m, kg")
 
 
@@ -167,21 +177,27 @@ class ReflectionTable(KeyTable):
     """Bare reflection coefficient."""
 
     kind: Literal["reflection"]
-    coefficient: Annotated[float, Numbers(-1.0, 1.0)] = Field(description="1 is rigid, 0 absorbs waves and load")
+    coefficient: Annotated[float, Numbers(-1.0, 1.0)] = Field(
+        title="reflection coefficient of the outer face", description="1 is rigid, 0 absorbs waves and load"
+    )
 
 
 class KelvinVoigtTable(KeyTable):
     """Creep that ends."""
 
     kind: Literal["kelvin-voigt"] = Field(description="viscosity; none: elastic")
-    time: Annotated[Measured, RELAXATION] = Field(description="retardation time in L/V*, in SI scenes too")
+    time: Annotated[Measured, RELAXATION] = Field(
+        title="retardation time / (L/V*)", description="retardation time in L/V*, in SI scenes too"
+    )
 
 
 class StandardLinearTable(KeyTable):
     """Stress that relaxes to a part of itself."""
 
     kind: Literal["standard-linear"] = Field(description="viscosity; none: elastic")
-    time: Annotated[Measured, RELAXATION] = Field(description="relaxation time in L/V*, in SI scenes too")
+    time: Annotated[Measured, RELAXATION] = Field(
+        title="relaxation time / (L/V*)", description="relaxation time in L/V*, in SI scenes too"
+    )
     ratio: Annotated[float, RATIO] = Field(description="the relaxing modulus over the lasting one")
 
 
@@ -211,12 +227,16 @@ Layers: TypeAlias = Annotated[list[LayerTable], Field(min_length=2, max_length=M
 class SlabTable(KeyTable):
     """A slab: epsilon, or density and shear_modulus; and one of r, log10_r, thickness."""
 
-    epsilon: Annotated[float, EPSILON] | None = _optional("impedance rho c V*/sigma")
-    r: Annotated[float, ROUND_TRIP] | None = _optional("round trip over L/V*")
-    log10_r: Annotated[float, Numbers(-9.0, 6.0)] | None = _optional("its decimal logarithm, instead of r")
-    density: Annotated[float, physical("kg/m3")] | None = _optional("rho, with shear_modulus, in SI instead of epsilon")
-    shear_modulus: Annotated[float, physical("Pa")] | None = _optional("G, with density, in SI instead of epsilon")
-    thickness: Annotated[float, physical("m")] | None = _optional("H of one slab, in SI instead of r")
+    epsilon: Annotated[float, EPSILON] | None = _optional("impedance rho c V*/sigma", "impedance of a slab ε")
+    r: Annotated[float, ROUND_TRIP] | None = _optional("round trip over L/V*", "round trip r / (L/V*)")
+    log10_r: Annotated[float, Numbers(-9.0, 6.0)] | None = _optional("its decimal logarithm, instead of r", "round trip log₁₀ r")
+    density: Annotated[float, physical("kg/m3")] | None = _optional(
+        "rho, with shear_modulus, in SI instead of epsilon", "density ρ"
+    )
+    shear_modulus: Annotated[float, physical("Pa")] | None = _optional(
+        "G, with density, in SI instead of epsilon", "shear modulus G"
+    )
+    thickness: Annotated[float, physical("m")] | None = _optional("H of one slab, in SI instead of r", "thickness of a slab H")
     face: FaceTable = RigidTable()
     viscosity: ViscosityTable | None = None
     layers: Layers | None = None
@@ -247,7 +267,8 @@ class DriveTable(KeyTable):
     """The relative velocity of the outer faces, constant outside the ramps."""
 
     velocity: Annotated[Ramps, _Ramps(**vars(LATER_VELOCITY))] = Field(
-        description="V in V*, or ramps [time in transits, V]; the same time twice is a step, V = 0 a hold"
+        title="velocity of the drive V / V*",
+        description="V in V*, or ramps [time in transits, V]; the same time twice is a step, V = 0 a hold",
     )
 
 
@@ -305,7 +326,9 @@ def _interface_table(name: str, parameters: Any) -> type[KeyTable]:
     fields: dict[str, Any] = {"law": (Literal[name], Field(description="friction law"))}
     for key in parameters._fields:
         allowed, meaning = _PARAMETERS.get(key, _OTHER_PARAMETER)
-        fields[key] = (Annotated[float, allowed], Field(parameters._field_defaults.get(key, ...), description=meaning))
+        title = f"{meaning} {key}" if key in _PARAMETERS else None
+        default = parameters._field_defaults.get(key, ...)
+        fields[key] = (Annotated[float, allowed], Field(default, title=title, description=meaning))
     fields |= {key: (field.annotation, field) for key, field in InterfaceTable.model_fields.items() if key != "law"}
     return create_model(name, __base__=KeyTable, **fields)
 

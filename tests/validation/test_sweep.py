@@ -16,6 +16,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
+from xarray import DataArray, Dataset
 
 import slipwave as sw
 from reduced.delay import transit_mesh
@@ -393,6 +394,25 @@ def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path):
     assert not (steady["cycle_stress_drop"].values > 0.2).any()
     drawn = figure_of(data).axes[0].lines[0].get_xydata()
     assert (drawn[:, 1] == late[0]).any()
+
+
+@pytest.mark.parametrize(
+    ("key", "unit", "label"),
+    [
+        ("log10_r", "1", "round trip log₁₀ r"),
+        ("V", "1", "velocity of the drive V / V*"),
+        ("drive.velocity", "um/s", "velocity of the drive V / (um/s)"),
+        ("slab.thickness", "m", "thickness H / m"),
+        ("upper.epsilon", "1", "impedance ε of the upper slab"),
+        ("log10_ratio_r", "1", "log₁₀ of the round trip, lower over upper slab"),
+        ("slab.face.stiffness", "1", "stiffness of the face's spring / (ε/r)"),
+        ("nothing.known", "1", "nothing.known"),
+    ],
+)
+def test_an_axis_says_in_words_what_it_shows(key, unit, label):
+    axis = DataArray([1.0, 2.0], dims="x", attrs={"long_name": key, "units": unit})
+    figure = figure_of(Dataset({"figure": ("x", [1.0, 2.0])}, coords={"x": axis, "model": "delay"}))
+    assert figure.axes[-1].get_xlabel() == label
 
 
 def test_the_other_side_of_an_axis_has_the_other_units():

@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import slipwave
+from reduced.parameters import LABELS
 from slipwave.errors import SceneError
+from slipwave.input.overrides import label_of
 from validation.results.result import DataArray, Dataset
 from validation.study.drawing import Axes, Drawing, canvas, styled
 from validation.sweep.axes import changed
@@ -45,15 +47,6 @@ class Line(NamedTuple):
     across: Any
     up: Any
     model: str
-
-
-_LABELS = {
-    "slab.log10_r": r"$\log_{10}\,r$",
-    "drive.velocity": "$V/V^*$",
-    "ratio_epsilon": "impedance, lower over upper slab",
-    "ratio_r": "round trip, lower over upper slab",
-}
-"""What pure numbers are called in a figure; other keys as they are."""
 
 
 def figure_of(data: Dataset, shown: str | None = None, lines: Sequence[Line] = ()) -> Drawing:
@@ -109,7 +102,7 @@ def _image(axes: Axes, data: Dataset, names: Sequence[str], column: str, alone: 
         words = [word.replace("_", " ") for word in values.attrs["flag_meanings"].split()]
         return _words(axes, across, up, values, {word: _COLOURS.get(word, _OTHER) for word in words})
     picture = axes.pcolormesh(across, up, np.ma.masked_invalid(values), shading="nearest", cmap="viridis", rasterized=True)
-    axes.figure.colorbar(picture, ax=axes)
+    axes.figure.colorbar(picture, ax=axes, label=values.attrs.get("in_units_of", ""))
     return {}
 
 
@@ -135,12 +128,19 @@ def _scales(axes: Axes, data: Dataset, across: DataArray, up: DataArray) -> None
             if coordinate.max() < 10.0 * coordinate.min():  # powers of ten alone would be one tick
                 axis.set_major_locator(MaxNLocator(5))
             axis.set_major_formatter("{x:g}")
-        unit = coordinate.attrs.get("units", "1")
         other = other_side(data, coordinate)
         if other:
             other.add(axes, coordinate is across)
-        key = str(coordinate.attrs.get("long_name", coordinate.name))
-        label(_LABELS.get(key, key) if unit == "1" else f"{key} [{unit}]")
+        label(_label(coordinate))
+
+
+def _label(coordinate: DataArray) -> str:
+    """Words, symbol and unit of an axis of a sweep."""
+    key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
+    name, power = key.removeprefix("log10_"), "log₁₀ of the "
+    if name in LABELS:
+        return LABELS[name] if name == key else power + LABELS[name]
+    return label_of(key, "" if unit == "1" else unit)
 
 
 def is_logarithmic(values: Any) -> bool:
@@ -167,7 +167,7 @@ def _over_one(data: Dataset, name: str, shown: str | None) -> Drawing:
         grid[-1].set_xscale("log")
     if "model" in data.dims:
         grid[0].legend(loc="best", fontsize=9)
-    grid[-1].set_xlabel(data[name].attrs.get("long_name", name))
+    grid[-1].set_xlabel(_label(data[name]))
     return figure
 
 
