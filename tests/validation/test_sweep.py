@@ -399,12 +399,12 @@ def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path):
 @pytest.mark.parametrize(
     ("key", "unit", "label"),
     [
-        ("log10_r", "1", "round trip log₁₀ r"),
+        ("log10_r", "1", r"round trip $\log_{10}$ r"),
         ("V", "1", "velocity of the drive V / V*"),
         ("drive.velocity", "um/s", "velocity of the drive V / (um/s)"),
         ("slab.thickness", "m", "thickness H / m"),
         ("upper.epsilon", "1", "impedance ε of the upper slab"),
-        ("log10_ratio_r", "1", "log₁₀ of the round trip, lower over upper slab"),
+        ("log10_ratio_r", "1", r"$\log_{10}$ of the round trip, lower over upper slab"),
         ("slab.face.stiffness", "1", "stiffness of the face's spring / (ε/r)"),
         ("nothing.known", "1", "nothing.known"),
     ],

@@ -137,10 +137,10 @@ def _scales(axes: Axes, data: Dataset, across: DataArray, up: DataArray) -> None
 def _label(coordinate: DataArray) -> str:
     """Words, symbol and unit of an axis of a sweep."""
     key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
-    name, power = key.removeprefix("log10_"), "log₁₀ of the "
+    name, power = key.removeprefix("log10_"), r"$\log_{10}$"
     if name in LABELS:
-        return LABELS[name] if name == key else power + LABELS[name]
-    return label_of(key, "" if unit == "1" else unit)
+        return LABELS[name] if name == key else f"{power} of the {LABELS[name]}"
+    return label_of(key, "" if unit == "1" else unit).replace("log₁₀", power)  # the report's font has no small figures
 
 
 def is_logarithmic(values: Any) -> bool:
