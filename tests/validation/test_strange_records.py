@@ -12,9 +12,10 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input.source import to_toml
 from tests.copies import killed
 from validation.cli import main
+from validation.data.series import read_series
 from validation.fit.command import FitResult
 from validation.fit.kept import KeptBest
-from validation.fit.records import followed
+from validation.fit.records import experiment_of, followed
 
 TRUTH = {"interface.a": 0.01, "interface.b": 0.015, "interface.memory_length": 1e-5}
 FREE = ["a", "b", "memory_length"]
@@ -163,7 +164,9 @@ def test_a_clock_that_begins_after_the_scene_s_steps_counts_from_the_first_sampl
     times = np.linspace(0.0, 80.0, 200)
     path = written(tmp_path / "late.csv", "elapsed time [s],friction", times + 81234.5, slider(times, STEPS))
     steps = [["0 s", "1 um/s"], ["20 s", "1 um/s"], ["20 s", "10 um/s"], ["45 s", "10 um/s"], ["45 s", "1 um/s"]]
-    found = sw.fit(SAMPLE | {"drive": {"velocity": steps}}, data=[path], free=FREE)
+    scene = SAMPLE | {"drive": {"velocity": steps}}
+    assert experiment_of(read_series(path), sw.read_scene(scene)).times[[0, -1]] == pytest.approx([0.0, 80.0])
+    found = sw.fit(scene, data=[path], free=FREE)
     assert [row["value"] for row in found.parameters.values()] == pytest.approx([*TRUTH.values()], rel=1e-3)
     assert any("clock begins at 81234.5" in note for note in found.notes)
 
