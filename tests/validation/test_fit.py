@@ -234,6 +234,34 @@ def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_
         assert row["high"] - row["low"] < 0.06 * value, key
 
 
+def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(tmp_path: Path) -> None:
+    """A spring of 0.96 of the critical stiffness: the first periods are 15.8, 16.8 and 17.5 s, the last ones 17.9 s."""
+    scene = read(STICKING, ["slab.face.stiffness='4.8387 GPa/m'"])
+    variants = disturbed(Variants(scene, free_parameters(scene, KEYS), schedule_of(scene)))
+    times, inner = np.arange(100.0, 400.0, 0.1), np.array([one.inner(one.start) for one in variants.free])
+    friction = OfReduction(variants, times, "quasidynamic", 1e-8).friction(inner)
+    path = tmp_path / "near.csv"
+    friction += 1e-3 * np.random.default_rng(5).standard_normal(times.size)
+    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [s],friction", comments="")
+    start = ["interface.a=0.0095", "interface.b=0.0148", "interface.memory_length='9.5 um'"]
+    found = sw.fit(scene, data=[str(path)], free=KEYS, settings=start)
+    rows, settled = found.summary["parameters"], CycleOfReduction(variants, 18.0, "quasidynamic", 1e-8).friction(inner)[0]
+    assert all(row["low"] < TRUTH[key] < row["high"] < 1.1 * TRUTH[key] for key, row in rows.items()), rows
+    assert found.summary["data"][0]["period"]["measured"] == pytest.approx(settled, rel=1e-3)
+    assert found.spread.noise < 1.25
+    assert any("in these the motion settles" in note for note in found.notes)
+
+
+def test_values_that_are_no_minimum_have_no_interval(steps: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("validation.fit.command.minimise", lambda *given: minimise(*given)._replace(failed="no minimum"))
+    with pytest.raises(NumericsError, match="no minimum") as refused:
+        sw.fit("velocity-steps", data=[str(steps)], free=["interface.a"], settings=[*THIN, *ASIDE])
+    row = refused.value.result.summary["parameters"]["interface.a"]
+    assert (row["low"], row["high"]) == (None, None)
+    assert "no interval is stated" in refused.value.result.notes[0]
+    refused.value.result.save_plot(tmp_path / "best.png")
+
+
 def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:
     face = {"kind": "machine", "stiffness": "2 GPa/m", "impedance": "5 MPa s/m", "mass": "100000 kg/m2"}
     scene = read(STICKING | {"slab": STICKING["slab"] | {"face": face}})

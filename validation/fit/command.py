@@ -21,7 +21,7 @@ from slipwave.scene import Scene
 from validation.data.series import read_series
 from validation.fit.drawn import draw_fit
 from validation.fit.kept import facts_of_fit, recalled_best
-from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
+from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
@@ -142,6 +142,8 @@ class FitResult(Result):
     def notes(self) -> list[str]:
         """Remarks on the numbers."""
         notes = list(self.remarks)
+        if np.isnan(self.spread.low).all():
+            notes.append("the values are the best so far; no interval is stated, because they are no minimum")
         for one in self.problem.records:
             notes += [f"{one.name}: {line}" for line in one.notes]
         notes += [f"not determined: {line}" for line in self.spread.singular]
@@ -272,10 +274,12 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         stopped = True
         found = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
     spread = intervals(problem, found)
-    if not stopped and is_cheap:
+    if not found.failed and is_cheap:
         spread = profiled(problem, found, spread)
     fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})
     failed = "; ".join(filter(None, [found.failed, *_complaints(problem, found, spread)]))
+    if found.failed or at_bounds(problem, found.inner):
+        spread = without_ends(spread)
     return FitResult(
         fitted,
         model,

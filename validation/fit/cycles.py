@@ -31,6 +31,7 @@ MARGIN = 0.02
 
 _NODES, _WEIGHTS = (part / 2.0 for part in np.polynomial.legendre.leggauss(3))  # of a bin, at which a model is asked
 _FEWEST = 12  # bins that have samples
+_ALIKE = 5  # cycles, that say what is settled
 _STANDS_OUT = 4.0  # standard errors, beyond which cycles differ by more than noise
 _FALL = 0.4  # of the range of friction: a smaller fall is no event
 _ABOVE = 8.0  # times the noise: the smallest fall that can be told from it
@@ -45,8 +46,8 @@ DISTURBED = 1.0
 
 class MeanCycle(NamedTuple):
     """The `period` (s or transits) and mean friction in bins, whose samples have the mean `phases`; the standard errors of each
-    alone; `events`, `drop`, and the `drift` that was taken out. `together` (bins + 1, k): what one standard deviation of each
-    error does that they have in common, first to the period."""
+    alone; `events`, `drop`, and what was taken out: a `drift`, and `early` cycles, in which the motion settles. `together`
+    (bins + 1, k): what one standard deviation of each error does that they have in common, first to the period."""
 
     period: float
     period_error: float
@@ -57,6 +58,7 @@ class MeanCycle(NamedTuple):
     events: int
     drop: float
     drift: float
+    early: int
 
 
 def falls(values: Array, least: float) -> list[tuple[int, int]]:
@@ -95,8 +97,12 @@ def dated_events(name: str, times: Array, friction: Array) -> tuple[list[tuple[i
 
 
 def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
-    """Of a record, without a drift from cycle to cycle that stands out. Raises SceneError if it has no three slip events."""
+    """Of a record, without first cycles that are yet to settle and a drift from cycle to cycle that stands out.
+
+    Raises SceneError if it has no three slip events."""
     noise, (events, dates) = noise_of(times, friction), dated_events(name, times, friction)
+    early = _unsettled(np.diff(dates), _date_errors(times, friction, events, noise))
+    events, dates = events[early:], dates[early:]
     periods = np.diff(dates)
     which = np.searchsorted(dates, times, side="right") - 1
     inside = (which >= 0) & (which < periods.size)
@@ -121,7 +127,7 @@ def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
     moved = float(np.abs(slope).mean() * np.sqrt(np.mean(errors**2)) / periods.mean())  # what a date's error adds to a cycle
     rows, drift = _level(rows - slope * (at - phases), phases, moved)  # each as at the mean phase
     values, seen = np.nanmean(rows, axis=0), np.isfinite(rows).mean(axis=0)
-    own, together = _dating(dates, errors, times, slope / periods.mean(), phases)
+    own, together = _dating(dates, errors, _leaning(times, friction, events, dates), times, slope / periods.mean(), phases)
     error, common = _scatter(rows - values, counts, noise)
     together = np.column_stack([together, np.append(0.0, np.full(values.size, common))])
     drops = [friction[a] - friction[b] for a, b in events]
@@ -135,7 +141,19 @@ def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
         dates.size,
         float(np.median(drops)),
         drift,
+        early,
     )
+
+
+def _unsettled(periods: Array, errors: Array) -> int:
+    """How many of the first cycles, half of them at most, come closer and closer to those after them and yet differ by more than
+    these among themselves, and than dates are wrong: in them the motion settles."""
+    for k in range(min(periods.size // 2, periods.size - _ALIKE), 0, -1):
+        scatter = max(float(np.std(periods[k:], ddof=1)), float(np.sqrt(2.0 * np.mean(errors**2))))
+        away = np.abs(periods[:k] - np.median(periods[k:]))
+        if away[-1] > _STANDS_OUT * scatter and (np.diff(away) < scatter).all():
+            return k
+    return 0
 
 
 def _level(rows: Array, phases: Array, moved: float) -> tuple[Array, float]:
@@ -174,13 +192,22 @@ def _date_errors(times: Array, friction: Array, events: list[tuple[int, int]], n
     return np.asarray(gap * np.hypot(np.minimum(fall / drop, 1.0) / 12.0**0.5, noise / np.maximum(fall, noise)))
 
 
-def _dating(dates: Array, errors: Array, times: Array, slope: Array, phases: Array) -> tuple[float, Array]:
+def _leaning(times: Array, friction: Array, events: list[tuple[int, int]], dates: Array) -> float:
+    """By how much all dates are early or late: a fall between two samples is on average in their middle, but friction that
+    falls slowly before leads to an earlier date."""
+    above = np.array([_above(friction, *one) for one in events])
+    drop = np.array([friction[a] - friction[b] for a, b in events])
+    share = np.minimum((friction[above] - friction[above + 1]) / drop, 1.0)
+    return float(np.mean(share * (dates - 0.5 * (times[above] + times[above + 1]))))
+
+
+def _dating(dates: Array, errors: Array, leaning: float, times: Array, slope: Array, phases: Array) -> tuple[float, Array]:
     """The standard error of the period, of cycles that differ by more than dates are wrong; and what the errors of dates do to
     period and friction, whose `slope` is by time: (bins + 1, 2) for a shift of all events, and for cycles that seem too long."""
     periods, count = np.diff(dates), dates.size - 1
     turns = np.arange(dates.size) * float(periods.mean() / np.median(np.diff(times)))
     alike = abs(np.exp(2j * np.pi * turns).mean()) ** 2 * dates.size  # events that meet the clock's ticks alike are wrong alike
-    shift = float(np.sqrt(np.mean(errors**2) * max(alike, 1.0) / dates.size))
+    shift = float(np.hypot(np.sqrt(np.mean(errors**2) * max(alike, 1.0) / dates.size), leaning))
     ends = float(np.hypot(errors[0], errors[-1])) / count
     varied = float(np.var(periods, ddof=1)) if count > 1 else 0.0
     own = (max(varied - 2.0 * float(np.mean(errors**2)), 0.0) / count) ** 0.5

@@ -213,6 +213,11 @@ def intervals(problem: Problem, found: Solution) -> Intervals:
     return Intervals(low, high, known, correlation, noise, together, tuple(dict.fromkeys(singular)), covariance, rise)
 
 
+def without_ends(spread: Intervals) -> Intervals:
+    """The same of values that are no minimum: the sum of squares around them says nothing of where the best values are."""
+    return spread._replace(low=np.full_like(spread.low, math.nan), high=np.full_like(spread.high, math.nan), profiled=())
+
+
 def _direction(names: Sequence[str], row: Array) -> str:
     """The parameters that can change together without any effect."""
     return " with ".join(name for name, share in zip(names, row, strict=True) if abs(share) > _NAMED)

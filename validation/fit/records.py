@@ -150,6 +150,8 @@ def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, not
     told = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
     if cycle.drift:
         told += f"; its drift by {cycle.drift:.3g} was taken out, and the level at the middle counts (--free level)"
+    if cycle.early:
+        told += f"; {cycle.early} cycles before them are left out: in these the motion settles"
     travel = where * schedule.velocities[0]
     notes = [*notes, told]
     return Experiment(name, where, values, travel, schedule, tuple(notes), 1.0 / errors, cycle, (times, friction), cycle.together)
