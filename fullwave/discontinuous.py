@@ -65,7 +65,7 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
         for i in range(operator.nodes):
             differentiate_rows(
                 operator.derivative, i * operator.nodes, operator.nodes, state, panel, width,
-                operator.scale, panel, rates, at + i * width + panel,
+                operator.scale, rates, at + i * width + panel,
             )  # fmt: skip
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, steps_at_once
-from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, march_lines
+from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, Integrated, march_lines
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.runge_kutta import RungeKutta, scaled_method
 from fullwave.lines.scheme_limit import longest_decay_step
@@ -31,13 +31,12 @@ class ExplicitMarch:
     ) -> None:
         self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
         self.nodes, self._scaled = sample_nodes(STEPS_PER_PIECE), scaled_method(method, step)
+        unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
+        self._values = Integrated(values, unknowns, np.zeros(values.size), np.zeros(method.stages * values.size))
         self.layout = values
         self.failures, self.failed_at = 0, math.nan
         self._taken, self._cells, self._work = 0, cells, work
-        self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
         self._frames, self._keeps_frames = np.empty((0, values.size)), False
-        self._trial = np.zeros(values.size)
-        self._rates = np.zeros(method.stages * values.size)
         self._stride = steps_at_once(work)
 
     @property
@@ -87,10 +86,7 @@ class ExplicitMarch:
                 self._taken,
                 begin,
                 min(begin + self._stride, steps + 1),
-                self.layout,
-                self._trial,
-                self._rates,
-                self._unknowns,
+                self._values,
                 pieces,
                 self._frames,
             )
@@ -130,15 +126,15 @@ class ExplicitMarch:
         whole[size + PSI], whole[size + ELASTIC] = place.psi, place.elastic
         pieces = math.ceil(place.time / self.transits_per_piece - 1e-9)
         counts = np.array([STEPS_PER_PIECE * pieces, 0.0])
-        return {"counts": counts, "state": whole, "unknowns": np.full_like(self._unknowns, place.z)}
+        return {"counts": counts, "state": whole, "unknowns": np.full_like(self._values.unknowns, place.z)}
 
     def state(self) -> State:
         """As `Solver`; `counts`: steps taken, failures."""
         counts = np.array([self._taken, self.failures], dtype=float)
-        return {"counts": counts, "state": self.layout.copy(), "unknowns": self._unknowns.copy()}
+        return {"counts": counts, "state": self.layout.copy(), "unknowns": self._values.unknowns.copy()}
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
         taken, failures = whole_numbers(state, "counts", (0, 0))
-        take_back({"state": self.layout, "unknowns": self._unknowns}, state, self._model)
+        take_back({"state": self.layout, "unknowns": self._values.unknowns}, state, self._model)
         self._taken, self.failures = taken, failures

@@ -1,5 +1,7 @@
 """The compiled loop of the method-of-lines march: equal Runge-Kutta steps, with a sample of the interface after each."""
 
+from typing import NamedTuple
+
 from fullwave.lines.motion import rates_of
 from fullwave.lines.runge_kutta import RungeKutta, combine_stages
 from fullwave.lines.system import ELASTIC, PSI, System
@@ -14,6 +16,17 @@ MOST_PIECES = 512
 shared by 4096 steps."""
 
 
+class Integrated(NamedTuple):
+    """All that is integrated, `state` (n,), and z of the last three steps' stages, `unknowns` (3, stages), latest first: a
+    parabola through them starts each friction solve, which saves two of four iterations. Scratch: the state of a stage, `trial`
+    (n,), and the `rates` of all stages, flat (stages n,)."""
+
+    state: Array
+    unknowns: Array
+    trial: Array
+    rates: Array
+
+
 @njit
 def march_lines(
     system: System,
@@ -22,19 +35,16 @@ def march_lines(
     first: int,
     begin: int,
     end: int,
-    state: Array,
-    trial: Array,
-    rates: Array,
-    unknowns: Array,
+    values: Integrated,
     pieces: Pieces,
     frames: Array,
 ) -> tuple[int, int, float]:
     """March steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`. The step after the
-    last piece is evaluated only to record the last sample. `method` is that of steps of this length (`scaled_method`). `unknowns`
-    (3, stages) holds z of the last three steps' stages, latest first: a parabola through them starts each friction solve, which
-    saves two of four iterations. `frames`, if it has rows, receives the state at the beginning of every step. Returns (failed
-    solves, step n of the first one or -1, fastest relaxation of the state per transit)."""
+    last piece is evaluated only to record the last sample. `method` is that of steps of this length (`scaled_method`). `frames`,
+    if it has rows, receives the state at the beginning of every step. Returns (failed solves, step n of the first one or -1,
+    fastest relaxation of the state per transit)."""
     weight, abscissae = method.weight, method.abscissae
+    state, unknowns, trial, rates = values.state, values.unknowns, values.trial, values.rates
     unknown, psis, stress, elastic = pieces.z, pieces.psi, pieces.mu, pieces.y
     stages, size, count = method.stages, system.interface.size, pieces.time.size
     failures, failed = 0, -1

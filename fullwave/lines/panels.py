@@ -68,17 +68,17 @@ def add_rows(
 
 @intrinsic  # type: ignore[untyped-decorator]
 def differentiate_rows(
-    typing: Any, weight: Any, first: Any, count: Any, rows: Any, start: Any, stride: Any, scale: Any, lane: Any, out: Any, at: Any
+    typing: Any, weight: Any, first: Any, count: Any, rows: Any, start: Any, stride: Any, scale: Any, out: Any, at: Any
 ) -> Any:
-    """out[at:at + 8] = scale[lane:lane + 8] * the same sum with exchanged halves (D w to the stress, D s to the velocity)."""
+    """out[at:at + 8] = scale[start:start + 8] * the same sum with exchanged halves (D w to the stress, D s to the velocity)."""
 
     def _generate(context, builder, signature, arguments):  # type: ignore[no-untyped-def]
         kinds = signature.args
         total = _weighted_sum(context, builder, kinds, arguments[:6])
-        factors = builder.load(_address(context, builder, kinds[6], arguments[6], arguments[7]), align=8)
+        factors = builder.load(_address(context, builder, kinds[6], arguments[6], arguments[4]), align=8)
         swapped = builder.shuffle_vector(total, total, _SWAPPED)
-        target = _address(context, builder, kinds[8], arguments[8], arguments[9])
+        target = _address(context, builder, kinds[7], arguments[7], arguments[8])
         builder.store(builder.fmul(factors, swapped, flags=_FUSE), target, align=8)
         return context.get_dummy_value()
 
-    return _signature((weight, first, count, rows, start, stride, scale, lane, out, at)), _generate
+    return _signature((weight, first, count, rows, start, stride, scale, out, at)), _generate
