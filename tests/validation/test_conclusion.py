@@ -9,7 +9,7 @@ import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import MotionVerdict
 from validation.cli import INPUT_WRONG, main
-from validation.results.comparison import barred, conclusion, differences, errors_of, in_json, nothing, remarks, without_errors
+from validation.results.comparison import barred, conclusion, differences, errors_of, in_json, nothing
 
 
 def row(model, wall, error=1e-3, **more):
@@ -86,28 +86,6 @@ def test_differences_of_periodic_motions_are_errors(runs):
     assert shown["error"]["period"] == periods[0] / periods[1] - 1.0
 
 
-@pytest.mark.parametrize("kind", ["steady", "decaying", "too short"])
-def test_a_motion_without_cycles_has_neither(kind, runs):
-    none = changed(runs[1], kind, math.nan, math.nan)
-    assert in_json(none, runs[0]) == {"error": {"period": None, "stress_drop": None}}
-
-
-def test_words_on_rows_without_errors():
-    rows = [row("delay", 1.0, 0.0), STEADY, row("modal:2", 1.0, None, **APART), row("fd", 1.0, None, verdict="decaying")]
-    rows[2]["margin"] = {"period": 0.004, "stress_drop": None}
-    assert without_errors(rows) == [
-        "no figures of block8: it slides steadily in the second half of the run, without cycles",
-        "no figures of fd: the second half of the run is decaying",
-    ]
-    assert [errors_of(row | {"error": row["error"] | {"stress_drop": None}}) for row in rows[1:3]] == [
-        ["-", "-"],
-        ["0.0300 +- 0.0040", "-0.2 +- ?"],
-    ]
-    shown = remarks({"models": rows, "conclusion": "so", "notes": ["odd", "nothing to compare"]})
-    assert shown[0].startswith("+-: half the width of the 95 % interval")
-    assert shown[-2:] == ["nothing to compare", "so"]
-
-
 @pytest.mark.parametrize(
     ("margin", "cell"), [(0.0, "12.346"), (0.0234, "12.346 +- 0.023"), (30.0, "12 +- 30"), (math.nan, "12.346 +- ?")]
 )
@@ -116,8 +94,11 @@ def test_a_number_with_its_bar(margin, cell):
 
 
 def test_a_reference_does_not_differ_from_itself(runs):
-    one = changed(runs[0], "irregular", 10.0, 0.4)
+    one, none = changed(runs[0], "irregular", 10.0, 0.4), changed(runs[1], "steady", math.nan, math.nan)  # has no cycles
     assert in_json(one, one)["difference"] == in_json(one, one)["margin"] == {"period": 0.0, "stress_drop": 0.0}
+    assert in_json(none, one) == {"error": {"period": None, "stress_drop": None}}
+    apart = {"difference": {"period": 0.03, "stress_drop": -0.2}, "margin": {"period": 0.004, "stress_drop": None}}
+    assert errors_of({"error": dict.fromkeys(apart["margin"])} | apart) == ["0.0300 +- 0.0040", "-0.2 +- ?"]
 
 
 def test_an_empty_comparison_says_how_long_a_run_must_be(runs, capsys):
