@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from fullwave.options import require_whole
 from slipwave.errors import SceneError
-from slipwave.family import ANYTHING, Exact, Family, Pen
+from slipwave.family import ANYTHING, Exact, Family, PlotStyle
 
 
 class Rungs(NamedTuple):
@@ -103,7 +103,7 @@ LEAPFROG = FullWave(
     "full wave: staggered leapfrog",
     "h^2",
     grids=(16, 32, 64),
-    pens={None: Pen("full wave, leapfrog", "#d55e00", (0, (1, 2.2)), "s", 2.0)},
+    styles={None: PlotStyle("full wave, leapfrog", "#d55e00", (0, (1, 2.2)), "s", 2.0)},
     implicit_state=True,
     conserves=True,
     options=("cells", "cfl", "tolerance"),
@@ -123,7 +123,7 @@ BY_PARTS = FullWave(
     default=6,
     suited=lambda tolerance: 6,
     grids=(16, 32, 64),
-    pens={None: Pen("full wave, by parts", "#0072b2", "-", "D")},
+    styles={None: PlotStyle("full wave, by parts", "#0072b2", "-", "D")},
     order_bulk=lambda p: p,
     order_interface=lambda p: p,
     cells=32,
@@ -140,7 +140,7 @@ ELEMENTS = FullWave(
     suited=degree_for,
     grids=(2, 4, 8),
     extra="fem",
-    pens={None: Pen("full wave, elements", "#009e73", "-", "^")},
+    styles={None: PlotStyle("full wave, elements", "#009e73", "-", "^")},
     order_bulk=lambda p: p + p % 2,
     order_interface=lambda p: p + 1,
     order_at_best=lambda p: 2 * p,
@@ -158,7 +158,7 @@ GALERKIN = FullWave(
     default=7,
     suited=degree_for,
     grids=(1, 2, 4),
-    pens={None: Pen("full wave, Galerkin", "#111111", "-", "o")},
+    styles={None: PlotStyle("full wave, Galerkin", "#111111", "-", "o")},
     order_bulk=lambda p: p + 1,
     order_interface=lambda p: p + 1,
     order_at_best=lambda p: 2 * p,

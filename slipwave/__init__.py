@@ -38,7 +38,7 @@ def __getattr__(name: str) -> Any:
         return import_module("importlib.metadata").version("slipwave")
     if name not in _PLACES:
         raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
-    line = import_module("slipwave.rooms").hidden()
+    line = import_module("slipwave.hidden").hidden_package()
     if line:
         raise ImportError(line)
     found = globals()[name] = getattr(import_module(f"validation.{_PLACES[name]}"), name)

@@ -4,19 +4,19 @@ import gc
 import sys
 from importlib import import_module
 
-from slipwave.rooms import hidden
-from slipwave.threads import one_thread_unless_told
+from slipwave.hidden import hidden_package
+from slipwave.threads import one_thread_by_default
 
 _OBJECTS_BEFORE_COLLECTION = 1_000_000
 
 
 def main() -> int:
     """Run the command of the process; the exit status is 2 if a file of the user's own hides one of our packages."""
-    line = hidden()
+    line = hidden_package()
     if line:
         print(f"slipwave: {line}", file=sys.stderr)
         return 2
-    one_thread_unless_told()
+    one_thread_by_default()
     # the process is the command's own; collections at Python's rate would take a tenth of the time of compiling
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
     status = int(import_module("validation.cli").main())

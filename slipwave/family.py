@@ -1,7 +1,7 @@
 """The facts about a family of models, stated once, in `reduced/families.py` or `fullwave/families.py`.
 
-`auto`, refusals, help texts, the tables of the README, pens, benchmarks and studies all read them from there. Importing the facts
-is light: a solver's module is only named, and is imported when a solver is built.
+`auto`, refusals, help texts, the README's tables, plot styles, benchmarks and studies all read them from there. Importing the
+facts is light: a solver's module is only named, and is imported when a solver is built.
 """
 
 from collections.abc import Callable, Mapping
@@ -40,7 +40,7 @@ class Exact(StrEnum):
     NEVER = "never"
 
 
-class Pen(NamedTuple):
+class PlotStyle(NamedTuple):
     """How a model's curve looks everywhere; `dashes` as matplotlib takes them."""
 
     label: str
@@ -55,7 +55,7 @@ class Family:
     """`pattern` is the name as shown (`modal:N`), `made_by` the "module:name" of the function that makes a member, `error` the
     distance from the wave physics in words. `numbers` are allowed after the colon, and `default` is used in examples. If the name
     may be given without a number, `suited` chooses one for a tolerance. `tolerances` are the least and the largest allowed one.
-    `pens` are keyed by number, with None for all others. `grids` are the cells per slab that a benchmark tries. `extra` installs
+    `styles` are keyed by number, None for all others. `grids` are the cells per slab that a benchmark tries. `extra` installs the
     libraries that it needs, if a light install leaves them out (`slipwave.extras`)."""
 
     pattern: str
@@ -71,7 +71,7 @@ class Family:
     tolerances: tuple[float, float] = (1e-14, 0.1)
     grids: tuple[int, ...] = ()
     extra: str = ""
-    pens: Mapping[int | None, Pen] = field(default_factory=dict)
+    styles: Mapping[int | None, PlotStyle] = field(default_factory=dict)
 
     @property
     def name(self) -> str:

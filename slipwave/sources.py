@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parent.parent
-SOLVER_ROOMS = ("slipwave", "reduced", "fullwave")
-_ROOMS = (*SOLVER_ROOMS, "validation")
+SOLVER_PACKAGES = ("slipwave", "reduced", "fullwave")
+_PACKAGES = (*SOLVER_PACKAGES, "validation")
 _BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
 _DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -21,7 +21,7 @@ _DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 @cache
 def source_digest() -> str:
     """Digest of every Python source file of the solvers, read once per process."""
-    return digest_of(path for room in SOLVER_ROOMS for path in sorted((ROOT / room).rglob("*.py")))
+    return digest_of(path for package in SOLVER_PACKAGES for path in sorted((ROOT / package).rglob("*.py")))
 
 
 def digest_of(paths: Iterable[Path]) -> str:
@@ -49,7 +49,7 @@ def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
 
 def inside(path: Path) -> bool:
     """Whether `path` is a source file of the four packages."""
-    return path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in _ROOMS
+    return path.is_relative_to(ROOT) and path.relative_to(ROOT).parts[0] in _PACKAGES
 
 
 def program(path: Path) -> str:
@@ -103,7 +103,7 @@ def imported_files(path: Path, packages: bool) -> set[Path]:
 def _files(name: str, packages: bool) -> Iterator[Path]:
     """The file of the module `name`, if it belongs to the project; with `packages` also those of the packages around it."""
     parts = name.split(".")
-    if parts[0] not in _ROOMS:
+    if parts[0] not in _PACKAGES:
         return
     for count in range(1 if packages else len(parts), len(parts) + 1):
         place = ROOT.joinpath(*parts[:count])

@@ -8,7 +8,7 @@ VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 """What libraries of linear algebra read when they are loaded."""
 
 
-def one_thread_unless_told() -> None:
+def one_thread_by_default() -> None:
     """Libraries that this process and its children load from now on use one thread, unless the environment says how many."""
     if not any(name in os.environ for name in VARIABLES):
         os.environ |= dict.fromkeys(VARIABLES, "1")

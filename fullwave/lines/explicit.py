@@ -16,7 +16,7 @@ from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import State, take_back, whole_numbers
-from slipwave.step.flow import Place
+from slipwave.step.flow import InterfaceState
 
 
 class ExplicitMarch:
@@ -117,16 +117,16 @@ class ExplicitMarch:
         begin = self._taken - self._frames.shape[0] + 1
         return [((begin + k) * self.step, values) for k, values in enumerate(self._frames) if k]
 
-    def placed(self, values: Array, place: Place) -> State:
+    def state_at_start(self, values: Array, interface: InterfaceState) -> State:
         """The state, for `restore`, with the grid's `values` where they move, at the end of the first piece beyond the time of
-        `place`."""
+        `interface`."""
         whole = np.zeros_like(self.layout)
         whole[motion_of(self._system).moving] = values
         size = self._system.interface.size
-        whole[size + PSI], whole[size + ELASTIC] = place.psi, place.elastic
-        pieces = math.ceil(place.time / self.transits_per_piece - 1e-9)
+        whole[size + PSI], whole[size + ELASTIC] = interface.psi, interface.elastic
+        pieces = math.ceil(interface.time / self.transits_per_piece - 1e-9)
         counts = np.array([STEPS_PER_PIECE * pieces, 0.0])
-        return {"counts": counts, "state": whole, "unknowns": np.full_like(self._values.unknowns, place.z)}
+        return {"counts": counts, "state": whole, "unknowns": np.full_like(self._values.unknowns, interface.z)}
 
     def state(self) -> State:
         """As `Solver`; `counts`: steps taken, failures."""

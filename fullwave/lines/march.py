@@ -21,7 +21,7 @@ from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import Energy, Snapshot, State
-from slipwave.step.flow import Cycle, Place
+from slipwave.step.flow import Cycle, InterfaceState
 from slipwave.step.port_flow import PortFlow
 
 
@@ -191,11 +191,11 @@ class MethodOfLines(ABC):
             raise SceneError(f"{self.model}: time = {self._march.name!r}: a flow over a period needs time = exact")
         return self._march.flow(period, tolerance)
 
-    def placed(self, cycle: Cycle, place: Place) -> State:
+    def state_at_start(self, cycle: Cycle, interface: InterfaceState) -> State:
         """As `PortMarch`; `cycle` is a motion of the exact march."""
         if isinstance(self._march, ExactMarch):
-            return self._march.placed(cycle, place)
-        return self._march.placed(cycle.start[:-1] / self.scene.upper.epsilon, place)
+            return self._march.state_at_start(cycle, interface)
+        return self._march.state_at_start(cycle.start[:-1] / self.scene.upper.epsilon, interface)
 
     def state(self) -> State:
         """As `Solver`."""

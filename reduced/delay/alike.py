@@ -14,7 +14,7 @@ from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, lagrange_
 from slipwave.scene import Scene
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
-from slipwave.step.flow import Cycle, Place
+from slipwave.step.flow import Cycle, InterfaceState
 from slipwave.step.nodal import DONE, PSI, TIME, Interface
 
 MAX_STEPS = 4096
@@ -111,9 +111,9 @@ class Delay(DelayMarch):
         if not self._emit:
             self._beginning = (beginning, saved["beginning.incoming"], saved["beginning.now"])
 
-    def placed(self, cycle: Cycle, place: Place) -> State:
+    def state_at_start(self, cycle: Cycle, interface: InterfaceState) -> State:
         """The state, for `restore`, at the start of `cycle`, a motion of a `DelayFlow`, in steps that are at least as short;
-        `place.time` is a whole number of transits. The waves of the first transit are S = mu + eps v/2 of the motion itself."""
+        `interface.time` is a whole number of transits. Waves of the first transit: S = mu + eps v/2 of the motion itself."""
         saved, counts = self.state(), self.state()["counts"]
         counts[0] = max(int(counts[0]), round(1.0 / cycle.pieces.length[0]))
         mesh = transit_mesh(int(counts[0]), self._cuts)
@@ -121,7 +121,7 @@ class Delay(DelayMarch):
         basis = lagrange_basis(radau(NODES).nodes)
         z, psi, mu, _ = (values.reshape(times.shape) for values in values_at(cycle.pieces, basis, times.ravel()))
         incoming = mu + self._lines.impedance * rates(self.scene.law, z)
-        now = np.array([place.time, place.psi, place.elastic])
+        now = np.array([interface.time, interface.psi, interface.elastic])
         waiting = np.empty((0, saved["waiting"].shape[1]))
         return saved | {"counts": counts, "incoming": incoming, "guess": np.stack([psi[0], z[0]]), "now": now, "waiting": waiting}
 

@@ -13,7 +13,7 @@ from reduced.delay.flow_kernel import exchange_of, logs_of_return, march_tangent
 from reduced.delay.kernel import DelayMemory, clock_of, march_delay
 from reduced.delay.march import dense_resolution
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkLines, lines_with
-from reduced.delay.transmission_lines import NODES, SAME_PLACE, lines_of, network_of
+from reduced.delay.transmission_lines import COINCIDENT, NODES, lines_of, network_of
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.friction.law import friction_slopes
@@ -47,8 +47,8 @@ class DelayFlow:
         self._basis, self._with_left = _bases(NODES)
         self._lines = lines_of(scene)
         longest, divisor = min(1.0 / max(_FEWEST, per_transit), float(self._lines.travel.min())), self._lines.divisor
-        self.length = divisor / math.ceil(divisor / longest - SAME_PLACE) if divisor else longest
-        self.kept = math.ceil(float(self._lines.travel.max()) / self.length - SAME_PLACE)
+        self.length = divisor / math.ceil(divisor / longest - COINCIDENT) if divisor else longest
+        self.kept = math.ceil(float(self._lines.travel.max()) / self.length - COINCIDENT)
         self._network = network_of(scene, self._lines, self.length, self.nodes)
         self._shape = (self._lines.travel.size, 2, self.kept, NODES)
         self.tops_remembered = np.array([(top.spring > 0.0, top.mass > 0.0) for top in self._lines.tops])

@@ -104,7 +104,7 @@ class LeapingDelay(Delay):
         if target < start + 2.0:
             return False
         predicted = past.total(start + 1.0, target)
-        self._place(before, predicted, target)
+        self._jump_to(before, predicted, target)
         pieces, change, verdict = self._transit()
         error = math.inf
         if verdict == DONE and self.failures == failures and self._is_slow(target, pieces):
@@ -129,12 +129,12 @@ class LeapingDelay(Delay):
     def _visit(self, before: _Moment, past: Past, number: float) -> Pieces:
         """The pieces of a transit that was left out."""
         present = self._mesh, self._lines.incoming, self._memory
-        self._place(before, past.total(past.number[-1] + 1.0, number), number)
+        self._jump_to(before, past.total(past.number[-1] + 1.0, number), number)
         pieces, _, _ = self._transit()
         self._take(*present)
         return pieces
 
-    def _place(self, before: _Moment, change: Array, number: float) -> None:
+    def _jump_to(self, before: _Moment, change: Array, number: float) -> None:
         """Go to the beginning of the transit `number`, by the `change` of the state since the memory `before`."""
         mesh, incoming, (_, now) = before
         psi = now[PSI] + math.log1p(change[-2] * math.exp(-now[PSI]))

@@ -20,7 +20,7 @@ from reduced.delay.kernel import DelayMemory
 from reduced.delay.network import DelayNetwork
 from reduced.delay.network_kernel import LOAD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.slow_motion import Slow, SlowMotion
-from reduced.delay.transmission_lines import SAME_PLACE, Lines
+from reduced.delay.transmission_lines import COINCIDENT, Lines
 from slipwave.friction import respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
@@ -82,7 +82,7 @@ class LeapingNetwork(DelayNetwork):
         """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
         knot, length = self._next_kink(), self._length
         away = (knot - self._origin) / length
-        if math.isinf(knot) or abs(away - round(away)) < SAME_PLACE * max(1.0, away):
+        if math.isinf(knot) or abs(away - round(away)) < COINCIDENT * max(1.0, away):
             return super().advance(min(until, knot))
         if knot - self.time > 2.0 * length:
             return super().advance(min(until, knot - 2.0 * length))
@@ -118,7 +118,7 @@ class LeapingNetwork(DelayNetwork):
     def _meet(self, knot: float) -> Pieces:
         """March to a `knot` between the ends of steps, by one or two shorter ones; the grid of steps begins anew there."""
         before, start = self._moment(), self.time
-        count = max(1, math.ceil((knot - start) / self._length - SAME_PLACE))
+        count = max(1, math.ceil((knot - start) / self._length - COINCIDENT))
         short, pieces = (knot - start) / count, empty_pieces(count, self._stages)
         self._resample(self._length, short)
         self._origin, self._done = start, 0
@@ -147,7 +147,7 @@ class LeapingNetwork(DelayNetwork):
         time: nothing has changed then but the length of the next one."""
         size, checks = self._lines.waves.size + self._lines.tops.size + 2, 2 * self._lines.waves.shape[2]
         least = int(_PRICE + _PRICE_OF_POWERS * size**3)
-        count = min(max(least, self._reach), int((stop - self.time) / self._length - SAME_PLACE) - checks)
+        count = min(max(least, self._reach), int((stop - self.time) / self._length - COINCIDENT) - checks)
         if size > _LARGEST or count < least or any(top.has_dead_load for top in self._layers.tops):
             return None
         while count >= least:
@@ -198,7 +198,7 @@ class LeapingNetwork(DelayNetwork):
             return None, 0.5
         rest = self._now().vector - self._composed(split, begin).vector
         split, spread = self._carried(split._replace(rest=rest), begin, end, steps)
-        self._place(split, end, steps)
+        self._jump_to(split, end, steps)
         behind = self._check(split, count)
         error = max(ahead.miss, behind.miss, spread) if behind else math.inf
         if not (behind and error <= self._allowed):
@@ -275,7 +275,7 @@ class LeapingNetwork(DelayNetwork):
         other = advanced(powers_of(frozen.matrix(friction)[0], steps), split.rest, steps)
         return split._replace(rest=rest), self._size(rest - other, friction)
 
-    def _place(self, split: _Split, time: float, steps: int) -> None:
+    def _jump_to(self, split: _Split, time: float, steps: int) -> None:
         """Go `steps` on to a `time`, at which the motion is taken apart as `split`."""
         waves, tops, (psi, y) = self._parts()[1].empty.like(self._composed(split, time).vector + split.rest)
         unknown = float(self._parts()[0].interface(split.slow, np.array(time)).z)
@@ -320,8 +320,8 @@ class LeapingNetwork(DelayNetwork):
     def _is_monotonic(self, split: _Split, begin: float, end: float) -> bool:
         """Whether neither z nor mu nor y of the slow motion has an extremum between two times."""
         fill = self._fill(split, np.linspace(begin, end, _LOOKS))
-        courses = [np.diff(values[:, 0]) for values in (fill.z, fill.mu, fill.y)]
-        return all(bool((course >= 0.0).all() or (course <= 0.0).all()) for course in courses)
+        changes = [np.diff(values[:, 0]) for values in (fill.z, fill.mu, fill.y)]
+        return all(bool((change >= 0.0).all() or (change <= 0.0).all()) for change in changes)
 
     def _size(self, change: Array, friction: Friction) -> float:
         """The largest change of psi, of y and of ln v (that of a wave over F_z) that a `change` of the memory amounts to."""

@@ -53,8 +53,8 @@ class Past(NamedTuple):
         if not (inside.size and rising.any()):
             return []
         turned = rising & (self._rows(inside[-1:])[0] @ self.highest > self.highest[-1])
-        courses = self._rows(inside) @ self.highest[:, turned] if turned.any() else np.empty((inside.size, 0))
-        return sorted({float(inside[course.argmax()]) for course in courses.T})
+        rows = self._rows(inside) @ self.highest[:, turned] if turned.any() else np.empty((inside.size, 0))
+        return sorted({float(inside[row.argmax()]) for row in rows.T})
 
     def _rows(self, at: Array) -> Array:
         """Weights (k, p) of the polynomial's values `at` transits of which none was marched."""

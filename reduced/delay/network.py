@@ -9,11 +9,11 @@ from reduced.delay.kernel import DelayMemory, clock_of, march_delay
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.network_kernel import Network, lines_with
 from reduced.delay.transit_mesh import TransitMesh
-from reduced.delay.transmission_lines import NODES, SAME_PLACE, Lines, lines_of, network_of
+from reduced.delay.transmission_lines import COINCIDENT, NODES, Lines, lines_of, network_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
 from slipwave.scene import Scene
 from slipwave.solve import State, tables, whole_numbers
-from slipwave.step.flow import Cycle, Place
+from slipwave.step.flow import Cycle, InterfaceState
 from slipwave.step.nodal import PSI, Interface, constant_guess
 
 MAX_STEPS = 4096
@@ -37,7 +37,7 @@ class DelayNetwork(DelayMarch):
         self._layers = lines or lines_of(scene)
         longest = min(1.0 / _FEWEST, float(self._layers.travel.min()))
         self._span = self._layers.divisor or _FEWEST * longest
-        self._count = max(1, math.ceil(self._span / longest - SAME_PLACE))
+        self._count = max(1, math.ceil(self._span / longest - COINCIDENT))
         network = self._compile(self._length)
         ring = int(network.back.max()) + 1
         waves, tops = np.zeros((self._layers.travel.size, 2, ring, NODES)), np.zeros((len(self._layers.tops), 2))
@@ -103,17 +103,17 @@ class DelayNetwork(DelayMarch):
         rest = np.append(self._lines.tops[flow.tops_remembered], self._memory.now[PSI])
         return flow, flow.sampled(waves, self._length, rest)
 
-    def placed(self, cycle: Cycle, place: Place) -> State:
+    def state_at_start(self, cycle: Cycle, interface: InterfaceState) -> State:
         """The state, for `restore`, at the start of `cycle`, a motion of a `DelayFlow`, in steps that are at least as short."""
         saved, length = self.state(), float(cycle.pieces.length[0])
         counts, count = saved["counts"], self._count
-        while self._span / count > length / (1.0 - SAME_PLACE):
+        while self._span / count > length / (1.0 - COINCIDENT):
             count = next_count(count)
         flow, start = DelayFlow(self.scene, 1.0 / length).remeshed(cycle, length * count / self._span)
         lines = flow.lines_at(start)
         counts[:3] = count, 0.0, flow.kept
-        guess = np.stack(constant_guess(place.psi, place.z, self._stages))
-        now, origin = np.array([place.time, place.psi, place.elastic]), np.array([place.time])
+        guess = np.stack(constant_guess(interface.psi, interface.z, self._stages))
+        now, origin = np.array([interface.time, interface.psi, interface.elastic]), np.array([interface.time])
         return saved | {"counts": counts, "origin": origin, "waves": lines.waves, "tops": lines.tops, "guess": guess, "now": now}
 
     def _march(self, length: float, pieces: Pieces) -> tuple[int, int]:

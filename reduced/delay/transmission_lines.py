@@ -27,7 +27,7 @@ from slipwave.step.collocation import from_moments, radau
 NODES = 8
 """Of a step of a network."""
 
-SAME_PLACE = 1e-9
+COINCIDENT = 1e-9
 """Of a step; two places that differ by less are one."""
 
 _MOST_DIVISIONS = 64
@@ -115,10 +115,10 @@ def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
     slab would grow whenever it arrives, for some delays by a fifth.
     """
     s, basis, project, points, parts = _projection(nodes.size)
-    older = np.ceil(steps_back - SAME_PLACE).astype(np.int64)
+    older = np.ceil(steps_back - COINCIDENT).astype(np.int64)
     weights = np.zeros((older.size, 2, s, s))
     for layer, share in enumerate(np.clip(older - steps_back, 0.0, 1.0)):
-        if share < SAME_PLACE:
+        if share < COINCIDENT:
             weights[layer, 0] = np.eye(s)
             continue
         for which, (begin, length) in enumerate(((0.0, 1.0 - share), (1.0 - share, share))):

@@ -13,7 +13,7 @@ FIRST_OCTAVE, LAST_OCTAVE = -20, 10
 """Powers of two of the factors among which critical ones are sought."""
 
 _FIRST_STEP = 0.125
-_BESIDE = (1e-6, 1e-4, 1e-2)
+_OFFSETS = (1e-6, 1e-4, 1e-2)
 """Relative distances from a critical value at which roots are counted; a larger one if all of them are neutral at the smaller."""
 
 
@@ -41,7 +41,7 @@ def between(problem_at: Callable[[float], Characteristic], low: float, high: flo
 
 def is_lost(problem_at: Callable[[float], Characteristic], value: float, rising: bool = True) -> bool:
     """Whether roots begin to grow at this value of a parameter that rises, or falls: none does before it, by a count."""
-    for aside in _BESIDE:
+    for aside in _OFFSETS:
         before, after = (unstable_count(problem_at(value * (1.0 + (aside if rising else -aside) * way))) for way in (-1.0, 1.0))
         if before > 0 or after > 0:
             return before == 0

@@ -56,18 +56,18 @@ def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
 class _Trouble:
     """What went wrong with the folder in this process: told once, and after a failed write nothing more is written."""
 
-    is_told = False
+    has_warned = False
     is_writing = True
 
-    def tell(self, trouble: str, is_writing: bool = True) -> None:
+    def warn(self, trouble: str, is_writing: bool = True) -> None:
         """Print one line on stderr, the first time only."""
         self.is_writing = self.is_writing and is_writing
-        if not self.is_told:
+        if not self.has_warned:
             where = os.environ.get("NUMBA_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME") or "~/.cache"
             line = f"slipwave: the cache of compiled code in {where} {trouble}; compiling again, which may take half a minute"
             with contextlib.suppress(OSError, ValueError):
                 print(" ".join(line.split()), file=sys.stderr)
-        self.is_told = True
+        self.has_warned = True
 
 
 TROUBLE = _Trouble()
@@ -95,7 +95,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
         except FileNotFoundError:
             return None
         except (OSError, RuntimeError) as error:  # RuntimeError: there is no home folder
-            return TROUBLE.tell(f"cannot be read ({error})")
+            return TROUBLE.warn(f"cannot be read ({error})")
         if path is None or packed is None:
             return None
         try:
@@ -104,7 +104,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
         except Exception as error:  # a damaged file may raise anything; it is compiled again
             with contextlib.suppress(OSError):
                 path.unlink()
-            return TROUBLE.tell(f"holds a damaged file, which is replaced ({path.name}: {error})")
+            return TROUBLE.warn(f"holds a damaged file, which is replaced ({path.name}: {error})")
         with contextlib.suppress(OSError):
             os.utime(path)
         return compiled
@@ -118,7 +118,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
             if path and not (data.lifted or data.library.has_dynamic_globals):
                 _write(path, dumps((sig, data._reduce())))
         except Exception as error:  # neither a full disk nor a new numba with other internals may end a run
-            TROUBLE.tell(f"cannot be written ({error})", is_writing=False)
+            TROUBLE.warn(f"cannot be written ({error})", is_writing=False)
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
         """File for the code of `sig`; None if it depends on what cannot be known, or on a file edited since the process began."""

@@ -16,7 +16,7 @@ def complaint(failure: ValidationError) -> str:
     """The line for the first faulty key: its dotted name, its value and what is allowed there."""
     fault = min(failure.errors(include_url=False), key=_rank)
     at = _located(fault["loc"])
-    key, value = key_text(at.place), shorten(fault["input"])
+    key, value = key_text(at.path), shorten(fault["input"])
     match fault["type"]:
         case "extra_forbidden" | "invalid_key":
             return f"{key} = {value}: unknown key; {_suggestion(at)}"
@@ -41,7 +41,7 @@ class _Located(NamedTuple):
     """The key at fault as the user wrote it, the table whose key it is, which of its `kinds` the table is if there are several,
     and the tables that the key itself may hold, by kind."""
 
-    place: list[str | int]
+    path: list[str | int]
     table: type[BaseModel]
     kind: str
     kinds: dict[str, type[KeyTable]]
@@ -54,28 +54,28 @@ def _located(loc: tuple[str | int, ...]) -> _Located:
     for part in loc:
         if len(found.below) > 1 and part in found.below:
             kind = str(part)
-            found = _Located(found.place, found.below[kind], kind, found.below, {})
+            found = _Located(found.path, found.below[kind], kind, found.below, {})
             continue
         if isinstance(part, str) and len(found.below) == 1:
             (table,) = found.below.values()
-            found = _Located(found.place, table, "", {}, {})
+            found = _Located(found.path, table, "", {}, {})
         field = found.table.model_fields.get(str(part))
         below = found.below if isinstance(part, int) else tables_in(field.annotation) if field else {}
-        found = found._replace(place=[*found.place, part], below=below)
+        found = found._replace(path=[*found.path, part], below=below)
     return found
 
 
 def _logarithm(at: _Located, value: Any) -> str:
     """Names the key of the logarithm if a number that is not positive may be one."""
-    name = f"log10_{at.place[-1]}"
+    name = f"log10_{at.path[-1]}"
     negative = isinstance(value, int | float) and value <= 0.0
-    return f"; its logarithm is {key_text([*at.place[:-1], name])}" if name in at.table.model_fields and negative else ""
+    return f"; its logarithm is {key_text([*at.path[:-1], name])}" if name in at.table.model_fields and negative else ""
 
 
 def _suggestion(at: _Located) -> str:
     """Names the known key nearest to an unknown one, in another table or in its own; if none is near, lists the table's keys."""
-    word, known = str(at.place[-1]), at.table.model_fields
-    owner = next((part for part in reversed(at.place[:-1]) if isinstance(part, str)), "")
+    word, known = str(at.path[-1]), at.table.model_fields
+    owner = next((part for part in reversed(at.path[:-1]) if isinstance(part, str)), "")
     others = {
         key: next(iter(tables_in(SceneTable.model_fields[key].annotation).values())) for key in ("slab", "drive", "start", "run")
     }
@@ -99,9 +99,9 @@ def _wanted(fault: ErrorDetails, at: _Located) -> str:
         expected = str(fault["ctx"]["expected"])
         guess = nearest(fault["input"], re.findall(r"'([^']*)'", expected)) if isinstance(fault["input"], str) else None
         return f"must be {expected}" + (f'; did you mean "{guess}"?' if guess else "")
-    allowed = next(allowed_in(at.table.model_fields.get(str(at.place[-1]))), None)
+    allowed = next(allowed_in(at.table.model_fields.get(str(at.path[-1]))), None)
     if allowed:
         return f"must be {allowed}"
     if fault["type"] in ("model_type", "dict_type", "model_attributes_type", "missing"):
-        return f"must be a table, [{key_text(at.place)}]"
+        return f"must be a table, [{key_text(at.path)}]"
     return f"must be valid: {fault['msg'].lower()}"

@@ -27,16 +27,16 @@ _FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 START, LEVEL, RISING, FRONT, KEPT = 0, 1, 2, 3, 4
 SLOTS = 5
 _TIME, _LENGTH, _LOWEST = 0, 1, 2  # columns of a piece that is kept, before its values of z
-HEAD = 3
-_FIRST_ROOM, MOST_ROOM = 256, 1 << 16  # pieces; of a longer rise from half to full height only every other piece is kept
+FIRST_NODE = 3
+_FIRST_SIZE, MOST_KEPT = 256, 1 << 16  # pieces; of a longer rise from half to full height only every other piece is kept
 
 
-def room_for_rise(nodes: int, kept: Array | None = None, more: int = _FIRST_ROOM) -> Array:
-    """Room for `more` pieces of `nodes` nodes each, besides those `kept` so far; at most MOST_ROOM."""
-    kept = np.empty((0, HEAD + nodes)) if kept is None else kept
-    room = np.zeros((min(2 * (len(kept) + more), MOST_ROOM), HEAD + nodes))
-    room[: len(kept)] = kept
-    return room
+def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) -> Array:
+    """Room for `more` pieces of `nodes` nodes each, besides those `kept` so far; at most MOST_KEPT."""
+    kept = np.empty((0, FIRST_NODE + nodes)) if kept is None else kept
+    buffer = np.zeros((min(2 * (len(kept) + more), MOST_KEPT), FIRST_NODE + nodes))
+    buffer[: len(kept)] = kept
+    return buffer
 
 
 class Detector(NamedTuple):
@@ -59,7 +59,7 @@ class Detector(NamedTuple):
 def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
     """A detector before the first piece, with room for so many `swings`."""
     n = basis.nodes.size
-    memory = np.zeros(COLUMNS), np.zeros(SLOTS), room_for_rise(n), np.full(1, np.nan), np.empty((2, n))
+    memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((2, n))
     return Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
 
 
@@ -150,9 +150,9 @@ def _date(found: Detector) -> None:
         return
     n, last, node, date = basis.nodes.size, int(memory[KEPT]) - 1, 0, memory[START]
     for j in range(1, n):
-        if kept[last, HEAD + j] > kept[last, HEAD + node]:
+        if kept[last, FIRST_NODE + j] > kept[last, FIRST_NODE + node]:
             node = j
-    level = min(memory[LEVEL], kept[last, HEAD + node])
+    level = min(memory[LEVEL], kept[last, FIRST_NODE + node])
     for piece in range(last, int(memory[FRONT]) - 1, -1):
         point = _passage(basis, kept[piece], level, node if piece == last else n)
         if point >= 0.0:
@@ -207,7 +207,7 @@ def _follow_rise(pieces: Pieces, k: int, raised: bool, found: Detector) -> None:
 def _passage(basis: Basis, piece: Array, level: float, node: int) -> float:
     """Point of a kept piece at which z last passed `level` upwards before `node`; 1 if it did in a jump at the end of the piece,
     -1 if z was above `level` all the time."""
-    z = piece[HEAD:]
+    z = piece[FIRST_NODE:]
     if node == z.size and z[node - 1] < level:
         return 1.0
     if piece[_LOWEST] < level:
@@ -232,6 +232,6 @@ def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> i
     kept[end, _LENGTH] = length
     kept[end, _LOWEST] = bounds(z)[0]
     for j in range(z.size):
-        kept[end, HEAD + j] = z[j]
+        kept[end, FIRST_NODE + j] = z[j]
     memory[KEPT] = end + 1
     return end

@@ -19,13 +19,13 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.friction import rate_of, respond, unknown_of
-from slipwave.observe.detector import KEPT, MOST_ROOM, new_detector, room_for_rise, scan
+from slipwave.observe.detector import KEPT, MOST_KEPT, new_detector, rise_buffer, scan
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, RECORDS, JudgedSwings, judge_swings
 from slipwave.scene import Scene
 
 _QUIET_RATE, _QUIET_STRESS = 1e-9, 1e-13  # relative; what the floor is made of
-_FIRST_ROOM = 256
+_FIRST_SIZE = 256
 
 
 class Events(NamedTuple):
@@ -56,13 +56,13 @@ class EventObserver:
     def __init__(self, scene: Scene, nodes: Array, floor: float = 0.0) -> None:
         by_rate = abs(respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3])
         floor = max(floor, _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress))
-        self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_ROOM + nodes.size)
+        self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_SIZE + nodes.size)
         self._judged: dict[float, JudgedSwings] = {}
         self.scan(empty_pieces(0, nodes.size))  # loads the detector outside timed runs
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        self._make_room(pieces.time.size)
+        self._extend_buffer(pieces.time.size)
         self._judged.clear()
         done = scan(pieces, 0, self._found)
         while done < pieces.time.size:
@@ -70,11 +70,11 @@ class EventObserver:
             self._found = self._found._replace(swings=np.concatenate((swings, np.empty_like(swings))))
             done = scan(pieces, done, self._found)
 
-    def _make_room(self, more: int) -> None:
+    def _extend_buffer(self, more: int) -> None:
         """Make room for a rise that lasts through all of the next `more` pieces."""
         used, kept = int(self._found.rise[KEPT]), self._found.kept
-        if used + more > len(kept) and len(kept) < MOST_ROOM:
-            self._found = self._found._replace(kept=room_for_rise(self._found.basis.nodes.size, kept[:used], more))
+        if used + more > len(kept) and len(kept) < MOST_KEPT:
+            self._found = self._found._replace(kept=rise_buffer(self._found.basis.nodes.size, kept[:used], more))
 
     def dates(self, after: float = -np.inf) -> Array:
         """Dates (transits) of the slip events from `after` on, in the window from there to now; shape (events,)."""
@@ -124,5 +124,5 @@ class EventObserver:
         n, at = found.basis.nodes.size, found.running.size
         found.running[:], found.rise[:], found.last[:] = np.split(state["memory"], [at, at + found.rise.size])
         found.filled[0] = len(swings)
-        swings = np.concatenate((swings, np.empty((_FIRST_ROOM + n, COLUMNS))))
-        self._found = found._replace(kept=room_for_rise(n, state["rise"]), swings=swings)
+        swings = np.concatenate((swings, np.empty((_FIRST_SIZE + n, COLUMNS))))
+        self._found = found._replace(kept=rise_buffer(n, state["rise"]), swings=swings)

@@ -25,7 +25,7 @@ class Cycle(NamedTuple):
     iterations: int
 
 
-class Place(NamedTuple):
+class InterfaceState(NamedTuple):
     """The interface where a run is to begin in the middle of a motion that is known: `time` (transits), the rate unknown `z`,
     `psi`, and the elastic stress."""
 

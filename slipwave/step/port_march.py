@@ -9,7 +9,7 @@ from slipwave.friction import rate_of, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import growth_limit, rule_of
-from slipwave.step.flow import Cycle, Place
+from slipwave.step.flow import Cycle, InterfaceState
 from slipwave.step.march import ANY_LENGTH, END, NEXT, NOT_READY, TOO_LONG, Memory, Stretch, begin, march, resolution_of
 from slipwave.step.nodal import PSI, TIME, Interface, Limits, Physics, nodal_of
 from slipwave.step.port import LEVELS, Levels, Slabs, padded
@@ -121,13 +121,13 @@ class PortMarch:
         # of slabs of its own, because it makes tables of many lengths
         return flow_near(self.slabs.of(self.slabs.scene), state, period, tolerance, self._longest), state
 
-    def placed(self, cycle: Cycle, place: Place) -> State:
+    def state_at_start(self, cycle: Cycle, interface: InterfaceState) -> State:
         """The state, for `restore`, at the start of `cycle`, a motion of a flow of these slabs; no step lies before it."""
         saved = self.state()
-        memory = begin(place.psi, place.elastic, place.z, self.nodes.size)
-        memory.now[TIME] = place.time
+        memory = begin(interface.psi, interface.elastic, interface.z, self.nodes.size)
+        memory.now[TIME] = interface.time
         counts = np.array([saved["counts"][0], -1.0, self.iterations])
-        stretch, values = np.array([place.time]), cycle.start[:-1].copy()
+        stretch, values = np.array([interface.time]), cycle.start[:-1].copy()
         return saved | {
             "counts": counts,
             "stretch": stretch,

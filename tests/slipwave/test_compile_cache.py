@@ -31,7 +31,7 @@ for _ in range(2):
 def folder(tmp_path, monkeypatch):
     """An empty cache in a process that has not complained yet."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(compile_cache.TROUBLE, "is_told", False)
+    monkeypatch.setattr(compile_cache.TROUBLE, "has_warned", False)
     monkeypatch.setattr(compile_cache.TROUBLE, "is_writing", True)
     return tmp_path
 

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from slipwave.compiled import inlined, njit
-from slipwave.sources import ROOT, SOLVER_ROOMS
+from slipwave.sources import ROOT, SOLVER_PACKAGES
 from tests.test_shape import FUNCTIONS, TREES
 
 PROGRAM = """
@@ -99,7 +99,7 @@ def test_processes_that_fill_one_cache_at_once_never_swap_code(tmp_path):
 def tree(tmp_path_factory):
     """A copy of the solver rooms with the probes in it, its cache warm."""
     folder = tmp_path_factory.mktemp("tree")
-    for room in SOLVER_ROOMS:
+    for room in SOLVER_PACKAGES:
         shutil.copytree(ROOT / room, folder / room, ignore=shutil.ignore_patterns("__pycache__"))
     for name, text in PROBES.items():
         (folder / "slipwave" / f"{name}.py").write_text(text)

@@ -18,10 +18,10 @@ from validation.report.build import make_report
 from validation.report.figures import of_paper_in
 from validation.report.store import Stored
 from validation.study import Evidence, Figure, Outcome, StudyResult, Verdict
+from validation.study.description import description_of, meetings, title_of
 from validation.study.drawing import canvas, styled
 from validation.study.drawn import MOST, curves_csv, drawn, plain_label, read_curves, redraw, staying, thin_out
 from validation.study.render import render
-from validation.study.told import description_of, meetings, title_of
 from validation.study.vector import DARK_PAPER, PAPER, by_night, colors_of, contrast, corners, legible, rounded_path
 
 X = np.linspace(0.0, 4.0, 9001)

@@ -15,10 +15,10 @@ from validation.studies.bias.measured import (
     MODELS,
     QUANTITIES,
     SWINGS,
-    AtlasPlace,
-    atlas_places,
+    AtlasPoint,
+    atlas_points,
     kappa_of,
-    scene_of_place,
+    scene_of_point,
     stand_in,
 )
 from validation.study import Outcome
@@ -27,7 +27,7 @@ from validation.study import Outcome
 @pytest.mark.parametrize("mass", MACHINES)
 def test_a_place_has_its_swing_its_stiffness_and_its_mass(mass: float | None) -> None:
     """The slowest swing: K - m w^2 = rho c w tan(w h/c); without a machine w h/c = pi/2."""
-    scene = scene_of_place(AtlasPlace(0.3, 5.0, mass))
+    scene = scene_of_point(AtlasPoint(0.3, 5.0, mass))
     slab = (scene.tables or {})["slab"]
     speed, rate = math.sqrt(slab["shear_modulus"] / slab["density"]), 2.0 * math.pi / 0.3
     angle = rate * slab["thickness"] / speed
@@ -47,7 +47,7 @@ def test_a_place_has_its_swing_its_stiffness_and_its_mass(mass: float | None) ->
 def made(error: float, half: float) -> Atlas:
     """Fits whose errors of a, b and L are `error` times the swing; the heavier machine's are half as large, and that of the last
     place with it is not there."""
-    columns, every = {}, atlas_places()
+    columns, every = {}, atlas_points()
     for model in MODELS:
         for quantity in QUANTITIES:
             values = np.array([error * place.swing * (0.5 if place.mass == MACHINES[2] else 1.0) for place in every])
@@ -66,7 +66,7 @@ def test_the_rule_lies_where_the_largest_error_is_one_per_cent() -> None:
     assert atlas.rule("block8") == pytest.approx(ALLOWED / 0.2)
     assert made(20.0, 1.0).rule("block8") == SWINGS[0]
     assert atlas.excluded("block8").any(axis=2).tolist()[0] == (0.2 * SWINGS > 0.03).tolist()
-    assert atlas.fits == len(MODELS) * (len(atlas_places()) - 1)
+    assert atlas.fits == len(MODELS) * (len(atlas_points()) - 1)
     assert np.isinf(atlas.worst("block8", False)[-1, -1, -1])
 
 

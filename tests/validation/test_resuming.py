@@ -130,9 +130,9 @@ def stopped(words, at, folder, until):
 
 def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path):
     words = ["run", "paper", "--model", "delay", "--until", "40000", "--json", "--out", "x.nc"]
-    out, time, way_on = stopped(words, 2000.0, tmp_path, "40000")
+    out, time, how_to_resume = stopped(words, 2000.0, tmp_path, "40000")
     assert 2000.0 <= time < 4000.0
-    assert way_on.startswith("no checkpoint was kept") and "--checkpoint FILE.npz" in way_on  # noqa: PT018
+    assert how_to_resume.startswith("no checkpoint was kept") and "--checkpoint FILE.npz" in how_to_resume  # noqa: PT018
     result = json.loads(out)
     assert result["failed"] == f"interrupted at t = {time:.6g} of 40000 transits"
     assert result["period"]["mean"] == pytest.approx(73.472, rel=2e-3)
@@ -143,15 +143,15 @@ def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path):
 
 def test_a_run_with_checkpoints_names_the_last_one(tmp_path):
     words = ["run", "paper", "--model", "fd", "--cells", "16", "--until", "4000", "--checkpoint", "run.npz"]
-    _, time, way_on = stopped([*words, "--checkpoint-every", "50"], 220.0, tmp_path, "4000")
-    found = re.fullmatch(r"'run.npz' holds the run up to t = (\S+): the same command goes on from there", way_on)
+    _, time, how_to_resume = stopped([*words, "--checkpoint-every", "50"], 220.0, tmp_path, "4000")
+    found = re.fullmatch(r"'run.npz' holds the run up to t = (\S+): the same command goes on from there", how_to_resume)
     assert 200.0 <= float(found[1]) < 201.0 < 220.0 <= time <= 251.0
 
 
 def test_a_comparison_shows_the_models_it_has(tmp_path):
     words = ["compare", "paper", "--models", "delay,block8", "--until", "400", "--json", "--out", "x.png"]
-    out, _, way_on = stopped(words, 100.0, tmp_path, "400")
-    assert (way_on, [row["model"] for row in json.loads(out)["models"]]) == ("model delay", ["delay"])
+    out, _, how_to_resume = stopped(words, 100.0, tmp_path, "400")
+    assert (how_to_resume, [row["model"] for row in json.loads(out)["models"]]) == ("model delay", ["delay"])
     assert (tmp_path / "x.png").exists()
 
 

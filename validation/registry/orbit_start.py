@@ -19,7 +19,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow, tables
 from slipwave.solve.follow import require_time
-from slipwave.step.flow import Place
+from slipwave.step.flow import InterfaceState
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
 from validation.registry.families import family_of
 from validation.registry.orbits import find_orbit, has_flow
@@ -167,8 +167,8 @@ def state_on(solver: Any, closed: Closed) -> State:
     cycle = closed.cycle
     times = np.linspace(0.0, cycle.period, _SAMPLES, endpoint=False)
     z, _, mu, y = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), times)
-    place = Place(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
-    state: State = solver.placed(cycle, place)
+    place = InterfaceState(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
+    state: State = solver.state_at_start(cycle, place)
     return state
 
 

@@ -34,7 +34,7 @@ _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "b
 
 @dataclass(frozen=True)
 class Picture:
-    """A stored figure of a study: its caption, what it shows in words (`validation.study.told`), the labels, scales and limits of
+    """A stored figure of a study: its caption, what it shows in words (`study.description`), the labels, scales and limits of
     its panels, and its files."""
 
     study: str

@@ -16,7 +16,7 @@ from validation.results.options import RunsOptions
 from validation.run.length import Length, Until, length_of
 from validation.run.progress import progress
 from validation.run.simulate import Run, simulate
-from validation.study.drawing import Drawing, pen, styled, subplots
+from validation.study.drawing import Drawing, style_of, styled, subplots
 from validation.timing import Setting, solver_of, warm_up
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
@@ -72,7 +72,7 @@ class BenchResult(Comparison):
                 rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
                 if rows:
                     pairs = [row["wall_s"] for row in rows], [row["error"]["period"] for row in rows]
-                    look = pen(model)
+                    look = style_of(model)
                     axes.plot(*pairs, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
             axes.set_title(f"{self.scene.name}: run time against error")
             if axes.get_lines():

@@ -17,12 +17,12 @@ from validation.measure.cycle import CycleObserver, OneCycle
 from validation.output import FIGURES, aligned, rounded
 from validation.registry.build import build_all
 from validation.registry.families import one_port_of
-from validation.results.beside_data import data_lines, distances_from_data, draw_beside_data, facts_of_data
 from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
 from validation.results.figures import second_axis
 from validation.results.options import NumericalOptions, RecordOptions, RunsOptions, log, option
 from validation.results.result import Output, finite
+from validation.results.with_data import data_lines, distances_from_data, draw_with_data, facts_of_data
 from validation.run.length import Until, length_of, second_half
 from validation.run.simulate import Run, reconsidered, simulate
 from validation.study.drawing import Drawing, canvas, styled
@@ -115,14 +115,14 @@ class CompareResult(Comparison):
             yield from data_lines(summary, self.scene)
 
     def plot(self) -> Drawing:
-        """Stress and slip rate over one cycle, aligned on the date of the slip event, one pen per model, the reference dashed on
-        top; a motion without cycles appears in the legend only. Beside a record: its cycles and residuals."""
+        """Stress and slip rate over one cycle, aligned on the date of the slip event, one style per model, the reference dashed
+        on top; a motion without cycles appears in the legend only. Beside a record: its cycles and residuals."""
         with styled():
             if self.motion is None:
                 return self._drawn()
             pairs = zip(self.runs, self.cycles, strict=True)
             shown = [(run.solver.model, cycle if run.verdict and run.verdict.repeats else None) for run, cycle in pairs]
-            return draw_beside_data(self.motion, shown, self.scene)
+            return draw_with_data(self.motion, shown, self.scene)
 
     def _drawn(self) -> Drawing:
         sheet = canvas(9.0, 6.0)

@@ -32,7 +32,7 @@ from validation.results.wording import (
     statistics_rows,
 )
 from validation.run.length import needed
-from validation.run.recording import FIELD_FILES, Records, way_on
+from validation.run.recording import FIELD_FILES, Records, how_to_resume
 from validation.run.simulate import Run
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ class RunResult(Result):
 
     def to_go_on(self, options: Any) -> str:
         """From its checkpoint."""
-        return way_on(options.checkpoint)
+        return how_to_resume(options.checkpoint)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy ledger."""

@@ -188,7 +188,7 @@ def time_between(path: Path | None, every: float | str | None, scene: Scene) -> 
     return found
 
 
-def way_on(path: Path | None) -> str:
+def how_to_resume(path: Path | None) -> str:
     """How an interrupted run can be continued, for a message; `path` is where it was to keep checkpoints."""
     if path is None:
         return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"

@@ -20,7 +20,7 @@ from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues
 from validation.references.published import half_digit, reference
 from validation.registry.build import build
 from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, memo, stated, table
-from validation.study.drawing import Drawing, pen, subplots
+from validation.study.drawing import Drawing, style_of, subplots
 from validation.study.known import PeriodRanges, as_known, as_printed, order_of_periods, range_of_r
 from validation.study.text import minus
 from validation.study.verdict import ASYMPTOTIC, EXACT, PAPER, WITNESS, at_least, claim, holding, in_range, of_paper
@@ -175,8 +175,8 @@ def irregular(deep: dict[str, Deep]) -> Drawing:
     """Stress over time, one panel per model."""
     figure, grid = subplots(3.6, len(deep), 1, "time (transits)", r"$\mu$", sharex=True, sharey=True)
     for axes, (model, run) in zip(grid, deep.items(), strict=True):
-        axes.plot(run.time, run.stress, color=pen(model).color, linewidth=0.7)
-        axes.set_title(pen(model).label, fontsize=11)
+        axes.plot(run.time, run.stress, color=style_of(model).color, linewidth=0.7)
+        axes.set_title(style_of(model).label, fontsize=11)
         axes.set_xlim(run.time[0], run.time[-1])
     return figure
 
@@ -186,10 +186,10 @@ def _slip_planes(deep: dict[str, Deep]) -> Drawing:
     shown = {model: run for model, run in deep.items() if model in ("delay", "kelvin-voigt")}
     figure, panels = subplots(3.4, 1, len(shown), "$v/V^*$", sharex=True, sharey=True)
     for axes, (model, run) in zip(panels, shown.items(), strict=True):
-        axes.semilogx(run.slip_rate, run.stress, color=pen(model).color, linewidth=0.5, label=pen(model).label)
+        axes.semilogx(run.slip_rate, run.stress, color=style_of(model).color, linewidth=0.5, label=style_of(model).label)
         rate = np.geomspace(run.slip_rate.min(), run.slip_rate.max(), 50)
         axes.semilogx(rate, law.a_star + (law.a - law.b) * np.log(rate), color="#d55e00", linestyle="--", label="steady sliding")
-        axes.set(title=pen(model).label, ylabel=r"$\mu$")
+        axes.set(title=style_of(model).label, ylabel=r"$\mu$")
     axes.legend()
     return figure
 
@@ -199,7 +199,7 @@ def returns(deep: dict[str, Deep]) -> Drawing:
     figure, panels = subplots(3.6, 1, 2)
     for axes, name, symbol in zip(panels, ("period", "stress_drop"), ("$T$ (transits)", r"$\Delta\mu$"), strict=True):
         for model, run in deep.items():
-            values, look = getattr(run.events, name), pen(model)
+            values, look = getattr(run.events, name), style_of(model)
             axes.plot(values[:-1], values[1:], look.marker, color=look.color, markersize=3.0, linestyle="none", label=look.label)
         axes.set(xlabel=f"{symbol} of one cycle", ylabel="of the next")
         axes.grid(True)

@@ -11,7 +11,7 @@ from validation.references.onset import onset_of
 from validation.references.published import reference, reference_orbit
 from validation.registry.build import build
 from validation.study import WITNESS, Budget, Figure, Omission, StudyResult, Table, Verdict, claim, table
-from validation.study.drawing import Drawing, pen, ruled, subplots
+from validation.study.drawing import Drawing, ruled, style_of, subplots
 from validation.study.known import as_known
 from validation.study.text import places, plain, power, run_time
 from validation.timing import Setting, TimedRun, time_final, time_run
@@ -214,8 +214,8 @@ def _work_precision(points: list[TimedRun]) -> Drawing:
     for point in points:
         lines.setdefault((point.setting.model, point.setting.cfl, point.setting.time), []).append(point)
     for (model, cfl, time), chosen in lines.items():
-        style = pen(model)
-        if model == _ELEMENTS:  # its own pen is as black and round as the delay system's
+        style = style_of(model)
+        if model == _ELEMENTS:  # its own plot style is as black and round as the delay system's
             style = style._replace(color="#a6761d", marker="P")
         half = (cfl is not None and cfl < 1.0) or time == "explicit"
         axes.loglog(

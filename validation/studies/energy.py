@@ -13,7 +13,7 @@ from validation.measure.order_fit import Fit, fit_order
 from validation.registry.build import build_full_wave
 from validation.registry.families import explicit_time
 from validation.study import EXACT, Budget, Cell, Figure, StudyResult, Table, Verdict, claim, stated, table
-from validation.study.drawing import Drawing, grid_pens, subplots
+from validation.study.drawing import Drawing, grid_styles, subplots
 from validation.study.known import of_order
 from validation.study.text import plain
 
@@ -188,7 +188,7 @@ def histories(shown: Mapping[str, EnergyRun]) -> Drawing:
 def closure(residuals: Mapping[str, Array]) -> Drawing:
     """Residuals over cells per slab, a line for each family."""
     figure, axes = subplots(3.6, 1, 1, "cells per slab", "residual")
-    for model, look in grid_pens(residuals).items():
+    for model, look in grid_styles(residuals).items():
         shown = np.maximum(residuals[model], _FLOOR)
         axes.loglog(LADDERS[model], shown, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
     axes.grid(True)

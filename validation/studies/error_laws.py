@@ -27,7 +27,7 @@ from validation.study import (
     table,
 )
 from validation.study.compared import against
-from validation.study.drawing import Drawing, pen, subplots
+from validation.study.drawing import Drawing, style_of, subplots
 from validation.study.text import plain
 
 NAME = "error-laws"
@@ -219,13 +219,13 @@ def fall(onsets: Onsets, cycles: list[CycleErrors]) -> Drawing:
     """Log-log errors: onset, left, and period of the cycle, right, over theta = r omega_c."""
     figure, (left, right) = subplots(3.9, 1, 2, r"$\theta=r\,\omega_c$ (radians per transit)", "relative error", sharey=True)
     for model, onset in onsets.items():
-        style = pen(model)
+        style = style_of(model)
         line = np.abs([onset.law.at(float(theta)) for theta in onset.theta])
         left.loglog(onset.theta, line, color=style.color, linewidth=0.8)
         left.loglog(onset.theta, np.abs(onset.error), style.marker, color=style.color, markersize=4.5, label=style.label)
     theta = [cycle.theta for cycle in cycles]
     for model in cycles[0].errors:
-        style = pen(model)
+        style = style_of(model)
         errors = np.abs([cycle.errors[model] for cycle in cycles])
         right.loglog(theta, errors, style.marker, color=style.color, linestyle=style.dashes, linewidth=1.0, markersize=5)
     left.set(ylim=(1e-12, 2.0), title="onset: critical $r$")

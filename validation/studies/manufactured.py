@@ -11,7 +11,7 @@ from validation.measure.order_fit import Fit, fit_order, shortfall
 from validation.registry.build import build
 from validation.registry.families import grid_of
 from validation.study import EXACT, Budget, Figure, Number, StudyResult, Verdict, claim
-from validation.study.drawing import Drawing, pen, subplots
+from validation.study.drawing import Drawing, style_of, subplots
 from validation.study.known import of_order
 from validation.study.text import plain
 
@@ -132,7 +132,7 @@ def _draw_errors(ladders: list[Ladder]) -> Drawing:
     figure, panels = subplots(3.6, 1, len(pairs), "cells per slab", "error", sharey=True)
     panels = np.ravel(panels)
     for ladder in ladders:
-        axes, own = panels[pairs.index(ladder.pair)], pen(ladder.model)
+        axes, own = panels[pairs.index(ladder.pair)], style_of(ladder.model)
         marker = _MARKERS[int(ladder.model.partition(":")[2] or 0)]
         cells = np.array(GRIDS[ladder.model][0], dtype=float)
         axes.loglog(cells, ladder.errors, linestyle="none", marker=marker, color=own.color, label=ladder.model)

@@ -18,7 +18,7 @@ from validation.measure.settle import SYMBOLS, WINDOW, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.registry.orbits import moving
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, memo, stated, table
-from validation.study.drawing import WIDTH, Drawing, canvas, key, line, pen, subplots
+from validation.study.drawing import WIDTH, Drawing, canvas, key, line, style_of, subplots
 from validation.study.over_r import begun_at, scene_at
 from validation.study.text import minus, places, plain
 from validation.study.verdict import WITNESS, Verdict, claim
@@ -187,7 +187,7 @@ def overlay(cycles: Mapping[str, OneCycle]) -> Drawing:
     """Stress and slip rate over the cycle, left, and in the slow phase, right."""
     figure, grid = subplots(5.2, 2, 2, _SINCE, sharex="col", width_ratios=(1.9, 1.0))
     for model in _SHOWN:
-        cycle, style = cycles[model], pen(model)
+        cycle, style = cycles[model], style_of(model)
         for row, values in zip(grid, (cycle.stress, cycle.slip_rate), strict=True):
             for axes, share in zip(row, (0.6, 1.0), strict=True):
                 axes.plot(cycle.time, values, **line(model, linewidth=share * style.width))
@@ -200,7 +200,7 @@ def overlay(cycles: Mapping[str, OneCycle]) -> Drawing:
         axes.set_xlim(-4.0, 82.0)
     _zoom(grid[:, 1], cycles["delay"])
     handles = grid[0, 1].get_lines()
-    figure.legend(handles, [pen(model).label for model in _SHOWN], loc="outside upper left", ncols=3, handlelength=3.2)
+    figure.legend(handles, [style_of(model).label for model in _SHOWN], loc="outside upper left", ncols=3, handlelength=3.2)
     return figure
 
 
@@ -223,8 +223,8 @@ def panels(cycles: Mapping[str, OneCycle], errors: Mapping[str, float]) -> Drawi
     exact = cycles["delay"]
     figure, grid = subplots(5.2, (len(_PANELS) + 1) // 2, 2, _SINCE, r"$\mu$", sharex=True, sharey=True)
     for axes, model in zip(grid.flat, _PANELS, strict=True):
-        cycle, style = cycles[model], pen(model)
-        axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4, label=pen("delay").label)
+        cycle, style = cycles[model], style_of(model)
+        axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4, label=style_of("delay").label)
         axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0, label=style.label)
         axes.set_title(f"{style.label}: {_signed(errors[model])}", fontsize=11)
     return figure
@@ -273,7 +273,7 @@ def _cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
     figure, grid = subplots(2.4 * rows + 0.6, rows, 2, _SINCE, r"$y$ above its least", sharex=True, sharey=True)
     for axes, (log10_r, models) in zip(grid.flat, places.items(), strict=True):
         for model, one in models.items():
-            style, share = pen(model), 1.0 if one.cycles == 0 else 0.5
+            style, share = style_of(model), 1.0 if one.cycles == 0 else 0.5
             for cycle in one.drawn:
                 height = cycle.elastic_stress - cycle.elastic_stress.min()
                 axes.plot(cycle.time, height, **line(model, linewidth=share * style.width))

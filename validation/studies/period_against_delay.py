@@ -11,7 +11,7 @@ from validation.references.onset import onset_of
 from validation.references.published import reference
 from validation.study import Budget, Cell, Figure, Number, StudyResult, Table, memo, stated, table
 from validation.study.branch_drawing import draw_branch, special_keys
-from validation.study.drawing import Drawing, key, line, pen, ruled, subplots
+from validation.study.drawing import Drawing, key, line, ruled, style_of, subplots
 from validation.study.known import PeriodRanges, order_of_periods
 from validation.study.over_r import FAR, Branch, branch_of, numbered_period, scene_at
 from validation.study.text import minus
@@ -182,7 +182,7 @@ def _periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: 
     for model, branch in branches.items():
         draw_branch(left, model, branch.corners, "period")
     for model in MASSES:
-        look, law = pen(model), _LAW | {"linestyle": pen(model).dashes}
+        look, law = style_of(model), _LAW | {"linestyle": style_of(model).dashes}
         x, y = [one.log10_r for one in listed], [one.orbits[model][0] for one in listed]
         left.plot(x, y, **line(model))
         right.plot(*zip(*ratios[model].items(), strict=True), look.marker, color=look.color, linestyle=look.dashes)
@@ -191,7 +191,7 @@ def _periods_over_r(branches: dict[str, Branch], listed: list[Periods], ratios: 
     for model in WAVES:
         at, means = zip(*((one.log10_r, one.means[model].period) for one in listed if model in one.means), strict=True)
         values, bars = [mean.value for mean in means], [2.0 * mean.error for mean in means]
-        left.errorbar(at, values, bars, color=pen(model).color, **_MEAN)
+        left.errorbar(at, values, bars, color=style_of(model).color, **_MEAN)
     paper = reference()["paper"]
     left.plot([-2.68, -2.68], [paper["T_ode"], paper["T_dde"]], **_PAPER)
     left.set(yscale="log", ylim=(_LOWEST, _HIGHEST))

@@ -15,7 +15,7 @@ from validation.branches.points import CurvePoint, StopAt
 from validation.references.onset import onset_of
 from validation.references.published import reference
 from validation.study import EXACT, PAPER, WITNESS, Budget, Figure, StudyResult, Table, Verdict, claim, in_range, stated, table
-from validation.study.drawing import WIDTH, Drawing, canvas, pen
+from validation.study.drawing import WIDTH, Drawing, canvas, style_of
 from validation.study.known import JUST_BELOW
 from validation.study.over_r import scene_at
 from validation.study.text import plain
@@ -152,7 +152,7 @@ def _diagram(found: dict[Key, list[CurvePoint]]) -> Drawing:
     near, period, *others = np.atleast_1d(figure.subplots(1, 3 if far else 2)).tolist()
     for (model, kind), points in found.items():
         label, dashes = _KINDS[kind]
-        look = {"color": pen(model).color, "linestyle": dashes, "label": f"{label}, {pen(model).label}"}
+        look = {"color": style_of(model).color, "linestyle": dashes, "label": f"{label}, {style_of(model).label}"}
         velocity = [10.0**point.second for point in points]
         if kind == "LP":
             near.plot(velocity, [-100.0 * _below(model, point) for point in points], **look)

@@ -18,7 +18,7 @@ from reduced.stability.spectrum import follow_root, unstable_count
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.study import Budget, Figure, Number, StudyResult, Table, table
-from validation.study.drawing import WIDTH, Drawing, canvas, line, pen, subplots
+from validation.study.drawing import WIDTH, Drawing, canvas, line, style_of, subplots
 from validation.study.text import plain
 from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding, of_paper
 
@@ -196,7 +196,7 @@ def _critical_curves(velocity: Array, delay: Array, kelvin_voigt: Array) -> Draw
     for model, values in (("delay", delay), ("kelvin-voigt", kelvin_voigt)):
         left.loglog(velocity, values, **line(model, linestyle="-" if model == "delay" else (0, (5, 2))))
     left.legend()
-    right.loglog(velocity, np.abs(kelvin_voigt / delay - 1.0), color=pen("kelvin-voigt").color)
+    right.loglog(velocity, np.abs(kelvin_voigt / delay - 1.0), color=style_of("kelvin-voigt").color)
     right.set_ylabel("relative error of $r_c$")
     right.axhline(0.1, color="#b5b5b0", linewidth=0.8, linestyle=(0, (2, 2)))
     right.text(1.3, 0.12, "10 %", color="#6b6b66")
@@ -208,7 +208,7 @@ def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: Fricti
     figure, axes = subplots(4.0, 1, 1, "$r$", r"$\epsilon$")
     r = np.geomspace(10**-3.2, 10**-0.75, 4000)
     for model, function in TRACED.items():
-        style = pen(model)
+        style = style_of(model)
         values = np.array([function(slopes, x) for x in r])
         values[values <= 0.0] = np.nan
         axes.loglog(r, values, **line(model, linestyle="-", linewidth=1.1))
@@ -252,7 +252,7 @@ def impedances(paper: Scene) -> Drawing:
 def _spectra(found: Mapping[str, Stability], transit: float) -> Drawing:
     figure, axes = subplots(3.2, 1, 1, "Re $s$ (per transit)", "Im $s$ (per transit)")
     for size, (model, stability) in zip((7.0, 7.0, 10.0, 9.0, 12.0), found.items(), strict=True):
-        style = pen(model)
+        style = style_of(model)
         roots = np.array([root for root in stability.leading_roots if root.imag > 0.0]) * transit
         face = style.color if model == "delay" else "none"
         axes.plot(

@@ -17,7 +17,7 @@ from validation.references.onset import onset_of
 from validation.study import Budget, Figure, Number, Omission, StudyResult, memo, stated
 from validation.study.advice import AS_CHEAP, GOOD, costs_of_good_reductions
 from validation.study.compared import Sight, against, compared_table, relative_costs
-from validation.study.drawing import WIDTH, Drawing, line, pen, ruled, subplots
+from validation.study.drawing import WIDTH, Drawing, line, ruled, style_of, subplots
 from validation.study.known import as_known, error_of
 from validation.study.memo import cycle_of, own_orbit
 from validation.study.model_table import ModelTable
@@ -77,7 +77,7 @@ _SETTLED = 4000.0  # transits of a run to a stable orbit
 _COSTED, _ROUNDS = (-2.68, -2.5), {True: 3, False: 7}
 _LEAST = 1e-13
 """The smallest error that is drawn."""
-_WAVE_COLOUR = "#a6761d"  # its own pen is as black and round as the delay system's
+_WAVE_COLOUR = "#a6761d"  # its own plot style is as black and round as the delay system's
 _DRAWN = ("delay", "modal:1", "kelvin-voigt", "block12")
 _AROUND = 4.0  # transits before and after the cycle that is drawn
 
@@ -205,7 +205,7 @@ def cost_and_error(table: ModelTable) -> Drawing:
             found, cost = row.cells[titles.index(title)].figures.get("T"), row.costs[number]
             if found is None or cost is None:
                 continue
-            look, size, bar = pen(row.model), abs(found.error or 0.0), 2.0 * found.standard_error
+            look, size, bar = style_of(row.model), abs(found.error or 0.0), 2.0 * found.standard_error
             axes.errorbar(
                 [cost],
                 [max(_LEAST, size)],
@@ -228,7 +228,7 @@ def _errors_over_r(orbits: Runs) -> Drawing:
     figure, panels = _panels("relative error")
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
         for model in MODELS:
-            look = line(model, marker=pen(model).marker, linewidth=1.1)
+            look = line(model, marker=style_of(model).marker, linewidth=1.1)
             axes.semilogy(list(orbits["delay"]), column(orbits, model, quantity), **look)
     figure.legend(handles=panels[0].get_lines(), loc="outside upper left", ncols=4, handlelength=3.0)
     return figure
@@ -242,7 +242,7 @@ def _errors_of_means(means: Runs) -> Drawing:
             values = 100.0 * column(means, model, quantity, lambda one: one.value)
             bars = 200.0 * column(means, model, quantity, lambda one: one.error)
             at = grid + _SPREAD * (place - 0.5 * len(MODELS))
-            look = line(model, linestyle="none", linewidth=1.0, marker=pen(model).marker)
+            look = line(model, linestyle="none", linewidth=1.0, marker=style_of(model).marker)
             axes.errorbar(at, values, bars, capsize=2.0, **look)
         axes.axhline(0.0, color="#111111", linewidth=0.8)
     figure.legend(handles=panels[0].containers, loc="outside upper left", ncols=4, handlelength=3.0)

@@ -8,7 +8,7 @@ import numpy as np
 from reduced.orbit.figures import figures_of
 from slipwave.observe.pieces import Array
 from validation.branches.points import BranchPoint
-from validation.study.drawing import Axes, key, pen
+from validation.study.drawing import Axes, key, style_of
 from validation.study.over_r import Branch, parts
 
 NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}
@@ -24,7 +24,7 @@ OVERLAID = {"modal:2": "#b55aa8", "modal:4": "#8d2f5e", "modal:8": "#5f3a8c"}
 
 def draw_branch(axes: Axes, model: str, corners: list[BranchPoint], name: str) -> None:
     """A figure of all orbits over log10 r: stable ones solid, unstable ones thin and dotted."""
-    look, color = pen(model), color_of(model)
+    look, color = style_of(model), color_of(model)
     for stable, part in parts(corners):
         dashes, width = ("-", look.width) if stable else ((0, (1.5, 1.2)), _THIN)
         x, y = (np.array(values) for values in ([one.value for one in part], [getattr(one, name) for one in part]))
@@ -34,7 +34,7 @@ def draw_branch(axes: Axes, model: str, corners: list[BranchPoint], name: str) -
 
 def color_of(model: str) -> str:
     """The colour of a model's branch."""
-    return OVERLAID.get(model, pen(model).color)
+    return OVERLAID.get(model, style_of(model).color)
 
 
 def _smooth(x: Array, y: Array) -> tuple[Array, Array]:

@@ -16,7 +16,7 @@ _MARKS: dict[str, Any] = {
     "PD": {"marker": "^", "color": "#d55e00"},
     "NS": {"marker": "D", "color": "#009e73"},
 }
-_PENS: dict[bool | None, Any] = {
+_STYLES: dict[bool | None, Any] = {
     True: {"linewidth": 1.9, "color": "#111111", "label": "stable"},
     False: {"linewidth": 0.8, "color": "#777777", "dashes": (4, 1.5), "label": "unstable"},
     None: {"linewidth": 0.9, "color": "#777777", "label": "stability not decided"},
@@ -37,15 +37,15 @@ def figure_of_branch(branch: FollowedBranch) -> Drawing:
 
 def _draw_pieces(axes: Axes, branch: FollowedBranch, name: str) -> None:
     """The branch in pieces of one stability, which meet at the special points between them."""
-    for stable, pen in _PENS.items():
+    for stable, style in _STYLES.items():
         if any(point.stable is stable for point in branch.shown):
-            axes.plot([], [], **pen)
+            axes.plot([], [], **style)
     ends = {special.place: special for special in branch.special}
     for stable, group in groupby(enumerate(branch.points), key=lambda numbered: numbered[1].stable):
         piece = list(group)
         first, last = ends.get(piece[0][0]), ends.get(piece[-1][0] + 1)
         run = [one for one in (first, *(point for _, point in piece), last) if one and branch.over.holds(one.value)]
-        axes.plot([one.value for one in run], [getattr(one, name) for one in run], **_PENS[stable] | {"label": None})
+        axes.plot([one.value for one in run], [getattr(one, name) for one in run], **_STYLES[stable] | {"label": None})
 
 
 def _draw_special(axes: Axes, branch: FollowedBranch, name: str) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slipwave.extras import require
-from slipwave.family import Pen
+from slipwave.family import PlotStyle
 from validation.registry.families import family_of
 
 if TYPE_CHECKING:
@@ -48,28 +48,28 @@ WIDTH = 7.4
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))
 
 
-def pen(model: str) -> Pen:
-    """The pen of `model`, by its full name; grey for a model without one."""
+def style_of(model: str) -> PlotStyle:
+    """Plot style of `model`, by its full name; grey for a model without one."""
     family, number = family_of(model), model.partition(":")[2]
-    pens = family.pens if family else {}
-    return pens.get(int(number) if number else None) or pens.get(None) or Pen(model, "#555555", "-", ".")
+    styles = family.styles if family else {}
+    return styles.get(int(number) if number else None) or styles.get(None) or PlotStyle(model, "#555555", "-", ".")
 
 
 def line(model: str, **more: Any) -> dict[str, Any]:
     """Colour, dashes, width and label of the line of `model`, for matplotlib; `more` is added or replaces them."""
-    own = pen(model)
+    own = style_of(model)
     return {"color": own.color, "linestyle": own.dashes, "linewidth": own.width, "label": own.label} | more
 
 
-def grid_pens(models: Iterable[str]) -> dict[str, Pen]:
-    """Pens of several full waves in one figure: colour and marker are the family's, dashes distinguish its members."""
-    pens: dict[str, Pen] = {}
+def grid_styles(models: Iterable[str]) -> dict[str, PlotStyle]:
+    """Plot styles of several full waves in one figure: colour and marker are the family's, dashes distinguish its members."""
+    styles: dict[str, PlotStyle] = {}
     for model in models:
         name, _, number = model.partition(":")
-        seen = sum(other.partition(":")[0] == name for other in pens)
-        own = pen(model)
-        pens[model] = own._replace(label=f"{own.label.removeprefix('full wave, ')} {number}".strip(), dashes=_DASHES[seen])
-    return pens
+        seen = sum(other.partition(":")[0] == name for other in styles)
+        own = style_of(model)
+        styles[model] = own._replace(label=f"{own.label.removeprefix('full wave, ')} {number}".strip(), dashes=_DASHES[seen])
+    return styles
 
 
 def canvas(width: float = WIDTH, height: float = 4.0) -> Drawing:

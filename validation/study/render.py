@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from validation.study.description import description_of, title_of
 from validation.study.drawing import Drawing
 from validation.study.drawn import Panel, curves_csv, drawn, thin_out
-from validation.study.told import description_of, title_of
 from validation.study.vector import legible, svg_of
 
 PNG_DOTS_PER_INCH = 110

@@ -13,12 +13,12 @@ from validation.studies.bias.measured import (
     MODELS,
     QUANTITIES,
     RECORD,
-    AtlasPlace,
+    AtlasPoint,
     all_biases,
     biases_of,
     intervals_held,
     recorded_coverage,
-    scene_of_place,
+    scene_of_point,
     seen_record,
     stand_in,
 )
@@ -32,8 +32,8 @@ SECONDS = (5.0, 9.0)
 
 _SAME = 2e-3  # between two computations of an error: least squares stop at relative changes of 1e-10, marches at 1e-8
 _LEAST, _MOST = 0.91, 0.995
-_CORNER, _WAVE, _WAVE_SAME = AtlasPlace(0.6, 5.0, None), "dg:5", 2e-2
-_OWN, _OWN_MODEL, _OWN_SAME = AtlasPlace(0.24, 0.8, None), "quasidynamic", 0.02
+_CORNER, _WAVE, _WAVE_SAME = AtlasPoint(0.6, 5.0, None), "dg:5", 2e-2
+_OWN, _OWN_MODEL, _OWN_SAME = AtlasPoint(0.24, 0.8, None), "quasidynamic", 0.02
 _BETWEEN = ((0.9, 1.3, None), (0.9, 3.0, 3.0))  # of the rule's limit; kappa; mass: no places of the atlas
 _PART = {"quick": 3, "full": 8}  # fits whose intervals are computed anew
 
@@ -68,10 +68,10 @@ def run(budget: Budget) -> StudyResult:
 def _anew(atlas: Atlas, quick: bool) -> tuple[Verdict, ...]:
     """One stored place computed again, and the rule at places between those that it was made of."""
     number = atlas.middle
-    again, stored = all_biases(scene_of_place(atlas.places[number])), atlas.row(number)
+    again, stored = all_biases(scene_of_point(atlas.places[number])), atlas.row(number)
     apart = max(abs(again[name] - stored[name]) for name in again if " error " in name) if atlas.is_own else math.inf
     limit = atlas.rule("quasidynamic")
-    chosen = [AtlasPlace(share * limit, kappa, mass) for share, kappa, mass in _BETWEEN[: 1 if quick else 2]]
+    chosen = [AtlasPoint(share * limit, kappa, mass) for share, kappa, mass in _BETWEEN[: 1 if quick else 2]]
     worst = max(abs(one[f"error {q}"]) for one in map(_quasidynamic_errors, chosen) for q in ("a", "b", "L"))
     spread = max(atlas.limits("quasidynamic").max() / limit, 1.0)
     return (
@@ -93,8 +93,8 @@ def _anew(atlas: Atlas, quick: bool) -> tuple[Verdict, ...]:
     )
 
 
-def _quasidynamic_errors(place: AtlasPlace) -> dict[str, float]:
-    scene = scene_of_place(place)
+def _quasidynamic_errors(place: AtlasPoint) -> dict[str, float]:
+    scene = scene_of_point(place)
     return biases_of(scene, seen_record(scene), "quasidynamic")
 
 
@@ -111,7 +111,7 @@ def _intervals(atlas: Atlas) -> Verdict:
 
 def own_errors() -> dict[str, float]:
     """Errors of a model's fit to its own stick-slip, of slabs as at one place of the atlas."""
-    scene = stand_in(scene_of_place(_OWN))
+    scene = stand_in(scene_of_point(_OWN))
     return biases_of(scene, seen_record(scene, _OWN_MODEL), _OWN_MODEL)
 
 
@@ -133,7 +133,7 @@ def _slips(atlas: Atlas) -> Iterator[Verdict]:
 
 def corner_errors(model: str) -> dict[str, float]:
     """Errors of the quasi-dynamic fit of what `model` shows in one corner of the atlas."""
-    scene = scene_of_place(_CORNER)
+    scene = scene_of_point(_CORNER)
     return biases_of(scene, seen_record(scene, model), "quasidynamic")
 
 

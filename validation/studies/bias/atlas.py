@@ -11,7 +11,7 @@ import numpy as np
 from slipwave.extras import require
 from slipwave.observe.pieces import Array
 from validation.fit.synthetic import stepped_scene
-from validation.studies.bias.measured import MACHINES, MODELS, RECORD, STEPPED, SWINGS, AtlasPlace, atlas_places
+from validation.studies.bias.measured import MACHINES, MODELS, RECORD, STEPPED, SWINGS, AtlasPoint, atlas_points
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -37,9 +37,9 @@ class Atlas:
         return cls(xarray.load_dataset(RECORD))
 
     @cached_property
-    def places(self) -> list[AtlasPlace]:
+    def places(self) -> list[AtlasPoint]:
         """As in the record."""
-        return atlas_places()
+        return atlas_points()
 
     @cached_property
     def _manifest(self) -> dict[str, Any]:
@@ -106,7 +106,7 @@ class Atlas:
     @property
     def middle(self) -> int:
         """The number of a velocity step in the middle."""
-        return self.places.index(AtlasPlace(float(SWINGS[SWINGS.size // 2]), STEPPED[2], MACHINES[1]))
+        return self.places.index(AtlasPoint(float(SWINGS[SWINGS.size // 2]), STEPPED[2], MACHINES[1]))
 
 
 def _digest(scene: str, rows: Any) -> str:

@@ -9,7 +9,7 @@ from validation.fit.synthetic import NOISE
 from validation.studies.bias.atlas import ALLOWED, Atlas
 from validation.studies.bias.measured import COVERED, MACHINES, MODELS, QUANTITIES, RINGING, SLIPPING_SWINGS, SWINGS
 from validation.study import Cell, Table, table
-from validation.study.drawing import Drawing, pen, subplots
+from validation.study.drawing import Drawing, style_of, subplots
 
 _COLORS = ("#0072b2", "#e69f00", "#d55e00")
 _SHOWN = 4  # the swing whose errors the table shows
@@ -18,7 +18,7 @@ _SEEN = (0.01, 300.0)  # %
 
 def called(model: str) -> str:
     """A model as the page calls it."""
-    return "block, fitted mass" if model == "one mass" else pen(model).label
+    return "block, fitted mass" if model == "one mass" else style_of(model).label
 
 
 def table_of_rules(atlas: Atlas) -> Table:

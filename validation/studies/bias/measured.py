@@ -58,7 +58,7 @@ _LENGTH, _LATE = 300.0, 0.5  # of a record of stick-slip, in times of slip by L 
 _SAMPLE, _WITHIN = 0.2, 100  # from sample to sample, the same; each is the mean of so many values, as of a recorder's filter
 
 
-class AtlasPlace(NamedTuple):
+class AtlasPoint(NamedTuple):
     """Of the atlas: the period of the slowest `swing` of sample and machine, with a free interface, over the time of slip by L;
     `kappa` = k/k_c, above 1 a velocity step, below 1 stick-slip; the mass of the machine over that of the slab, or None without
     a machine."""
@@ -85,15 +85,15 @@ class AtlasPlace(NamedTuple):
         return {f"slab.{key}": value for key, value in keys.items()}
 
 
-def atlas_places() -> list[AtlasPlace]:
+def atlas_points() -> list[AtlasPoint]:
     """All places, in the order of the record."""
-    steps = [AtlasPlace(swing, kappa, mass) for mass in MACHINES for swing in SWINGS.tolist() for kappa in STEPPED]
+    steps = [AtlasPoint(swing, kappa, mass) for mass in MACHINES for swing in SWINGS.tolist() for kappa in STEPPED]
     return steps + [
-        AtlasPlace(swing, kappa, mass) for mass in MACHINES for swing in SLIPPING_SWINGS.tolist() for kappa in SLIPPING
+        AtlasPoint(swing, kappa, mass) for mass in MACHINES for swing in SLIPPING_SWINGS.tolist() for kappa in SLIPPING
     ]
 
 
-def scene_of_place(place: AtlasPlace) -> Scene:
+def scene_of_point(place: AtlasPoint) -> Scene:
     """The scene of a place."""
     return slipwave.read(stepped_scene(1.0, 1.0), place.changes)
 
@@ -181,7 +181,7 @@ def recorded_coverage() -> dict[str, list[list[bool]]]:
 def sweep_places(folder: Path) -> Dataset:
     """All places by `slipwave.sweep` into a folder, in which a table of their scenes is too; goes on with what is there."""
     folder.mkdir(parents=True, exist_ok=True)
-    rows = [place.changes for place in atlas_places()]
+    rows = [place.changes for place in atlas_points()]
     with (folder / "places.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, list(dict.fromkeys(key for row in rows for key in row)))
         table.writeheader()

@@ -20,7 +20,7 @@ from validation.registry.families import FAMILIES, GRIDS, grid_of
 from validation.studies.grid_convergence import in_time, orbits
 from validation.studies.grid_convergence.in_time import without_error_in_time
 from validation.study import WITNESS, Budget, Cell, Figure, StudyResult, Table, Verdict, holding, stated, table
-from validation.study.drawing import Drawing, grid_pens, ruled, subplots
+from validation.study.drawing import Drawing, grid_styles, ruled, subplots
 from validation.study.text import places, plain, run_time
 
 NAME = "grid-convergence"
@@ -222,7 +222,7 @@ def _scene(climb: Climb) -> str:
 
 def _convergence_and_cost(curves: Curves) -> Drawing:
     figure, (left, right) = subplots(4.3, 1, 2, "points per slab", "error of the state", sharey=True)
-    for model, own in grid_pens(curves).items():
+    for model, own in grid_styles(curves).items():
         points, seconds, error = curves[model]
         look = {"color": own.color, "marker": own.marker, "linestyle": own.dashes, "linewidth": 1.1, "markersize": 4}
         shown = np.maximum(error, _FLOOR)

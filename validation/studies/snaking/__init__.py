@@ -15,7 +15,7 @@ from validation.studies.snaking import measured
 from validation.studies.snaking.measured import Attractor, FoldSide, PeriodsOfRun, Sides, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
-from validation.study.drawing import Drawing, pen, ruled, subplots
+from validation.study.drawing import Drawing, ruled, style_of, subplots
 from validation.study.drawn import staying
 from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts, scene_at
 from validation.study.text import minus, plain
@@ -193,7 +193,7 @@ def orbits_along(branch: Branch) -> Drawing:
         label = minus(f"T = {closed.cycle.period:.3f}, log10 r = {points[n].parameter:.5f}")
         stable = count_unstable(closed) == 0
         look: Any = {"linestyle": "-" if stable else (0, (1.5, 1.2)), "linewidth": 0.8, "label": label}
-        axes.plot(cycle.time[chosen], cycle.stress[chosen] + _RAISED * k, color=pen("delay").color, **look)
+        axes.plot(cycle.time[chosen], cycle.stress[chosen] + _RAISED * k, color=style_of("delay").color, **look)
     return figure
 
 

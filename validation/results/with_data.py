@@ -125,7 +125,7 @@ def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
     return Averaged(time, friction - level, np.zeros_like(friction), rate, level)
 
 
-def draw_beside_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle | None]], scene: Scene) -> Drawing:
+def draw_with_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle | None]], scene: Scene) -> Drawing:
     """Friction, residual and slip rate over the time since the event: the whole cycle, and the event alone. The record is black,
     its scatter from cycle to cycle grey, a model's elastic stress dashed. Call it inside `styled()`."""
     shortest = min([float(motion.events.period.min()), *(cycle.period for _, cycle in cycles if cycle)])
