@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from fake_studies import result
 
-from validation.report.first_screen import SHOWN, cost_at, usual
+from validation.report.first_screen import cost_at, usual
 from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask, left_out
 from validation.report.recorded import record_of
@@ -72,7 +72,6 @@ def rows_of(html, label):
 def test_every_study_answers_one_question():
     listed = [name for question in QUESTIONS for name in question.studies]
     assert sorted(listed) == sorted(STUDIES)
-    assert len(QUESTIONS) == 7
 
 
 def test_a_question_is_answered_by_its_first_study_and_by_no_study_that_fails(tmp_path):
@@ -169,22 +168,6 @@ def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
     assert 'href="#which-model.a-holds">1</a>' in html
 
 
-def test_an_answer_is_said_once(tmp_path):
-    """Above the studies; not again by the study that gives it."""
-    html = page_of(
-        tmp_path, stored("grid-convergence", verdict(), answer="They agree."), stored("energy", verdict(), answer="It closes.")
-    )
-    assert html.count("They agree.") == 1
-    assert html.count("It closes.") == 1
-
-
-def test_a_caption_does_not_end_after_the_names_of_its_authors():
-    assert first_sentence("Leeman et al. (2016), quartz. Points: measured.") == (
-        "Leeman et al. (2016), quartz.",
-        "Points: measured.",
-    )
-
-
 def test_a_reason_with_numbers_is_checked_by_a_verdict_or_said_not_to_be(tmp_path):
     named = [Omission("Gone.", "At 3.", ("A holds",)), Omission("Lost.", "At 4.", ("B holds",)), Omission("Else.", "No.")]
     studies = [stored("energy", verdict(title="A holds so")), stored("claims", omissions=tuple(named))]
@@ -214,7 +197,12 @@ def test_a_study_that_no_question_names_is_shown_once(tmp_path):
 
 @pytest.mark.parametrize(
     ("words", "first"),
-    [("Errors of T. Means.", "Errors of T."), ("At 10^{-2.5}, say. `delay` is", "At 10^{-2.5}, say."), ("One", "One")],
+    [
+        ("Errors of T. Means.", "Errors of T."),
+        ("At 10^{-2.5}, say. `delay` is", "At 10^{-2.5}, say."),
+        ("One", "One"),
+        ("Leeman et al. (2016), quartz. Points: measured.", "Leeman et al. (2016), quartz."),
+    ],
 )
 def test_a_caption_folds_behind_its_first_sentence(words, first):
     assert first_sentence(words)[0] == first
@@ -223,8 +211,5 @@ def test_a_caption_folds_behind_its_first_sentence(words, first):
 
 def test_a_whole_result_is_shown_with_its_data(tmp_path):
     html = page_of(tmp_path, Stored("claims", "?", 1.0, True, result()), stored("which-model", model_tables=(models(),)))
-    assert html.count('href="data/claims/table-t.csv"') == 1
-    assert html.count('href="data/which-model/models-paper.csv"') == 2
-    assert len(SHOWN) == len({function.__name__ for function in SHOWN})
-    assert "Clock: transits." in html
-    assert "<b>P8</b> needs continuation" in html
+    told = ("data/claims/table-t.csv", "data/which-model/models-paper.csv", "Clock: transits.", "<b>P8</b> needs continuation")
+    assert [one for one in told if one not in html] == []

@@ -13,6 +13,7 @@ from xml.etree import ElementTree as xml
 
 import pytest
 from fake_studies import draw, result
+from test_page import models
 
 from validation.cli import NUMERICS_FAILED, main
 from validation.report import baseline
@@ -23,7 +24,6 @@ from validation.report.record import ColumnRecord, Word, report_schema
 from validation.report.recorded import read_report, text_of
 from validation.report.without_times import lasting_digest
 from validation.study import EXACT, Evidence, Figure, Number, Outcome, StudyResult, Verdict, claim, holding, stated, table
-from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.text import run_time
 
 ROOT = Path(__file__).parents[2]
@@ -207,17 +207,19 @@ def test_what_is_no_report_is_refused_before_anything_runs(fake, tmp_path, capsy
 
 
 def test_a_table_of_models_is_a_line_for_each_number(changing):
-    cells = (ModelCell("periodic", True, 0, {"T": Compared(73.4721449, None, 1e-12)}), ModelCell("runs away", False))
-    columns = tuple(ModelColumn(f"−{x}", -x, 1.0, "periodic") for x in (2.69, 2.68))
-    row = ModelRow("delay", cells, None, (1.0,), "use", "exact")
-    models = ModelTable("paper", "Told.", "r", (ModelQuantity("T", "period", "transits"),), columns, ("−2.68",), "delay", (row,))
-    changing.report(now=StudyResult("", model_tables=(models,)))
+    changing.report(now=StudyResult("", model_tables=(models(),)))
     (record,) = changing.record().model_tables
-    assert record.table == models
-    first, second = csv.DictReader(io.StringIO((changing.out / record.csv).read_text()))
-    wanted = {"model": "delay", "log10_r": "-2.69", "value": "73.4721449", "error": "", "cost": ""}
-    assert first | wanted == first
-    assert second | {"regime": "runs away", "value": "", "cost": "1.0", "advice": "use"} == second
+    assert record.table == models()
+    lines = [*csv.DictReader(io.StringIO((changing.out / record.csv).read_text()))]
+    names = ("model", "log10_r", "regime", "quantity", "value", "error", "cost", "advice")
+    told = [",".join(line[name] for name in names) for line in lines]
+    assert told[0] == "delay,-2.7,periodic,T,70.0,,,use"
+    assert told[6:] == [
+        "quasidynamic,-2.7,slides steadily,,,,,avoid",
+        "quasidynamic,-2.6,slides steadily,,,,0.05,avoid",
+        "quasidynamic,-2.5,periodic,T,43.2,-0.4,,avoid",
+        "quasidynamic,-2.5,periodic,Δμ,0.21,0.05,,avoid",
+    ]
 
 
 def test_two_reports_are_the_same_but_for_run_times(changing, tmp_path):
@@ -373,17 +375,13 @@ def test_ci_runs_the_tests_and_the_report_and_goes_red_with_it(tmp_path, status,
     assert {"test", "studies", "report QUICK=1"} <= set((tmp_path / "asked").read_text().splitlines())
 
 
-@pytest.mark.parametrize(
-    ("words", "last"),
-    [
-        (("report", "QUICK=1"), "slipwave report --quick"),
-        (("test",), 'pytest -m "not slow and not studies" -n 2 --dist worksteal'),
-        (("studies",), "pytest -m studies -n 2"),
-    ],
-)
-def test_make_hands_the_status_on(words, last):
+def test_make_hands_the_status_on():
     """The last command is run bare: what it ends with ends make. Each test is run by one of two commands, or by the report."""
-    rule = subprocess.run(
-        ["make", "--no-print-directory", "--dry-run", *words], cwd=ROOT, capture_output=True, text=True, check=True
-    )
-    assert rule.stdout.splitlines()[-1] == f".venv/bin/{last}"
+    last = {
+        "report QUICK=1": "slipwave report --quick",
+        "test": 'pytest -m "not slow and not studies" -n 2 --dist worksteal',
+        "studies": "pytest -m studies -n 2",
+    }
+    for words, wanted in last.items():
+        rule = subprocess.check_output(["make", "--no-print-directory", "--dry-run", *words.split()], cwd=ROOT, text=True)
+        assert rule.splitlines()[-1] == f".venv/bin/{wanted}"

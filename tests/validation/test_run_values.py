@@ -4,11 +4,8 @@ import io
 import json
 import math
 import re
-import tomllib
 from contextlib import redirect_stdout
-from pathlib import Path
 from typing import Any
-from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -18,14 +15,12 @@ import slipwave
 import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
 from tests.one_port_by_hand import pair_impedance
-from validation.branches import SPECIAL_KINDS
 from validation.branches.branch import FollowedBranch
 from validation.branches.curve import Curve
 from validation.branches.parameter import Over
 from validation.branches.points import BranchPoint, CurvePoint
 from validation.cli import main
 from validation.registry.families import families
-from validation.results.bench import BenchResult
 from validation.results.branch import BranchOptions, BranchResult
 from validation.results.curve import CurveOptions, CurveResult
 
@@ -146,14 +141,6 @@ def test_the_table_is_the_json_and_its_si_column_is_by_hand(told):
     assert [float(part.split(" = ")[1]) for part in end.split(",")] == pytest.approx(list(result["final"].values()), rel=1e-10)
 
 
-def test_scenes_are_listed_with_their_own_titles(capsys):
-    assert main(["scenes"]) == 0
-    folder = Path(slipwave.__file__).parent / "gallery"
-    wanted = {path.stem: tomllib.loads(path.read_text())["title"] for path in folder.glob("*.toml")}
-    lines = capsys.readouterr().out.splitlines()
-    assert {line.split()[0]: line.split(maxsplit=1)[1] for line in lines} == wanted
-
-
 A, B, EPSILON, V = 0.0349, 0.0489, 2.8e-5, 100.0
 
 
@@ -225,40 +212,6 @@ def table(lines, heading):
     assert re.split(r"\s{2,}", lines[end].strip()) == heading
     cells = [re.split(r"\s{2,}", line.strip()) for line in lines[end + 1 : lines.index("", end)]]
     return [dict(zip(heading, row, strict=True)) for row in cells]
-
-
-def test_a_curve_of_special_points():
-    over, second = (Over(PAPER, name, -3.0, 200.0, lambda value: PAPER) for name in ("log10_r", "V"))
-    values = (-2.12345678987, 101.512345678, 59.123456789123, 0.123456789123, 0.25, 900.0, 20.0, 3.4567e-9, 1, 0, -0.5, 0.75)
-    found = CurveResult(Curve("NS", over, second, "delay", 1e-6, points=[CurvePoint(*values)] * 2), CurveOptions(), 0.25)
-    lines = "\n".join(found.lines({})).splitlines()
-    assert f"model delay: NS {SPECIAL_KINDS['NS']}, 2 points" in lines
-    rows = table(lines, ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
-    told = {"log10_r": "-2.1234567899", "V": "101.51235", "period": "59.1234568", "stress drop": "0.1234568"}
-    assert rows == [told | {"bracket": "3.5e-09", "multiplier": "-0.500000 +- 0.750000 i"}] * 2
-
-
-def test_run_time_against_error():
-    def row(model, setting, errors):
-        error = dict(zip(("period", "stress_drop"), errors, strict=True))
-        return {"model": model, "setting": setting, "wall_s": 0.512345, "error": error, "verdict": "periodic"}
-
-    rows = [row("fd", {"cells": 64}, (1.23456e-3, 2.34567e-3)), row("delay", {"tolerance": 1e-7}, (3e-7, 4e-7))]
-    apart = {
-        "verdict": "torus",
-        "difference": {"period": 0.02, "stress_drop": -0.3},
-        "margin": {"period": 1e-3, "stress_drop": 0.1},
-    }
-    rows.append(row("block8", {}, (None, None)) | apart)  # type: ignore[arg-type]
-    summary = {"models": rows, "until": 200.0, "reference": "delay", "conclusion": "a conclusion"}
-    lines = "\n".join(BenchResult.lines(Mock(), summary)).splitlines()
-    assert table(lines, ["model", "setting", "wall s", "error T", "error drop"]) == [
-        {"model": "fd", "setting": "cells 64", "wall s": "0.512", "error T": "0.00123", "error drop": "0.00235"},
-        {"model": "delay", "setting": "tolerance 1e-07", "wall s": "0.512", "error T": "3e-07", "error drop": "4e-07"},
-        {"model": "block8", "setting": "-", "wall s": "0.512", "error T": "0.0200 +- 0.0010", "error drop": "-0.30 +- 0.10"},
-    ]
-    assert lines[-3] == "200 transits; relative errors of the second half's mean against delay (tight)"
-    assert lines[-1] == "a conclusion"
 
 
 def test_stability_in_si(printed):
@@ -369,6 +322,10 @@ def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypat
     axes = found.plot().axes[0]
     assert dict(zip([line.get_label() for line in axes.get_lines()], values(axes), strict=True)) == wanted
     assert all(row["error"]["period"] != row["error"]["stress_drop"] for row in rows)
+    heading = ["model", "setting", "wall s", "error T", "error drop"]
+    told = [[row["wall_s"], row["error"]["period"], row["error"]["stress_drop"]] for row in rows]
+    shown = table("\n".join(found.lines(found.summary)).splitlines(), heading)
+    assert [[float(row[name]) for name in heading[2:]] for row in shown] == [pytest.approx(one, rel=5e-3) for one in told]
 
 
 @pytest.mark.filterwarnings("error")
@@ -398,5 +355,7 @@ def test_a_curve_has_both_parameters_and_the_period_in_their_places():
     left, right = found.plot().axes
     assert (values(left), values(right)) == ([(first, second)], [(period, second)])
     assert (left.get_xlabel(), left.get_ylabel()) == ("log10_r", "V")
+    rows = table("\n".join(found.lines({})).splitlines(), ["log10_r", "V", "period", "stress drop", "bracket", "multiplier"])
+    assert list(rows[1].values()) == ["-2.727", "101", "50.5", "0.101", "1e-09", "0.600000 +- 0.800000 i"]
     for name, wanted in (("log10_r", first), ("V", second), ("period", period), ("multiplier_im", [0.8] * 3)):
         assert found.dataset[name].values.tolist() == wanted
