@@ -22,7 +22,7 @@ from slipwave.errors import SceneError
 from validation.report import side_by_side
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
-from validation.study import Figure, StudyResult
+from validation.study import Figure, StudyResult, table
 from validation.study.model_table import (
     Compared,
     ModelCell,
@@ -218,6 +218,12 @@ def test_markup_escapes_first():
 def test_cells_and_plain_words():
     cells = (cell(None, ".3g"), cell("x_{1}", ".3g"), cell(3, ""), markup(plain(-1.2e-9, ".2g")), plain(0.25))
     assert cells == ("–", "x<sub>1</sub>", "3", "−1.2\u202f·\u202f10<sup>−9</sup>", "0.25")
+
+
+def test_the_heading_of_a_table_is_one_line():
+    found = table("t", "", "model | log_{10} r, exact [ODE, (27)] .11f | spread .1% | step [at cfl 1]", []).columns
+    told = [("model", "", ""), ("log_{10} r, exact", "ODE, (27)", ".11f"), ("spread", "", ".1%"), ("step", "at cfl 1", "")]
+    assert [(one.title, one.unit, one.format) for one in found] == told
 
 
 def test_powers_and_places_in_a_sentence():
