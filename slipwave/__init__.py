@@ -1,7 +1,7 @@
 """What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages.
 
-It also offers what the commands do: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `fit`, `scenes`, `models`
-and `show` are imported when one of them is first used (their types are in `__init__.pyi`). `import slipwave` stays light.
+The commands as functions: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `fit`, `scenes`, `models` and
+`show` are imported when one of them is first used (their types are in `__init__.pyi`). `import slipwave` stays light.
 """
 
 from importlib import import_module
@@ -33,7 +33,7 @@ __all__ = ["NumericsError", "SceneError", "read", "read_scene", *_PLACES]
 
 
 def __getattr__(name: str) -> Any:
-    """The function `name` of a command; raises ImportError naming a file of the user's own that hides our package."""
+    """The function `name` of a command; raises ImportError naming the user's file that hides one of our packages."""
     if name == "__version__":
         return import_module("importlib.metadata").version("slipwave")
     if name not in _PLACES:

@@ -11,7 +11,7 @@ _OBJECTS_BEFORE_COLLECTION = 1_000_000
 
 
 def main() -> int:
-    """Run the command of the process; the exit status is 2 if a file of the user's own hides one of our packages."""
+    """Run the command of the process; the exit status is 2 if a file of the user hides one of our packages."""
     line = hidden_package()
     if line:
         print(f"slipwave: {line}", file=sys.stderr)

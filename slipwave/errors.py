@@ -12,8 +12,7 @@ class Interrupted(Exception):
 
 
 class NumericsError(ArithmeticError):
-    """The numerics failed: one line saying what, where and when (exit 3). `result` is what was computed by then, None if
-    nothing."""
+    """The numerics failed: one line saying what, where and when (exit 3). `result`: what was computed before it, or None."""
 
     def __init__(self, message: str, result: Any = None) -> None:
         super().__init__(message)

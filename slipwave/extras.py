@@ -11,7 +11,7 @@ EXTRAS = {
     "report": ("jinja2", "markupsafe", "PIL"),
     "cluster": ("distributed",),
 }
-"""Modules by the extra of the distribution that installs them."""
+"""Extra -> modules that it installs."""
 
 OF_THE_REPORT = ("files", "plot", "fem", "report")
 """Extras that the extra `report` installs."""

@@ -29,11 +29,11 @@ FEATURES = {
 
 NOTHING = frozenset[str]()
 ANYTHING = frozenset(FEATURES)
-"""Features that a family honours: none (it computes only two alike homogeneous elastic slabs with rigid faces), or all."""
+"""All features; a family that honours none computes only two alike homogeneous elastic slabs with rigid faces."""
 
 
 class Exact(StrEnum):
-    """When a family's result is that of the wave physics, in every scene that it honours."""
+    """When a family's result is that of the wave physics in every scene that it honours."""
 
     TO_TOLERANCE = "to the tolerance"
     ON_FINE_GRIDS = "in the limit of a fine grid"
@@ -41,7 +41,7 @@ class Exact(StrEnum):
 
 
 class PlotStyle(NamedTuple):
-    """How a model's curve looks everywhere; `dashes` as matplotlib takes them."""
+    """Label, colour, dashes (as in matplotlib), marker and line width of a model's curves in all figures."""
 
     label: str
     color: str
@@ -75,12 +75,12 @@ class Family:
 
     @property
     def name(self) -> str:
-        """The word before the colon."""
+        """The part of the name before the colon."""
         return self.pattern.partition(":")[0]
 
     @property
     def module(self) -> str:
-        """The module that makes its members."""
+        """Name of the module that makes the members."""
         return self.made_by.partition(":")[0]
 
     @property
@@ -97,8 +97,8 @@ class Family:
         return self.default if tolerance is None or self.suited is None else self.suited(tolerance)
 
     def maker(self, number: int | None = None) -> Callable[..., Any]:
-        """The function that makes members; imports the solver. Raises SceneError, which names that with `number`, if a library
-        of its `extra` is missing."""
+        """The function that makes members; imports the solver. Raises SceneError, which names the member with `number`, if a
+        library of `extra` is missing."""
         if self.extra:
             require(self.extra, f"model = {self.called(self.default if number is None else number)!r}")
         made: Callable[..., Any] = getattr(import_module(self.module), self.made_by.partition(":")[2])
@@ -106,7 +106,7 @@ class Family:
 
     @property
     def is_installed(self) -> bool:
-        """Whether the libraries that it needs are there."""
+        """Whether the libraries of `extra` are installed."""
         return not (self.extra and missing(self.extra))
 
     def refusal(self, scene: "Scene") -> str:

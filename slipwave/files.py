@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, and what all netCDF files have in common."""
+"""Writes files whole or not at all; conventions of all netCDF files."""
 
 import os
 import platform
@@ -16,7 +16,7 @@ TIME = "time"
 """The time coordinate of netCDF files: from the start, in transits. It has no date, so no `standard_name` of CF."""
 
 _LONGEST_STEM = 40
-_PROBE = 1 << 20  # bytes; a disk with less room counts as full
+_PROBE = 1 << 20  # bytes; a disk with less space counts as full
 
 
 _HOST = re.sub(r"\W", "", platform.node())[:_LONGEST_STEM]
@@ -24,7 +24,8 @@ _PART = re.compile(rf"\..*-{_HOST}-(\d+)\.(nc|png|pdf|svg|npz|csv|vtu|xdmf|h5|sa
 
 
 def part_of(path: Path, suffix: str) -> Path:
-    """A hidden name beside `path`, ending in `suffix`, that no other process uses, also not on a machine that shares the disk."""
+    """A hidden name in the folder of `path`, ending in `suffix`, that no other process uses, even on another machine that shares
+    the disk."""
     return path.with_name(f".{path.stem[:_LONGEST_STEM]}-{_HOST}-{os.getpid()}{suffix}")
 
 
@@ -50,18 +51,18 @@ def is_running(process: int) -> bool:
 
 
 def reason_of(error: Exception) -> str:
-    """What the system says against a file, without the file's name."""
+    """The system's message about a file, without the file's name."""
     return str(getattr(error, "strerror", None) or error).lower()
 
 
 @contextmanager
 def whole_or_absent(path: Path) -> Iterator[Path]:
-    """Context with a temporary file beside `path` to write to. If the block succeeds, the file is flushed to disk and replaces
-    `path`; if not, it is deleted.
+    """Context with a temporary file in the folder of `path` to write to. If the block succeeds, the file is flushed to disk and
+    replaces `path`; if not, it is deleted.
 
     Raises SceneError naming the file if it cannot be written, whatever error a library raises on a full disk. A process killed
-    inside the block leaves `path` as it was, and the temporary file beside it, until the next file is written to that folder. The
-    name of that file holds the process number, so two runs never write to the same one.
+    inside the block leaves `path` unchanged; its temporary file is removed when the next file is written to that folder. Its name
+    contains the process number, so that no two runs write to the same file.
     """
     remove_leftovers(path.parent)
     temporary = part_of(path, path.suffix)
@@ -81,25 +82,25 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def alone_in(folder: Path, label: str) -> Iterator[None]:
-    """Context in which no other process is in one with the same `folder`, which is made. Raises SceneError, which begins with
-    `label`, if one is now; one that is killed leaves it. Where the system has no such locks all are let in."""
+    """Context that only one process at a time enters for a `folder`, which is created. Raises SceneError, which begins with
+    `label`, if another process holds it; a killed process releases it. On systems without such locks nothing is checked."""
     folder.mkdir(parents=True, exist_ok=True)
     if os.name != "posix":
         yield
         return
     import fcntl
 
-    place = os.open(folder, os.O_RDONLY)
+    lock = os.open(folder, os.O_RDONLY)
     try:
         with suppress(OSError):
             try:
-                fcntl.flock(place, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 reason = "another process writes to this folder now; wait for its end, or name another folder"
                 raise SceneError(f"{label}: {reason}") from None
         yield
     finally:
-        os.close(place)
+        os.close(lock)
 
 
 def _refusal(path: Path) -> OSError | None:

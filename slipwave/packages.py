@@ -1,4 +1,4 @@
-"""What a user brings: a Python file that is run on request, and what installed packages offer as entry points."""
+"""Code from outside: a user's Python file, run on request, and entry points of installed packages."""
 
 import importlib.util
 import logging
@@ -31,20 +31,20 @@ def run_file(path: Path, name: str, label: str) -> ModuleType:
     except SceneError:
         raise
     except Exception as error:
-        place = "" if isinstance(error, SyntaxError) else f" ({line_of_user(error)})"  # that names its line
-        raise SceneError(f"{label}: cannot be run: {type(error).__name__}: {error}{place}") from error
+        where = "" if isinstance(error, SyntaxError) else f" ({line_of_user(error)})"  # that names its line
+        raise SceneError(f"{label}: cannot be run: {type(error).__name__}: {error}{where}") from error
     return module
 
 
 def line_of_user(error: BaseException) -> str:
-    """Where an error arose in a file that a user had run, "FILE.py, line 12, in march"; empty if it did not."""
+    """Location of an error in a file that `run_file` ran, "FILE.py, line 12, in march"; empty if it did not."""
     frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename in _RUN]
     return f"{frames[-1].filename}, line {frames[-1].lineno}, in {frames[-1].name}" if frames else ""
 
 
 def load_from_packages(group: str, take: Callable[[Any, str], None]) -> None:
-    """Hand what each installed package offers in the `group` of entry points to `take`, with a label for messages. A package
-    that fails is told in one line and stops nothing."""
+    """Call `take` with each object that installed packages offer in the `group` of entry points, and a label for messages. A
+    failing package is logged in one line and skipped."""
     for entry in entry_points(group=group):
         label = f"{entry.dist.name if entry.dist else 'an installed package'}: {group} {entry.name} = {entry.value!r}"
         try:

@@ -1,7 +1,7 @@
 """The project's own source files: what a module imports, and digests that identify what was computed from them.
 
 Imports are read from the text (`ast`), including those within functions. A digest leaves out comments and docstrings, so that a
-change of these makes nothing stale.
+change of these invalidates nothing.
 """
 
 import ast
@@ -25,7 +25,7 @@ def source_digest() -> str:
 
 
 def digest_of(paths: Iterable[Path]) -> str:
-    """Digest of the program text of the project's Python files `paths`, in the given order, with their places in the project."""
+    """Digest of the program text of the project's Python files `paths`, in the given order, with their paths in the project."""
     digest = hashlib.sha256()
     for path in paths:
         digest.update(f"{path.relative_to(ROOT).as_posix()}\n{program(path)}\n".encode())
@@ -35,7 +35,7 @@ def digest_of(paths: Iterable[Path]) -> str:
 def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
     """`starts` and every file of the four packages that they import, directly or indirectly, sorted.
 
-    `packages` adds the `__init__.py` of every package on the way, which Python runs first. The `__init__.py` of a package that is
+    `packages` adds the `__init__.py` of every parent package, which Python runs first. The `__init__.py` of a package that is
     imported by its own name is always included.
     """
     found: set[Path] = set()
@@ -71,7 +71,7 @@ class _Read(NamedTuple):
 
 @cache
 def _read(path: Path) -> _Read:
-    """Both from one parse and one walk, because every start of the program waits for it."""
+    """Both from one parse and one walk: it delays every start of the program."""
     tree = ast.parse(path.read_bytes())
     names: list[str] = []
     for node in _statements(tree):
@@ -106,8 +106,8 @@ def _files(name: str, packages: bool) -> Iterator[Path]:
     if parts[0] not in _PACKAGES:
         return
     for count in range(1 if packages else len(parts), len(parts) + 1):
-        place = ROOT.joinpath(*parts[:count])
-        yield from (path for path in (place.with_suffix(".py"), place / "__init__.py") if path.is_file())
+        base = ROOT.joinpath(*parts[:count])
+        yield from (path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file())
 
 
 def commit() -> str:
@@ -115,11 +115,11 @@ def commit() -> str:
     import subprocess
 
     try:
-        head = _git("rev-parse", "--short=10", "HEAD")
+        short = _git("rev-parse", "--short=10", "HEAD")
         edited = _git("status", "--porcelain", "--untracked-files=no")
     except (OSError, subprocess.SubprocessError):
         return "unknown"
-    return head + ("+" if edited else "")
+    return short + ("+" if edited else "")
 
 
 def _git(*words: str) -> str:

@@ -5,11 +5,12 @@ from functools import cache
 from typing import Any
 
 VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-"""What libraries of linear algebra read when they are loaded."""
+"""Environment variables that libraries of linear algebra read when they are loaded."""
 
 
 def one_thread_by_default() -> None:
-    """Libraries that this process and its children load from now on use one thread, unless the environment says how many."""
+    """Limit the libraries that this process and its children load from now on to one thread, unless the environment sets a
+    number."""
     if not any(name in os.environ for name in VARIABLES):
         os.environ |= dict.fromkeys(VARIABLES, "1")
 

@@ -1,16 +1,16 @@
-"""Compiled code kept on disk. It is used as long as nothing it was made from has changed; trouble with it never ends a run.
+"""Cache of compiled code on disk, valid as long as its sources have not changed. No error of the cache ends a run.
 
 One file holds one function compiled for one set of argument types. Its name is a digest of all that shapes the machine code: the
 argument types, the processor, the versions of Python, numpy, numba and llvmlite, and the program text of these modules: the
 function's own, those of its arguments' classes, those of the functions that compiled code chooses by class (`add_choices`, for
-example friction laws), and every module that these import. A user's own classes and functions, which may be chosen as well,
-count by what they are (`frozen`). A file begins with a digest of its contents; if that does not match, the file is deleted. If
-the folder cannot be read or written, functions are compiled without it, and one line on stderr says so.
+example friction laws), and every module that these import. A user's own classes and functions enter by their bytecode (`frozen`).
+A file begins with a digest of its contents; if that does not match, the file is deleted. If the folder cannot be read or written,
+functions are compiled without it, and one line on stderr says so.
 
 The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). Files that were not
-used for a month are removed. numba's own cache, which a user's functions may use, is left alone: it sees a change of a
-function's own file only. What this one takes from numba without a public name, because there is none, is `_reduce` and `_rebuild`
-of a compiled function and `rtsys`, without which its code cannot be loaded.
+used for a month are removed. numba's own cache, which a user's functions may use, is left alone: it sees a change of a function's
+own file only. Private names of numba without a public substitute: `_reduce` and `_rebuild` of a compiled function, and `rtsys`,
+which loads its code.
 """
 
 import contextlib
@@ -43,18 +43,19 @@ _DIGEST_BYTES = hashlib.sha256().digest_size
 _VERSIONS = f"{sys.version} {np.__version__} {numba.__version__} {llvmlite.__version__}"
 
 Choices: TypeAlias = Callable[[], Iterable[tuple[type, Callable[..., Any]]]]
-"""The functions that a compiled call may become, each with the class it is chosen for."""
+"""The versions that a compiled call may choose from, each with the class of its first argument."""
 
 _choices: list[tuple[Path, Choices]] = []
 
 
 def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
-    """Declare that a compiled call of `generic` may become any of `choices()`; the module of `generic` need not import theirs."""
+    """Declare that a compiled call of `generic` may choose any of `choices()`, whose modules that of `generic` need not
+    import."""
     _choices.append((_file_of(generic), choices))
 
 
 class _Trouble:
-    """What went wrong with the folder in this process: told once, and after a failed write nothing more is written."""
+    """Errors of the cache folder in this process: the first is printed; after a failed write nothing more is written."""
 
     has_warned = False
     is_writing = True
@@ -74,14 +75,14 @@ TROUBLE = _Trouble()
 
 
 def cache_folder() -> Path:
-    """Where compiled code is kept. Raises RuntimeError if there is no home folder."""
+    """Folder of the compiled code. Raises RuntimeError if there is no home folder."""
     chosen, base = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
     return Path(chosen) if chosen else (Path(base) if base else Path.home() / ".cache") / "slipwave"
 
 
 class DiskCache(NullCache):  # type: ignore[misc]
-    """numba's interface of a cache for one compiled function: `load_overload` and `save_overload`. A part is called from compiled
-    code only."""
+    """numba's cache interface for one compiled function: `load_overload` and `save_overload`. `is_part`: it is called from
+    compiled code only."""
 
     def __init__(self, function: Callable[..., Any], is_part: bool = False) -> None:
         self._function, self._is_part = function, is_part
@@ -110,7 +111,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
         return compiled
 
     def save_overload(self, sig: Any, data: Any) -> None:
-        """Keep `data`, the function compiled for `sig`."""
+        """Save `data`, the function compiled for `sig`."""
         if not TROUBLE.is_writing:
             return
         try:
@@ -121,7 +122,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
             TROUBLE.warn(f"cannot be written ({error})", is_writing=False)
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
-        """File for the code of `sig`; None if it depends on what cannot be known, or on a file edited since the process began."""
+        """File for the code of `sig`; None if a source of it is unknown, or was edited since the process began."""
         made_from = made_from_what(self._function, set(_classes(getattr(sig, "args", sig))))
         if made_from is None:
             return None
@@ -141,14 +142,15 @@ def _classes(kinds: Iterable[Any]) -> Iterator[type]:
 
 
 class MadeFrom(NamedTuple):
-    """The project's files whose text shapes a function's code, sorted, and what a user's own functions bring into it."""
+    """The project's files whose text determines a function's code, sorted, and the text of the user's functions in it
+    (`frozen`)."""
 
     sources: tuple[Path, ...]
     foreign: str
 
 
 def made_from_what(function: Callable[..., Any], classes: set[type]) -> MadeFrom | None:
-    """What shapes `function` compiled for arguments of `classes`; None if that cannot be known, or a file is too new. A
+    """Sources of `function` compiled for arguments of `classes`; None if unknown, or if a file was edited since the start. A
     choice counts if its class is in `classes` or in one of the files."""
     if function.__module__ not in sys.modules:  # where compiled code on disk looks for the function
         return None
@@ -216,10 +218,10 @@ def _write(path: Path, contents: bytes) -> None:
 
 
 @cache
-def _prune_once(place: Path) -> None:
+def _prune_once(folder: Path) -> None:
     """Make the folder, and remove files from it that were not used for a month."""
-    place.mkdir(parents=True, exist_ok=True)
-    for path in place.iterdir():
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in folder.iterdir():
         with contextlib.suppress(OSError):  # another process may be removing them too
             if path.suffix in (_SUFFIX, ".part") and path.stat().st_mtime < STARTED - _UNUSED_SECONDS:
                 path.unlink()

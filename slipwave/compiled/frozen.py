@@ -1,7 +1,7 @@
-"""What a user's own functions bring into compiled code: their bytecode and the values that they name, which numba freezes.
+"""Identifies a user's functions in compiled code by their bytecode and by the values that they name, which numba freezes.
 
-A file of the project is known by its text (`slipwave.sources`). A user's file may compute its constants in any way, so its
-functions are known by what they are when they are compiled.
+A file of the project is known by its text (`slipwave.sources`). A user's file may compute its constants in any way; therefore its
+functions are identified as they are when compiled.
 """
 
 import inspect
@@ -20,18 +20,18 @@ _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 
 class Frozen(NamedTuple):
-    """All that a user's functions and classes bring into compiled code, as text, and the project's files that they call."""
+    """The user's functions and classes in compiled code as text, and the project's files that they call."""
 
     text: str
     files: frozenset[Path]
 
 
 class _Unknown(Exception):
-    """A value that compiled code may take in and that cannot be written as text."""
+    """A value that may enter compiled code and that has no known text."""
 
 
 def frozen_parts(things: Iterable[Any]) -> Frozen | None:
-    """What the functions and classes `things` bring into compiled code; None if it cannot be known.
+    """Text and files of the functions and classes `things` in compiled code; None if a value has no known text.
 
     Known are numbers, texts, arrays, tuples of them, functions of math and numpy, named tuples of an imported module, and
     functions that name nothing else.
@@ -45,7 +45,7 @@ def frozen_parts(things: Iterable[Any]) -> Frozen | None:
 
 
 class _Walk:
-    """Follows what a function names, each function once."""
+    """Collects the values that a function names, visiting each function once."""
 
     def __init__(self) -> None:
         self.files: set[Path] = set()

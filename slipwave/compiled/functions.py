@@ -14,13 +14,13 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 def njit(function: Function) -> Function:
     """Compile `function` with numba, cached on disk; fused multiply-add allowed, no other reordering of arithmetic.
 
-    Its arrays belong to its caller, and it makes and returns none: numba counts no references to them, which would take up to a
-    third of a march's time. An array made here would never be released; functions that make one are `allocating`."""
+    It must neither create nor return arrays: references are not counted, which would take up to a third of a march's time, so
+    that such an array would never be released. Functions that create arrays are `allocating`."""
     return _compiled(function, counts=False)
 
 
 def allocating(function: Function) -> Function:
-    """As `njit`, for a function that makes arrays or returns one."""
+    """As `njit`, for a function that creates or returns arrays."""
     return _compiled(function, counts=True)
 
 

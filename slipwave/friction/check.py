@@ -1,4 +1,4 @@
-"""Numerical check of a friction law supplied from outside: a wrong derivative is refused before it can falsify a result."""
+"""Numerical check of a user's friction law: a wrong derivative is refused before it can falsify a result."""
 
 import itertools
 import math
@@ -61,7 +61,7 @@ def _check_at(name: str, law: Any, sample: Any, rate: float, offset: float) -> N
 
 
 def derivative_error(law: Any, sample: Any, z: float, psi: float) -> float:
-    """The largest difference of a derivative at (z, psi) from that of central differences, relative to the largest value."""
+    """Largest difference between the law's derivatives and central differences at (z, psi), relative to the largest value."""
     answer = dict(zip(_ANSWERS, law.respond(sample, z, psi), strict=True))
     slopes = {
         "z": _difference(law, sample, (z + _STEP, psi), (z - _STEP, psi)),

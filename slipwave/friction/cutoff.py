@@ -7,8 +7,8 @@ equally weak, so that steady friction weakens with the rate as the plain laws do
 
     d mu_ss/d ln v = a - b v_c/(v_c + v),   0 at v = v_c (b - a)/a, where mu_ss has its minimum.
 
-The constant is chosen so that a_* means what it means in the plain laws, which are the limit v_c -> infinity; at steady sliding
-the difference is at most b v/v_c.
+By the choice of the constant, the plain laws with the same a_* are the limit v_c -> infinity; at steady sliding the difference is
+at most b v/v_c.
 """
 
 import math
@@ -19,7 +19,7 @@ from slipwave.friction.law import Response
 
 
 class AgeingCutoff(NamedTuple):
-    """As the plain law, and the slip rate above which the state effect is cut off (V*)."""
+    """As the plain law, with the slip rate above which the state effect is cut off (V*)."""
 
     a_star: float
     a: float

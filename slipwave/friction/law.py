@@ -32,7 +32,7 @@ Response: TypeAlias = tuple[float, float, float, float, float, float, float, flo
 
 
 class Registered(NamedTuple):
-    """One law: the class of its parameters and its functions as plain Python."""
+    """A registered law: the class of its parameters and its functions in plain Python."""
 
     parameters: type[Any]
     respond: Callable[..., Response]
@@ -78,7 +78,7 @@ def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @njit
 def _fill_rates(law: Law, unknowns: NDArray[np.float64], found: NDArray[np.float64]) -> None:
-    """`rates` of (n,) unknowns, into `found`. It makes no array, which would take three times as long to compile and load."""
+    """found <- `rates` of (n,) unknowns; without creating an array, which would triple the time to compile and load."""
     for i in range(unknowns.size):
         found[i] = rate_of(law, unknowns[i])
 
@@ -92,7 +92,7 @@ def unknowns(law: Law, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
 
 @njit
 def _fill_unknowns(law: Law, speeds: NDArray[np.float64], found: NDArray[np.float64]) -> None:
-    """`unknowns` at (n,) slip rates, into `found`."""
+    """found <- `unknowns` at (n,) slip rates."""
     for i in range(speeds.size):
         found[i] = unknown_of(law, speeds[i])
 
@@ -107,7 +107,7 @@ class FrictionSlopes:
 
     @property
     def weakening(self) -> bool:
-        """Friction falls with the steady rate, which is necessary for instability."""
+        """Whether friction falls with the steady rate, which is necessary for instability."""
         return self.steady < 0.0
 
     @property
@@ -117,13 +117,14 @@ class FrictionSlopes:
 
     @property
     def reach(self) -> float:
-        """For passive slabs every root with Re s >= 0 has |s + G_phi| <= reach, because beyond that Re H > 0 and Re Z >= 0."""
+        """Bound of the roots: for passive slabs every root with Re s >= 0 has |s + G_phi| <= reach, because beyond it Re H > 0
+        and Re Z >= 0."""
         return self.healing * abs(self.direct - self.steady) / self.direct
 
     @property
     def growing(self) -> tuple[float, float]:
-        """(centre, radius) of the disc that holds every root with Re s >= 0: outside of it Re H > 0 there, and passive slabs have
-        Re Z >= 0. On the imaginary axis it reaches to omega_c."""
+        """(centre, radius) of the disc that contains every root with Re s >= 0: outside it Re H > 0, and passive slabs have Re Z
+        >= 0. It meets the imaginary axis at omega_c."""
         return 0.5 * self.reach - self.healing, 0.5 * self.reach
 
     def impedance_at(self, omega: float | NDArray[np.float64]) -> NDArray[np.complex128]:
@@ -146,7 +147,7 @@ _GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unkno
 
 
 def steady_psi(law: Law, v: float) -> float:
-    """psi_ss = -ln |v|, of every law here but one: at steady sliding contacts are as old as slip over L takes."""
+    """psi_ss = -ln |v|: at steady sliding the age of contacts is L/V. The default of `register`."""
     return -math.log(abs(v))
 
 

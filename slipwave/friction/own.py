@@ -17,13 +17,13 @@ class OwnLaw(NamedTuple):
 
 
 LAW_FILES: dict[Path, None] = {}
-"""The files that were run, in order: processes that are started later run them too."""
+"""The files that were run, in order; processes that are started later run them too."""
 
 
 def load_laws(path: Path) -> list[str]:
     """Run the Python file `path`, which registers laws (docs/extending.md), and return their names.
 
-    Only a user's own request leads here, never a scene. Raises SceneError if the file cannot be run or registers no law.
+    It is called on the user's request only, never by a scene. Raises SceneError if the file cannot be run or registers no law.
     """
     label = f"--law = {str(path)!r}"
     before = dict(LAWS)
@@ -36,7 +36,7 @@ def load_laws(path: Path) -> list[str]:
 
 
 def own_law(name: str) -> OwnLaw | None:
-    """Where the law `name` is written; None if it is one of the house or not known."""
+    """File and digest of the law `name`; None if it is built in or unknown."""
     if name not in LAWS:
         return None
     path = Path(LAWS[name].respond.__code__.co_filename).resolve()

@@ -1,4 +1,4 @@
-"""The regularised direct effect, which allows v <= 0. The laws that share it differ only in how their state evolves:
+"""The regularised direct effect, which allows v <= 0. The laws that use it differ only in the evolution of the state:
 
     mu = a asinh( (v/2) exp((a_* + b psi)/a) ),   v = 2 RATE_FLOOR sinh z.
 

@@ -4,10 +4,9 @@
 
 After Putelat, Dawes and Champneys (2017, Proc. R. Soc. A 473, 20160606), who drive a plate by a law of this kind. The text of
 their paper was not at hand, only its abstract: this is NOT their formula with their constants. It is the regularised ageing law
-with two rates of its own, and is called spinodal because its steady friction has what the word says, a maximum and a minimum
-over ln v with weakening between them. The direct
-effect is that of `regularised`, odd in v, and the state effect that of `cutoff`. At rest contacts age to L/v_s and no further,
-instead of for ever. Where the direct effect is logarithmic,
+with two more rates; its steady friction is spinodal, with a maximum and a minimum over ln v and weakening between them. The
+direct effect is that of `regularised`, odd in v, and the state effect that of `cutoff`. At rest contacts age to L/v_s at most.
+Where the direct effect is logarithmic,
 
     d mu_ss/d ln v = a - b (v/s)^2 v_c/(v_c + s),
 
@@ -24,7 +23,7 @@ from slipwave.friction.regularised import direct_effect
 
 
 class Spinodal(NamedTuple):
-    """As the plain law, the slip rate v_s below which contacts age no further and v_c above which the state effect is cut off
+    """As the plain law, with the slip rate v_s below which ageing saturates and v_c above which the state effect is cut off
     (V*)."""
 
     a_star: float

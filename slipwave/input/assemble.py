@@ -59,8 +59,9 @@ def quotient(value: float, unit: float) -> float:
 
 
 def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Numbers, transit: float = 1.0) -> float:
-    """A time or a velocity as the bare numbers of `allowed` are: in transits of `transit` L/V*, in L/V* or in V*. A number is so
-    already. Raises SceneError naming `key` if the result is not `allowed`, or the scene has no units."""
+    """Convert a time or a velocity with a unit to the unit of the bare numbers of `allowed`: transits of `transit` L/V*, L/V* or
+    V*. Bare numbers are returned as they are. Raises SceneError naming `key` if the result is not `allowed`, or the scene has no
+    units."""
     if not isinstance(given, Quantity):
         return given
     known = require_units(key, f'"{given.text}"', units, f"a number {allowed.bare}")
@@ -73,7 +74,7 @@ def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Nu
 
 
 def moment(key: str, given: float | str, scene: Scene) -> float:
-    """A time given to a command, a number or a text with or without a unit, in transits; NaN for what is no time. Raises
+    """Convert a time given to a command, a number or a text with or without a unit, to transits; NaN if it is no time. Raises
     SceneError for a unit in a scene without units."""
     try:
         time = quantity(given, "s") if isinstance(given, str) and looks_measured(given) else float(given)
@@ -108,7 +109,7 @@ def outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: fl
 
 
 def _per_area(key: str, name: str, given: float | Quantity, area: float | None) -> float:
-    """`given` per area: it is of the whole face if it is in newtons or kilograms, or a number beside an `area`."""
+    """`given` per area: a value in newtons or kilograms, or a bare number where there is an `area`, is that of the whole face."""
     if not isinstance(given, Quantity):
         return given if area is None else given / area
     if given.unit not in _PER_AREA:
@@ -216,8 +217,8 @@ def _named(units: Units, key: str) -> dict[str, float]:
 
 
 def _in_range(quantity: str, result: float, allowed: Numbers, sources: dict[str, float]) -> float:
-    """`result`, derived from the keys `sources`. The SceneError for a result outside `allowed` names all of them, because any of
-    them may be the wrong one, and what is doubtful about them."""
+    """`result`, derived from the keys `sources`. Raises SceneError for a result outside `allowed`, which names all keys, since
+    any may be wrong, and the doubts about them."""
     if not allowed.low <= result <= allowed.high:
         given = ", ".join(f"{key} = {value:g}" for key, value in sources.items())
         odd = "".join(f"; {line}" for key, value in sources.items() for line in doubt(key, value))

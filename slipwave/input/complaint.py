@@ -1,4 +1,4 @@
-"""What is wrong with a scene's tables, in one line: the first fault that pydantic finds."""
+"""One line about the first fault that pydantic finds in a scene's tables."""
 
 import re
 from typing import Any, NamedTuple
@@ -32,14 +32,14 @@ def complaint(failure: ValidationError) -> str:
 
 
 def _rank(fault: ErrorDetails) -> tuple[bool, bool]:
-    """A misspelt key is unknown, and the right one is missing: the unknown key is reported, because it explains both. What a
-    law lacks is reported last."""
+    """Order of reporting: a misspelt key makes one key unknown and another missing; the unknown key comes first, because it
+    explains both. Missing parameters of a law come last."""
     return fault["loc"][:1] == ("interface",) and fault["type"] != "missing", fault["type"] not in _UNKNOWN
 
 
 class _Located(NamedTuple):
-    """The key at fault as the user wrote it, the table whose key it is, which of its `kinds` the table is if there are several,
-    and the tables that the key itself may hold, by kind."""
+    """The `path` of the key at fault as the user wrote it, the `table` that it belongs to, the `kind` of that table if there are
+    several `kinds`, and the tables that the key itself may hold, by kind."""
 
     path: list[str | int]
     table: type[BaseModel]
@@ -49,7 +49,7 @@ class _Located(NamedTuple):
 
 
 def _located(loc: tuple[str | int, ...]) -> _Located:
-    """Where a fault is; pydantic puts the kind of a table between its keys (slab.face.grip.stiffness)."""
+    """Locate a fault; pydantic's path has the kind of a table between its keys (slab.face.grip.stiffness)."""
     found = _Located([], KeyTable, "", {}, {"": scene_keys()})
     for part in loc:
         if len(found.below) > 1 and part in found.below:

@@ -1,6 +1,6 @@
 """`key=value` overrides of a scene's raw tables, before validation.
 
-A key may be told by its last words alone: `log10_r` is slab.log10_r, `face.stiffness` is slab.face.stiffness. `slab.log10_r` also
+A key may be shortened to its last words: `log10_r` is slab.log10_r, `face.stiffness` is slab.face.stiffness. `slab.log10_r` also
 removes `r` and `thickness`, which state the same quantity. `upper.x` on a scene with one [slab] first gives each slab a table of
 its own. A new `kind` of face or viscosity first empties its table.
 """
@@ -19,7 +19,7 @@ from slipwave.input.source import parse_toml
 from slipwave.input.wording import key_text, listed, shorten
 
 _SYMBOLS = {"V": "velocity"}
-"""Keys by the symbol that commands print."""
+"""Symbol that commands print -> key."""
 
 _SAME_QUANTITY = {"r", "log10_r", "thickness"}
 _BARE_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
@@ -40,9 +40,8 @@ def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str
 
 
 def full_key(key: Sequence[str], value: Any, data: Mapping[str, Any]) -> list[str]:
-    """`key`, or, if its first word is no table of a scene, the only full key of the scene `data` that ends in its words.
-
-    A key without any is returned as it is. Raises SceneError for one that several end in: `kind = ...: which of ...?`.
+    """`key`, or, if its first word is no table of a scene, the only full key of the scene `data` that ends in its words. A key
+    without match is returned unchanged. Raises SceneError if several match: `kind = ...: which of ...?`.
     """
     found = endings(key, data)
     if len(found) > 1:
@@ -51,8 +50,8 @@ def full_key(key: Sequence[str], value: Any, data: Mapping[str, Any]) -> list[st
 
 
 def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]]:
-    """The full keys of the scene `data` that end in the words of `key`; it is one itself if it begins with a table's name.
-    Keys of slabs are of [slab], or of [upper] and [lower]; those of [interface] are of the scene's law."""
+    """The full keys of the scene `data` that end in the words of `key`, or `key` itself if it begins with a table's name. Keys of
+    slabs are of [slab], or of [upper] and [lower]; those of [interface] are of the scene's law."""
     if key[0] in SceneTable.model_fields:
         return [tuple(key)]
     words = (*key[:-1], _SYMBOLS.get(key[-1], key[-1]))
@@ -64,8 +63,8 @@ def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]
 
 
 def label_of(key: str, unit: str = "") -> str:
-    """What the axis of a figure says of a `key` with values in `unit` (empty: as the key takes numbers): the title of its last
-    word in the table of keys, with symbol and unit; the key itself if it has none."""
+    """Axis label of a `key` with values in `unit` (empty: that of its bare numbers): the title in the table of keys, with symbol
+    and unit; the key itself if it has no title."""
     first, last = key.split(".")[0], key.rpartition(".")[2]
     fields = (table.model_fields.get(_SYMBOLS.get(last, last)) for table in _below(scene_keys()))
     words, slash, own = next((field.title for field in fields if field and field.title), key).partition(" / ")

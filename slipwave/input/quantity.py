@@ -26,7 +26,7 @@ KINDS = {
     "Pa/m": ("stiffness per area", "1 GPa/m"),
     "Pa s/m": ("damping per area", "1 MPa s/m"),
 }
-"""The units in SI that keys of a scene are in: what they measure, and an example."""
+"""SI unit of a scene's keys -> the quantity it measures, and an example."""
 
 _USUAL = tuple(
     "Pa kPa MPa GPa bar m km cm mm um nm s ms us min h kg g t N kN MN m2 cm2 mm2 m3 cm3 mm/s um/s nm/s mm/yr g/cm3".split()  # noqa: SIM905
@@ -71,7 +71,7 @@ def quantity(text: str, *units: str) -> Quantity:
 
 
 def examples(units: Iterable[str]) -> str:
-    """Texts in such units, as in `"5 MPa" or "10 um"`."""
+    """Example texts in `units`, as in `"5 MPa" or "10 um"`."""
     return choices(KINDS[unit][1] for unit in units)
 
 

@@ -1,7 +1,8 @@
-"""The table of keys: every key of a scene file with its type, what it may be, its units and its meaning, on one line.
+"""The table of keys: every key of a scene file with type, allowed values, units and meaning, on one line each.
 
-Validation, messages, short keys, the JSON Schema (`slipwave schema`) and README's table of keys are all read from here. Shape
-only: `assemble` joins the keys. A text in an annotation says what is allowed, as a `Numbers` does for a number.
+Validation, messages, short keys, the JSON Schema (`slipwave schema`) and README's table of keys are all read from here. Keys that
+depend on each other are combined in `assemble`. A text in an annotation states the allowed values, as `Numbers` does for a
+number.
 """
 
 import math
@@ -25,8 +26,8 @@ from slipwave.scene.recorded import RECORDED
 class Numbers:
     """The numbers from `low` to `high`, as metadata of a key's type: its validator and its JSON Schema.
 
-    With `units` a text with one of them ("5 MPa") is allowed too and becomes a `Quantity`. `bare` says what numbers without a
-    unit are in.
+    With `units` a text with one of them ("5 MPa") is allowed too and becomes a `Quantity`. `bare`: the unit of numbers without
+    one.
     """
 
     low: float
@@ -81,7 +82,7 @@ class Physical(Numbers):
 
 
 def physical(unit: str) -> Physical:
-    """Any number that a laboratory may have, in the SI `unit`."""
+    """A number in the SI `unit`, in the range of laboratories."""
     return Physical(1e-15, 1e15, (unit,))
 
 
@@ -93,7 +94,7 @@ TIME = Numbers(0.0, 1e9, ("s",), "of transits")
 RELAXATION = Numbers(1e-15, 1e9, ("s",), "in L/V*")
 UNTIL = Numbers(1e-3, 1e9, ("s",), "of transits")
 RATIO = Numbers(1e-9, 1e9)
-"""Of two quantities of the same kind."""
+"""Ratio of two quantities of the same kind."""
 
 UNIT_KEYS = ("normal_stress", "memory_length", "reference_velocity")
 MAX_LAYERS = 100
@@ -109,7 +110,7 @@ _OTHER_PARAMETER = (Numbers(-1e9, 1e9), "parameter of the law")
 
 
 def _printable(text: str) -> str:
-    """`text`, if it has no characters that could control a terminal or that a file could not hold."""
+    """`text`, if it has no control characters and none that a file cannot contain."""
     if not text.isprintable():
         raise PydanticCustomError("printable", "cannot be printed")
     return text
@@ -349,7 +350,8 @@ def json_schema() -> dict[str, Any]:
 
 
 def tables_in(hint: Any, lists: bool = True) -> dict[str, type[KeyTable]]:
-    """The tables that a type of the schema names, also in `lists`, by their kind, which is the only word of their first key."""
+    """Kind -> table, of the tables that a type of the schema contains, also in `lists`. The kind is the only value of a table's
+    first key, else empty."""
     if isinstance(hint, type) and issubclass(hint, KeyTable):
         words = get_args(next(iter(hint.model_fields.values())).annotation)
         return {words[0] if len(words) == 1 else "": hint}
@@ -358,7 +360,7 @@ def tables_in(hint: Any, lists: bool = True) -> dict[str, type[KeyTable]]:
 
 
 def allowed_in(hint: Any) -> Iterator[Numbers | str]:
-    """What the schema allows for a key, from the metadata of its type or of the type's parts."""
+    """Allowed values of a key, from the metadata of its type or of the type's parts."""
     yield from (item for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())) if isinstance(item, Numbers | str))
     for part in (hint.annotation,) if isinstance(hint, FieldInfo) else get_args(hint):
         yield from allowed_in(part)

@@ -34,7 +34,7 @@ def gallery_names() -> tuple[str, ...]:
 
 @cache
 def _of_gallery(name: str) -> dict[str, Any]:
-    """The tables of a scene of the gallery, which nobody edits while we run; not to be changed."""
+    """The tables of a scene of the gallery, cached; not to be changed."""
     return _parse(_GALLERY / f"{name}.toml")
 
 
@@ -115,15 +115,15 @@ def _why_not_a_file(path: Path) -> str:
 
 
 def tables_of(scene: Scene) -> tuple[str, dict[str, Any]]:
-    """(name, tables) of a scene. Raises SceneError for one that was not read: `dataclasses.replace` drops its tables."""
+    """(name, tables) of a scene. Raises SceneError if it was not read: `dataclasses.replace` drops the tables."""
     if scene.tables is None:
         raise SceneError(f"scene {scene.name!r}: was made in Python, not read, so its keys cannot be changed or written")
     return scene.name, copy.deepcopy(dict(scene.tables))
 
 
 def to_toml(scene: Scene) -> str:
-    """The scene as TOML: reading it gives the same scene. Raises SceneError for a scene that was not read, and for values of a
-    Python program that TOML does not know."""
+    """The scene as TOML: reading it gives the same scene. Raises SceneError for a scene that was not read, and for values that
+    TOML does not have."""
     import tomli_w
 
     name, tables = tables_of(scene)
@@ -134,7 +134,7 @@ def to_toml(scene: Scene) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """`value` with the numbers and lists of Python in place of those of other libraries."""
+    """`value` with numbers and lists of other libraries replaced by those of Python."""
     if isinstance(value, Mapping):
         return {str(key): _plain(item) for key, item in value.items() if item is not None}
     if isinstance(value, list | tuple):

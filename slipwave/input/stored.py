@@ -17,8 +17,8 @@ GRID_OPTIONS = ("cells", "cfl", "time")
 
 
 class StoredScene(NamedTuple):
-    """What a file says of its origin: the `command` that wrote it, the scene's `tables`, the model and the options of the call,
-    and all its global attributes."""
+    """Origin of a file of results: the `command` that wrote it, the scene's `tables`, the model and the options of the call, and
+    all its global attributes."""
 
     command: str
     tables: dict[str, Any]
@@ -28,8 +28,8 @@ class StoredScene(NamedTuple):
 
 
 def read_stored(path: str | Path) -> StoredScene:
-    """What the file holds. Raises SceneError if it is no file of this program's results, and if its friction law is one of the
-    user's own that is not loaded, or that has changed since."""
+    """Read the origin of a file of results. Raises SceneError if it is none of this program, and if its friction law is a user's
+    own that is not loaded or has changed."""
     label = f"SCENE = {shorten(str(path))}"
     require("files", label)
     from netCDF4 import Dataset
@@ -54,9 +54,8 @@ def read_stored(path: str | Path) -> StoredScene:
 
 
 def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
-    """(model, options) of a call on a file of results of the same `command`: what is `given`, and what it holds where the model
-    is "auto" and an option None. Options of a grid hold for the file's own model only. Raises SceneError for a file of another
-    command."""
+    """(model, options) of a call on a file of results of the same `command`: those `given`, else (model "auto", option None)
+    those in the file. Grid options apply to the file's own model only. Raises SceneError for a file of another command."""
     stored = read_stored(Path(str(source)))
     if stored.command != command:
         raise SceneError(f"SCENE = {shorten(str(source))}: is a result of slipwave {stored.command}, not of slipwave {command}")

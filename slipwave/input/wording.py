@@ -23,7 +23,7 @@ def shorten(value: Any) -> str:
 
 
 def sentence(text: str) -> str:
-    """Another program's message, whole but for a monstrous one, with its control characters made visible."""
+    """Another program's message with control characters made visible; cut only if it is very long."""
     return _cut(one_line(text), _LONGEST_VALUE)
 
 
@@ -48,7 +48,7 @@ def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:
 
 
 def choices(known: Iterable[str], given: Any = None) -> str:
-    """The known words as `"a", "b" or "c"`, and which of them may be meant by the wrong word `given`."""
+    """The known words as `"a", "b" or "c"`, and the one that the wrong word `given` resembles."""
     known = list(known)
     words = listed(f'"{word}"' for word in known)
     guess = nearest(given, known) if isinstance(given, str) else None

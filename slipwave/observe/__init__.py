@@ -1,4 +1,4 @@
-"""Observers reduce a run to events, period, drops and extrema during the run, piece by piece."""
+"""Observers, which reduce a run piece by piece to its events, period, drops and extrema."""
 
 from slipwave.observe.events import EventObserver, Events
 from slipwave.observe.history import HistoryObserver

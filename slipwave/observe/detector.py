@@ -32,7 +32,7 @@ _FIRST_SIZE, MOST_KEPT = 256, 1 << 16  # pieces; of a longer rise from half to f
 
 
 def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) -> Array:
-    """Room for `more` pieces of `nodes` nodes each, besides those `kept` so far; at most MOST_KEPT."""
+    """Buffer for the pieces `kept` so far and `more` of them, of `nodes` nodes each; at most MOST_KEPT rows."""
     kept = np.empty((0, FIRST_NODE + nodes)) if kept is None else kept
     buffer = np.zeros((min(2 * (len(kept) + more), MOST_KEPT), FIRST_NODE + nodes))
     buffer[: len(kept)] = kept
@@ -40,9 +40,9 @@ def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) 
 
 
 class Detector(NamedTuple):
-    """The `law`, the `basis` of the pieces and the `floor` below which a fall is none; the `running` swing; the memory of `rise`
-    and the pieces that are `kept` for it; y at the end of the `last` piece (shape (1,), NaN before the first piece); `scratch`
-    (2, nodes); the complete `swings`, of which the first `filled` (shape (1,)) are there."""
+    """State of the detector: `law`, `basis` of the pieces, `floor` of a fall (normal stress); the `running` swing; the `rise` of
+    v in it (see the slots above) and the pieces `kept` for that; y at the end of the `last` piece (1,), NaN before the first;
+    `scratch` (2, nodes); rows for complete `swings`, of which the first `filled` (1,) are in use."""
 
     law: Law
     basis: Basis
@@ -57,7 +57,7 @@ class Detector(NamedTuple):
 
 
 def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
-    """A detector before the first piece, with room for so many `swings`."""
+    """A detector before the first piece, with rows for `swings` swings."""
     n = basis.nodes.size
     memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((2, n))
     return Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
@@ -65,8 +65,8 @@ def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
 
 @njit
 def scan(pieces: Pieces, first: int, found: Detector) -> int:
-    """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if there is no
-    room for all swings that one more piece may complete."""
+    """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if the free rows
+    may not hold all swings that the next piece completes."""
     y, running, last = pieces.y, found.running, found.last
     nodes = found.basis.nodes
     n = nodes.size
@@ -87,9 +87,9 @@ def scan(pieces: Pieces, first: int, found: Detector) -> int:
 
 @inlined
 def _look(derivative: Array, pieces: Pieces, k: int, running: Array, left: float) -> tuple[bool, bool]:
-    """Whether the elastic stress, with the value `left` so far, turns in piece k or at its beginning, and whether the rate or the
-    friction stress may exceed a record of the `running` swing (`near`): one loop, which is all that most pieces need. The last
-    row of `derivative` gives the slope at the end of the piece."""
+    """Whether the elastic stress, `left` at the end of the piece before, turns in piece k or at its beginning, and whether the
+    rate or the friction stress may exceed a record of the `running` swing (`near`). Most pieces need only this loop. The last row
+    of `derivative` gives the slope at the end of the piece."""
     y, z, mu, direction = pieces.y, pieces.z, pieces.mu, running[DIRECTION]
     n = y.shape[1]
     slope, back = 0.0, False
@@ -219,7 +219,7 @@ def _passage(basis: Basis, piece: Array, level: float, node: int) -> float:
 
 @inlined
 def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> int:
-    """Append a piece and return its place. If there is no room, drop the pieces before the front, or else every other piece."""
+    """Append a piece and return its row. If `kept` is full, drop the pieces before the front, or else every other piece."""
     front, end = int(memory[FRONT]), int(memory[KEPT])
     if end == kept.shape[0]:
         step = 1 if front > 0 else 2

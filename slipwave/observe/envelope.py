@@ -1,4 +1,4 @@
-"""The range of the motion in each of some thousand equal intervals of a run: all that a figure shows, in memory of fixed size."""
+"""Ranges of slip rate and friction stress over up to 4096 equal intervals of a run, for figures; memory of fixed size."""
 
 import math
 from typing import NamedTuple, TypeAlias
@@ -33,11 +33,11 @@ class Shown(NamedTuple):
 
 
 class Envelope:
-    """Reads the pieces of a run of `scene` from `begin` to `end` (transits): ranges over equal intervals of time and of slip.
+    """Observer that computes ranges over equal intervals of time and of slip from `begin` to `end` (transits).
 
-    The intervals become twice as long each time that the run leaves them. Slip follows from the stress that it releases,
-    y' = stiffness (V - v), so that it is exact behind gaps too. Every transit is asked for only where a window is so short that
-    its intervals may be shorter than two transits.
+    The intervals become twice as long each time that the run leaves them. Slip follows from the stress that it releases, y' =
+    stiffness (V - v), so that it is exact after gaps too. Gaps are refused only where the window is so short that its intervals
+    may be shorter than two transits.
     """
 
     def __init__(self, scene: Scene, nodes: Array, begin: float = 0.0, end: float = math.inf) -> None:
@@ -53,8 +53,7 @@ class Envelope:
         return self._begin if self._end - self._begin <= 2.0 * COUNT and self._reached <= self._end else math.inf
 
     def scan(self, pieces: Pieces) -> None:
-        """Take the next pieces of the run. They are read when they are many or when what they show is asked for: most short runs
-        are never drawn."""
+        """Take the next pieces of the run; they are evaluated in large batches, or when ranges are asked for."""
         self._unread.append((self._reached, pieces))
         self._reached = float(pieces.time[-1] + pieces.length[-1]) if pieces.time.size else self._reached
         if sum(part.z.size for _, part in self._unread) > _UNREAD:
@@ -66,8 +65,8 @@ class Envelope:
         self._unread.clear()
 
     def _take(self, reached: float, pieces: Pieces) -> None:
-        """Read pieces; those before ended at `reached`. Behind a gap, and in intervals of whole transits, all samples of a
-        transit go to one interval, where the next ones may be empty: a part of a transit has another range."""
+        """Add pieces after the time `reached`. After a gap, and in intervals longer than a transit, all samples of a transit go
+        to one interval, even if the next ones stay empty: a part of a transit has another range."""
         time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
         inside = (time >= self._begin) & (time <= self._end)
         if not inside.any():
@@ -99,7 +98,7 @@ class Envelope:
         return Shown(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
 
     def state(self) -> dict[str, Array]:
-        """All that was seen, for a checkpoint."""
+        """The ranges so far, for a checkpoint."""
         self._read()
         tables = {f"ranges{n}": np.concatenate([*bins.ranges]) for n, bins in enumerate(self._bins)}
         widths = [bins.width for bins in self._bins]
@@ -121,20 +120,20 @@ class _Bins:
     def __init__(self, width: float = _FIRST, ranges: Array = _EMPTY) -> None:
         self.width, self.ranges = width, ranges.copy()
 
-    def add(self, places: Array, samples: tuple[Array, ...]) -> None:
-        """Take the samples of all rows, (n,) each, at `places` (n,) from 0 on, as a rule rising."""
-        while places.max() >= COUNT * self.width:
+    def add(self, positions: Array, samples: tuple[Array, ...]) -> None:
+        """Add the samples of all rows, (n,) each, at `positions` (n,) >= 0, which usually rise."""
+        while positions.max() >= COUNT * self.width:
             left, right = self.ranges[:, :, ::2], self.ranges[:, :, 1::2]
             halves = np.stack([np.minimum(left[0], right[0]), np.maximum(left[1], right[1])])
             self.ranges, self.width = np.concatenate([halves, _EMPTY[:, :, COUNT // 2 :]], axis=2), 2.0 * self.width
         for lowest, highest, values in zip(*self.ranges, samples, strict=True):
-            _widen(lowest, highest, places, self.width, values)
+            _widen(lowest, highest, positions, self.width, values)
 
 
 @njit
-def _widen(lowest: Array, highest: Array, places: Array, width: float, values: Array) -> None:
-    """Take `values` (n,) at `places` into the ranges of intervals `width` long."""
-    for i in range(places.size):
-        k = int(max(places[i] / width, 0.0))
+def _widen(lowest: Array, highest: Array, positions: Array, width: float, values: Array) -> None:
+    """Widen the ranges of the intervals of length `width` by `values` (n,) at `positions`."""
+    for i in range(positions.size):
+        k = int(max(positions[i] / width, 0.0))
         lowest[k] = min(lowest[k], values[i])
         highest[k] = max(highest[k], values[i])

@@ -48,8 +48,8 @@ NO_EVENTS = Events(*np.empty((6, 0)))
 
 
 class EventObserver:
-    """Reads pieces; gives the events of any window that lasts to the latest piece. Falls below `floor` (normal stress), such as
-    the noise of a record, are no events either."""
+    """Observer that finds the events of any window that lasts to the latest piece. `floor` (normal stress): smaller falls, such
+    as the noise of a record, are no events either."""
 
     whole_from = math.inf
 
@@ -71,7 +71,7 @@ class EventObserver:
             done = scan(pieces, done, self._found)
 
     def _extend_buffer(self, more: int) -> None:
-        """Make room for a rise that lasts through all of the next `more` pieces."""
+        """Lengthen the buffer for a rise that lasts through all of the next `more` pieces."""
         used, kept = int(self._found.rise[KEPT]), self._found.kept
         if used + more > len(kept) and len(kept) < MOST_KEPT:
             self._found = self._found._replace(kept=rise_buffer(self._found.basis.nodes.size, kept[:used], more))
@@ -83,7 +83,7 @@ class EventObserver:
 
     @property
     def count(self) -> int:
-        """Slip events of the whole run so far."""
+        """Number of slip events of the run so far."""
         return self.dates().size
 
     def judge(self, after: float = -np.inf) -> JudgedSwings:
@@ -112,7 +112,7 @@ class EventObserver:
         return Events(dates[:-1], np.diff(dates), records[:, 2] + records[:, 3], highest - lowest, v_max, v_min)
 
     def state(self) -> dict[str, Array]:
-        """The whole memory, as arrays, for a checkpoint."""
+        """All that is remembered, as arrays, for a checkpoint."""
         found = self._found
         memory, kept = np.concatenate((found.running, found.rise, found.last)), found.kept[: int(found.rise[KEPT])].copy()
         return {"memory": memory, "rise": kept, "swings": found.swings[: int(found.filled[0])].copy()}

@@ -103,7 +103,7 @@ def near(values: Array, memory: Array, slot: int) -> bool:
 @njit
 def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
     """memory[slot] <- the larger of itself and the maximum of the part [begin, end] of the piece; memory[slot + 1] likewise with
-    -minimum; `slopes` is scratch. The value at 0, which the piece before has already, counts for a new record only."""
+    -minimum; `slopes` is scratch. The value at 0, which the piece before includes, counts only if no record exists yet."""
     if not near(values, memory, slot):
         return
     bottom, top = bounds(values)

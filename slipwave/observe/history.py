@@ -1,4 +1,4 @@
-"""Keeps the interface's motion over a window of a run and evaluates it at any time there; memory grows with the window."""
+"""Keeps the pieces of a window of a run and evaluates the interface's motion at any time in it; memory grows with the window."""
 
 from collections.abc import Sequence
 
@@ -53,7 +53,7 @@ class HistoryObserver:
         return named_columns(self._law, self.samples())
 
     def pieces(self) -> Pieces:
-        """All that is kept."""
+        """The kept pieces."""
         if len(self._kept) != 1:
             parts = self._kept or [empty_pieces(0, self._basis.nodes.size)]
             self._kept = [Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))]
@@ -70,6 +70,6 @@ class HistoryObserver:
 
 
 def named_columns(law: Law, samples: Sequence[Array] | Array) -> dict[str, Array]:
-    """Samples by name, with the slip rate (V*) in place of the rate unknown."""
+    """Samples by name, with the slip rate (V*) instead of the rate unknown."""
     time, z, psi, mu, y = samples
     return {"time": time, "slip_rate": rates(law, z), "psi": psi, "stress": mu, "elastic_stress": y}

@@ -1,7 +1,7 @@
 """The output of every solver: consecutive polynomial pieces of the interface's motion, on the transit clock.
 
-Piece k covers (time[k], time[k] + length[k]] and holds values at time[k] + nodes * length[k]. Observers see nothing else of a
-solver, so one event detector works for collocation (Radau nodes) and for grids (groups of equispaced steps).
+Piece k covers (time[k], time[k] + length[k]] and holds values at time[k] + nodes * length[k]. Observers receive nothing else from
+a solver, so one event detector works for collocation (Radau nodes) and for grids (groups of equispaced steps).
 
 Where a piece begins later than the one before it ends, there is a gap: the motion was not computed there (`Leaping`). Only
 observers that say so (`slipwave.solve.Spanning`) are given pieces with gaps.
@@ -35,7 +35,7 @@ class Pieces(NamedTuple):
 
 
 def empty_pieces(count: int, nodes: int) -> Pieces:
-    """Room for `count` pieces of `nodes` values each."""
+    """Uninitialised arrays for `count` pieces of `nodes` values each."""
     return Pieces(np.empty(count), np.empty(count), *(np.empty((count, nodes)) for _ in range(4)))
 
 
@@ -65,15 +65,15 @@ def _basis(points: tuple[float, ...]) -> Basis:
 
 
 def barycentric_weights(nodes: Array) -> Array:
-    """One weight for each of the `nodes`, any distinct numbers."""
+    """Barycentric weights (n,) of distinct `nodes` (n,)."""
     gaps = nodes[:, None] - nodes
     np.fill_diagonal(gaps, 1.0)
     return np.asarray(1.0 / gaps.prod(axis=1))
 
 
 def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
-    """z, psi, mu and y at `times` (transits), which `pieces` contain; where two pieces meet, as the earlier one ends. Raises
-    ValueError for a time that they do not contain, by more than rounding: by half a piece."""
+    """z, psi, mu and y at `times` (transits); where two pieces meet, the values at the end of the earlier one. Raises ValueError
+    for a time more than half a piece outside `pieces`."""
     which = np.clip(np.searchsorted(pieces.time, times - SAME) - 1, 0, None)
     outside = np.abs(times - pieces.time[which] - 0.5 * pieces.length[which]) > pieces.length[which]
     if outside.any():

@@ -12,7 +12,7 @@ from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, sta
 from slipwave.scene import Scene
 
 _LEFT = math.exp(-1.0)
-"""The share of the peak's height over the steady stress that is left where the stress has come back."""
+"""Share of the peak's height over the steady stress at which the stress counts as recovered."""
 
 _POINTS = 33  # of a piece, its ends included
 _AT_ONCE = 256  # pieces that are searched for a peak
@@ -20,7 +20,7 @@ _NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie bet
 
 
 class Sampling(NamedTuple):
-    """`points` of a piece; rows that evaluate its polynomial there, and rows that integrate it from 0 to them and to 1."""
+    """`points` of a piece; `rows` that evaluate its polynomial there; `sums` that integrate it from 0 to each point and to 1."""
 
     points: Array
     rows: Array
@@ -42,7 +42,7 @@ class ProtocolObserver:
 
     @property
     def whole_from(self) -> float:
-        """As `Spanning`: never while a hold has begun that is not over, because of a hold only the end has a figure."""
+        """As `Spanning`; infinite during a hold, of which only the end enters a figure."""
         if self._now == len(self.stages):
             return 0.0
         stage, seen = self.stages[self._now], self._seen[self._now]
@@ -79,8 +79,8 @@ class ProtocolObserver:
             self._now += 1
 
     def _sampled(self, sampling: Sampling, pieces: Pieces, slip: float | Array) -> tuple[Array, Array]:
-        """(time, mu, slip rate, slip) at the points of each piece, (4, k, p), and the slip at the beginnings of the pieces and at
-        their end, of which `slip` has the first or, as many as there are pieces, all."""
+        """Time, mu, slip rate and slip at the points of each piece, (4, k, p), and the slip at the k beginnings and the end of
+        the pieces. `slip`: that at the first beginning, or (k,) at all of them."""
         points, rows, sums = sampling
         gained = self._scene.transit * pieces.length[:, None] * _at(sums, rates(self._scene.law, pieces.z))
         begun = np.cumsum(np.append(slip, gained[:, -1])) if np.ndim(slip) == 0 else np.asarray(slip)
@@ -89,7 +89,7 @@ class ProtocolObserver:
         return np.stack([time, _at(rows, pieces.mu), rate, gained[:, :-1] + begun[: len(gained), None]]), begun
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:
-        """The peak of a stage, and where the stress has come back after it, in those of its `pieces` in which they may lie."""
+        """Find the peak of a stage and the recovery after it, in those of its `pieces` in which they may lie."""
         count, steady = pieces.time.size, self._steady(stage)
         first, highest, lowest = 0, (stage.sign * pieces.mu).max(axis=1), (stage.sign * pieces.mu).min(axis=1)
         while first < count:
@@ -132,7 +132,7 @@ class ProtocolObserver:
         return float(respond(law, unknown_of(law, velocity), steady_state(law, velocity))[2])
 
     def state(self) -> dict[str, Array]:
-        """What was seen, a row for each stage, for a checkpoint."""
+        """What was measured, one row per stage, for a checkpoint."""
         seen = np.array([np.hstack(seen) for seen in self._seen], dtype=float)
         return {"seen": seen, "slip": np.array([self._slip, self._last])}
 
@@ -158,7 +158,7 @@ def _at(rows: Array, values: Array) -> Array:
 
 
 def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
-    """The place in `mu` where the stress has come back, first, after a peak there or before; the last one if it has not."""
+    """Index in `mu` at which the stress has first recovered from a peak in it or before it; the last index if it has not."""
     known = -math.inf if math.isnan(seen.peak) else sign * seen.peak
     highest = np.maximum.accumulate(np.append(known, sign * mu))[1:]
     height = highest - sign * steady
@@ -169,7 +169,7 @@ def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
 
 
 def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> Seen:
-    """`seen` with the peak of further samples and, after it, the slip at which the stress has come back to `_LEFT`."""
+    """`seen` updated by further samples: the peak and, after it, the slip at which the stress has recovered (`_LEFT`)."""
     highest, first = int(np.argmax(sign * mu)), 0
     if not sign * mu[highest] <= sign * seen.peak:
         seen = seen._replace(peak=float(mu[highest]), peak_slip=float(slip[highest]), recovered=math.nan)

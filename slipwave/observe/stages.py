@@ -3,9 +3,9 @@
     start   the sliding before anything changes
     step    V jumps from one velocity to another and stays
     hold    V is 0
-    slide   V is taken up again after a hold
-    ramp    V changes all the time
-    level   V stays where a ramp has led it
+    slide   V is positive again after a hold
+    ramp    V changes throughout
+    level   V stays at the end of a ramp
 
 A stage has settled if it ends within the run and, in its last tenth, the slip rate is within 1 % of V. It stick-slips if it has
 not settled and the slip rate changes by more than a factor e in its third quarter and in its last, there as much as before: a
@@ -44,7 +44,7 @@ class Stage(NamedTuple):
 
     @property
     def sign(self) -> float:
-        """1 if friction first rises in it, -1 if it falls: the direct effect has the sign of the change of V."""
+        """1 if friction first rises in the stage, -1 if it falls: the sign of the change of V, by the direct effect."""
         return 1.0 if self.velocity >= self.before else -1.0
 
 
@@ -56,18 +56,18 @@ class Extent(NamedTuple):
 
     @property
     def width(self) -> float:
-        """Highest minus lowest; 0 of none."""
+        """Highest minus lowest; 0 if there are no values."""
         return max(self.high - self.low, 0.0)
 
     def with_values(self, values: Array) -> "Extent":
-        """The range of further `values` too."""
+        """The range extended to `values`."""
         return Extent(float(values.min(initial=self.low)), float(values.max(initial=self.high)))
 
 
 class Seen(NamedTuple):
-    """What was seen in a stage: friction stress just `before` it, at its `peak` (the lowest where friction falls first) and
-    `last`; slip in L since the stage began, `peak_slip` and where the stress had come back, `recovered` (NaN: not yet); the
-    ranges of ln v in its third and fourth quarter and in the last tenth; the time reached (transits)."""
+    """Measured in a stage so far: friction stress just `before` it, at its `peak` (the lowest where friction falls first) and
+    `last`; slip in L since the stage began, `peak_slip` at the peak and `recovered` where the stress had recovered (NaN: not
+    yet); the ranges of ln v in its third and fourth quarter and in the last tenth; the time reached (transits)."""
 
     before: float = math.nan
     peak: float = math.nan
@@ -116,7 +116,7 @@ def stages_of(drive: Drive, until: float) -> list[Stage]:
 
 
 def _append(stages: list[Stage], start: float, end: float, first: float, last: float) -> None:
-    """Add a straight stretch of V; one that goes on as the stage before it makes that longer."""
+    """Add a straight stretch of V; a stretch that continues the last stage prolongs it."""
     before = stages[-1].velocity if stages else first
     if first != last:
         stages.append(Stage("ramp", start, end, before, last))
@@ -137,7 +137,8 @@ def _kind_of(stages: list[Stage], before: float, velocity: float) -> StageKind:
 
 
 def stage_figures(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
-    """The figures of the stages that the run has begun. One that no step of the run has seen, because it is shorter, has none."""
+    """The figures of the stages that the run has begun. A stage shorter than a step of the run, which lies in none, has no
+    figures."""
     found: list[StageFigures] = []
     begun = max((k + 1 for k, here in enumerate(seen) if here.reached > -math.inf), default=0)
     for k in range(begun):

@@ -1,9 +1,9 @@
-"""Statistics of a run's cycles, and the quantities of a motion that repeats, whichever method gives them.
+"""Statistics of a run's cycles, and the quantities of a periodic motion.
 
 Neighbouring cycles of a motion that never repeats depend on each other, so that std/sqrt(n) would be no error of the mean. The
 cycles are divided in order into a few batches. Means of batches longer than this dependence are independent, and their scatter
-gives the interval of their mean (Student's distribution). The autocorrelations of the cycles give another, corrected for what a
-short run takes from them: they are those about its own mean, and known no better than its windows are many. The wider one counts.
+gives the interval of their mean (Student's distribution). The autocorrelations of the cycles give another interval, corrected for
+the bias of a short run, whose own mean is subtracted, and for the few independent windows in it. The wider interval counts.
 """
 
 import math
@@ -15,7 +15,7 @@ from slipwave.observe.events import Events
 from slipwave.observe.pieces import Array
 
 FEWEST = 8
-"""Values of which a mean has a margin."""
+"""Fewest values whose mean has a margin."""
 
 BATCHES = 6
 _CONFIDENCE = 0.95
@@ -76,7 +76,7 @@ class RunStatistics:
 
     @property
     def spreads(self) -> dict[str, Spread]:
-        """The figures that have a mean and a spread, by name."""
+        """Name -> the figures that have a mean and a standard deviation."""
         return {"period": self.period, "stress_drop": self.stress_drop, "elastic_stress_drop": self.elastic_stress_drop}
 
     def values(self) -> dict[str, float]:
@@ -99,8 +99,8 @@ def summarise(events: Events, repeat: bool = True) -> RunStatistics:
 def margin_of_mean(values: Array) -> float:
     """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than FEWEST values.
 
-    Of two margins the wider: that of batches is too narrow where neighbours resemble each other over a batch, that of
-    autocorrelations where they alternate. Alone, each holds the mean of fewer than 95 of 100 runs."""
+    The wider of two margins: that by batches is too narrow where correlations last longer than a batch, that by autocorrelations
+    where neighbours alternate. Alone, each covers the mean in fewer than 95 of 100 runs."""
     return max(_by_batches(values), _by_autocorrelations(values)) if values.size >= FEWEST else math.nan
 
 
@@ -113,9 +113,9 @@ def _by_autocorrelations(values: Array) -> float:
     """From the variance of the mean, 2 tau variance/n. The time tau = 1/2 + (sum of the autocorrelations) is summed in pairs of
     lags as long as these are positive (Geyer, Statistical Science 7, 1992): later ones are noise.
 
-    Covariances about the run's own mean lack the variance of this mean, each of the w lags (of both signs) in the sum: it is
-    (1 - w/n) of the true one. And it is known as well as a variance of n/w independent values, or of n/(2 tau) if these are
-    fewer (Priestley, Spectral Analysis and Time Series, 1981, section 6.2)."""
+    Covariances about the run's own mean lack the variance of this mean at each of the w lags (of both signs): the sum is (1 -
+    w/n) of the true one. It is as uncertain as a variance of n/w independent values, or of n/(2 tau) if these are fewer
+    (Priestley, Spectral Analysis and Time Series, 1981, section 6.2)."""
     count = values.size
     transformed = np.fft.rfft(values - values.mean(), 2 * count)
     covariance = np.fft.irfft(np.abs(transformed) ** 2)[:count] / count
@@ -131,7 +131,7 @@ def _by_autocorrelations(values: Array) -> float:
 
 
 def _quantile(freedom: float) -> float:
-    """Student's, for both tails of the interval."""
+    """Two-sided 95 % quantile of Student's distribution."""
     from scipy.special import stdtrit
 
     return float(stdtrit(freedom, 0.5 * (1.0 + _CONFIDENCE)))

@@ -44,7 +44,7 @@ def join_last(swings: Array, first: int, count: int, threshold: float) -> int:
 
 @njit
 def _join(left: Array, middle: Array, right: Array) -> None:
-    """left <- the three joined. The date is that of the fall that reaches the higher rate."""
+    """left <- the three joined, with the date of the fall that reaches the higher rate."""
     if right[RECORDS] > left[RECORDS]:
         left[DATE] = right[DATE]
     left[END] = right[END]
@@ -66,7 +66,7 @@ def simplify(swings: Array, first: int, count: int, threshold: float) -> int:
 
 @njit
 def largest_fall(swings: Array, first: int, threshold: float) -> float:
-    """The largest fall from swings[first] on that continues only through rises below `threshold`."""
+    """Height of the largest fall from swings[first] on that continues only through rises below `threshold` (normal stress)."""
     best, top, bottom = 0.0, -math.inf, -math.inf
     for i in range(first, swings.shape[0]):
         for y in (swings[i, BEGIN], swings[i, END]):
@@ -106,12 +106,13 @@ class JudgedSwings(NamedTuple):
 
     @property
     def complete(self) -> Array:
-        """The prominence of the events whose falls are over."""
+        """The prominence of the events whose falls have ended."""
         return self.prominence if self.over else self.prominence[:-1]
 
 
 def judge_swings(swings: Array, floor: float, after: float) -> JudgedSwings:
-    """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one, and `floor`.
+    """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one and at least
+    `floor` (normal stress).
 
     The size of a fall depends on how large a rise it may continue through. The largest fall is the largest of all falls that
     continue only through rises below SHARE of their own size.
@@ -126,7 +127,7 @@ def judge_swings(swings: Array, floor: float, after: float) -> JudgedSwings:
 
 
 def _threshold(swings: Array, floor: float, after: float) -> float:
-    """The prominence that an event needs."""
+    """The least prominence of an event."""
     falls = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after))
     first = int(falls[0]) if falls.size else len(swings)
     threshold, lower = math.inf, max(floor, SHARE * largest_fall(swings, first, math.inf))

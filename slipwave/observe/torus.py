@@ -1,11 +1,11 @@
-"""Is a sequence of cycles a walk on a torus?  Then every figure x_n of the n-th cycle is a smooth function of a phase that
-advances by the same angle from cycle to cycle,
+"""Decides whether a sequence of cycles lies on a torus: then every figure x_n of the n-th cycle is a smooth function of a phase
+that advances by the same angle from cycle to cycle,
 
     x_n = sum over k of c_k exp(2 pi i k rho n),     c_-k = conj(c_k),
 
-with the rotation number rho. Chaos has no such description, whatever the number of terms. A decay has one with a phase so slow
-that it does not come round, or with amplitudes c_k that change: therefore the frequencies must be so far apart that the cycles
-can tell them from each other and from a constant, and the amplitude must stay what it is.
+with the rotation number rho. Chaos has no such description, whatever the number of terms. A decay has one with a phase too slow
+to complete a turn, or with amplitudes c_k that change: therefore the cycles must resolve the frequencies from each other and from
+zero, and the amplitude must be constant.
 """
 
 from typing import NamedTuple
@@ -15,10 +15,10 @@ import numpy as np
 from slipwave.observe.pieces import Array
 
 MANY = 16
-"""The fewest cycles that show what never repeats."""
+"""Fewest cycles from which a motion that never repeats is classified."""
 
 MOST_HARMONICS = 12
-"""That are ever used."""
+"""Most harmonics of the description."""
 
 _CYCLES_PER_TERM = 4  # so that noise is not fitted: a term has an amplitude and a phase
 _GRID = 16  # trial frequencies in the width of a peak
@@ -28,10 +28,10 @@ _TURNS = 1.0  # by which the phases of two terms must part over the cycles
 
 
 class Rotation(NamedTuple):
-    """`number`: rho in (0, 1/2], the share of a turn by which the phase advances in a cycle; `misfit`: what the smooth functions
-    leave of the figures, root mean square, relative to their deviation from the mean; `change`: that of the amplitude from the
-    first cycle to the last, relative to it, and its standard `error`; all of the worst figure. `terms`: how many harmonics
-    the cycles resolve, 0 if the phase does not come round; `most`: how many they would resolve of other frequencies."""
+    """`number`: rho in (0, 1/2], the share of a turn by which the phase advances in a cycle; `misfit`: root mean square residual
+    of the figures over their standard deviation; `change`: relative change of the amplitude from the first cycle to the last, and
+    its standard `error`; each of the worst figure. `terms`: number of harmonics that the cycles resolve, 0 if the phase completes
+    no turn; `most`: the largest number for any frequency."""
 
     number: float
     misfit: float
@@ -42,8 +42,8 @@ class Rotation(NamedTuple):
 
 
 def rotation(figures: Array) -> Rotation | None:
-    """The best description of `figures` (cycles, n), or of one (cycles,), by one phase: that of the strongest oscillation of one
-    of them. None for fewer than 16 cycles or a constant figure."""
+    """Fit `figures` (cycles, n), or one figure (cycles,), by one phase, that of the strongest oscillation of one of them. None
+    for fewer than 16 cycles or a constant figure."""
     columns = figures.reshape(len(figures), -1)
     if len(columns) < MANY or (np.ptp(columns, axis=0) == 0.0).any():
         return None
@@ -54,7 +54,7 @@ def rotation(figures: Array) -> Rotation | None:
 
 
 def _strongest(figure: Array) -> float:
-    """The frequency of the strongest oscillation, to a sixteenth of the width of a peak."""
+    """Frequency (per cycle) of the strongest oscillation, to a sixteenth of the width of a peak."""
     count = figure.size
     window = np.hanning(count + 2)[1:-1] * (figure - figure.mean())
     spectrum = np.abs(np.fft.rfft(window, _GRID * count)[1 : _GRID * count // 2])
@@ -62,7 +62,7 @@ def _strongest(figure: Array) -> float:
 
 
 def _follow(columns: Array, start: float) -> tuple[float, float, int, int]:
-    """The description by a phase whose frequency is near `start`: misfit, number, terms and most, as in `Rotation`."""
+    """Fit by a phase whose frequency is near `start`: misfit, number, terms and most, as in `Rotation`."""
     from scipy.optimize import OptimizeResult, minimize_scalar
 
     count = len(columns)
@@ -80,7 +80,8 @@ def _follow(columns: Array, start: float) -> tuple[float, float, int, int]:
 
 
 def _terms(rho: float, count: int, most: int) -> int:
-    """How many harmonics of the frequency `rho` can be told from each other, from their mirror images and from a constant."""
+    """Number of harmonics of the frequency `rho` that are resolved from each other, from their mirror images and from a
+    constant."""
     for terms in range(1, most + 1):
         phases = np.sort(np.arange(-terms, terms + 1) * rho % 1.0)
         if np.diff(np.append(phases, phases[0] + 1.0)).min() < _TURNS / count:
@@ -94,15 +95,15 @@ def _basis(count: int, rho: float, terms: int) -> Array:
 
 
 def _misfit(columns: Array, basis: Array) -> float:
-    """What the best sums of the columns of `basis` leave of a figure, relative; of the worst one."""
+    """Relative residual of the least-squares fit of a figure by the columns of `basis`; the largest over the figures."""
     orthonormal, _ = np.linalg.qr(basis)
     left = columns - orthonormal @ (orthonormal.T @ columns)
     return float(np.max(np.sqrt(np.mean(left**2, axis=0)) / np.std(columns, axis=0)))
 
 
 def _change(figure: Array, rho: float, terms: int) -> tuple[float, float]:
-    """Change of the amplitude over all cycles, if it is linear, beside a linear change of the phase and of the mean; and its
-    standard error. Both are relative."""
+    """Relative change of the amplitude over all cycles, fitted as linear together with linear changes of the phase and of the
+    mean; and its standard error."""
     place, basis = np.linspace(-0.5, 0.5, figure.size), _basis(figure.size, rho, terms)
     found = np.linalg.lstsq(basis, figure, rcond=None)[0]
     order = np.arange(1, terms + 1)

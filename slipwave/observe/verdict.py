@@ -1,6 +1,6 @@
 """The verdict on a run, from the figures of the cycles in its second half alone.
 
-    driven      V changes all the time there, or it is zero: the drive causes the motion
+    driven      V changes throughout, or it is zero: the drive causes the motion
     protocol    V changes there, or the cycles do not repeat after it has changed: its stages are judged (`stages`)
     steady      v ends within 1e-6 of V, and either there is no event or v_max and v_min of all cycles agree within 1e-6
     too short   fewer than 3 complete cycles, or fewer than 16 that neither repeat nor come closer
@@ -20,11 +20,11 @@ Figures are period, stress drop, elastic stress drop, v_max and v_min.
 Cycles of a motion that still change in one direction neither repeat nor wander for ever (`goes_on`).
 
 Figures of cycles are compared as logarithms, cycle k with cycle k + n (every n-th, n = 1 ... 8), so that the approach to a period
-of n events is seen as well. Two signs are looked for:
+of n events is seen as well. There are two criteria:
 
 * the differences become smaller (or larger) exponentially: the line through their logarithms changes by ln 2 or more in all,
-  and by five times its standard error, and goes on in the later half, so that the ups and downs of chaos are none;
-* a parabola in k leaves at most a tenth of the variance, in most figures: a slow drift, whose end is not in sight. For n > 1 a
+  and by five times its standard error, and goes on in the later half, which fluctuations of chaos do not;
+* a parabola in k leaves at most a tenth of the variance, in most figures: a slow drift. For n > 1 a
   straight line must do that, because half a turn of a torus near a period of n is a parabola too.
 """
 
@@ -52,7 +52,7 @@ def logarithms(figures: Array) -> Array:
 
 
 def still_changes(figures: Array) -> bool:
-    """Whether the cycles with these `figures` (cycles, 5) approach or leave something, or drift."""
+    """Whether the cycles with these `figures` (cycles, 5) approach or leave a limit exponentially, or drift."""
     values = logarithms(figures)
     steps = np.diff(values, axis=0)
     one_way = ((steps > 0.0).all(axis=0) | (steps < 0.0).all(axis=0)).all()
@@ -61,8 +61,8 @@ def still_changes(figures: Array) -> bool:
 
 
 def goes_on(periods: Array, within: float) -> bool:
-    """Whether means over successive periods (periods, 5), relative to their size, move on to a value further off than `within`:
-    the sum of the geometric series that the changes between their thirds begin."""
+    """Whether means over successive periods (periods, 5) will still change by more than `within`, relative to their size: by the
+    sum of the geometric series that the changes between their thirds begin."""
     if len(periods) < 3:
         return False
     early, late = between_thirds(periods)
@@ -73,7 +73,7 @@ def goes_on(periods: Array, within: float) -> bool:
 
 
 def between_thirds(values: Array) -> Array:
-    """The changes between the means of the thirds of `values` (n, ...), of which up to two at the beginning are left out."""
+    """The changes (2, ...) between the means of the thirds of `values` (n, ...), after omitting up to two at the beginning."""
     third = len(values) // 3
     return np.diff(values[-3 * third :].reshape(3, third, *values.shape[1:]).mean(axis=1), axis=0)
 
@@ -91,7 +91,7 @@ def straight_line(values: Array) -> tuple[float, float, float]:
 
 
 def _shrinks(values: Array, lag: int) -> bool:
-    """Whether the cycles `lag` apart come closer, or part, exponentially."""
+    """Whether the differences of cycles `lag` apart shrink or grow exponentially."""
     apart = np.log(np.maximum(np.abs(values[lag:] - values[:-lag]).max(axis=1), _NONE))
     if apart.size < 4:
         return bool(apart.size > 1 and apart[-1] < apart[0] - np.log(2.0) and (np.diff(apart) < 0.0).all())
@@ -119,7 +119,7 @@ Kind: TypeAlias = Literal[
 ]
 
 REPEATING: tuple[Kind, ...] = ("periodic", "torus", "irregular")
-"""Verdicts on motions that means over cycles represent."""
+"""Verdicts on motions that are represented by means over cycles."""
 
 _FEWEST = 3
 REPEATS = 1e-3
@@ -141,9 +141,9 @@ _CLOSELY = 0.01  # differences from period to period, over those within one
 class MotionVerdict(NamedTuple):
     """`cycles`: complete cycles in the second half. `multiplicity`: events in a period, if periodic. `change`: largest relative
     difference of a figure between the last two cycles, or of the prominence between the first and the last event if decaying or
-    growing; NaN if there are too few. `needed`: length in transits with which a run too short would have enough cycles, else
-    NaN. `rotation`: the share of a turn by which a torus advances in a cycle, else None. `rate`: slope of the logarithm of the
-    elastic stress drop over the dates (least squares), per transit, if decaying or growing, else NaN."""
+    growing; NaN if there are too few. `needed`: length (transits) of a run with enough cycles if this one is too short, else NaN.
+    `rotation`: the share of a turn by which a torus advances in a cycle, else None. `rate`: slope of the logarithm of the elastic
+    stress drop over the dates (least squares), per transit, if decaying or growing, else NaN."""
 
     kind: Kind
     cycles: int
@@ -155,12 +155,12 @@ class MotionVerdict(NamedTuple):
 
     @property
     def repeats(self) -> bool:
-        """Whether means over the cycles represent the motion; those of a transient do not."""
+        """Whether means over the cycles represent the motion, which is no transient."""
         return self.kind in REPEATING
 
     @property
     def wanders(self) -> bool:
-        """Whether the cycles never repeat, so that means over some of them are uncertain."""
+        """Whether the cycles never repeat, so that their means have margins."""
         return self.kind in ("torus", "irregular")
 
 
@@ -198,9 +198,9 @@ def slides_at(rate: float, velocity: float) -> bool:
 
 
 def _multiplicity(figures: Array) -> int | None:
-    """The smallest n for which every n-th cycle is the same, over at least two periods; None if there is none. Up to 8 events
-    are a period if the later half of the cycles says so; others need all cycles, and differences that are nothing beside those
-    within a period, because a torus returns as closely as it likes."""
+    """The smallest n for which every n-th cycle is the same, over at least two periods; None if there is none. For n up to 8 the
+    later half of the cycles decides; larger n need all cycles, and differences far below those within a period, because a torus
+    returns arbitrarily closely."""
     count = len(figures)
     later = figures[-max(_FEWEST, (count + 1) // 2) :]
     tried = min(_MOST_EVENTS, len(later) // 2)
@@ -214,7 +214,7 @@ def _multiplicity(figures: Array) -> int | None:
 
 
 def repeating(cycles: Events, multiplicity: int) -> Events:
-    """The last of the `cycles` of a periodic motion, as many as agree with every `multiplicity`-th of them within `REPEATS`."""
+    """The longest run of last `cycles` in which every `multiplicity`-th agrees within `REPEATS`."""
     figures = np.array(cycles[1:]).T
     first, last = 0, len(figures) - 2 * multiplicity  # bisection: the more cycles, the larger their spread
     while first < last:
@@ -244,8 +244,8 @@ def _trend(prominence: Array, ratio: float) -> float:
 
 
 def _limit(values: Array) -> float:
-    """The limit of x = limit + A exp(-k t), over the last x, from the logarithms of x: its slope slows down. Of a steep fall the
-    last events say it: at most `_STEEP` from third to third, as long as there are `_ENOUGH`."""
+    """The limit of x = limit + A exp(-k t), over the last x, from the logarithms of x: its slope decreases. Of a steep fall only
+    the last events are used: those with a change of at most `_STEEP` from third to third, but at least `_ENOUGH`."""
     while values.size >= 2 * _ENOUGH and between_thirds(values)[1] < -_STEEP:
         values = values[values.size // 2 :]
     early, late = (float(part) for part in between_thirds(values))
@@ -257,8 +257,8 @@ def _limit(values: Array) -> float:
 
 
 def _turns(cycles: Events) -> tuple[Kind, float | None]:
-    """What cycles that do not repeat are by their phases, and the rotation number of a torus. They are too few if a phase has
-    hardly come round, or if more of them, hence more harmonics, may show that they follow one."""
+    """Kind of cycles that do not repeat, by their phases, and the rotation number of a torus. They are too few if the phase has
+    hardly completed a turn, or if more cycles, hence more harmonics, may fit one phase."""
     found = rotation(np.column_stack([cycles.period, cycles.v_max]))
     if found is None or found.misfit >= (_NOISE if found.terms == found.most else _VAGUE):
         return "irregular", None

@@ -1,4 +1,4 @@
-"""A scene as data: friction, slabs, drive, start and units. Knows no solver."""
+"""A scene as data: friction, slabs, drive, start and units. Imports no solver."""
 
 from slipwave.scene.scene import Scene
 

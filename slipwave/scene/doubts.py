@@ -1,4 +1,4 @@
-"""Values in SI that can hardly be meant: a shear modulus of 30 Pa is one of 30 GPa whose unit was left out."""
+"""Doubts about values in SI that no laboratory has: a shear modulus of 30 Pa is 30 GPa with its unit left out."""
 
 import math
 from collections.abc import Iterator
@@ -11,8 +11,8 @@ from slipwave.scene.units import Units
 
 @dataclass(frozen=True)
 class Plausible:
-    """What `things` have, from `low` to `high` in the first of `sizes`, units by their size; `usual` says which unit is likely
-    where a value is outside."""
+    """Plausible range of `things`, `low` to `high` (SI). `sizes`: units by their size, for the message; the unit that gives a
+    value near `usual` is suggested."""
 
     things: str
     low: float
@@ -21,7 +21,7 @@ class Plausible:
     sizes: dict[str, float]
 
     def doubt(self, key: str, value: float, remark: str = "") -> Iterator[str]:
-        """A line if `value` of `key` is outside."""
+        """One line if `value` of `key` is outside the range."""
         if self.low <= value <= self.high:
             return
         unit = next(iter(self.sizes))
@@ -59,22 +59,18 @@ PLAUSIBLE = {
     # per area: a soft spring on a gel has 1e4 Pa/m, a press of 1e9 N/m on a sample of 10 cm2 1e12 Pa/m
     "stiffness": Plausible("testing machines", 1e3, 1e14, 1e10, _STIFFNESS),
 }
-"""What solids, interfaces and machines of a laboratory have, by the key of a scene, in SI."""
+"""Key of a scene -> plausible range in a laboratory, in SI."""
 
 
 def doubt(key: str, value: float, remark: str = "") -> Iterator[str]:
-    """A line if `value` in SI of the scene's dotted `key` can hardly be meant, none if it can or if nothing is known of such
-    keys."""
+    """One line if `value` (SI) of the scene's dotted `key` is implausible; none if it is plausible or no range is known."""
     known = PLAUSIBLE.get(key.rpartition(".")[2])
     if known is not None:
         yield from known.doubt(key, value, remark)
 
 
 def doubts(scene: Scene) -> list[str]:
-    """One line for each value of `scene` in SI that nothing in a laboratory has, with the unit that is likely meant.
-
-    There is none for scenes without units.
-    """
+    """One line for each implausible value of `scene` in SI, with the unit that is likely meant; none for scenes without units."""
     units = scene.units
     if units is None:
         return []

@@ -1,4 +1,4 @@
-"""What sets the slabs in motion: the drive, and how a run starts.
+"""The drive, and the start of a run.
 
 The drive is the relative velocity of the two outer faces, V(t), split evenly (upper +V/2, lower -V/2). Every start builds on
 steady sliding at its initial velocity.
@@ -32,7 +32,7 @@ NUDGE_REACH = 7.0
 
 
 class Constant(NamedTuple):
-    """V (in V*) that never changes."""
+    """Constant V (in V*)."""
 
     velocity: float
 
@@ -46,10 +46,10 @@ class Ramps(NamedTuple):
 
 @by_class(inline=True)
 def velocity_at(drive: Any, time: float, within: float) -> float:
-    """V (in V*) at `time` (transits) of the straight stretch of V that holds `within`.
+    """V (in V*) at `time` (transits), on the straight stretch of V that contains `within`.
 
-    A march passes the middle of its step as `within`: at a step's end V is then that before a jump there, whatever the rounding
-    of `time`. With `within` = `time`, V at a jump is that after it.
+    With the middle of a step as `within`, V at the step's end is that before a jump there, whatever the rounding of `time`. With
+    `within` = `time`, V at a jump is that after it.
     """
     return float(_interpolated(drive.times, drive.velocities, time, within))
 
@@ -84,7 +84,7 @@ class Drive:
     times: tuple[float, ...]
     velocities: tuple[float, ...]
     terms: ClassVar[int] = 2
-    """Terms of a polynomial that is V between two knots."""
+    """Number of terms of V, a polynomial, between two knots."""
 
     @cached_property
     def is_constant(self) -> bool:
@@ -103,7 +103,7 @@ class Drive:
 
     @cached_property
     def compiled(self) -> Constant | Ramps:
-        """V in the form for compiled code, where a constant costs nothing."""
+        """V as data for compiled code."""
         if self.is_constant:
             return Constant(float(self.velocities[0]))
         return Ramps(np.array(self.times, dtype=float), np.array(self.velocities, dtype=float))
@@ -134,7 +134,7 @@ class Drive:
 
     @cached_property
     def _travelled(self) -> tuple[Array, Array, Array, Array, Array]:
-        """All times, the V there, how long V takes to the next one, by how much it rises, and its integral before."""
+        """Times of the knots, V there, time to the next knot, rise of V until then, and the integral of V before."""
         knots, paces = np.array(self.times), np.array(self.velocities)
         lasts, rise = np.append(np.diff(knots), 1.0), np.append(np.diff(paces), 0.0)
         return knots, paces, lasts, rise, np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise))))
@@ -155,14 +155,14 @@ class StartKind(StrEnum):
 
 @dataclass(frozen=True)
 class Start:
-    """Kind, and size of the disturbance of psi (`orbit` uses it only to leave steady sliding before the orbit is found)."""
+    """Kind, and size of the disturbance of psi (with `orbit` only used to leave steady sliding while the orbit is computed)."""
 
     kind: StartKind = StartKind.NUDGE
     size: float = 0.5
 
     @property
     def nudge_size(self) -> float:
-        """Amplitude of the smooth forcing of psi (0 for a jump)."""
+        """Amplitude of the nudge of psi (0 for a jump)."""
         return 0.0 if self.kind is StartKind.JUMP else self.size
 
     @property
@@ -179,8 +179,8 @@ def nudge_rate(size: float, time: float) -> float:
 
 
 class Forcing(NamedTuple):
-    """What every compiled march needs from a scene besides the drive: one `transit` on the friction clock L/V*, `stiffness` of
-    both slabs per transit, stress and slip rate V_0 (in V*) of steady sliding, and the size of the `nudge`."""
+    """Numbers of a scene for compiled marches: one `transit` on the friction clock L/V*, `stiffness` of both slabs per transit,
+    stress and slip rate V_0 (in V*) of steady sliding, and the size of the `nudge`."""
 
     transit: float
     stiffness: float

@@ -17,9 +17,9 @@ class Scene:
     """Two slabs, the interface's law, the drive, the start, the length of the run and what to record.
 
     Units: length L, velocity V*, stress sigma, friction clock L/V*. "transit" is the round trip of the upper slab; `until` is in
-    transits; None leaves the length of a run to its motion. `units` holds L, V* and sigma when the scene was given in SI.
-    `tables` are those that it was read from, `written` in its file; a scene made in any other way, also by `dataclasses.replace`,
-    has none.
+    transits; None: the length of a run follows from its motion. `units` holds L, V* and sigma when the scene was given in SI.
+    `tables`: those of the file that it was read from, passed as `written`; None for a scene made in any other way, also by
+    `dataclasses.replace`.
     """
 
     name: str
@@ -44,12 +44,12 @@ class Scene:
 
     @property
     def slabs(self) -> tuple[Slab, ...]:
-        """The slabs that have to be computed: one for an alike pair, else the upper and the lower one."""
+        """The slabs to be computed: one of an alike pair, else the upper and the lower one."""
         return (self.upper,) if self.alike else (self.upper, self.lower)
 
     @property
     def velocity(self) -> float:
-        """V at t = 0, total, in V*: the rate of the steady sliding that every start builds on."""
+        """V at t = 0, in V*: the rate of the steady sliding from which every start departs."""
         return self.drive.initial
 
     @property
@@ -80,7 +80,7 @@ class Scene:
 
     @cached_property
     def forcing(self) -> Forcing:
-        """The scene's numbers in the form for compiled marches."""
+        """Numbers of the scene for compiled marches."""
         return Forcing(self.transit, self.stiffness, self.steady_stress, self.velocity, self.start.nudge_size)
 
     @cached_property

@@ -1,19 +1,19 @@
 """A slab as data: its material, its layers and its outer face.
 
-At the interface only its one-port matters (MODEL.md section 3).
+The interface depends only on its one-port (MODEL.md section 3).
 
 Impedances are in units of (normal stress)/V*, times in L/V*. `round_trip` is the travel time from the
 interface to the outer face and back.
 
-An outer face of any kind becomes numbers, a `Termination`, the only form in which models read it.
+Models read an outer face of any kind only as a `Termination`, three numbers.
 
 A spring and a dashpot in parallel connect the drive to a mass, which moves with the face. In deviations from steady sliding and
 in the slab's own direction of drive, with the drive's velocity V, the face's velocity w and the slab's stress sigma there,
 
     mass w' = load + dashpot (V - w) - sigma,     load' = spring (V - w).
 
-An infinite spring or dashpot is a rigid face, w = V. Where there is no spring, the stress of steady sliding acts on the face as a
-dead load, which never changes.
+An infinite spring or dashpot is a rigid face, w = V. Without a spring, the stress of steady sliding acts on the face as a
+constant dead load.
 """
 
 import math
@@ -47,12 +47,12 @@ class Termination:
 
     @property
     def is_rigid(self) -> bool:
-        """The face moves with the drive."""
+        """Whether the face moves with the drive."""
         return math.isinf(self.dashpot)
 
     @property
     def has_dead_load(self) -> bool:
-        """No spring: the stress of steady sliding acts on the face itself."""
+        """Whether there is no spring, so that the stress of steady sliding acts on the face itself."""
         return self.spring == 0.0 and not self.is_rigid
 
     def in_transits(self, transit: float) -> "Termination":
@@ -61,8 +61,8 @@ class Termination:
 
 
 def face_sizes(impedance: float, time: float) -> dict[str, float]:
-    """What a spring, a dashpot and a mass are measured in, by the field of a face: of a slab of `impedance` and round trip
-    `time`, or in SI with units of both."""
+    """Field of a face -> its unit (spring, dashpot, mass), from the slab's `impedance` and round trip `time`, or in SI from units
+    of both."""
     return {"stiffness": impedance / time, "impedance": impedance, "mass": impedance * time}
 
 
@@ -72,10 +72,11 @@ class Face:
     `face_sizes` are relative to the slab."""
 
     is_own: ClassVar[bool] = False
-    """Whether it is a thing of its own: in SI where the scene has units, and the same beside a thicker slab."""
+    """Whether it is an apparatus: in SI where the scene has units, and unchanged if the slab is thickened."""
 
     def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
-        """Its numbers (time in L/V*) on a slab of `epsilon` and `round_trip`, whose outermost layer has impedance `outermost`."""
+        """The face as numbers (time in L/V*) on a slab of `epsilon` and `round_trip` with impedance `outermost` of the outermost
+        layer."""
         raise NotImplementedError
 
     def thickened(self, factor: float) -> Self:
@@ -165,7 +166,7 @@ Viscosity: TypeAlias = KelvinVoigtViscosity | StandardLinearViscosity
 
 @dataclass(frozen=True)
 class Material:
-    """What a slab is made of: density in kg/m3 and shear modulus in Pa; solvers need none of it."""
+    """Density in kg/m3 and shear modulus in Pa of a slab; not used by solvers."""
 
     density: float
     shear_modulus: float
@@ -189,7 +190,7 @@ class Layer:
 class Slab:
     """A slab of impedance `epsilon` and round trip `round_trip` (15), homogeneous and elastic by default.
 
-    `material` is known if the scene states it in SI; `epsilon` and `round_trip` follow from it, so that it adds no physics.
+    `material`: set if the scene states it in SI; `epsilon` and `round_trip` follow from it.
     """
 
     epsilon: float
@@ -205,7 +206,7 @@ class Slab:
 
     @property
     def termination(self) -> Termination:
-        """What holds the outer face, time in L/V*."""
+        """The outer face as numbers, time in L/V*."""
         return self.face.termination(self.epsilon, self.round_trip, self.epsilon * self.layers[-1].impedance)
 
     @property
@@ -224,5 +225,5 @@ class Slab:
 
     @property
     def is_plain(self) -> bool:
-        """Homogeneous, elastic, driven through a rigid face."""
+        """Whether it is homogeneous, elastic and driven through a rigid face."""
         return self.termination.is_rigid and self.viscosity is None and len(self.layers) == 1

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from slipwave.scene.slab import face_sizes
 
 IN_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
-"""By the unit of a value: its unit in SI, and how names of values in it end."""
+"""Unit of a value -> its SI unit, and the ending of names of values in that."""
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ def save_checkpoint(path: Path, solver: Solver, observers: Mapping[str, Resumabl
 
 
 def load_checkpoint(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
-    """Bring `solver` and `observers` to the state that was saved in `path`.
+    """Restore the state of `solver` and `observers` from `path`.
 
     Raises SceneError, one line naming the file, if it is not a checkpoint, damaged or inconsistent, or if it belongs to another
     scene, model, setting, version of the solvers or set of observers. `solver` and `observers` must not be used after that.
@@ -82,13 +82,13 @@ class Checkpoints:
         return self._due if self._due < self.until else math.inf
 
     def act(self) -> None:
-        """As `Mark`; saves nothing at the end of the run, but then stays due for one that goes on."""
+        """As `Mark`. At the end of the run nothing is saved; the mark stays due for a run that continues."""
         if self._solver.time < self.until - SAME:
             save_checkpoint(self._path, self._solver, self._observers)
             self._schedule()
 
     def resume(self) -> None:
-        """Bring the run to the state saved in `path`. Raises SceneError as `load` does, and if that run has reached `until`."""
+        """Restore the run from `path`. Raises SceneError as `load_checkpoint` does, and if that run has reached `until`."""
         load_checkpoint(self._path, self._solver, self._observers)
         if self._solver.time >= self.until - SAME:
             raise SceneError(f"until = {self.until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
@@ -99,7 +99,7 @@ class Checkpoints:
 
 
 def _facts(solver: Solver) -> dict[str, Any]:
-    """What a checkpoint and the run that continues from it must have in common; the first difference is reported."""
+    """Facts in which a checkpoint and the run that continues from it must agree; the first difference is reported."""
     return {
         "format": FORMAT,
         "scene": dataclasses.replace(solver.scene, until=0.0).digest,
@@ -110,7 +110,7 @@ def _facts(solver: Solver) -> dict[str, Any]:
 
 
 def _difference(key: str, saved: Any, wanted: Any) -> str:
-    """One line on how the run in the file differs from this one."""
+    """One line that states how the run in the file differs from this one."""
     if key == "sources":
         return f"was written by another version of the solvers ({_short(saved)}; this one is {wanted!r}): start the run again"
     if key == "settings":

@@ -1,6 +1,6 @@
 """March any solver to the end of a run, pass its pieces to the observers, and stop at the marks.
 
-How long a run will take is predicted (`Foresight`), and runs that would take days are refused. The work is counted, not timed.
+The run time is predicted (`Foresight`); runs that would take days are refused. The work is counted, not timed.
 
 A solver states the cost of a piece (`seconds_per_piece`, measured on one machine and right within a factor of a few) and, if its
 steps are fixed, the length of its pieces (`transits_per_piece`). If its steps adapt, the pieces of the run so far are counted.
@@ -33,8 +33,8 @@ class Final:
 
 
 class Observer(Protocol):
-    """Reads the pieces of a run. It is given every transit, unless it is also `Spanning`: then transits in which nothing happens
-    may be left out. Where nothing but slow motion happens pieces may be as long as that is smooth."""
+    """Reads the pieces of a run: of every transit, unless it is also `Spanning`, for which transits of slow motion may be left
+    out. In slow motion a piece may cover many transits."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""
@@ -42,11 +42,11 @@ class Observer(Protocol):
 
 @runtime_checkable
 class Spanning(Observer, Protocol):
-    """An observer that does without transits in which nothing but sticking happens, at least for some time."""
+    """An observer that allows gaps (transits of pure stick that are left out), at least for some time."""
 
     @property
     def whole_from(self) -> float:
-        """The time (transits) from which on it needs every transit, as far as it knows; read again after each `scan`."""
+        """The time (transits) from which on it needs every transit; asked again after each `scan`."""
 
 
 class Mark(Protocol):
@@ -57,7 +57,7 @@ class Mark(Protocol):
         """The next time (transits); infinite if there is none."""
 
     def act(self) -> None:
-        """Act. The solver is at the end of its first piece that ends at or beyond `due`, or at the end of the run."""
+        """Do it. The solver is at the end of its first piece that ends at or beyond `due`, or at the end of the run."""
 
 
 def follow(
@@ -70,7 +70,7 @@ def follow(
 ) -> Final:
     """March `solver` to `until` (transits); returns the interface's state there, from the last piece's polynomial. When a mark is
     due, all observers have seen all earlier pieces; marks due together act in their order. If `leaps` are allowed, a `Leaping`
-    solver leaps over slow motion, until the first observer needs every transit also where its pieces would not show the waves.
+    solver leaps over slow motion, with gaps as long as every observer allows them.
 
     Raises NumericsError with the time, the model and the scene's digest if the numbers stop being finite or a solve does not
     converge; the observers have then seen the pieces before that.
@@ -179,7 +179,7 @@ class Foresight:
             _require(self._solver, self.until, self._expected(self.until), self._most)
 
     def seconds(self, until: float) -> float:
-        """Predicted time of a run to `until` (transits) from where this one began, from the pieces so far; 0 before them."""
+        """Predicted run time (s) from the start of this run to `until` (transits), from its pieces so far; 0 before the first."""
         return self._expected(until) * self._solver.seconds_per_piece if self._pieces else 0.0
 
     def _expected(self, until: float) -> float:
@@ -203,10 +203,10 @@ def _in_words(seconds: float) -> str:
 
 
 class NamedObserver(Observer, Resumable, Protocol):
-    """An observer whose `figures` are among the results of a run, and which goes on from checkpoints."""
+    """An observer that adds `figures` to the results of a run and continues from checkpoints."""
 
     def figures(self) -> dict[str, float]:
-        """What was observed so far, by name."""
+        """Name -> value, of the run so far."""
 
 
 def named_observers(solver: Solver) -> dict[str, NamedObserver]:

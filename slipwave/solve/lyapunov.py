@@ -1,9 +1,9 @@
-"""The largest Lyapunov exponent of a motion: the mean rate at which a second motion close by departs from it.
+"""The largest Lyapunov exponent of a motion: the mean rate at which a second, nearby motion departs from it.
 
-Both are marched side by side. After each interval, about a cycle, the distance is measured and the second motion is brought back
-along the difference of both states to the distance at which it began (Benettin et al., Meccanica 15, 1980). The exponent is the
-mean of the logarithm of the growth over its interval; neighbouring intervals depend on each other, so that its margin comes from
-batch means. It is zero for a motion that repeats or lies on a torus: a shift in time neither grows nor decays.
+Both are marched. After each interval, about a cycle, their distance is measured, and the second state is moved along the
+difference back to the initial distance (Benettin et al., Meccanica 15, 1980). The exponent is the mean of the logarithm of the
+growth over its interval; neighbouring intervals depend on each other, so that its margin comes from batch means. It is zero for a
+motion that repeats or lies on a torus: a shift in time neither grows nor decays.
 """
 
 import math
@@ -25,7 +25,7 @@ INTERVALS = 200
 """Intervals over which the growth is averaged."""
 
 TRANSIENT = 40
-"""Intervals before them, until the difference has turned to where it grows most."""
+"""Intervals before these, in which the difference turns to the direction of largest growth."""
 
 # of the change of the state in WHOLE transits: far above the errors of the marches, and small enough to be linear
 _DISTANCE = 1e-6
@@ -47,10 +47,11 @@ def largest_exponent(
     intervals: int = INTERVALS,
     most_seconds: float = DAY,
 ) -> Exponent:
-    """The exponent of the motion of `solver` from now on, over so many `intervals` of about a `cycle` (transits); `twin` is
-    another solver of the same scene and model, whose own state is lost. Progress is in intervals.
+    """Largest Lyapunov exponent of the motion of `solver` from its present time, over `intervals` intervals of about a `cycle`
+    (transits). `twin`: another solver of the same scene and model, whose state is overwritten. `progress` is called with the
+    intervals done.
 
-    Raises NumericsError where a march fails, and for a solver that does not move; SceneError if it would take more than
+    Raises NumericsError where a march fails and where the motion is steady sliding; SceneError if it would take more than
     `most_seconds`.
     """
     interval, time = WHOLE * max(1, round(cycle / WHOLE)), WHOLE * math.ceil(solver.time / WHOLE + SAME)
@@ -87,7 +88,7 @@ def _march(solvers: list[tuple[Solver, Foresight]], time: float) -> None:
 
 
 def _moving(solver: Solver) -> State:
-    """The state but for its bookkeeping and the time, with which `now` begins."""
+    """The state without its bookkeeping and the time, the first entry of `now`."""
     state = {name: array for name, array in solver.state().items() if name not in solver.bookkeeping}
     if "now" in state:
         state["now"][0] = 0.0
@@ -95,7 +96,7 @@ def _moving(solver: Solver) -> State:
 
 
 def _difference(solver: Solver, twin: Solver) -> State:
-    """Twin less solver. Raises NumericsError if their steps differ."""
+    """State of `twin` minus that of `solver`. Raises NumericsError if their steps differ."""
     ours, theirs = _moving(solver), _moving(twin)
     if abs(solver.time - twin.time) > SAME or any(array.shape != theirs[name].shape for name, array in ours.items()):
         raise NumericsError(
@@ -111,7 +112,7 @@ def _size(difference: State, scales: dict[str, float]) -> float:
 
 
 def _scale(difference: Array, values: Array) -> float:
-    """The largest component of a difference of values; 0 if `_DISTANCE` times that is lost in their rounding."""
+    """Largest component of a difference of values; 0 if `_DISTANCE` times that is below their rounding."""
     lost = np.finfo(float).eps * _largest(values)
     return _largest(difference) if _DISTANCE * _largest(difference) > lost else 0.0
 

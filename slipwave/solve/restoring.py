@@ -1,4 +1,4 @@
-"""Restores a solver's state from a checkpoint: either all of it, or nothing and one line that says what is wrong."""
+"""Restores a solver's state from a checkpoint: all of it or, with one line that says what is wrong, nothing."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -36,7 +36,7 @@ def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ..
 
 
 def take_back(own: Mapping[str, Array], state: Mapping[str, NDArray[Any]], model: str) -> None:
-    """own[name][...] = state[name] for every name. Raises SceneError, and sets none, unless all of them fit and are finite."""
+    """own[name][...] = state[name] for every name. Raises SceneError before any is set unless all fit and are finite."""
     saved = tables(state, {name: array.shape for name, array in own.items()}, model)
     for name, array in own.items():
         array[...] = saved[name]

@@ -40,12 +40,12 @@ class Resumable(Protocol):
 
 
 class Solver(Resumable, Protocol):
-    """A model of one scene. `advance` marches over a chunk of steps, whose number it chooses itself, and returns their pieces. It
-    stops at the latest at the first end of a step at or beyond `until`. The motion does not depend on where chunks end."""
+    """A model of one scene. `advance` marches a chunk of steps of its own choice, at most to the first end of a step at or beyond
+    `until`, and returns their pieces. The motion does not depend on the chunks."""
 
     @property
     def scene(self) -> Scene:
-        """What is simulated."""
+        """The scene that is simulated."""
 
     @property
     def model(self) -> str:
@@ -53,11 +53,11 @@ class Solver(Resumable, Protocol):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Everything besides the scene and the model's name that affects its numbers; saved in a checkpoint as JSON."""
+        """All options that affect the numbers, other than scene and model; saved in a checkpoint as JSON."""
 
     @property
     def nodes(self) -> Array:
-        """Nodes of its pieces in [0, 1]."""
+        """Nodes of the pieces in [0, 1]."""
 
     @property
     def time(self) -> float:
@@ -65,43 +65,43 @@ class Solver(Resumable, Protocol):
 
     @property
     def failures(self) -> int:
-        """Interface or step solves so far that did not converge."""
+        """Number of solves, of the interface or a step, that did not converge so far."""
 
     @property
     def failed_at(self) -> float:
-        """Time of the first of them (transits); NaN if it is not known."""
+        """Time of the first failed solve (transits); NaN if unknown."""
 
     @property
     def seconds_per_piece(self) -> float:
-        """Approximate cost of a piece."""
+        """Approximate processor time of a piece (s)."""
 
     @property
     def transits_per_piece(self) -> float:
-        """Length of its pieces; NaN where steps adapt."""
+        """Length of the pieces (transits); NaN if steps adapt."""
 
     @property
     def bookkeeping(self) -> frozenset[str]:
-        """The entries of `state()` that are no part of the motion: counters, times, records. `now` begins with the time."""
+        """Names of the entries of `state()` that do not belong to the motion: counters, times, records."""
 
     def advance(self, until: float) -> Pieces:
-        """March towards `until` (transits) and return the new pieces. Raises NumericsError if it cannot."""
+        """March towards `until` (transits) and return the new pieces. Raises NumericsError if no step is short enough."""
 
     def energy(self) -> Energy | None:
-        """Ledger since t = 0, for models that keep one."""
+        """Energy balance since t = 0; None for models without one."""
 
 
 @runtime_checkable
 class Leaping(Solver, Protocol):
-    """A solver that can go over slow motion without a step in every transit."""
+    """A solver that can pass slow motion without a step in every transit."""
 
     @property
     def skipped(self) -> float:
-        """Transits in which it has marched no step so far."""
+        """Transits so far in which no step was marched."""
 
     def leap(self, until: float, end: float, gaps: bool) -> Pieces:
-        """As `advance`, but with long pieces where waves move z by less than the tolerance and, if `gaps` are allowed, with gaps
-        between pieces (see `slipwave.observe.pieces`) where no figure of a cycle lies. `end` is that of the run (transits), which
-        never falls into a gap."""
+        """As `advance`, but with long pieces where waves change z by less than the tolerance and, if `gaps` are allowed, with
+        gaps (`slipwave.observe.pieces`) where no figure of a cycle is determined. The run's `end` (transits) never lies in a
+        gap."""
 
 
 @dataclass(frozen=True)
@@ -136,35 +136,36 @@ class FieldSolver(Solver, Protocol):
         """Length of a step, in transits."""
 
     def keep_ledger(self) -> None:
-        """From now on `energy` returns the ledger; called before the first step. Where nothing is gained, it is always kept."""
+        """Let `energy` return the balance; call it before the first step. A model whose balance costs nothing always keeps it."""
 
     def snapshot(self) -> Snapshot:
-        """The fields now."""
+        """The fields at the present time."""
 
     def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
-        """Add `noise(n)`, in V*, to n velocities of each marched slab and, if `stressed` and where both belong to one time, to
-        its stresses over the impedance."""
+        """Add `noise(n)` (V*) to the n velocities of each marched slab and, if `stressed` and both are stored at one time, to its
+        stresses over the impedance."""
 
     def deviation(self) -> float:
-        """Largest deviation of the stored velocities (and, if they belong to one time, stresses) from steady sliding (V*)."""
+        """Largest deviation (V*) of the stored velocities and, if stored at the same time, of the stresses over the impedance,
+        from steady sliding."""
 
     def deviation_energy(self) -> float:
         """Twice the energy of all deviations from steady sliding over the impedance (V*^2): in the scheme's own norm, or as the
         mean over the nodes where velocity and stress belong to different times."""
 
     def keep_frames(self, interval: float) -> None:
-        """From now on `frames` returns the fields at the ends of steps, if pieces are longer, and within steps that are longer
-        than `interval` (transits), if these can be divided."""
+        """Let `frames` return the fields at the ends of all steps and, where steps are longer than `interval` (transits) and can
+        be divided, within them."""
 
     def frames(self) -> list[Snapshot]:
-        """The fields at the ends of the last advance's steps, if they are kept; at least those at the present time."""
+        """The fields at the steps of the last `advance`, if they are kept; at least those at the present time."""
 
 
 _known: dict[tuple[type, type], bool] = {}
 
 
 def offers(one: object, protocol: type) -> bool:
-    """Whether it is an instance of the `protocol`; asked once for a class, because the question takes 0.1 ms."""
+    """Whether `one` is an instance of `protocol`; cached by class, because isinstance of a protocol takes 0.1 ms."""
     kind = (type(one), protocol)
     if kind not in _known:
         _known[kind] = isinstance(one, protocol)
@@ -172,5 +173,5 @@ def offers(one: object, protocol: type) -> bool:
 
 
 def has_fields(solver: Solver) -> TypeGuard[FieldSolver]:
-    """Whether it is a full wave."""
+    """Whether `solver` is a full wave."""
     return offers(solver, FieldSolver)

@@ -26,10 +26,10 @@ class Collocation(NamedTuple):
 
 
 RATIOS = (0.25, 0.5, 1.0, 2.0)
-"""Lengths of a step over that of the one before, for which it has a guess (`Rule`)."""
+"""Ratios of a step's length to that of the step before for which `Rule` extrapolates a guess."""
 
 EQUAL = 2
-"""Where the length is the same."""
+"""Index of the ratio 1."""
 
 
 class Rule(NamedTuple):
@@ -45,7 +45,7 @@ class Rule(NamedTuple):
 
 @cache
 def radau(stages: int) -> Collocation:
-    """Radau IIA of `stages` nodes: order 2 stages - 1 at the step's end, L-stable (Hairer and Wanner II, IV.5)."""
+    """Radau IIA rule with `stages` nodes: order 2 stages - 1 at the step's end, L-stable (Hairer and Wanner II, IV.5)."""
     if not 1 <= stages <= 12:
         raise ValueError(f"stages = {stages}: must be in 1..12")
     nodes = radau_nodes(stages)

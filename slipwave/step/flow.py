@@ -1,4 +1,4 @@
-"""What a model offers to those who look for its periodic orbits: its motion over one period as a differentiable map."""
+"""The motion of a model over one period as a differentiable map, for computing periodic orbits."""
 
 from typing import NamedTuple, Protocol
 
@@ -26,8 +26,8 @@ class Cycle(NamedTuple):
 
 
 class InterfaceState(NamedTuple):
-    """The interface where a run is to begin in the middle of a motion that is known: `time` (transits), the rate unknown `z`,
-    `psi`, and the elastic stress."""
+    """The interface at one time of a known motion, from which a run starts: `time` (transits), rate unknown `z`, `psi`, and
+    `elastic` stress (normal stress)."""
 
     time: float
     z: float
@@ -37,16 +37,15 @@ class InterfaceState(NamedTuple):
 
 class Flow(Protocol):
     """A model's motion over a period on a mesh that does not depend on the motion, so that the state at the end is a smooth
-    function of the state at the start, of the period and of the scene. It is the model's own motion: no interpolation of an
-    earlier run enters.
+    function of the state at the start, of the period and of the scene. Nothing of an earlier run is interpolated.
 
-    A state is a vector of `size` values that determines the future motion, with psi as the last. It means the same for all scenes
-    of one mesh (`of`), and is converted from mesh to mesh by `remeshed`.
+    A state is a vector of `size` values that determines the future motion, with psi as the last. Its meaning is the same for all
+    scenes on one mesh (`of`); `remeshed` converts it to another mesh.
     """
 
     @property
     def scene(self) -> Scene:
-        """What is simulated; its drive is constant."""
+        """The scene that is simulated; its drive is constant."""
 
     @property
     def model(self) -> str:
@@ -74,26 +73,26 @@ class Flow(Protocol):
         """d end/d start (n, n) along `cycle`."""
 
     def essential_radius(self, cycle: Cycle) -> float:
-        """Radius below which infinitely many multipliers of the model accumulate, those of `idle` states left out; 0 if it has
+        """Radius of the disk in which infinitely many multipliers accumulate, those of `idle` states left out; 0 if there are
         finitely many."""
 
     @property
     def idle(self) -> Array:
-        """Orthonormal states (n, m) of the motions that friction does not damp and that do not act on it; (n, 0) if there are
-        none. The tangent maps them to each other."""
+        """Orthonormal basis (n, m) of the undamped modes that the interface does not excite; (n, 0) if there are none. The
+        tangent maps their span to itself."""
 
     @property
     def undecided(self) -> bool:
-        """Whether multipliers accumulate at the unit circle though `idle` states are left out: none can be counted then."""
+        """Whether multipliers accumulate at the unit circle even without those of `idle` states: then they cannot be counted."""
 
     def of(self, scene: Scene) -> "Flow":
         """The same model and mesh for another scene."""
 
     def mesh_state(self) -> State:
-        """What determines the mesh, as arrays by name."""
+        """The arrays, by name, that determine the mesh."""
 
     def on_mesh(self, state: State) -> "Flow":
-        """The same model and scene on the mesh that `mesh_state` gave."""
+        """The same model and scene on the mesh of a `mesh_state`."""
 
     def remeshed(self, cycle: Cycle, finer: float) -> "tuple[Flow, Array]":
         """A flow whose mesh suits the motion of `cycle`, with steps shorter by the factor `finer`, and the start of `cycle` as
@@ -104,14 +103,14 @@ class Flow(Protocol):
 
 
 def velocity_by_difference(flow: Flow, cycle: Cycle) -> Array:
-    """d end/d period (n,) by the difference of two marches; a central one, because it enters the place of a fold."""
+    """d end/d period (n,) by the central difference of two marches: first-order differences would displace folds."""
     change = _CHANGE * cycle.period
     later, earlier = (flow.march(cycle.start, cycle.period + shift).end for shift in (change, -change))
     return np.asarray((later - earlier) / (2.0 * change))
 
 
 def idle_states(step: Array) -> Array:
-    """Orthonormal states (n, m) that do not die out under the map `step` (n, n), whose other motions all do."""
+    """Orthonormal basis (n, m) of the states that do not decay under repeated application of `step` (n, n)."""
     power = step
     with one_thread():
         for _ in range(_SQUARINGS):
@@ -121,8 +120,8 @@ def idle_states(step: Array) -> Array:
 
 
 def without(matrix: Array, states: Array) -> Array:
-    """What a `matrix` (n, n) that maps the orthonormal `states` (n, m) to each other does with all others, up to these: its
-    eigenvalues (n - m) are those of the matrix without those that belong to the states."""
+    """The quotient map (n - m, n - m) of a `matrix` (n, n) by its invariant subspace, spanned by the orthonormal `states` (n, m):
+    its eigenvalues are those of the matrix without those of the subspace."""
     if not states.size:
         return matrix
     rest = np.linalg.qr(states, mode="complete")[0][:, states.shape[1] :]

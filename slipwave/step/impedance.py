@@ -1,8 +1,8 @@
 """The impedance K of a slab pair over one collocation step: the stress at node j is  mu_j = S_j - sum_l K_jl v_l.
 
 Waves that leave the interface and do not return within the step give a diagonal K with equal entries. States that respond within
-the step give a full matrix, for which the functions here are written. Compiled code is specialised on the class, so a diagonal K
-pays for none of it.
+the step give a full matrix, for which the functions here are written. Compiled code is specialised by class, so that a diagonal K
+costs nothing extra.
 """
 
 from typing import Any, NamedTuple, TypeAlias

@@ -62,13 +62,13 @@ def resolution_of(tolerance: float, stages: int) -> float:
 
 
 def begin(psi: float, elastic: float, z: float, stages: int) -> Memory:
-    """Memory at t = 0."""
+    """Memory of a march that starts from `psi`, the `elastic` stress and `z`, at t = 0."""
     return Memory(Interface(*np.zeros((2, stages))), np.array([0.0, psi, elastic, z, psi]), np.array([0, _NONE]))
 
 
 @njit
 def _guess(nodes: Nodes, rule: Rule, memory: Memory, nodal: Nodal) -> None:
-    """Guess of the next step: the last step's polynomials, extended, or constant values after a step of very different length."""
+    """Guess of the next step: the last step's polynomials, extrapolated, or constants after a step of very different length."""
     now, levels = memory.now, memory.levels
     ratio = levels[LAST] - levels[NEXT] + EQUAL
     if levels[LAST] == _NONE or ratio < 0 or ratio >= len(RATIOS):
@@ -103,7 +103,8 @@ def _may_double(time: float, origin: float, length: float) -> bool:
 
 @inlined
 def _end_of(start: float, origin: float, length: float) -> float:
-    """End of a step that begins at `start`, a multiple of its length: a sum would miss a far break by its rounding."""
+    """End of a step that begins at `start`, a multiple of its length, without the rounding of a sum, which would miss a late
+    break point."""
     return origin + length * (math.floor((start - origin) / length + 0.5) + 1.0)
 
 

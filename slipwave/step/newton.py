@@ -30,7 +30,7 @@ _ROUNDING = 1e-14  # of a stress
 @njit
 def solve(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Array, tolerance: float, nodal: Nodal) -> int:
     """Newton for psi, z and v at the nodes of a step of length `h` (friction clock), from those in `nodal`. `integral` is A
-    transposed. Returns iterations, 0 = failed. Inlined into a long march it would double the time to compile."""
+    transposed. Returns iterations, 0 = failed. Not inlined: that would double the compile time of a march."""
     s = len(nodes)
     for iteration in range(1, _MAX_NEWTON + 1):
         coupling = _linearise(nodes, law, impedance, h, nodal)
@@ -145,7 +145,7 @@ def _sweeps_alone(impedance, total):  # type: ignore[no-untyped-def]
 
 @by_class(inline=True)
 def pull(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
-    """nodal.stress <- kappa dz, what the other nodes add to the mismatch of a node; returns by how much it changes."""
+    """nodal.stress <- kappa dz, what the other nodes add to the mismatch of a node; returns the largest change."""
     s, moved = len(nodes), 0.0
     for j in range(s):
         change = -nodal.mismatch[j] - nodal.stress[j] - nodal.ratio[j] * nodal.trial[j]
@@ -272,8 +272,8 @@ def _solve_still(nodes: Nodes, law: Law, impedance: float, integral: Array, noda
 
 
 def first_guess(nodes: Nodes, law: Law, impedance: float, incoming: Array, psi: float, z: float) -> tuple[Interface, bool]:
-    """Nodal z for constant psi under the `incoming` stress (s,), from a guess `z`, and whether they were found; for a step
-    without an earlier one to extend. psi does not change in a step of length 0."""
+    """Nodal z for constant psi under the `incoming` stress (s,), from a guess `z`, and whether Newton's method converged; for a
+    step without an earlier one to extrapolate. psi does not change in a step of length 0."""
     s = len(nodes)
     v, _, friction, *_ = respond(law, z, psi)
     if np.abs(friction + impedance * v - incoming).max() < _ROUNDING:  # steady sliding

@@ -1,5 +1,5 @@
-"""What one collocation step of friction works with: values at its nodes, its limits, and the parts of it besides Newton's method
-(`slipwave.step.newton`): the first guess, the nudge, the verdict, and the piece of the interface's motion."""
+"""Data of one collocation step of friction (values at its nodes, limits), and its parts other than Newton's method
+(`slipwave.step.newton`): first guess, nudge, acceptance."""
 
 from functools import cache
 from typing import NamedTuple, Protocol
@@ -57,7 +57,7 @@ class Nodal(Protocol):
 
 
 class Physics(NamedTuple):
-    """What a march of any slabs is given."""
+    """Law, nudge, drive and collocation rule of a march."""
 
     law: Law
     forcing: Forcing
@@ -119,7 +119,7 @@ def tail_of(nodes: Nodes, tail: Array, values: Array) -> float:
 def judge_step(nodes: Nodes, tail: Array, nodal: Nodal, used: int, limits: Limits) -> int:
     """NOT_SOLVED if `used`, Newton's iterations, is 0. NOT_SMOOTH if the highest Legendre coefficient of z in the step is above
     the resolution. TOO_STEEP if a disturbance would grow by more than e^growth within the step (by the slopes of the linearised
-    step): an implicit step damps such growth, so that it would follow an unstable smooth solution. Otherwise DONE."""
+    step): an implicit step damps such growth and would follow an unstable smooth solution. Otherwise DONE."""
     growth = 0.0
     for j in range(len(nodes)):
         growth = max(growth, nodal.slope[j])
@@ -132,8 +132,8 @@ def judge_step(nodes: Nodes, tail: Array, nodal: Nodal, used: int, limits: Limit
 
 @njit
 def predict(nodes: Nodes, rule: Rule, ratio: int, left: float, last: Interface, guess: Interface) -> None:
-    """Guess of a step from the values of the `last` one, at whose start psi was `left`: their polynomials, extended.
-    RATIOS[`ratio`]: its length over that of the one before."""
+    """Guess of a step: the polynomials of the `last` one, at whose start psi was `left`, extrapolated. RATIOS[`ratio`]: its
+    length over that of the one before."""
     s = len(nodes)
     for j in range(s):
         guess.psi[j] = rule.predict_state[ratio, 0, j] * left
@@ -147,6 +147,6 @@ def predict(nodes: Nodes, rule: Rule, ratio: int, left: float, last: Interface, 
 
 @njit
 def hold(nodes: Nodes, psi: float, z: float, guess: Interface) -> None:
-    """Take the values at a step's end as the guess for the next step if its length differs, so that polynomials do not extend."""
+    """guess <- the values at a step's end, for a next step of another length."""
     for j in range(len(nodes)):
         guess.psi[j], guess.z[j] = psi, z

@@ -1,5 +1,4 @@
-"""What a slab model is to the collocated step: a linear map, for every step length, of what it remembers, of the slip rate and of
-the drive."""
+"""A slab model in the collocation step: for every step length a linear map of its memory, the slip rate and the drive."""
 
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
@@ -22,13 +21,13 @@ _LANES = 8  # doubles in a cache line; rows of the tables begin and end with a l
 
 
 class NoLedger(NamedTuple):
-    """The `ledger` of a port that keeps none: `is_kept` (1,) is false."""
+    """The `ledger` of a port without an energy balance: `is_kept` (1,) is false."""
 
     is_kept: NDArray[np.bool_]
 
 
 class Port(NamedTuple):
-    """What is remembered, x (n,), in deviations from steady sliding at V_0, gives per level, with u = v - V_0 and c = V - V_0,
+    """The memory x (n,), a deviation from steady sliding at V_0, gives at each level, with u = v - V_0 and c = V - V_0,
 
         S = `steady` + x `free` + c `driven`,     x(end) - x = (x, u, c) `change`;
 
@@ -37,7 +36,7 @@ class Port(NamedTuple):
     made; `impedance` (L, s, s), `steady` (L, s), `free` (L, n, s), `driven` (L, s, s), `change` (L, n + 2 s, n). n
     counts padding.
 
-    It remembers `values` (n,); `vector` (n + 2 s,) is scratch. Its `ledger` adds up work and heat, see `record`."""
+    `values` (n,) is the present x; `vector` (n + 2 s,) is scratch; `ledger` sums work and heat (`record`)."""
 
     length: Array
     ready: NDArray[np.bool_]
@@ -54,11 +53,11 @@ class Port(NamedTuple):
 
 
 class Slabs(Protocol):
-    """A slab model that friction meets through ports. All that a port remembers are stresses."""
+    """A slab model that couples to friction through ports. The memory of a port consists of stresses."""
 
     @property
     def scene(self) -> Scene:
-        """Whose slabs."""
+        """The scene of the slabs."""
 
     @property
     def model(self) -> str:
@@ -70,11 +69,11 @@ class Slabs(Protocol):
 
     @property
     def remembered(self) -> int:
-        """Number of values that its ports remember."""
+        """Number of values in the memory of a port."""
 
     def port(self, longest: float, levels: int = LEVELS) -> Port:
-        """A port for steps of `longest` (transits) and its halves, `levels` in all, with a memory of its own, zero. The same
-        arguments give the same tables."""
+        """A port for steps of `longest` (transits) and its halves, `levels` in all, with its own memory, zero. Tables are shared
+        between ports of the same arguments."""
 
     def prepare(self, port: Port, level: int) -> None:
         """Make the tables of a level that is not ready."""
@@ -109,7 +108,7 @@ def blank_port(scene: Scene, longest: float, levels: int, remembered: int, stage
 
 
 def padded(remembered: int) -> int:
-    """Number of values of a port that remembers so many: many are padded with zeros to whole lines of the cache."""
+    """Length of the memory of `remembered` values, padded with zeros to whole cache lines if it is long."""
     return remembered if remembered < 2 * _LANES else -(-remembered // _LANES) * _LANES
 
 
@@ -124,13 +123,12 @@ def line_aligned(*shape: int) -> Array:
 @by_class()
 def record(ledger: Any, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, nodal: Nodal) -> None:
     """Add the work and heat of a step of `level` to the `ledger` of `port`, whose `vector` has (x, u, c) in its first `rows`
-    entries. Nothing for `NoLedger`: register a version for the class of a ledger."""
+    entries. Does nothing for `NoLedger`; each class of ledger registers its own version."""
 
 
 @inlined
 def arrive(port: Port, nodes: Nodes, level: int, nodal: Nodal) -> None:
-    """nodal.incoming <- S of a step of `level`. Changes nothing that is remembered: a step may be tried again with another
-    length."""
+    """nodal.incoming <- S of a step of `level`. The memory does not change: a step may be tried again with another length."""
     s, incoming = len(nodes), nodal.incoming
     free, driven, values = port.free, port.driven, port.values
     for j in range(s):
@@ -148,7 +146,7 @@ def arrive(port: Port, nodes: Nodes, level: int, nodal: Nodal) -> None:
 
 @inlined
 def take_in(port: Port, nodes: Nodes, level: int, integral: Array, nodal: Nodal) -> None:
-    """Go to the end of the solved step."""
+    """Advance the memory to the end of the solved step."""
     s, n, vector, values = len(nodes), port.values.size, port.vector, port.values
     rows = n + s if port.drive_is_constant else n + 2 * s
     for i in range(n):

@@ -1,7 +1,7 @@
-"""The motion over one period (`Flow`) of every model that friction meets as a port: reductions and grids propagated exactly.
+"""The motion over one period (`Flow`) of the models that are ports: reductions and exactly propagated grids.
 
 Steps are fixed fractions of the period, 1/count and its halves, chosen by a march that follows the motion. A march over another
-period makes the tables of the scaled lengths, so that the end is a smooth function of the period.
+period scales all lengths, so that the end is a smooth function of the period.
 """
 
 import math
@@ -43,7 +43,7 @@ class Mesh:
 
 
 class PortFlow:
-    """The motion of `slabs` on `mesh`. A state is what the slabs remember, then psi."""
+    """The motion of `slabs` on `mesh`. A state is the memory of the slabs, then psi."""
 
     def __init__(self, slabs: Slabs, mesh: Mesh) -> None:
         self.scene, self.model, self.mesh = slabs.scene, slabs.model, mesh
@@ -98,13 +98,12 @@ class PortFlow:
         return np.column_stack([values[:, : self.size - 1], psi]).T
 
     def essential_radius(self, cycle: Cycle) -> float:
-        """As `Flow`: what a port remembers is finite."""
+        """As `Flow`: 0, because the memory of a port is finite."""
         return 0.0
 
     @property
     def idle(self) -> Array:
-        """As `Flow`: a port remembers nothing that the interface does not feel, but for grids of unlike slabs with one round
-        trip."""
+        """As `Flow`: none, but for grids of unlike slabs with the same round trip."""
         return np.zeros((self.size, 0))
 
     @property
@@ -113,7 +112,7 @@ class PortFlow:
         return False
 
     def of(self, scene: Scene) -> "PortFlow":
-        """As `Flow`. Raises SceneError if the model of `scene` remembers another number of values."""
+        """As `Flow`. Raises SceneError if the memory of the slabs of `scene` has another size."""
         slabs = self._slabs.of(scene)
         if slabs.remembered != self._slabs.remembered:
             raise SceneError(
@@ -123,7 +122,7 @@ class PortFlow:
         return PortFlow(slabs, self.mesh)
 
     def remeshed(self, cycle: Cycle, finer: float) -> "tuple[PortFlow, Array]":
-        """As `Flow`. All lengths that a step may have, and the length that fits any motion, are shorter by `finer`."""
+        """As `Flow`. The lengths of all levels, and the longest step, are shorter by the factor `finer`."""
         mesh, order = self.mesh, self.nodes.size - 1
         longest, resolution = mesh.longest / finer, max(mesh.resolution / finer**order, _FINEST)
         return PortFlow(
@@ -136,7 +135,7 @@ class PortFlow:
         return largest / resolution_of(tolerance, self.nodes.size)
 
     def _port(self, period: float) -> Port:
-        """The port of the steps of `period`; it remembers what it likes. The last one is kept for the tangent."""
+        """Port for the steps of `period`, with arbitrary memory; the last one is kept for the tangent."""
         longest, levels = period / self.mesh.count, self.mesh.levels
         if self._made is None or self._made.length[0] != longest:
             self._made = self._slabs.port(longest, int(levels.max()) + 1)
@@ -146,8 +145,8 @@ class PortFlow:
 
 
 def flow_near(slabs: Slabs, start: Array, period: float, tolerance: float, longest: float) -> PortFlow:
-    """A flow whose mesh suits the motion from `start` over `period` (transits) to `tolerance`, the relative error of the figures
-    of a cycle, with steps not above `longest` (transits)."""
+    """Flow on a mesh that resolves the motion from `start` over `period` (transits) to `tolerance`, the relative error of the
+    figures of a cycle, with steps of at most `longest` (transits)."""
     resolution, growth = resolution_of(tolerance, slabs.stages), growth_limit(slabs.stages, tolerance)
     return PortFlow(slabs, _mesh_of(slabs, start, period, longest, resolution, growth))
 
@@ -198,7 +197,7 @@ def _march(slabs: Slabs, port: Port, memory: Memory, limits: Limits, stretch: St
 
 
 def _failure(slabs: Slabs, time: float, period: float) -> NumericsError:
-    """The error of a march that cannot take a step at `time` of `period` (transits)."""
+    """Error for a march without a solvable step at `time` of `period` (transits)."""
     scene = slabs.scene
     return NumericsError(
         f"{slabs.model}: the step at {time:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r}, digest "

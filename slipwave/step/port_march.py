@@ -19,10 +19,10 @@ CHUNK = 2048
 
 
 class PortMarch:
-    """The march of friction against `slabs` in collocated steps, of lengths `longest`/2^k (transits) or, between two breaks,
-    their distance over powers of two; `first` is the length of the first. `tolerance` is the requested relative error of the
-    figures of a cycle. `reason`: why no step may be short enough. `most_steps` are taken in one call of compiled code; k is below
-    `levels`."""
+    """The march of friction against `slabs` in collocation steps of length `longest`/2^k (transits), k < `levels`, or, between
+    two break points, their distance over 2^k; the first step has the length `first`. `tolerance`: relative error of the figures
+    of a cycle. `reason` is added to the message if no step is short enough. One call of compiled code takes at most
+    `most_steps`."""
 
     bookkeeping = frozenset({"counts", "stretch"})
 
@@ -91,9 +91,8 @@ class PortMarch:
         )
 
     def state(self) -> State:
-        """As `Solver`: what the slabs have `remembered`; the last step and present state (`Memory`); `stretch`: the time from
-        which the present step lengths hold; `counts`:
-        level of the next step and of the last (-1: none), iterations."""
+        """As `Solver`. `remembered`: memory of the slabs; `last` and `now` of `Memory`; `stretch`: time from which the present
+        step lengths hold; `counts`: level of the next step and of the last (-1: none), iterations."""
         memory = self._memory
         return {
             "counts": np.array([*memory.levels, self.iterations], dtype=float),
@@ -115,8 +114,7 @@ class PortMarch:
         self.values[:] = saved["remembered"]
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
-        """The motion over a period as a map, on a mesh that suits the next `period` (transits) to `tolerance`, and the present
-        state."""
+        """Flow on a mesh that resolves the next `period` (transits) to `tolerance`, and the present state as its state."""
         state = np.append(self.values, self._memory.now[PSI])
         # of slabs of its own, because it makes tables of many lengths
         return flow_near(self.slabs.of(self.slabs.scene), state, period, tolerance, self._longest), state
@@ -137,7 +135,7 @@ class PortMarch:
         }
 
     def _take_stretch(self, begin: float, before: float) -> None:
-        """Begin a stretch between breaks at `begin` (transits), with steps not longer than `before`."""
+        """Begin a stretch between break points at `begin` (transits), with steps of at most `before`."""
         self._take_tables(begin)
         memory = self._memory
         shorter = math.ceil(math.log2(float(self._port.length[0]) / before) - 1e-9)
@@ -145,7 +143,7 @@ class PortMarch:
         memory.now[TIME] = begin
 
     def _take_tables(self, begin: float) -> None:
-        """Take the tables for the steps from `begin` (transits) to the next break."""
+        """Select the tables for the steps from `begin` (transits) to the next break point."""
         stop, longest = self.slabs.next_break(begin), self._longest
         if not math.isinf(stop):
             longest = (stop - begin) / 2 ** max(0, math.ceil(math.log2((stop - begin) / longest)))

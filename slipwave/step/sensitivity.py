@@ -1,9 +1,9 @@
 """The derivative of a march by parameters of its scene, along the steps that it took: exact for these steps.
 
-A parameter p changes what a step is given (`slipwave.step.tangent`): the stress by S_p - F_p, where S_p is that of the slabs'
-tables at a fixed memory, and the state's rate by (h G)_p; then what the slabs remember. The derivatives of the law's formula and
-of the tables are differences between scenes on either side of the present one: both are smooth, and free of a march's noise.
-Steps are fixed in time, not in transits, so that a parameter may change the transit too.
+A parameter p changes the inputs of a step (`slipwave.step.tangent`): the stress by S_p - F_p, where S_p is that of the slabs'
+tables at fixed memory, the state's rate by (h G)_p, and then the memory of the slabs. The derivatives of the law's formula and of
+the tables are differences between scenes on either side of the present one: both are smooth, and free of a march's noise. Steps
+are fixed in time, not in transits, so that a parameter may change the transit too.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,7 +25,7 @@ from slipwave.step.tangent import Answer, Motion, step_answer
 
 
 class Sides(NamedTuple):
-    """The scenes at p + `step` and p - `step`, each with its transits per transit of the present scene."""
+    """The scenes at p + `step` and p - `step`, and the number of their transits per transit of the present scene."""
 
     scenes: tuple[Scene, Scene]
     clocks: tuple[float, float]
@@ -33,8 +33,8 @@ class Sides(NamedTuple):
 
 
 class Given(NamedTuple):
-    """What m parameters change in k steps of s nodes by themselves: `stress` and h G, `gain` (k, m, s), and the `memory` after
-    the step (k, m, n). The answers: of v, `rate`, and of psi, `state` (k, m, s)."""
+    """Direct derivatives of k steps of s nodes by m parameters: of the `stress` and of h G, `gain` (k, m, s), and of the `memory`
+    after the step (k, m, n). The responses: of v, `rate`, and of psi, `state` (k, m, s)."""
 
     stress: Array
     gain: Array
@@ -44,7 +44,7 @@ class Given(NamedTuple):
 
 
 class Carried(NamedTuple):
-    """Carried by m parameters of what is remembered (m, n) and of psi (m,), at the present."""
+    """Present derivatives by m parameters: of the `memory` (m, n) and of `psi` (m,)."""
 
     memory: Array
     psi: Array
@@ -62,7 +62,7 @@ class LawAlong(NamedTuple):
 
 
 def law_along(law: Law, pieces: Pieces) -> LawAlong:
-    """What `law` says along a motion."""
+    """Rate, friction and their derivatives of `law` along a motion."""
     found = np.empty((6, *pieces.z.shape))
     _respond_all(law, pieces.z, pieces.psi, found)
     return LawAlong(*found)
@@ -78,8 +78,8 @@ def _respond_all(law: Law, z: Array, psi: Array, found: Array) -> None:
 
 
 def drive_on(scene: Scene, pieces: Pieces, nodes: Array, clock: float = 1.0, late: float = 0.0) -> Array:
-    """V of `scene` (its V*) at the nodes of pieces (k, s), `late` transits later, where it has `clock` transits in one of
-    theirs."""
+    """V of `scene` (in its V*) at the nodes of `pieces` (k, s), shifted by `late` transits; `clock`: transits of `scene` per
+    transit of the pieces."""
     found = np.empty_like(pieces.z)
     times, lengths = clock * (pieces.time + late), clock * pieces.length
     _drive_at(scene.drive.compiled, times, lengths, nodes, found)
@@ -94,7 +94,7 @@ def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Arra
 
 
 def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, LawAlong]:
-    """What parameters change along `pieces` through the law and the clock, nothing yet through the slabs; and the law there."""
+    """Direct derivatives along `pieces` through the law and the clock, zero through the slabs; and the law along them."""
     (steps, stages), count, here = pieces.z.shape, len(sides), law_along(scene.law, pieces)
     stress, gain = np.zeros((2, steps, count, stages))
     for i, (scenes, clocks, step) in enumerate(sides):
@@ -107,21 +107,21 @@ def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: i
 
 
 def start_by(sides: Sequence[Sides], remembered: int) -> Carried:
-    """Carried of the start: of psi; what is remembered of steady sliding is nothing, for all parameters."""
+    """Derivatives at the start: of psi; those of the memory, zero in steady sliding, vanish."""
     psi = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in sides]
     return Carried(np.zeros((len(sides), remembered)), np.array(psi))
 
 
 def stress_by(here: LawAlong, given: Given, direct: Array) -> Array:
-    """d mu/dp at the nodes (k, m, s) from the answers, with F_p = `direct` (k, m, s)."""
+    """d mu/dp at the nodes (k, m, s) from the responses, with F_p = `direct` (k, m, s)."""
     slope, by_psi = (here.by_z / here.v_z)[:, None], here.by_psi[:, None]
     return np.asarray(slope * given.rate + by_psi * given.state + direct)
 
 
 @njit
 def answer_given(nodes: Nodes, answer: Answer, k: int, given: Given, psi: Array) -> None:
-    """given.rate and given.state of step `k`, of known `answer`, from what is given there and the changes of `psi` at its start,
-    which become those at its end."""
+    """given.rate and given.state of step `k` <- `answer` applied to its direct derivatives and to the derivatives `psi` (m,) at
+    its start, which are replaced by those at its end."""
     s, rows, matrix = len(nodes), given.stress.shape[2], answer.matrix
     for c in range(psi.size):
         for j in range(rows):
@@ -146,7 +146,7 @@ def _carry(
     changes: Carried,
 ) -> None:
     """Carry the `changes` along the `motion` in steps of the levels `plan`, one `transit` on the friction clock; `integral` is A
-    transposed. given.stress becomes all the stress that changes."""
+    transposed. given.stress <- the total derivative of the incoming stress."""
     s, n, memory = len(nodes), changes.memory.shape[1], changes.memory
     row, width = np.empty((4, s)), 2 * s + 1
     answer = Answer(np.empty((2 * s, width)), row[0], row[1], row[2], row[3], np.empty((s, width)))
@@ -160,7 +160,7 @@ def _carry(
 
 @njit
 def _remember(change: Array, plan: NDArray[np.int64], moved: Array, values: Array, found: Array) -> None:
-    """found (k, n) <- what is remembered at the start of each step; `values` (n,) go to the end. moved (k, n + 2 s): the rows of
+    """found (k, n) <- the memory at the start of each step; `values` (n,) <- that at the end. moved (k, n + 2 s): the rows of
     `propagate`, of which the first n are scratch."""
     for k in range(plan.size):
         for i in range(values.size):
@@ -169,7 +169,7 @@ def _remember(change: Array, plan: NDArray[np.int64], moved: Array, values: Arra
 
 
 def _stretches(scene: Scene, pieces: Pieces) -> Iterator[slice]:
-    """The pieces between two knots of the drive, whose lengths are one over powers of two."""
+    """Slices of the pieces between successive knots of the drive, whose lengths are one length over powers of two."""
     cuts = np.searchsorted(pieces.time, np.array(scene.drive.knots) - SAME)
     ends = np.unique(np.concatenate(([0], cuts, [pieces.time.size])))
     for begin, end in pairwise(ends):
@@ -211,8 +211,8 @@ def _ready(slabs: Slabs, longest: float, levels: int) -> Port:
 
 
 def _add(port: Port, plan: NDArray[np.int64], motion: Sequence[Array], weight: float, sums: tuple[Array, Array]) -> None:
-    """Add to `sums`, stress (k, s) and memory (k, n), `weight` times what the tables of a port make of one `motion`: what was
-    remembered, v, u and c."""
+    """Add to `sums`, stress (k, s) and memory (k, n), `weight` times the product of a port's tables with one `motion`: memory, v,
+    u and c."""
     (memory, v, u, c), (stress, kept) = motion, sums
     rows = np.column_stack([memory, u, c])
     for level in np.unique(plan):

@@ -1,5 +1,5 @@
-"""The derivative of one collocation step of friction: how slip rate and state at its nodes answer to changes of the incoming
-stress, of the state at the start and of the state's rate.
+"""The derivative of one collocation step of friction: of slip rate and state at its nodes by the incoming stress, the state at
+the start and the state's rate.
 
 A solved step (`slipwave.step.newton`) satisfies, at its nodes j,
 
@@ -10,9 +10,8 @@ method. So v and h G answer to S' and psi of their own node, and with dg = p dS'
 
     (1 - A diag(q)) dpsi = 1 dpsi_0 + A diag(p) dS' + A dg_given.
 
-What other nodes contribute to S' is then fed back. A parameter p of friction or of the clock enters as dS = -F_p dp and
-dg = (h G)_p dp, so these answers contain its derivative too. Whoever made the step adds what a slab model remembers: the step is
-linear in that.
+What other nodes contribute to S' is then fed back. A parameter p of friction or of the clock enters as dS = -F_p dp and dg = (h
+G)_p dp, so these answers contain its derivative too. The caller adds the memory of the slab model, in which the step is linear.
 """
 
 from typing import Any, NamedTuple
@@ -97,7 +96,7 @@ def _feed_back_nothing(impedance, nodes, answer):  # type: ignore[no-untyped-def
 
 @allocating
 def _solve_together(nodes: Nodes, impedance: Array, answer: Array) -> None:
-    """With K' the entries of K = `impedance` (s, s) beside its diagonal, and Y and Y_psi the answers of v and psi to stress,
+    """With K' the off-diagonal part of K = `impedance` (s, s), and Y and Y_psi the responses of v and psi to stress,
 
     (1 + Y K') dv = dv_alone,     dpsi = dpsi_alone - Y_psi K' dv."""
     s, rows = len(nodes), impedance.shape[0]
@@ -140,8 +139,8 @@ def carry(
     values: Array,
     state: Array,
 ) -> None:
-    """Carry m changes, of the port's `values` (m, n) and of psi, `state` (m,), along the `motion` in steps of the levels `plan`.
-    One `transit` on the friction clock; `integral` is A transposed."""
+    """Carry m disturbances, of the port's `values` (m, n) and of psi, `state` (m,), along the `motion` in steps of the levels
+    `plan`. One `transit` on the friction clock; `integral` is A transposed."""
     s, count, width = len(nodes), state.size, 2 * len(nodes) + 1
     row, answer = np.empty((4, s)), np.empty((2 * s, width))
     scratch = Answer(answer, row[0], row[1], row[2], row[3], np.empty((s, width)))
