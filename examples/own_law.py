@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import slipwave
 from slipwave.friction import register
-from validation.registry.build import build
-from validation.run.simulate import simulate
+from validation.compute.build import build
+from validation.compute.run import simulate
 
 
 class Cutoff(NamedTuple):

@@ -174,7 +174,7 @@ FAMILIES: list[FullWave] = [
     ELEMENTS,
     GALERKIN,
 ]
-"""Those of the house; families of other packages and files are added at the end (`validation.registry.own`)."""
+"""Those of the house; families of other packages and files are added at the end (`validation.compute.own`)."""
 
 
 def facts_of(name: str) -> FullWave:

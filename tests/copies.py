@@ -10,7 +10,7 @@ import traceback
 from concurrent.futures import ThreadPoolExecutor
 
 from validation.cli import main
-from validation.run import progress
+from validation.compute import progress
 
 
 def in_a_copy(work, heard=lambda line, copy: None):

@@ -23,9 +23,9 @@ from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.scene import Scene
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, StandardLinearViscosity
 from slipwave.solve import follow
+from validation.compute.models import explicit_time
 from validation.output import print_table
 from validation.references.lsoda import plain_kelvin_voigt
-from validation.registry.families import explicit_time
 from validation.report.provenance import machine_facts
 from validation.timing import March, Race, Setting, Work, alike_and_unlike, solver_of, whole
 

@@ -1,7 +1,7 @@
 """The timer of all comparisons of run times: pieces of work that alternate in the same process, and the ratios of their times.
 
-Times are processor seconds (`validation.run.timing`), taken after the compiled code is loaded. Errors are those of the mean over
-a run's last cycles, relative to given values.
+Times are processor seconds (`validation.measure.timing`), taken after the compiled code is loaded. Errors are those of the mean
+over a run's last cycles, relative to given values.
 """
 
 import math
@@ -18,10 +18,10 @@ from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver
 from slipwave.scene import Scene
 from slipwave.solve import Final, Solver, follow
+from validation.compute.build import build
 from validation.measure.cycle import watch
 from validation.measure.settle import estimate
-from validation.registry.build import build
-from validation.run.timing import timed
+from validation.measure.timing import timed
 
 _WARM_UP = 2.0  # transits
 UNLIKE_R = (0.0026, 0.0029)

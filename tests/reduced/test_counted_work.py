@@ -11,7 +11,7 @@ import slipwave
 from reduced.impedance import Jet
 from reduced.stability import boundary, characteristic, critical_epsilon, critical_round_trip, leading_roots, unstable_count
 from slipwave.solve import follow
-from validation.registry.build import build
+from validation.compute.build import build
 
 
 class Steps:

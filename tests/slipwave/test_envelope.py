@@ -10,7 +10,7 @@ from slipwave.observe.envelope import COUNT, Envelope
 from slipwave.observe.pieces import Pieces
 from slipwave.solve import follow
 from tests.granite import GRANITE
-from validation.registry.build import build
+from validation.compute.build import build
 
 STEP = {"drive.velocity": [[0, 100], [30, 100], [30, 300], [200, 300], [230.5, 0], [260, 0], [260, 50]]}
 

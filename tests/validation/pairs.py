@@ -10,11 +10,11 @@ import numpy as np
 from slipwave import read
 from slipwave.solve import FieldSolver, State
 from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
-from validation.registry.build import prepare
-from validation.registry.families import family_of
+from validation.compute.build import prepare
+from validation.compute.models import family_of
+from validation.compute.recording import Wanted, records_of
+from validation.compute.run import simulate
 from validation.results.run_result import RunResult
-from validation.run.recording import Wanted, records_of
-from validation.run.simulate import simulate
 
 Row = tuple[str, ...]
 

@@ -9,8 +9,8 @@ import pytest
 from counterfeit import green, tapes_of
 
 from slipwave.input import source
+from validation.measure import timing
 from validation.report.sources import sources_of
-from validation.run import timing
 from validation.studies import study_called
 from validation.study import Budget, Evidence, Verdict
 from validation.study.drawing import styled

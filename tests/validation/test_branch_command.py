@@ -15,13 +15,13 @@ import slipwave
 import slipwave as sw
 from slipwave.errors import NumericsError
 from tests.copies import interrupted
-from validation.branches import followed
-from validation.branches.branch import FollowedBranch
-from validation.branches.curve import Curve
-from validation.branches.followed import Ended, ends_of, read_followed
-from validation.branches.parameter import over_range
-from validation.branches.points import StopAt
 from validation.cli import INTERRUPTED
+from validation.compute import followed
+from validation.compute.branch import FollowedBranch
+from validation.compute.curve import Curve
+from validation.compute.followed import Ended, ends_of, read_followed
+from validation.compute.parameter import over_range
+from validation.compute.points import StopAt
 from validation.references.onset import onset_of
 from validation.references.published import reference_orbit
 from validation.study.branch_figures import figure_of_branch
@@ -246,7 +246,7 @@ def test_every_fact_of_another_branch_is_refused(whole, monkeypatch, fact, chang
     own = FollowedBranch(over_range("log10_r=-2.71:-2.6", "paper"), "kelvin-voigt", 1e-4)
     if fact == "sources":
         read_followed(whole[1], own)
-        monkeypatch.setattr("validation.branches.branch.source_digest", lambda: "of another version")
+        monkeypatch.setattr("validation.compute.branch.source_digest", lambda: "of another version")
     other = replace(own, **changes, points=[], special=[], notes=[])
     with pytest.raises(slipwave.SceneError, match=rf"x\.nc': {fact} is "):
         read_followed(whole[1], other)
@@ -359,6 +359,6 @@ def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, fact, cha
     with pytest.raises(sw.SceneError, match="is no file of a curve, or damaged"):  # no points, but the same facts
         read_followed(path, own)
     if fact == "sources":
-        monkeypatch.setattr("validation.branches.curve.source_digest", lambda: "of another version")
+        monkeypatch.setattr("validation.compute.curve.source_digest", lambda: "of another version")
     with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
         read_followed(path, replace(own, **changes))

@@ -17,9 +17,9 @@ from slipwave.errors import SceneError
 from slipwave.input.source import load_tables
 from tests.copies import in_a_copy
 from validation.cli import COMMANDS, INPUT_WRONG, command_called, main, one_value_each
-from validation.registry.build import build
+from validation.compute.build import build
+from validation.compute.progress import progress
 from validation.results.options import options_of
-from validation.run.progress import progress
 
 
 def python(code, **environment):
@@ -211,7 +211,7 @@ def test_a_key_without_end_is_refused_before_it_is_parsed(text, tmp_path, monkey
 
 
 def test_a_name_is_no_markup(monkeypatch):
-    monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("validation.compute.progress.PATIENCE", -1.0)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with progress("[/red], [bold]delay", 2.0) as report:
         report(1.0)

@@ -13,8 +13,8 @@ import slipwave
 from slipwave.observe import EventObserver, HistoryObserver, Pieces
 from slipwave.solve import follow
 from validation.cli import main
+from validation.compute.build import build
 from validation.measure.cycle import CycleObserver
-from validation.registry.build import build
 
 UNTIL = 2000.0
 CHANGED = "slab.log10_r=-2.68"

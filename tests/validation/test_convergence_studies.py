@@ -10,12 +10,12 @@ from shown import judged, outcomes
 from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
 from slipwave.observe.statistics import Estimate
+from validation.compute.build import build
+from validation.measure import timing
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
 from validation.measure.order_fit import fit_order
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
 from validation.measure.settle import SYMBOLS
-from validation.registry.build import build
-from validation.run import timing
 from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence import code_note, code_table, in_time, orbits, shared
 from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, delay_reference, without_error_in_time

@@ -10,12 +10,12 @@ from reduced.stability.critical import critical_round_trip
 from slipwave.observe.events import Events
 from slipwave.observe.statistics import margin_of_mean
 from slipwave.solve.lyapunov import INTERVALS, Exponent
+from validation.compute.build import build
+from validation.compute.orbits import find_orbit
 from validation.coverage import irregular, record, repeating
 from validation.coverage.held import Coverage, Held, coverage_of
 from validation.coverage.record import KINDS, computation, known_computations
 from validation.coverage.scenes import SLABS, random_scene
-from validation.registry.build import build
-from validation.registry.orbits import find_orbit
 from validation.studies import coverage
 from validation.study import Budget, Outcome
 

@@ -8,7 +8,7 @@ import slipwave as sw
 from fullwave.adapt import difference_of, probe
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from validation.registry.build import build, prepare
+from validation.compute.build import build, prepare
 
 SCENE = sw.read("paper", {"drive.velocity": 2000, "run.until": 9.0})
 """Too short for cycles, so that the state at its end is compared."""

@@ -113,7 +113,7 @@ JUDGE = """
 import sys
 from pathlib import Path
 from reduced.stability import scaled
-from validation.registry.own import load_families
+from validation.compute.own import load_families
 from validation.measure.orders import climb
 from validation.studies import grid_convergence as study
 load_families(Path("finite_volume.py"))

@@ -18,7 +18,7 @@ from slipwave.input.source import parse_toml
 from slipwave.observe.verdict import REPEATING, Kind
 from slipwave.sources import ROOT
 from validation.cli import COMMANDS, command_called, main
-from validation.registry.families import FAMILIES
+from validation.compute.models import FAMILIES
 from validation.report.answer import PAGES as ANSWERED
 from validation.report.answer import block_of, read_table, with_block
 from validation.studies.which_model import MODELS, SHOWN
@@ -94,8 +94,8 @@ MARKED = re.compile(r"([\w.+-]+)<!--(.+?)-->")
 WORDS = {"eight": 8.0, "sixteen": 16.0}
 NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
 HELP = {
-    "run --fields": "validation.run.recording.FIELD_WINDOW",
-    "run --checkpoint-every": "validation.run.recording._EVERY",
+    "run --fields": "validation.compute.recording.FIELD_WINDOW",
+    "run --checkpoint-every": "validation.compute.recording._EVERY",
     "orbit --tol": "validation.results.orbit.ORBIT_TOLERANCE",
     "branch --tol": "validation.results.branch.BRANCH_TOLERANCE",
     "branch --most-points": "validation.results.branch.BRANCH_POINTS",

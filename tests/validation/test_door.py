@@ -110,7 +110,7 @@ def test_wrong_input_is_a_scene_error(work, told):
 
 
 def test_an_interrupt_hands_over_what_was_computed(monkeypatch):
-    from validation.branches import branch
+    from validation.compute import branch
 
     steps = branch.follow_branch
 

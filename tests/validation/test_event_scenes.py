@@ -6,7 +6,7 @@ import pytest
 import slipwave
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from validation.registry.build import build
+from validation.compute.build import build
 
 LAYERS = [
     "drive.velocity=100.0",

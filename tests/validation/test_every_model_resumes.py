@@ -14,8 +14,8 @@ from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
-from validation.registry.build import build
-from validation.registry.families import FAMILIES
+from validation.compute.build import build
+from validation.compute.models import FAMILIES
 
 RAMP = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]
 JUMP = ["start.kind=jump", "start.size=0.05"]

@@ -17,12 +17,12 @@ from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
 from tests.granite import GRANITE
 from validation.cli import main
-from validation.registry.build import build
+from validation.compute.build import build
+from validation.compute.history_file import HistoryFile, Kept
+from validation.compute.length import JudgedHalf, Until, UntilCycles, UntilSettled, halves_agree, length_of
+from validation.compute.outlook import Outlook, outlook
+from validation.compute.run import simulate
 from validation.results.quantities import stored_name
-from validation.run.history_file import HistoryFile, Kept
-from validation.run.length import JudgedHalf, Until, UntilCycles, UntilSettled, halves_agree, length_of
-from validation.run.outlook import Outlook, outlook
-from validation.run.simulate import simulate
 
 PAPER = slipwave.read("paper")
 FAST = slipwave.read("paper", ["drive.velocity=2000"])
@@ -258,7 +258,7 @@ def test_what_comes_back_is_what_went_in(tmp_path):
 @pytest.mark.parametrize(("until", "seen"), [(1e5, 1001), (np.inf, 1251)])
 def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatch, until, seen):
     """Of 8 GB after 1 %, of a run without a known end when 0.1 GB are there; one sample in ten is not too much."""
-    monkeypatch.setattr("validation.run.history_file._memory", lambda: 4 * (7.9e9 if np.isfinite(until) else 0.09e9))
+    monkeypatch.setattr("validation.compute.history_file._memory", lambda: 4 * (7.9e9 if np.isfinite(until) else 0.09e9))
     history, thin = (HistoryFile(PAPER.law, NODES, tmp_path / f"{every}", until, kept=Kept(every)) for every in (1, 10))
     for first in range(seen - 1):
         history.scan(pieces(first))
@@ -274,7 +274,7 @@ def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatc
 @pytest.mark.parametrize("block", [997, 50_000])
 def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path, capsys, monkeypatch, block):
     """Written in several blocks and in one."""
-    monkeypatch.setattr("validation.run.history_file._BLOCK", block)
+    monkeypatch.setattr("validation.compute.history_file._BLOCK", block)
     out = tmp_path / "x.nc"
     assert main(["run", "paper", "--model", "delay", "--until", "150", "--out", str(out), *INTERFACE]) == 0
     solver = build("delay", slipwave.read("paper", {"run.until": 150.0}))

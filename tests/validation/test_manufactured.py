@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import slipwave
+from validation.compute.build import build
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_start
-from validation.registry.build import build
 from validation.studies import cost_and_error
 from validation.studies.manufactured import GRIDS, climbed
 from validation.study import Outcome

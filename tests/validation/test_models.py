@@ -12,9 +12,9 @@ from slipwave.errors import SceneError
 from slipwave.family import FEATURES, features_of
 from slipwave.input.stored import read_stored
 from slipwave.solve import follow
-from validation.registry.build import build, build_all
-from validation.registry.families import FAMILIES, GRIDS, families, honouring, resolve
-from validation.registry.own import load_families, own_files
+from validation.compute.build import build, build_all
+from validation.compute.models import FAMILIES, GRIDS, families, honouring, resolve
+from validation.compute.own import load_families, own_files
 
 
 @pytest.mark.parametrize(

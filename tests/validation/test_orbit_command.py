@@ -15,11 +15,11 @@ from reduced.orbit.closing import close
 from slipwave.errors import NumericsError, SceneError
 from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
-from validation.branches import at_scene
-from validation.branches.at_scene import Primary
 from validation.cli import INPUT_WRONG, main
+from validation.compute import at_scene
+from validation.compute.at_scene import Primary
+from validation.compute.orbits import OrbitFound, most_transits
 from validation.references.published import half_digit, reference, reference_orbit
-from validation.registry.orbits import OrbitFound, most_transits
 
 ODE = ("--model", "kelvin-voigt")
 
@@ -175,7 +175,7 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
 
 @pytest.mark.parametrize(("expected", "most"), [(100.0, 6000.0), (1e3, 25e3), (2e4, 5e5), (1e5, 6000.0), (math.inf, 6000.0)])
 def test_a_run_to_an_orbit_is_long_enough_for_its_cycles(monkeypatch, expected, most):
-    monkeypatch.setattr("validation.registry.orbits.outlook", lambda scene, model: SimpleNamespace(period=expected))
+    monkeypatch.setattr("validation.compute.orbits.outlook", lambda scene, model: SimpleNamespace(period=expected))
     assert most_transits(sw.read("paper"), "delay") == most
 
 

@@ -19,12 +19,12 @@ from slipwave import read
 from slipwave.observe import EventObserver, HistoryObserver, Pieces
 from slipwave.solve import FieldSolver, follow
 from validation.cli import main
+from validation.compute.build import build
+from validation.compute.models import explicit_time
+from validation.compute.orbit_start import BEGIN, state_on
 from validation.measure.order_fit import fit_order, shortfall
 from validation.measure.settle import MOST_TRANSITS, NoCycle, one_cycle, settle
 from validation.references.published import reference_orbit
-from validation.registry.build import build
-from validation.registry.families import explicit_time
-from validation.registry.orbit_start import BEGIN, state_on
 from validation.study.memo import cycle_of, cycles_in_turn, late_cycles, own_orbit
 
 PERIOD = 50.0

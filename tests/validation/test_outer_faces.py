@@ -15,8 +15,8 @@ from slipwave.errors import SceneError
 from slipwave.scene.slab import GripFace, MachineFace, ReflectingFace, Termination
 from slipwave.solve import follow
 from tests.one_port_by_hand import leading_root
+from validation.compute.build import build
 from validation.measure.growth import measured_root, nudged
-from validation.registry.build import build
 
 PAPER = slipwave.read("paper")
 SLAB = PAPER.upper

@@ -8,7 +8,7 @@ from slipwave.errors import SceneError
 from slipwave.solve import follow
 from tests.validation.pairs import KNOTS, NAMES, Saving, built, pairs_of, pairwise_rows, play, refusal, rows_allowed, scene_of
 from tests.validation.test_every_model_resumes import assert_same_bits
-from validation.registry.build import build
+from validation.compute.build import build
 
 UNTIL = 40.0
 CHUNK = 0.37

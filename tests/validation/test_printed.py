@@ -70,7 +70,7 @@ def _numbers(line):
 @pytest.fixture
 def clock(monkeypatch):
     readings = itertools.count()
-    monkeypatch.setattr("validation.run.simulate.time.perf_counter", lambda: 0.25 * next(readings))
+    monkeypatch.setattr("validation.compute.run.time.perf_counter", lambda: 0.25 * next(readings))
 
 
 def printed(capsys, folder):

@@ -20,13 +20,13 @@ from slipwave.solve import follow
 from slipwave.solve.follow import DAY, require_time
 from tests.granite import GRANITE, THIN
 from validation.cli import INPUT_WRONG, main
-from validation.registry.build import build
-from validation.registry.families import GRIDS, explicit_time
+from validation.compute import progress as module
+from validation.compute.build import build
+from validation.compute.models import GRIDS, explicit_time
+from validation.compute.outlook import outlook, stress_released
+from validation.compute.progress import progress
+from validation.compute.run import LongRunAdvice, error_without_echoes, simulate
 from validation.results.reasons import engineering
-from validation.run import progress as module
-from validation.run.outlook import outlook, stress_released
-from validation.run.progress import progress
-from validation.run.simulate import LongRunAdvice, error_without_echoes, simulate
 
 
 def told(*settings, until, scene="paper"):
@@ -145,8 +145,8 @@ class Marching:
 def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
     """A tenth of the run has taken so many seconds; what came before it, as compilation, does not count."""
     clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
-    monkeypatch.setattr("validation.run.simulate._SOON", 5.0)
-    monkeypatch.setattr("validation.run.simulate.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("validation.compute.run._SOON", 5.0)
+    monkeypatch.setattr("validation.compute.run.time.monotonic", lambda: next(clock))
     advice = LongRunAdvice(Marching(model), 110.0, lambda done: None)  # type: ignore[arg-type]
     with caplog.at_level(logging.INFO, logger="slipwave"):
         for done in (10.0, 20.0, 90.0):
@@ -189,8 +189,8 @@ def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model, monkeypatch
 
 
 def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch, capsys):
-    monkeypatch.setattr("validation.run.progress.PATIENCE", -1.0)
-    monkeypatch.setattr("validation.run.progress._LINE_INTERVAL", -1.0)
+    monkeypatch.setattr("validation.compute.progress.PATIENCE", -1.0)
+    monkeypatch.setattr("validation.compute.progress._LINE_INTERVAL", -1.0)
     words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
     assert main(words) == 0
     assert capsys.readouterr().err.startswith("paper, delay, on the way to an orbit: ")

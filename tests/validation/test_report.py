@@ -343,7 +343,7 @@ from types import ModuleType
 from validation import studies
 from validation.report import build
 from validation.cli import main
-from validation.run import progress
+from validation.compute import progress
 
 progress.PATIENCE = float("inf")
 folder, *words = sys.argv[1:]

@@ -21,7 +21,7 @@ from slipwave.solve import follow
 from slipwave.solve.checkpoint import saved_time
 from tests.copies import interrupted, killed, on_small_disk
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
-from validation.registry.build import build
+from validation.compute.build import build
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]
 
@@ -106,7 +106,7 @@ def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, ans
     saving = [*words, "--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "70"]
     direct = answer(*words)
     answer(*saving)
-    monkeypatch.setattr("validation.registry.orbit_start.settle", None)
+    monkeypatch.setattr("validation.compute.orbit_start.settle", None)
     assert answer(*saving) | {"wall_s": 0} == direct | {"wall_s": 0}
 
 

@@ -15,12 +15,12 @@ import slipwave
 import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
 from tests.one_port_by_hand import pair_impedance
-from validation.branches.branch import FollowedBranch
-from validation.branches.curve import Curve
-from validation.branches.parameter import Over
-from validation.branches.points import BranchPoint, CurvePoint
 from validation.cli import main
-from validation.registry.families import families
+from validation.compute.branch import FollowedBranch
+from validation.compute.curve import Curve
+from validation.compute.models import families
+from validation.compute.parameter import Over
+from validation.compute.points import BranchPoint, CurvePoint
 from validation.results.branch import BranchOptions, BranchResult
 from validation.results.curve import CurveOptions, CurveResult
 
@@ -184,7 +184,7 @@ def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_pa
 
 def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
-    from validation.registry.families import families
+    from validation.compute.models import families
 
     chosen = [family for family in families() if family.name in ("delay", "fd")]
     monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)

@@ -9,7 +9,7 @@ import pytest
 from shown import outcomes
 
 from slipwave.observe.statistics import Estimate
-from validation.branches.points import BranchPoint, CurvePoint
+from validation.compute.points import BranchPoint, CurvePoint
 from validation.studies import bifurcation as claims
 from validation.studies import period_doubling as doubling
 from validation.studies import special_curves

@@ -11,7 +11,7 @@ import pytest
 from slipwave.solve import follow
 from validation import benchmark, timing
 from validation.benchmark import last, main, ratios
-from validation.run.timing import timed
+from validation.measure.timing import timed
 from validation.timing import March, Race, Setting, in_turn
 from validation.wave_race import Entrant, fastest, race_ratios, raced, run_program
 from validation.wave_race import main as print_race

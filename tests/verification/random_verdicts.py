@@ -35,11 +35,11 @@ from slipwave.scene.drive import Start, steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, Slab
 from slipwave.solve import follow
 from slipwave.solve.lyapunov import largest_exponent
-from validation.registry.build import build
-from validation.registry.families import one_port_of
-from validation.run.length import needed
-from validation.run.outlook import outlook
-from validation.run.simulate import Run, reconsidered, simulate
+from validation.compute.build import build
+from validation.compute.length import needed
+from validation.compute.models import one_port_of
+from validation.compute.outlook import outlook
+from validation.compute.run import Run, reconsidered, simulate
 
 KINDS = ["plain", "plain", "plain", "unlike", "layers", "grip", "machine", "viscous"]
 MODELS = ["delay"] * 7 + ["kelvin-voigt", "modal:2", "block12", "quasidynamic"]

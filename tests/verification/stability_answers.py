@@ -19,7 +19,7 @@ from slipwave.friction.slip import Slip, SlipRegularised
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, ReflectingFace, Slab, StandardLinearViscosity
-from validation.registry.families import one_port_of
+from validation.compute.models import one_port_of
 
 MODELS = ["delay"] * 6 + ["quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:2", "fitted:3"]
 KINDS = ["plain", "plain", "unlike", "irrational", "layers", "grip", "machine", "reflection", "kelvin-voigt", "zener", "si"]

@@ -12,8 +12,8 @@ import pytest
 import slipwave
 from slipwave.solve import follow
 from tests.compiled_work import count_calls
-from validation.registry.build import build
-from validation.registry.families import explicit_time
+from validation.compute.build import build
+from validation.compute.models import explicit_time
 
 PAPER = slipwave.read("paper")
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}

@@ -10,10 +10,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from validation.compute.build import build
+from validation.compute.models import explicit_time
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH
 from validation.measure.orders import QUANTITIES, climb, errors, measure
-from validation.registry.build import build
-from validation.registry.families import explicit_time
 
 FINE = {"dg:12": 12, "fem:11": 14}
 """Galerkin and elements of high degree: the first refers the elements and differences, the second refers Galerkin."""

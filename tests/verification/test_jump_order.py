@@ -20,7 +20,7 @@ from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
 from slipwave.scene.drive import Start, StartKind
 from slipwave.solve import follow
-from validation.registry.build import prepare
+from validation.compute.build import prepare
 
 JUMP = dataclasses.replace(slipwave.read("paper"), start=Start(StartKind.JUMP, 0.05))
 EARLY, LATE = np.arange(40.25, 60.0), np.arange(400.25, 420.0)

@@ -9,8 +9,8 @@ from exact_waves import EPSILON, LOCKED, fields, rate_scene, squared
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from validation.registry.build import build
-from validation.registry.families import explicit_time
+from validation.compute.build import build
+from validation.compute.models import explicit_time
 from validation.studies.stability_attacks.limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
 
 

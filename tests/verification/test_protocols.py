@@ -13,7 +13,7 @@ import pytest
 import slipwave
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.solve import follow
-from validation.registry.build import prepare
+from validation.compute.build import prepare
 
 A, B, X = 0.01, 0.015, 10.0
 HOLD = 30.0

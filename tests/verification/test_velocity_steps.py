@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from slipwave.solve import follow
-from validation.registry.build import prepare
+from validation.compute.build import prepare
 
 STEPS = [[0, 100], [10.3, 100], [10.3, 1000], [14.0, 1000], [14.0, 0], [20.7, 0], [20.7, 50]]
 QUIET = {"slab.log10_r": -3.2, "start.size": 0.0, "drive.velocity": STEPS}

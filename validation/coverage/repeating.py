@@ -11,13 +11,13 @@ from reduced.orbit.figures import figures_of
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 from slipwave.solve import Solver, follow
+from validation.compute.build import build, build_full_wave, prepare
+from validation.compute.default_grid import judged_grid
+from validation.compute.orbits import find_orbit
 from validation.coverage.held import Held
 from validation.coverage.scenes import SLABS, random_scene
 from validation.measure.order_fit import richardson
 from validation.measure.settle import settle
-from validation.registry.build import build, build_full_wave, prepare
-from validation.registry.default_grid import judged_grid
-from validation.registry.orbits import find_orbit
 
 WITNESS = "dg:9"
 """The model that knows the truth of viscous slabs."""

@@ -9,7 +9,7 @@ import slipwave
 from reduced.parameters import scaled
 from reduced.stability.critical import critical_round_trip
 from slipwave.scene import Scene
-from validation.registry.families import one_port_of
+from validation.compute.models import one_port_of
 
 _BEYOND = (1.01, 1.25)  # times the round trip at which steady sliding loses its stability
 

@@ -19,9 +19,9 @@ from slipwave.step.collocation import radau
 from slipwave.step.port import LEVELS
 from slipwave.step.port_march import PortMarch
 from slipwave.step.sensitivity import port_sensitivity
+from validation.compute.build import build
+from validation.compute.models import GRIDS
 from validation.fit.parameters import Variants, sizes
-from validation.registry.build import build
-from validation.registry.families import GRIDS
 
 _FIRST = 0.125  # transits; length of the first step
 _LONGEST = 2e4  # transits, of a short march; the shortest step is 2^31 times as short

@@ -17,11 +17,11 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.step.flow import Flow
+from validation.compute.orbits import moving
 from validation.fit.cycles import falls, model_date, slope_of
 from validation.fit.folded import FoldedRecord
 from validation.fit.forward import join_pieces, sampled
 from validation.fit.parameters import Variants, sizes
-from validation.registry.orbits import moving
 
 SHIFT = np.array([2e-3, 2e-4])
 """Of differences of orbits: transits of period, logarithms of parameters."""

@@ -21,7 +21,7 @@ from slipwave.observe.pieces import lagrange_basis, values_at
 from slipwave.packages import run_file
 from slipwave.solve import follow
 from slipwave.sources import ROOT
-from validation.registry.build import build
+from validation.compute.build import build
 from validation.study.memo import own_orbit
 from validation.study.over_r import branch_of, scene_at
 

@@ -25,7 +25,7 @@ from slipwave.solve import Solver, follow
 from validation.measure.grid_ladders import Course, GridLadder
 from validation.measure.order_fit import TREND, Fit, asked, fit_dense
 from validation.measure.settle import SYMBOLS
-from validation.run.timing import timed
+from validation.measure.timing import timed
 
 OUTPUTS = {name: symbol for name, symbol in SYMBOLS.items() if name != "v_min"}
 """The outputs of every cycle whose order is fitted, and their symbols."""
@@ -43,7 +43,7 @@ _WORTH_REPEATING = 0.01  # seconds
 Measured: TypeAlias = dict[str, Array]
 """By quantity: one entry per complete cycle; for the state (256, 3): z, psi, mu."""
 Maker: TypeAlias = Callable[..., Solver]
-"""As `validation.registry.build.build`."""
+"""As `validation.compute.build.build`."""
 
 
 def measure(solver: Solver, course: Course) -> Measured:

@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 from slipwave.files import alone_in
+from validation.compute.progress import progress
+from validation.measure.timing import cores
 from validation.report import baseline, store
 from validation.report.baseline import RedReport, red_lines
 from validation.report.changes import changes_since
@@ -20,8 +22,6 @@ from validation.report.provenance import machine_facts
 from validation.report.record import Record, Word
 from validation.report.recorded import record_of
 from validation.report.side_by_side import share_out
-from validation.run.progress import progress
-from validation.run.timing import cores
 from validation.studies import choose, study_called
 from validation.study import Budget, Study
 

@@ -10,16 +10,16 @@ from pathlib import Path
 
 import validation
 from slipwave.sources import ROOT, import_closure, imported_names, program
-from validation.registry import families
+from validation.compute import models
 from validation.study import Study, render
 
 _ROOM = Path(validation.__file__).parent
 _GALLERY = _ROOM.parent / "slipwave" / "gallery"
-_REGISTRY = Path(families.__file__)
+_MODELS = Path(models.__file__)
 _DRAWN_BY = Path(render.__file__)
 """What makes files of every study's figures."""
-_SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in families.FAMILIES]
-"""Files that the registry imports by name: only its facts mention them, no import statement does."""
+_SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in models.FAMILIES]
+"""Files that `compute.models` imports by name: only its facts mention them, no import statement does."""
 
 _READ = (".py", ".toml", ".json")
 
@@ -44,7 +44,7 @@ def sources_of(study: Study) -> list[Path]:
     own = Path(str(getattr(study, "__file__", __file__)))
     starts = [own, _DRAWN_BY, *(path for path in read if path.suffix == ".py")]
     programs = import_closure(starts, packages=False)
-    if _REGISTRY in programs:
+    if _MODELS in programs:
         programs = import_closure([*starts, *_SOLVERS], packages=False)
     words = set(study.SCENES).union(*(_words(path) for path in programs if path.is_relative_to(_ROOM) or path == own))
     scenes = [path for path in sorted(_GALLERY.glob("*.toml")) if path.stem in words]

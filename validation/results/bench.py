@@ -8,14 +8,14 @@ from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
+from validation.compute.length import Length, Until, length_of
+from validation.compute.models import honouring, one_port_of
+from validation.compute.progress import progress
+from validation.compute.run import Run, simulate
 from validation.output import aligned, rounded
-from validation.registry.families import honouring, one_port_of
 from validation.results.command import command
 from validation.results.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.results.options import RunsOptions
-from validation.run.length import Length, Until, length_of
-from validation.run.progress import progress
-from validation.run.simulate import Run, simulate
 from validation.study.drawing import Drawing, style_of, styled, subplots
 from validation.timing import Setting, solver_of, warm_up
 

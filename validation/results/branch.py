@@ -16,13 +16,12 @@ from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.branches import SPECIAL_KINDS
-from validation.branches.branch import FollowedBranch
-from validation.branches.followed import End, Followed, pursue, write_followed
-from validation.branches.parameter import Values, over_range, range_text, scene_along
-from validation.branches.points import BranchPoint, SpecialPoint, StopAt
+from validation.compute.branch import FollowedBranch
+from validation.compute.followed import End, Followed, pursue, write_followed
+from validation.compute.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
+from validation.compute.parameter import Values, over_range, range_text, scene_along
+from validation.compute.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 from validation.output import FIGURES, aligned, rounded, thinned
-from validation.registry.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
 from validation.results.command import command
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
@@ -211,7 +210,7 @@ class BranchResult(FollowedResult):
     def dataset(self) -> Dataset:
         """The points by `point` and the special points by `special`, at their values of the parameter. The figures of points
         are there under their plain names too, over an index of the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
-        from validation.branches.along import along
+        from validation.compute.along import along
 
         found, scene = self.found, self.found.over.base
         values = _columns("point", BranchPoint._fields, found.shown, scene)

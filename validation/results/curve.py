@@ -7,13 +7,12 @@ from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
-from validation.branches import SPECIAL_KINDS
-from validation.branches.curve import Curve, require_curve
-from validation.branches.followed import pursue
-from validation.branches.parameter import Values, over_range, range_text
-from validation.branches.points import CurvePoint, StopAt
+from validation.compute.curve import Curve, require_curve
+from validation.compute.followed import pursue
+from validation.compute.orbits import flowing
+from validation.compute.parameter import Values, over_range, range_text
+from validation.compute.points import SPECIAL_KINDS, CurvePoint, StopAt
 from validation.output import thinned
-from validation.registry.orbits import flowing
 from validation.results.branch import BRANCH_TOLERANCE, FollowedOptions, FollowedResult, origin_of, points_option, printed_column
 from validation.results.command import command
 from validation.results.options import announced, option
@@ -79,7 +78,7 @@ class CurveResult(FollowedResult):
         found = self.found
         rows = [self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in found.points]
         data = table_of(rows, "point", found.over.base).assign_attrs(self.origin)
-        from validation.branches.along import along
+        from validation.compute.along import along
 
         return along(data.set_coords(found.second.column), found.over.column)
 

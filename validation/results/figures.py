@@ -11,10 +11,10 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
 from slipwave.solve import Leaping
+from validation.compute.length import second_half
+from validation.compute.run import Run
 from validation.results.quantities import INTERFACE, si_factor, stored_name
 from validation.results.reasons import PREFIXES, power_of
-from validation.run.length import second_half
-from validation.run.simulate import Run
 from validation.study.drawing import Axes, Drawing, canvas, styled, subplots
 
 _LABELS = {"time": "time / transits", "stress": "friction stress / normal stress", "slip_rate": "slip rate / V*"}

@@ -2,7 +2,7 @@
 
 from slipwave.input import SceneSource
 from slipwave.input.source import gallery_titles, to_toml
-from validation.registry.families import families, honouring
+from validation.compute.models import families, honouring
 from validation.results.command import command
 from validation.results.options import SceneOptions
 

@@ -26,8 +26,8 @@ from slipwave.input.wording import listed, nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.solve.follow import DAY
-from validation.registry.families import FAMILIES, GRIDS, Options
-from validation.registry.own import load_families, require_same_family
+from validation.compute.models import FAMILIES, GRIDS, Options
+from validation.compute.own import load_families, require_same_family
 from validation.results.result import PointOfBranch
 
 log = logging.getLogger("slipwave")
@@ -217,7 +217,7 @@ class NumericalOptions(SceneOptions):
 
     @property
     def numerical(self) -> Options:
-        """As the registry of models takes them."""
+        """As `validation.compute.build` takes them."""
         return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
 
 

@@ -17,9 +17,9 @@ from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.branches.at_scene import orbit_at_scene
+from validation.compute.at_scene import orbit_at_scene
+from validation.compute.orbits import OrbitFound, flowing, neutral_orbit
 from validation.output import FIGURES, aligned, rounded
-from validation.registry.orbits import OrbitFound, flowing, neutral_orbit
 from validation.results.branch import tolerance_option
 from validation.results.command import command
 from validation.results.figures import motion_figure

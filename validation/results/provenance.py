@@ -13,7 +13,7 @@ from slipwave.friction.own import own_law
 from slipwave.input.source import to_toml
 from slipwave.scene import Scene
 from slipwave.sources import commit
-from validation.registry.own import own_family
+from validation.compute.own import own_family
 
 SCHEMA = 1
 """Version of the names in files and of the keys of the JSON of every command."""

@@ -6,8 +6,8 @@ from reduced.stability import Stability, analyse, friction_slopes, scaled
 from reduced.stability.analyse import stability_in_si
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from validation.run.outlook import outlook
-from validation.run.simulate import Run
+from validation.compute.outlook import outlook
+from validation.compute.run import Run
 
 _TOGETHER = ", both slabs scaled together,"
 PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}

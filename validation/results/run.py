@@ -12,17 +12,17 @@ from slipwave.scene import Scene
 from slipwave.solve import Solver, has_fields
 from slipwave.solve.follow import DAY
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
-from validation.registry import build as models
-from validation.registry.default_grid import grid_in_words, judged_grid, note_on, note_on_given
-from validation.registry.families import Options, one_port_of
+from validation.compute import build as models
+from validation.compute.default_grid import grid_in_words, judged_grid, note_on, note_on_given
+from validation.compute.length import MOST_CYCLES, Length, length_of, require_counted
+from validation.compute.models import Options, one_port_of
+from validation.compute.outlook import amplified_rounding, costly_steps, outlook
+from validation.compute.progress import progress
+from validation.compute.recording import Wanted, Window, kept_of, records_of, time_between
+from validation.compute.run import Run, reconsidered, simulate
 from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
 from validation.results.run_result import RunResult
-from validation.run.length import MOST_CYCLES, Length, length_of, require_counted
-from validation.run.outlook import amplified_rounding, costly_steps, outlook
-from validation.run.progress import progress
-from validation.run.recording import Wanted, Window, kept_of, records_of, time_between
-from validation.run.simulate import Run, reconsidered, simulate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +75,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     """Run one model on a scene.
 
     Without `until` and `cycles` the scene gives the length, or the run ends when its motion is settled
-    (`validation.run.length`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
+    (`validation.compute.length`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
     where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the

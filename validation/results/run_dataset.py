@@ -16,6 +16,8 @@ from slipwave.files import TIME, whole_or_absent
 from slipwave.observe import Events
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
+from validation.compute.history_file import HistoryFile
+from validation.compute.run import Run
 from validation.results.quantities import (
     EVENTS,
     INTERFACE,
@@ -28,8 +30,6 @@ from validation.results.quantities import (
     variables,
 )
 from validation.results.result import Dataset, new_dataset
-from validation.run.history_file import HistoryFile
-from validation.run.simulate import Run
 
 if TYPE_CHECKING:
     import netCDF4

@@ -13,10 +13,13 @@ from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
 from slipwave.solve import Leaping
 from slipwave.solve.lyapunov import Exponent
+from validation.compute.default_grid import grid_in_words
+from validation.compute.length import needed
+from validation.compute.models import one_port_of
+from validation.compute.recording import FIELD_FILES, Records, how_to_resume
+from validation.compute.run import Run
 from validation.data.writing import write_series
 from validation.output import FIGURES, aligned, rounded
-from validation.registry.default_grid import grid_in_words
-from validation.registry.families import one_port_of
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import cycle_in_si
 from validation.results.result import Dataset, Output, Result, finite, save_drawing
@@ -31,9 +34,6 @@ from validation.results.wording import (
     spreads_in_words,
     statistics_rows,
 )
-from validation.run.length import needed
-from validation.run.recording import FIELD_FILES, Records, how_to_resume
-from validation.run.simulate import Run
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice

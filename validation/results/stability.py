@@ -15,8 +15,8 @@ from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.compute.models import one_port_of
 from validation.output import aligned, rounded
-from validation.registry.families import one_port_of
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA, provenance

@@ -8,7 +8,7 @@ import slipwave
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
 from slipwave.scene import Scene
-from validation.registry.families import one_port_of
+from validation.compute.models import one_port_of
 from validation.results.result import Dataset
 from validation.study import WITNESS, Budget, Figure, StudyResult, Table, Verdict, every, table
 from validation.study.regimes import regime_areas

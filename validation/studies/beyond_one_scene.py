@@ -10,7 +10,7 @@ import numpy as np
 import slipwave
 from reduced.stability import scaled
 from slipwave.scene import Scene
-from validation.registry.families import family_of
+from validation.compute.models import family_of
 from validation.study import WITNESS, Budget, Cell, Number, Omission, StudyResult, Table, Verdict, claim, every, table
 from validation.study.advice import JUDGED, is_good
 from validation.study.compared import EXACT_MODEL, Sight, compared_table, critical_r

@@ -14,11 +14,11 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Orbit
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.compute.build import build
 from validation.measure.cycle import OneCycle, ripple_period, watch
 from validation.measure.settle import one_cycle
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
-from validation.registry.build import build
 from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, memo, stated, table
 from validation.study.drawing import Drawing, style_of, subplots
 from validation.study.known import PeriodRanges, as_known, as_printed, order_of_periods, range_of_r

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 
 import slipwave
 from slipwave.observe.statistics import Estimate
+from validation.compute.build import build
 from validation.measure.settle import settle
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt
 from validation.references.onset import onset_of
 from validation.references.published import reference, reference_orbit
-from validation.registry.build import build
 from validation.study import WITNESS, Budget, Figure, Omission, StudyResult, Table, Verdict, claim, table
 from validation.study.drawing import Drawing, ruled, style_of, subplots
 from validation.study.known import as_known

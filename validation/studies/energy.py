@@ -8,10 +8,10 @@ import numpy as np
 import slipwave
 from slipwave.observe.pieces import Array
 from slipwave.solve import Energy, FieldSolver, follow
+from validation.compute.build import build_full_wave
+from validation.compute.models import explicit_time
 from validation.measure.cycle import watch
 from validation.measure.order_fit import Fit, fit_order
-from validation.registry.build import build_full_wave
-from validation.registry.families import explicit_time
 from validation.study import EXACT, Budget, Cell, Figure, StudyResult, Table, Verdict, claim, stated, table
 from validation.study.drawing import Drawing, grid_styles, subplots
 from validation.study.known import of_order

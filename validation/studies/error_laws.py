@@ -10,8 +10,8 @@ import slipwave
 from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction_slopes, scaled
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.compute.build import build
 from validation.measure.settle import settle
-from validation.registry.build import build
 from validation.study import (
     ASYMPTOTIC,
     Budget,

@@ -9,9 +9,9 @@ import slipwave
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.compute.build import build
 from validation.measure.order_fit import Fit, extrapolated, fit_order, shortfall
 from validation.measure.settle import SYMBOLS, settle
-from validation.registry.build import build
 from validation.study import SELF, WITNESS, Budget, Evidence, Figure, StudyResult, Table, Verdict, claim, stated, table
 from validation.study.drawing import Axes, Drawing, subplots
 from validation.study.known import of_order

@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.observe.pieces import Array
+from validation.compute.build import build
+from validation.compute.models import grid_of
 from validation.measure.manufactured import BEGIN, UNTIL, error_of_motion, exact_motion, given_scene
 from validation.measure.order_fit import Fit, fit_order, shortfall
-from validation.registry.build import build
-from validation.registry.families import grid_of
 from validation.study import EXACT, Budget, Figure, Number, StudyResult, Verdict, claim
 from validation.study.drawing import Drawing, style_of, subplots
 from validation.study.known import of_order

@@ -13,10 +13,10 @@ from reduced.orbit.periodic import relative_error
 from reduced.stability import analyse
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
+from validation.compute.orbits import moving
 from validation.measure.cycle import OneCycle
 from validation.measure.settle import SYMBOLS, WINDOW, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
-from validation.registry.orbits import moving
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, memo, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, key, line, style_of, subplots
 from validation.study.over_r import begun_at, scene_at

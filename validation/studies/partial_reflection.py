@@ -11,10 +11,10 @@ from slipwave.friction.ageing import Ageing
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.compute.build import build
+from validation.compute.models import explicit_time
 from validation.measure.cycle import watch
 from validation.measure.settle import NoCycle
-from validation.registry.build import build
-from validation.registry.families import explicit_time
 from validation.study import Budget, Figure, Number, StudyResult, Table, memo, stated, table
 from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain

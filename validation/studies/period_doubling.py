@@ -15,13 +15,13 @@ from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.closing import close
 from reduced.orbit.multipliers import floquet
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
-from validation.branches.branch import FollowedBranch
-from validation.branches.followed import ends_of
-from validation.branches.parameter import over_range
-from validation.branches.points import StopAt
+from validation.compute.branch import FollowedBranch
+from validation.compute.followed import ends_of
+from validation.compute.orbits import moving
+from validation.compute.parameter import over_range
+from validation.compute.points import StopAt
 from validation.measure.cycle import watch
 from validation.references.published import half_digit, reference
-from validation.registry.orbits import moving
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, memo, stated, table
 from validation.study.branch_drawing import MARKS
 from validation.study.drawing import WIDTH, Drawing, canvas, line, ruled

@@ -10,8 +10,8 @@ import slipwave
 from fullwave.fields.files import picture
 from fullwave.fields.record import Field, record_field
 from slipwave.observe.pieces import Array
+from validation.compute.build import build_full_wave
 from validation.measure.cycle import watch
-from validation.registry.build import build_full_wave
 from validation.study import EXACT, Budget, Figure, StudyResult, Table, Verdict, claim, stated, table
 from validation.study.drawing import Drawing
 

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from reduced.parameters import with_parameter
-from validation.branches.branch import FollowedBranch
-from validation.branches.curve import Curve
-from validation.branches.followed import ends_of
-from validation.branches.parameter import over_range
-from validation.branches.points import CurvePoint, StopAt
+from validation.compute.branch import FollowedBranch
+from validation.compute.curve import Curve
+from validation.compute.followed import ends_of
+from validation.compute.parameter import over_range
+from validation.compute.points import CurvePoint, StopAt
 from validation.references.onset import onset_of
 from validation.references.published import reference
 from validation.study import EXACT, PAPER, WITNESS, Budget, Figure, StudyResult, Table, Verdict, claim, in_range, stated, table

@@ -10,9 +10,9 @@ from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.compute.build import build
+from validation.compute.models import explicit_time
 from validation.measure.cycle import OneCycle, cut, watch
-from validation.registry.build import build
-from validation.registry.families import explicit_time
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyResult, Table, stated, table
 from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain, power, run_time

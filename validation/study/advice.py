@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from slipwave.family import Exact
-from validation.registry.families import family_of
+from validation.compute.models import family_of
 from validation.study.model_table import ModelCell, ModelRow, ModelTable
 from validation.study.regimes import UNDECIDED
 from validation.study.text import minus, plain

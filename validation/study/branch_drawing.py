@@ -7,7 +7,7 @@ import numpy as np
 
 from reduced.orbit.figures import figures_of
 from slipwave.observe.pieces import Array
-from validation.branches.points import BranchPoint
+from validation.compute.points import BranchPoint
 from validation.study.drawing import Axes, key, style_of
 from validation.study.over_r import Branch, parts
 

@@ -3,9 +3,9 @@
 from itertools import groupby
 from typing import Any
 
-from validation.branches import SPECIAL_KINDS
-from validation.branches.branch import FollowedBranch
-from validation.branches.curve import Curve
+from validation.compute.branch import FollowedBranch
+from validation.compute.curve import Curve
+from validation.compute.points import SPECIAL_KINDS
 from validation.study.branch_drawing import NAMES
 from validation.study.drawing import Axes, Drawing, subplots
 

@@ -10,7 +10,7 @@ from reduced.stability import critical_round_trip
 from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
-from validation.registry.families import one_port_of
+from validation.compute.models import one_port_of
 from validation.study.advice import with_advice
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.regimes import Regime

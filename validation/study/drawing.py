@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from slipwave.extras import require
 from slipwave.family import PlotStyle
-from validation.registry.families import family_of
+from validation.compute.models import family_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes

@@ -16,12 +16,12 @@ from slipwave.observe import Events, HistoryObserver
 from slipwave.observe.pieces import lagrange_basis, values_at
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
+from validation.compute.build import build
+from validation.compute.orbit_start import first_event
+from validation.compute.orbits import find_orbit
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import OneCycle, cut, watch
 from validation.measure.settle import MOST_TRANSITS, Settled, settle
-from validation.registry.build import build
-from validation.registry.orbit_start import first_event
-from validation.registry.orbits import find_orbit
 
 TRANSIENT = 1500.0  # transits
 LATE_TOLERANCE = 1e-7  # of a run whose cycles never repeat

@@ -15,8 +15,8 @@ from reduced.orbit.closing import Closed, close
 from reduced.orbit.periodic import FINER
 from reduced.parameters import with_parameter
 from slipwave.scene import Scene
-from validation.branches.points import BranchPoint, point_of
-from validation.registry.orbits import moving
+from validation.compute.orbits import moving
+from validation.compute.points import BranchPoint, point_of
 from validation.study import Number, stated
 
 RANGE = (-2.72, -2.3)

@@ -7,11 +7,11 @@ from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
+from validation.compute.build import build
+from validation.compute.models import one_port_of
+from validation.compute.run import reconsidered, simulate
 from validation.measure.correlated import mean_of
 from validation.measure.settle import estimate
-from validation.registry.build import build
-from validation.registry.families import one_port_of
-from validation.run.simulate import reconsidered, simulate
 from validation.study import Number, stated
 from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
 

@@ -15,7 +15,7 @@ from slipwave.errors import SceneError
 from slipwave.input.overrides import full_key
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
-from validation.branches.parameter import has_key
+from validation.compute.parameter import has_key
 
 LONGEST = 100_000
 """Values of one axis."""

@@ -11,8 +11,8 @@ import slipwave
 from reduced.parameters import PARAMETERS
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
-from validation.branches.parameter import SHORT
-from validation.registry.families import one_port_of
+from validation.compute.models import one_port_of
+from validation.compute.parameter import SHORT
 from validation.results.result import Dataset, load_dataset
 from validation.sweep.map_figures import Line, is_logarithmic
 

@@ -15,7 +15,7 @@ from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
-from validation.registry.own import load_families, own_files
+from validation.compute.own import load_families, own_files
 
 _ENVIRONMENT = threading.Lock()
 

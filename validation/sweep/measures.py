@@ -13,12 +13,12 @@ import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.verdict import Kind
 from slipwave.scene import Scene
-from validation.registry.build import prepare
-from validation.registry.families import one_port_of
+from validation.compute.build import prepare
+from validation.compute.length import Ended, JudgedHalf, Length, Until, UntilSettled
+from validation.compute.models import one_port_of
+from validation.compute.outlook import Outlook, is_stable, outlook
+from validation.compute.run import Run, reconsidered, simulate
 from validation.results.quantities import Meaning
-from validation.run.length import Ended, JudgedHalf, Length, Until, UntilSettled
-from validation.run.outlook import Outlook, is_stable, outlook
-from validation.run.simulate import Run, reconsidered, simulate
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
 """The words of a verdict, in the order of their numbers in files."""

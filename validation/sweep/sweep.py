@@ -21,10 +21,10 @@ from slipwave.input.source import to_toml
 from slipwave.scene import Scene
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
-from validation.registry.families import parse, resolve
+from validation.compute.models import parse, resolve
+from validation.compute.progress import progress
+from validation.measure.timing import cores
 from validation.results.result import Dataset
-from validation.run.progress import progress
-from validation.run.timing import cores
 from validation.sweep import executors
 from validation.sweep.axes import Axis, whole_key
 from validation.sweep.engine import Engine, compute

@@ -9,10 +9,10 @@ import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.compute.build import build, build_full_wave
+from validation.compute.models import DELAY, explicit_time, grid_of
 from validation.measure.grid_ladders import ladder_of
 from validation.measure.order_fit import fit_order, shortfall
-from validation.registry.build import build, build_full_wave
-from validation.registry.families import DELAY, explicit_time, grid_of
 from validation.studies.grid_convergence import climb_of, order_verdict
 from validation.studies.stability_attacks import limit_verdict, medium_verdict, state_verdict, stop_verdict
 from validation.studies.stability_attacks.limits import (

@@ -12,11 +12,11 @@ from fullwave.families import FullWave
 from slipwave.family import Exact
 from slipwave.observe.pieces import Array
 from slipwave.sources import ROOT, import_closure
+from validation.compute.models import FAMILIES, GRIDS, grid_of
 from validation.measure import grid_ladders
 from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, ROUGH_FROM, STEEP, STEEP_FROM, Course
 from validation.measure.order_fit import FEWEST_DENSE, TREND
 from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, QUANTITIES, RESOLVED, Climb, climb
-from validation.registry.families import FAMILIES, GRIDS, grid_of
 from validation.studies.grid_convergence import in_time, orbits
 from validation.studies.grid_convergence.in_time import without_error_in_time
 from validation.study import WITNESS, Budget, Cell, Figure, StudyResult, Table, Verdict, holding, stated, table

@@ -10,11 +10,11 @@ from reduced.delay.alike import Delay
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import Solver
+from validation.compute.build import build
+from validation.compute.models import explicit_time, grid_of
 from validation.measure.grid_ladders import GENTLE, Course
 from validation.measure.order_fit import Fit, fit_dense
 from validation.measure.orders import QUANTITIES, Measured, errors, measure
-from validation.registry.build import build
-from validation.registry.families import explicit_time, grid_of
 from validation.study import WITNESS, Table, Verdict, claim, table
 from validation.study.known import of_order
 from validation.study.text import plain

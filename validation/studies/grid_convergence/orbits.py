@@ -6,8 +6,8 @@ from typing import NamedTuple, TypeAlias
 
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
+from validation.compute.models import grid_of
 from validation.measure.correlated import mean_of
-from validation.registry.families import grid_of
 from validation.study import WITNESS, Table, Verdict, claim, holding, table
 from validation.study.memo import late_cycles, own_orbit
 from validation.study.over_r import begun_at, scene_at

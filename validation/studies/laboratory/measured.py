@@ -10,9 +10,9 @@ from slipwave.input import read_scene
 from slipwave.observe import Events, HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.compute.build import build
 from validation.measure.cycle import cut, watch
 from validation.references.published import laboratory
-from validation.registry.build import build
 
 DENSITY, SHEAR_MODULUS, THICKNESS = 7850.0, 79e9, 0.05  # of the steel forcing blocks
 STIFFNESS_SPREAD = 0.05  # of k', for which no uncertainty is printed: our assumption

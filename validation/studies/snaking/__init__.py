@@ -10,7 +10,7 @@ from reduced.continuation.branch import Control
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
-from validation.branches.points import BranchPoint
+from validation.compute.points import BranchPoint
 from validation.studies.snaking import measured
 from validation.studies.snaking.measured import Attractor, FoldSide, PeriodsOfRun, Sides, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, StudyResult, Table, memo, table

@@ -26,10 +26,10 @@ from slipwave.observe.pieces import Array, lagrange_basis, values_at
 from slipwave.observe.statistics import Estimate
 from slipwave.observe.torus import rotation
 from slipwave.solve import follow
+from validation.compute.build import build
+from validation.compute.orbit_start import BEGIN, state_on
 from validation.measure.correlated import mean_of
 from validation.references.published import reference
-from validation.registry.build import build
-from validation.registry.orbit_start import BEGIN, state_on
 from validation.study import ASYMPTOTIC, EXACT, SELF, WITNESS, Verdict, claim, every, holding, memo
 from validation.study.over_r import Branch, scene_at
 from validation.study.text import minus

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from validation.registry.families import grid_of
+from validation.compute.models import grid_of
 from validation.studies.stability_attacks import limits, runs
 from validation.studies.stability_attacks.limits import AROUND, BEYOND, MEDIA, SOFT_AND_STIFF, STEPS
 from validation.studies.stability_attacks.runs import ADVISED, ATTACKS, CELLS, MOMENTS, AttackOutcome, Cure

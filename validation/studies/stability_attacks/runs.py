@@ -11,8 +11,8 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, RunStatistics, summarise
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Solver, follow
-from validation.registry.build import build, build_full_wave
-from validation.registry.families import explicit_time
+from validation.compute.build import build, build_full_wave
+from validation.compute.models import explicit_time
 from validation.studies.stability_attacks.limits import ATTACKED, few_cells
 from validation.study.text import plain
 

@@ -17,9 +17,9 @@ from slipwave.scene.drive import Drive
 from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.follow import DAY, Foresight, require_time
-from validation.run.length import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, Until, second_half
-from validation.run.outlook import is_stable, outlook
-from validation.run.progress import progress
+from validation.compute.length import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, Until, second_half
+from validation.compute.outlook import is_stable, outlook
+from validation.compute.progress import progress
 
 LONG = 60.0
 """Seconds from which on a cheaper model is named."""

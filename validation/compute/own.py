@@ -12,7 +12,7 @@ from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.packages import run_file
 from slipwave.solve import FieldSolver
-from validation.registry.families import FAMILIES, GRIDS, add_family, family_of
+from validation.compute.models import FAMILIES, GRIDS, add_family, family_of
 
 _OWN: dict[Path, list[Family]] = {}
 _HOUSE = ("fullwave", "reduced")

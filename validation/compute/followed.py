@@ -13,10 +13,10 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import reason_of, whole_or_absent
 from slipwave.solve import State
-from validation.branches.branch import FollowedBranch
-from validation.branches.curve import Curve
-from validation.branches.points import StopAt
-from validation.run.progress import progress
+from validation.compute.branch import FollowedBranch
+from validation.compute.curve import Curve
+from validation.compute.points import StopAt
+from validation.compute.progress import progress
 
 if TYPE_CHECKING:
     from netCDF4 import Dataset

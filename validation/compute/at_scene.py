@@ -15,12 +15,12 @@ from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
-from validation.branches.branch import FollowedBranch
-from validation.branches.followed import ends_of
-from validation.branches.parameter import Over
-from validation.branches.points import StopAt
-from validation.registry.families import one_port_of
-from validation.registry.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined_orbit
+from validation.compute.branch import FollowedBranch
+from validation.compute.followed import ends_of
+from validation.compute.models import one_port_of
+from validation.compute.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined_orbit
+from validation.compute.parameter import Over
+from validation.compute.points import StopAt
 
 _LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
 _SAME = 1e-5  # relative difference of periods, to which the orbits of a branch are known, that count as one orbit's

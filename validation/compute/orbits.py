@@ -15,9 +15,9 @@ from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
 from slipwave.step.flow import Flow
-from validation.registry.families import DELAY, GRIDS, families, family_of, honouring, make, one_port_of, requested, resolve
-from validation.run.outlook import outlook
-from validation.run.progress import progress
+from validation.compute.models import DELAY, GRIDS, families, family_of, honouring, make, one_port_of, requested, resolve
+from validation.compute.outlook import outlook
+from validation.compute.progress import progress
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-11, 1e-2
 _RUN = 1e-6  # tolerance of a run that only has to come near an orbit

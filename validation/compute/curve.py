@@ -20,11 +20,10 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import State
 from slipwave.sources import source_digest
-from validation.branches import SPECIAL_KINDS
-from validation.branches.branch import FollowedBranch
-from validation.branches.parameter import Over
-from validation.branches.points import CurvePoint, StopAt, curve_point_of
-from validation.registry.families import one_port_of
+from validation.compute.branch import FollowedBranch
+from validation.compute.models import one_port_of
+from validation.compute.parameter import Over
+from validation.compute.points import SPECIAL_KINDS, CurvePoint, StopAt, curve_point_of
 
 _FORMAT = 1
 

@@ -7,7 +7,7 @@ from slipwave.family import Family
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
 from slipwave.solve import FieldSolver, Solver
-from validation.registry.families import OPTIONS, Built, Options, given, make, parse, requested, resolve
+from validation.compute.models import OPTIONS, Built, Options, given, make, parse, requested, resolve
 
 
 def build(model: str, scene: Scene, **options: Unpack[Options]) -> Solver:
@@ -35,7 +35,7 @@ def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[O
     built = make(*requested(model, scene, **options))._replace(why=why)
     if scene.start.kind is not StartKind.ORBIT:
         return built
-    from validation.registry.orbit_start import on_orbit
+    from validation.compute.orbit_start import on_orbit
 
     orbiting = on_orbit(built.solver)
     if not resumed:

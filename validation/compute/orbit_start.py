@@ -20,10 +20,10 @@ from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow, tables
 from slipwave.solve.follow import require_time
 from slipwave.step.flow import InterfaceState
+from validation.compute.models import family_of
+from validation.compute.orbits import find_orbit, has_flow
+from validation.compute.progress import progress
 from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
-from validation.registry.families import family_of
-from validation.registry.orbits import find_orbit, has_flow
-from validation.run.progress import progress
 
 BEGIN = float(math.ceil(NUDGE_CENTRE + NUDGE_REACH))
 """Date (transits) of the orbit's start on the solver's own clock: a whole transit after the nudge."""

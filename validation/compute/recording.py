@@ -18,8 +18,8 @@ from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Mark, Observer, Resumable, Solver
 from slipwave.solve.checkpoint import Checkpoints, saved_time
 from slipwave.solve.follow import NamedObserver, named_observers
+from validation.compute.history_file import ALL, HistoryFile, Kept
 from validation.output import require_writable
-from validation.run.history_file import ALL, HistoryFile, Kept
 
 if TYPE_CHECKING:
     from fullwave.fields.record import FieldRecord

@@ -9,6 +9,9 @@ from reduced.orbit.closing import CLOSES_TO
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import is_decided
 
+SPECIAL_KINDS = {"HB": "Hopf", "LP": "fold", "PD": "period doubling", "NS": "torus"}
+"""Kinds of special points, and their names."""
+
 
 class StopAt(NamedTuple):
     """Where to stop: beyond a `period` (transits), after so many `points`, at the first special point of a `kind` (if any)."""

@@ -17,7 +17,7 @@ from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Solver
-from validation.run.outlook import Outlook, outlook
+from validation.compute.outlook import Outlook, outlook
 
 Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
 """Why a run ended where it did: at the given time, with the cycles asked for, settled, or at the limit of work."""

@@ -18,11 +18,10 @@ from reduced.stability.spectrum import unstable_count
 from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import State
 from slipwave.sources import source_digest
-from validation.branches import SPECIAL_KINDS
-from validation.branches.parameter import Over
-from validation.branches.points import BranchPoint, SpecialPoint, StopAt, point_of, special_of
-from validation.registry.families import one_port_of
-from validation.registry.orbits import find_orbit, moving
+from validation.compute.models import one_port_of
+from validation.compute.orbits import find_orbit, moving
+from validation.compute.parameter import Over
+from validation.compute.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt, point_of, special_of
 
 _FORMAT = 2
 _SMALL = 0.1  # amplitude of ln v

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from slipwave.scene.drive import StartKind
 from slipwave.solve import FieldSolver, Solver, State
-from validation.registry.build import build_full_wave
+from validation.compute.build import build_full_wave
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
