@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from fullwave.families import LEAPFROG
-from fullwave.leapfrog.faces import Grip
+from fullwave.leapfrog.faces import memory_of
 from fullwave.leapfrog.grid import common_step, slab_grid
 from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march_leapfrog, steady_memory
 from fullwave.leapfrog.readout import energy_of, leapfrog_snapshot
@@ -32,7 +32,6 @@ from slipwave.solve import Energy, Snapshot, State, take_back, whole_numbers
 _CELL_BYTES = 150.0  # measured, including the building of the grid: 50 in an elastic slab, 130 in a Kelvin-Voigt one
 _CELL_WORK = 20.0  # products in the time of one step of a cell: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
 _STEP_SECONDS, _CELL_SECONDS = 1e-7, 2e-9  # of the interface, and of a cell: 0.6 ns in an elastic slab, 10 in a Kelvin-Voigt one
-_MUTABLE = ("velocity", "stress", "relaxing", "lost")
 
 
 class Leapfrog:
@@ -155,8 +154,5 @@ class Leapfrog:
         self._sample, self.failures = sample, failures
 
     def _arrays(self) -> dict[str, Array]:
-        arrays: dict[str, Any] = {}
-        for label, side in zip(("upper", "lower"), self._sides, strict=False):
-            arrays |= {f"{label}.{name}": getattr(side.medium, name) for name in _MUTABLE if hasattr(side.medium, name)}
-            arrays |= {f"{label}.face": side.face.memory} if isinstance(side.face, Grip) else {}
-        return arrays
+        sides = [(label, part) for label, side in zip(("upper", "lower"), self._sides, strict=False) for part in side]
+        return {f"{label}.{name}": array for label, part in sides for name, array in memory_of(part).items()}

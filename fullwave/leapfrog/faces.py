@@ -16,6 +16,7 @@ Stresses are deviations from the stress of steady sliding, in units of the norma
 drive at the whole time, `following` the drive at the next half step; time is in transits.
 """
 
+from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,6 +40,22 @@ class Grip(NamedTuple):
     half_spring: float
     steady_load: float
     memory: Array
+
+
+@singledispatch
+def memory_of(part: Any) -> dict[str, Array]:
+    """What a march changes in an outer face or a medium, by name: a checkpoint keeps it."""
+    raise NotImplementedError(type(part))
+
+
+@memory_of.register(Rigid)
+def _memory_of_rigid(part: Rigid) -> dict[str, Array]:
+    return {}
+
+
+@memory_of.register(Grip)
+def _memory_of_grip(part: Grip) -> dict[str, Array]:
+    return {"face": part.memory}
 
 
 @by_class(inline=True)

@@ -41,7 +41,7 @@ def side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: 
     stretch = np.diff(medium.velocity)
     kinetic = 0.5 * float(grid.mass @ ((medium.velocity - velocity) * (medium.velocity + velocity)))
     relaxed, ahead, compliance = medium.stress, medium.stress + grid.stiffness * stretch, grid.width / (2.0 * grid.impedance)
-    branch, viscous = 0.0, float(getattr(medium, "lost", np.zeros(1))[0]) * grid.step
+    branch, viscous = 0.0, float(medium.lost[0]) * grid.step if isinstance(medium, StandardLinear | KelvinVoigt) else 0.0
     if isinstance(medium, StandardLinear):
         q, unrelaxed = medium.relaxing, medium.branch / grid.stiffness
         mean = (q + 0.5 * medium.branch * stretch) / (1.0 + medium.half_decay)
