@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from fullwave.families import LEAPFROG
-from fullwave.leapfrog.faces import memory_of
 from fullwave.leapfrog.grid import common_step, slab_grid
 from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march_leapfrog, steady_memory
 from fullwave.leapfrog.readout import energy_of, leapfrog_snapshot
@@ -155,4 +154,4 @@ class Leapfrog:
 
     def _arrays(self) -> dict[str, Array]:
         sides = [(label, part) for label, side in zip(("upper", "lower"), self._sides, strict=False) for part in side]
-        return {f"{label}.{name}": array for label, part in sides for name, array in memory_of(part).items()}
+        return {f"{label}.{name}": array for label, part in sides for name, array in part.state.items()}

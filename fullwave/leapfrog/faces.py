@@ -16,7 +16,6 @@ Stresses are deviations from the stress of steady sliding, in units of the norma
 drive at the whole time, `following` the drive at the next half step; time is in transits.
 """
 
-from functools import singledispatch
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,6 +30,11 @@ class Rigid(NamedTuple):
 
     stored: float = 0.0
 
+    @property
+    def state(self) -> dict[str, Array]:
+        """What a march changes in it, by name: every face and every medium says it for checkpoints."""
+        return {}
+
 
 class Grip(NamedTuple):
     """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding, and `memory` (2,): the load's deviation
@@ -41,21 +45,10 @@ class Grip(NamedTuple):
     steady_load: float
     memory: Array
 
-
-@singledispatch
-def memory_of(part: Any) -> dict[str, Array]:
-    """What a march changes in an outer face or a medium, by name: a checkpoint keeps it."""
-    raise NotImplementedError(type(part))
-
-
-@memory_of.register(Rigid)
-def _memory_of_rigid(part: Rigid) -> dict[str, Array]:
-    return {}
-
-
-@memory_of.register(Grip)
-def _memory_of_grip(part: Grip) -> dict[str, Array]:
-    return {"face": part.memory}
+    @property
+    def state(self) -> dict[str, Array]:
+        """As `Rigid`."""
+        return {"face": self.memory}
 
 
 @by_class(inline=True)

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fullwave.leapfrog.faces import Grip, Rigid, memory_of, push, settle_face
+from fullwave.leapfrog.faces import Grip, Rigid, push, settle_face
 from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
@@ -36,6 +36,11 @@ class Uniform(NamedTuple):
     stiffness: float
     inertia: float
 
+    @property
+    def state(self) -> dict[str, Array]:
+        """What a march changes, by name."""
+        return {"velocity": self.velocity, "stress": self.stress}
+
 
 class Layered(NamedTuple):
     """Elastic slab of any layers: u, sigma, dt/mass (n + 1,), eps dt/dx (n,), grid impedances of the first and the last node."""
@@ -46,6 +51,11 @@ class Layered(NamedTuple):
     stiffness: Array
     inertia: float
     outer_inertia: float
+
+    @property
+    def state(self) -> dict[str, Array]:
+        """What a march changes, by name."""
+        return {"velocity": self.velocity, "stress": self.stress}
 
 
 class Side(NamedTuple):
@@ -68,12 +78,6 @@ def elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
     if not grid.is_uniform:
         return layered
     return Uniform(*layered[:2], 0.5 * float(layered.mobility[0]), float(layered.stiffness[0]), layered.inertia)
-
-
-@memory_of.register(Uniform)
-@memory_of.register(Layered)
-def _memory_of_elastic(part: Uniform | Layered) -> dict[str, Array]:
-    return {"velocity": part.velocity, "stress": part.stress}
 
 
 @by_class(inline=True)

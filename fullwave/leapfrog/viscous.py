@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, memory_of, push, settle_face
+from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, push, settle_face
 from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.media import Side, accelerate, elastic_medium, layered_medium, load, strain
 from slipwave.observe.pieces import Array
@@ -39,6 +39,11 @@ class StandardLinear(NamedTuple):
     weight: Array
     lost: Array
 
+    @property
+    def state(self) -> dict[str, Array]:
+        """What a march changes, by name."""
+        return {"velocity": self.velocity, "stress": self.stress, "relaxing": self.relaxing, "lost": self.lost}
+
 
 class KelvinVoigt(NamedTuple):
     """Velocity, stress and stiffness as in Layered; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the
@@ -53,6 +58,11 @@ class KelvinVoigt(NamedTuple):
     pivot: Array
     beta: Array
     lost: Array
+
+    @property
+    def state(self) -> dict[str, Array]:
+        """What a march changes, by name."""
+        return {"velocity": self.velocity, "stress": self.stress, "lost": self.lost}
 
 
 def standard_linear_medium(grid: LeapfrogGrid, velocity: float, time: float, ratio: float) -> StandardLinear:
@@ -85,16 +95,6 @@ def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
         case StandardLinearViscosity(time, ratio) if ratio > 0.0:
             return Side(standard_linear_medium(grid, velocity, time / scene.transit, ratio), face)
     return Side(elastic_medium(grid, velocity), face)
-
-
-@memory_of.register(StandardLinear)
-def _memory_of_standard_linear(part: StandardLinear) -> dict[str, Array]:
-    return {"velocity": part.velocity, "stress": part.stress, "relaxing": part.relaxing, "lost": part.lost}
-
-
-@memory_of.register(KelvinVoigt)
-def _memory_of_kelvin_voigt(part: KelvinVoigt) -> dict[str, Array]:
-    return {"velocity": part.velocity, "stress": part.stress, "lost": part.lost}
 
 
 @strain.register(StandardLinear)

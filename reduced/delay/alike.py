@@ -70,11 +70,11 @@ class Delay(DelayMarch):
             pieces = empty_pieces(self.steps * (transits if self._emit else 1), self._stages)
             kept, verdict = self._march(transits, pieces)
             if self._emit or verdict == DONE:
-                self._waiting = Pieces(*(array[: kept * self.steps] for array in pieces))
+                self._waiting = pieces.part(slice(kept * self.steps))
             if verdict != DONE and not self._waiting.time.size:  # return known pieces first: refining may raise an error
                 self._refine(verdict)
         count = max(1, int(np.searchsorted(self._waiting.time, until - SAME)))
-        first, self._waiting = (Pieces(*(array[part] for array in self._waiting)) for part in (slice(count), slice(count, None)))
+        first, self._waiting = (self._waiting.part(part) for part in (slice(count), slice(count, None)))
         return first
 
     def state(self) -> State:

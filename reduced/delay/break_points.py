@@ -61,7 +61,7 @@ class DelayBreaks(DelayNetwork):
             steps, iterations, verdict = march_breaks(self._shape, *march, pieces)
             self.iterations += iterations
             if steps:
-                return Pieces(*(array[:steps] for array in pieces))
+                return pieces.part(slice(steps))
             self._refine(verdict)
 
     def _ends_for(self, tolerance: float) -> Ends:

@@ -120,7 +120,7 @@ class LeapingDelay(Delay):
         self._past = past.then(target, change, _extremes(pieces))
         self._length, self._pause = max(self._length, _SHORTEST), _PAUSE
         visited = [self._visit(before, past, number) for number in self._past.peaks(start, target)]
-        self._waiting = Pieces(*map(np.concatenate, zip(*visited, pieces, strict=True))) if visited else pieces
+        self._waiting = Pieces.joined([*visited, pieces])
         self.skipped += int(target - start) - len(visited) - 1
         if not pays:
             self._give_up()

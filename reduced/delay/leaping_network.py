@@ -206,7 +206,7 @@ class LeapingNetwork(DelayNetwork):
         self.skipped += end - begin
         hidden = max(ahead.ripple, behind.ripple) > self._tolerance
         shown = (ahead.pieces, behind.pieces) if hidden else (ahead.pieces, fill, behind.pieces)
-        return Pieces(*map(np.concatenate, zip(*shown, strict=True))), self._scale(slow, error)
+        return Pieces.joined(shown), self._scale(slow, error)
 
     def _split(self, length: float) -> _Split | None:
         """The present motion taken apart, for a leap of `length` (transits); None if the slow part is not smooth enough for that.

@@ -64,7 +64,7 @@ class DelayNetwork(DelayMarch):
             pieces = empty_pieces(count, self._stages)
             steps, verdict = self._march(self._length, pieces)
             if steps:
-                return Pieces(*(array[:steps] for array in pieces))
+                return pieces.part(slice(steps))
             self._refine(verdict)
 
     def state(self) -> State:

@@ -37,7 +37,7 @@ def _terms(model: Reduction, t: Jet) -> list[Ratio]:
     """(numerator, denominator) of every term of Z/epsilon except mass and damping; t = s * transit."""
     tame = 1.0 / (1.0 + t * 1e-3)
     terms = [(model.spring * tame, t * tame)] if model.spring else []
-    for omega, residue, decay, offset in zip(model.frequencies, model.residues, model.decays, model.offsets, strict=True):
+    for omega, residue, decay, offset in model.modes:
         scale = tame * tame * omega**-2
         terms.append(((t * residue + offset) * scale, (t * t + t * (2.0 * decay) + omega**2) * scale))
     for strength, rate in model.relaxations:
@@ -62,7 +62,7 @@ def poles_and_residues(model: Reduction) -> tuple[Complex, Complex]:
     """
     poles: list[complex] = [0.0] if model.spring else []
     residues: list[complex] = [model.spring] if model.spring else []
-    for omega, residue, decay, offset in zip(model.frequencies, model.residues, model.decays, model.offsets, strict=True):
+    for omega, residue, decay, offset in model.modes:
         root = cmath.sqrt(decay**2 - omega**2)
         for pole in (-decay + root, -decay - root):
             poles.append(pole)
@@ -91,8 +91,7 @@ def state_space(model: Reduction) -> tuple[NDArray[np.float64], NDArray[np.float
     n = sprung + 2 * pairs + len(model.relaxations)
     a, b, c = np.zeros((n, n)), np.zeros(n), np.zeros(n)
     b[:sprung], c[:sprung] = 1.0, model.spring
-    modes = zip(model.frequencies, model.residues, model.decays, model.offsets, strict=True)
-    for first, (omega, residue, decay, offset) in zip(range(sprung, n, 2), modes, strict=False):
+    for first, (omega, residue, decay, offset) in zip(range(sprung, n, 2), model.modes, strict=False):
         second = first + 1
         a[first, second], a[second, first], a[second, second] = omega, -omega, -2.0 * decay
         b[second], c[first], c[second] = 1.0, offset / omega, residue

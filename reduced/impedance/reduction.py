@@ -17,6 +17,7 @@ scenes. As ODEs, with u = v - V and the stress tau_k of mode k (in units of epsi
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 from reduced.families import MOST_MODES, REDUCTIONS
 from slipwave.errors import SceneError
@@ -26,7 +27,7 @@ from slipwave.errors import SceneError
 class Reduction:
     """Poles, residues, mass and damping of a reduced pair, relative to the upper slab's epsilon, transit clock t~.
 
-    `frequencies` are omega_k (radians per transit); `decays`, `residues` and `offsets` have the same length.
+    `frequencies` are omega_k (radians per transit); `residues`, and `decays` and `offsets` unless all are zero, are as many.
     """
 
     name: str
@@ -39,10 +40,11 @@ class Reduction:
     relaxations: tuple[tuple[float, float], ...] = ()
     spring: float = 1.0
 
-    def __post_init__(self) -> None:
-        for field in ("decays", "offsets"):
-            if not getattr(self, field):
-                object.__setattr__(self, field, (0.0,) * len(self.frequencies))
+    @cached_property
+    def modes(self) -> tuple[tuple[float, float, float, float], ...]:
+        """(omega, residue, decay, offset) of each mode."""
+        zeros = (0.0,) * len(self.frequencies)
+        return tuple(zip(self.frequencies, self.residues, self.decays or zeros, self.offsets or zeros, strict=True))
 
     @property
     def is_lossless(self) -> bool:

@@ -112,16 +112,14 @@ def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, l
 
 def _terms(reduction: Reduction) -> tuple[Array, Array, Array, Array]:
     """residue, offset, 2 decay, omega^2 of all terms; a relaxation is a mode without inertia (p = 0)."""
-    extra = len(reduction.relaxations)
-    residue = np.array([*reduction.residues, *(strength for strength, _ in reduction.relaxations)], dtype=float)
-    offset = np.array([*reduction.offsets, *[0.0] * extra], dtype=float)
-    decay2 = np.array([*(2.0 * d for d in reduction.decays), *(rate for _, rate in reduction.relaxations)], dtype=float)
-    omega2 = np.array([*(w * w for w in reduction.frequencies), *[0.0] * extra], dtype=float)
+    modes = [(residue, offset, 2.0 * decay, omega * omega) for omega, residue, decay, offset in reduction.modes]
+    terms = [*modes, *((strength, 0.0, rate, 0.0) for strength, rate in reduction.relaxations)]
+    residue, offset, decay2, omega2 = np.array(terms, dtype=float).reshape(-1, 4).T.copy()
     return residue, offset, decay2, omega2
 
 
 def _kept(reduction: Reduction) -> Array:
     """Which of spring, slip rate, tau and p are remembered; a relaxation has no p."""
     modes, extra = len(reduction.frequencies), len(reduction.relaxations)
-    moving = [bool(omega or offset) for omega, offset in zip(reduction.frequencies, reduction.offsets, strict=True)]
+    moving = [bool(omega or offset) for omega, _, _, offset in reduction.modes]
     return np.array([reduction.spring != 0.0, not reduction.is_algebraic, *[True] * (modes + extra), *moving, *[False] * extra])

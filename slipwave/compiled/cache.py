@@ -9,8 +9,9 @@ functions are compiled without it, and one line on stderr says so.
 
 The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/slipwave` (default ~/.cache). Files that were not
 used for a month are removed. numba's own cache, which a user's functions may use, is left alone: it sees a change of a function's
-own file only. Private names of numba without a public substitute: `_reduce` and `_rebuild` of a compiled function, and `rtsys`,
-which loads its code.
+own file only, and NUMBA_CACHE_LOCATOR_CLASSES, which would change that, acts on every function of the process and does not see
+argument types. Private names of numba without a public substitute: `_reduce` and `_rebuild` of a compiled function, `dumps`,
+which pickles them, `NullCache`, the interface of a cache, and `rtsys`, which loads the code.
 """
 
 import contextlib

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 import numba
-from numba.core.types.misc import unliteral
+from numba.types import unliteral
 
 from slipwave.compiled.cache import DiskCache
 

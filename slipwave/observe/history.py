@@ -23,14 +23,14 @@ class HistoryObserver:
         """Keep those of the next pieces that touch the window."""
         touching = (pieces.time + pieces.length >= self._start) & (pieces.time <= self._end)
         if touching.any():
-            self._kept.append(Pieces(*(values[touching] for values in pieces)))
+            self._kept.append(pieces.part(touching))
 
     def forget(self, before: float) -> None:
         """Let the window begin at `before` (transits) from now on."""
         self._start = before
         late = [part.time + part.length >= before for part in self._kept]
         parts = zip(self._kept, late, strict=True)
-        self._kept = [Pieces(*(values[some] for values in part)) for part, some in parts if some.any()]
+        self._kept = [part.part(some) for part, some in parts if some.any()]
 
     def __len__(self) -> int:
         return len(self._kept)
@@ -56,7 +56,7 @@ class HistoryObserver:
         """The kept pieces."""
         if len(self._kept) != 1:
             parts = self._kept or [empty_pieces(0, self._basis.nodes.size)]
-            self._kept = [Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))]
+            self._kept = [Pieces.joined(parts)]
         return self._kept[0]
 
     def state(self) -> dict[str, Array]:

@@ -7,6 +7,7 @@ Where a piece begins later than the one before it ends, there is a gap: the moti
 observers that say so (`slipwave.solve.Spanning`) are given pieces with gaps.
 """
 
+from collections.abc import Iterable
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -32,6 +33,15 @@ class Pieces(NamedTuple):
     psi: Array
     mu: Array
     y: Array
+
+    def part(self, which: slice | NDArray[np.bool_]) -> "Pieces":
+        """Some of them."""
+        return Pieces(*(values[which] for values in self))
+
+    @staticmethod
+    def joined(parts: "Iterable[Pieces]") -> "Pieces":
+        """Those of all `parts`, at least one, in order."""
+        return Pieces(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 def empty_pieces(count: int, nodes: int) -> Pieces:

@@ -71,7 +71,7 @@ class ProtocolObserver:
                 self._take(k, stage, inside, min(now, stage.end))
                 if self._cut and stage.kind in ("step", "slide"):
                     first, end = np.searchsorted(middle, stage[1:3])
-                    self._look_for_peaks(k, stage, Pieces(*(column[first:end] for column in pieces)), begun[first:])
+                    self._look_for_peaks(k, stage, pieces.part(slice(first, end)), begun[first:])
                 else:
                     self._seen[k] = _peak(self._seen[k], stage.sign, self._steady(stage), inside[1], inside[3])
         self._slip = float(begun[-1])
@@ -101,7 +101,7 @@ class ProtocolObserver:
             first = first + int(np.argmax(may)) if may.any() else count
             these = slice(first, min(first + many, count))
             if first < count:
-                fine, _ = self._sampled(self._fine, Pieces(*(column[these] for column in pieces)), begun[these])
+                fine, _ = self._sampled(self._fine, pieces.part(these), begun[these])
                 mu, slip = fine[1].ravel(), fine[3].ravel()
                 used = _until_recovered(seen, stage.sign, steady, mu) // _POINTS + 1
                 self._seen[k] = _peak(seen, stage.sign, steady, mu[: used * _POINTS], slip[: used * _POINTS])

@@ -35,6 +35,7 @@ class Scene:
     tables: Mapping[str, Any] | None = field(init=False, repr=False, compare=False)
 
     def __post_init__(self, written: Mapping[str, Any] | None) -> None:
+        # not by a field with a default: `replace` would hand the tables on to a scene that they do not describe
         object.__setattr__(self, "tables", written)
 
     @property

@@ -41,14 +41,11 @@ class Termination:
                 f"outer face: spring = {self.spring:g}, dashpot = {self.dashpot:g}, mass = {self.mass:g}: must be 0 or more, "
                 "the mass finite"
             )
-        if math.inf in (self.spring, self.dashpot):
-            for name, value in (("spring", 0.0), ("dashpot", math.inf), ("mass", 0.0)):
-                object.__setattr__(self, name, value)
 
     @property
     def is_rigid(self) -> bool:
         """Whether the face moves with the drive."""
-        return math.isinf(self.dashpot)
+        return math.inf in (self.spring, self.dashpot)
 
     @property
     def has_dead_load(self) -> bool:
@@ -201,7 +198,8 @@ class Slab:
     material: Material | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        if self.termination.is_rigid:  # of any kind: slabs that differ only in the kind of a rigid face are alike
+        # slabs that differ only in the kind of a rigid face are alike, also those made by `replace`: nothing else sees them all
+        if self.termination.is_rigid:
             object.__setattr__(self, "face", RigidFace())
 
     @property

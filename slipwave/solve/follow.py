@@ -120,7 +120,7 @@ def _before_failure(solver: Solver, pieces: Pieces) -> Pieces:
     if not solver.failures:
         return pieces
     good = pieces.time + pieces.length < _failed_at(solver, pieces)
-    return Pieces(*(array[good] for array in pieces))
+    return pieces.part(good)
 
 
 def _require_solved(solver: Solver, pieces: Pieces) -> None:

@@ -162,7 +162,7 @@ def _mesh_of(slabs: Slabs, start: Array, period: float, longest: float, resoluti
         for level in missing:
             _prepare(slabs, port, level)
             stretch.resistance[level] = slabs.resistance(port, np.array([level]), growth)[0]
-        rest = Pieces(*(array[steps:] for array in pieces))
+        rest = pieces.part(slice(steps, None))
         more, _, ended = _march(slabs, port, memory, Limits(_NEWTON, resolution, growth), stretch, rest)
         steps, missing = steps + more, {int(memory.levels[NEXT])}
     if memory.now[TIME] < period - SAME:

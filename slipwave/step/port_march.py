@@ -69,7 +69,7 @@ class PortMarch:
         while ended != TOO_LONG and steps < self._most_steps and (ended == NOT_READY or self.time < until - SAME):
             if self.time >= self._stretch.stop - SAME:
                 self._take_stretch(self._stretch.stop, float(self._port.length[self._memory.levels[NEXT]]))
-            left = Pieces(*(array[steps:] for array in pieces))
+            left = pieces.part(slice(steps, None))
             stretch, memory = self._stretch._replace(until=until), self._memory
             more, iterations, ended = march(
                 self._shape, self._physics, self._port, memory, self._nodal, self._limits, stretch, left
@@ -80,7 +80,7 @@ class PortMarch:
                 self._prepare(int(self._memory.levels[NEXT]))
         if ended == TOO_LONG and not steps:
             raise self._refusal()
-        return Pieces(*(array[:steps] for array in pieces))
+        return pieces.part(slice(steps))
 
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""

@@ -185,7 +185,7 @@ def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Ar
     direct = -given.stress
     pairs = [tuple(slabs.of(one) for one in scenes) for scenes, _, _ in sides]
     for part in _stretches(scene, pieces):
-        here, own = Pieces(*(array[part] for array in pieces)), Given(*(array[part] for array in given))
+        here, own = pieces.part(part), Given(*(array[part] for array in given))
         longest = float(here.length.max())
         plan = np.rint(np.log2(longest / here.length)).astype(np.int64)
         levels = int(plan.max()) + 1

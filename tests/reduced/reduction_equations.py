@@ -34,7 +34,7 @@ class Equations:
     def __init__(self, scene, reduction):
         self.what, self.reduction = scene, reduction
         self.massive = reduction.mass > 0.0
-        self.modes = tuple(zip(reduction.frequencies, reduction.residues, reduction.decays, reduction.offsets, strict=True))
+        self.modes = reduction.modes
 
     def start(self):
         states = 2 * len(self.modes) + len(self.reduction.relaxations)

@@ -17,7 +17,7 @@ SCENES = {**LOSSY, **{f"gallery {name}": slipwave.read(name) for name in GALLERY
 
 def scanned(model):
     """Smallest Re Z/epsilon on a fine grid that knows nothing of the certificate, narrow around every resonance."""
-    widths = np.maximum(np.array(model.decays), 1e-9)
+    widths = np.maximum(np.array([decay for _, _, decay, _ in model.modes]), 1e-9)
     across = np.add.outer(np.linspace(-30.0, 30.0, 2001), np.zeros(widths.size)) * widths + np.array(model.frequencies)
     omega = np.concatenate([np.linspace(0.0, 300.0, 30_001), np.geomspace(300.0, 1e6, 500), np.abs(across.ravel())])
     return float(dissipation(model, omega).min())

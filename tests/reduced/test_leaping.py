@@ -36,7 +36,7 @@ class Seen:
 
     @property
     def pieces(self):
-        return Pieces(*(np.concatenate(rows) for rows in zip(*self._parts, strict=True)))
+        return Pieces.joined(self._parts)
 
 
 def watched(solver, until, marks=()):

@@ -177,7 +177,7 @@ def first_event(closed: Closed) -> float:
     cycle, flow = closed.cycle, closed.flow
     observer = EventObserver(flow.scene, flow.nodes)
     within = cycle.pieces.time + cycle.pieces.length <= cycle.period + 1e-9
-    pieces = Pieces(*(values[within] for values in cycle.pieces))
+    pieces = cycle.pieces.part(within)
     for k in range(_PERIODS):
         observer.scan(pieces._replace(time=pieces.time + k * cycle.period))
     return float(observer.dates()[1]) % cycle.period

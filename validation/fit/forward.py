@@ -140,11 +140,6 @@ def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator
         yield solver.leap(end, end, False) if isinstance(solver, Leaping) else solver.advance(end)
 
 
-def join_pieces(parts: Sequence[Pieces]) -> Pieces:
-    """One after the other."""
-    return Pieces(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
-
-
 def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
     """Each of some nodal values (k, s) at `times` (transits)."""
     found: list[Array] = []
@@ -166,4 +161,4 @@ def marched(slabs: ReducedSlabs, until: float, tolerance: float) -> Pieces:
         steps += parts[-1].time.size
         if steps > _MOST_STEPS or not math.isfinite(float(parts[-1].z[-1, -1])):
             raise NumericsError(f"{slabs.model}: more than {_MOST_STEPS} steps at t = {solver.time:.6g} transits")
-    return join_pieces(parts)
+    return Pieces.joined(parts)

@@ -14,13 +14,13 @@ import numpy as np
 from reduced.orbit.approach import guesses
 from reduced.orbit.closing import Closed, by_parameter, close, close_family
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe.pieces import SAME, Array
+from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.scene import Scene
 from slipwave.step.flow import Flow
 from validation.compute.orbits import moving
 from validation.fit.cycles import falls, model_date, slope_of
 from validation.fit.folded import FoldedRecord
-from validation.fit.forward import join_pieces, sampled
+from validation.fit.forward import sampled
 from validation.fit.parameters import Variants, sizes
 
 SHIFT = np.array([2e-3, 2e-4])
@@ -167,7 +167,7 @@ class CycleOfOrbit:
         """Friction at the samples, if the model's event comes so `late` (transits) after the record's first."""
         cycle, (times, count, *_) = known.closed.cycle, self.record
         clock = sizes(known.closed.flow.scene)[0]
-        twice = join_pieces([cycle.pieces, cycle.pieces._replace(time=cycle.pieces.time + cycle.period)])
+        twice = Pieces.joined([cycle.pieces, cycle.pieces._replace(time=cycle.pieces.time + cycle.period)])
         slope = slope_of(twice)
         top, bottom = falls(twice.mu.ravel(), 0.5 * float(np.ptp(cycle.pieces.mu)))[0]
         date = model_date(twice, (top, bottom), [slope])[0]

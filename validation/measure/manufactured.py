@@ -23,7 +23,7 @@ import numpy as np
 import slipwave
 from slipwave.compiled import inlined
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Array, Pieces
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, velocity_at
 from slipwave.solve import Solver, follow
@@ -134,7 +134,7 @@ def error_of_motion(solver: Solver) -> float:
     range; at the nodes of the pieces, where a solver gives values, so that no polynomial between them counts."""
     history = HistoryObserver(solver.scene.law, solver.nodes, BEGIN)
     follow(solver, UNTIL, [history], leaps=False)
-    pieces = Pieces(*(array[history.pieces().time > BEGIN] for array in history.pieces()))
+    pieces = history.pieces().part(history.pieces().time > BEGIN)
     times = (pieces.time[:, None] + pieces.length[:, None] * solver.nodes).ravel()
     truth = exact_motion(solver.scene, times)
     ours = np.stack([pieces.z.ravel(), pieces.psi.ravel(), pieces.mu.ravel()], axis=1)

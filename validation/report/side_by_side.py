@@ -20,7 +20,8 @@ Answer = TypeVar("Answer")
 Tell = Callable[[float], None]
 
 _LOOK = 0.2  # seconds between two checks for news from the processes
-_news: "Queue[tuple[int, float]] | None" = None
+_news: "list[Queue[tuple[int, float]]]" = []
+"""In a process that works, where its news go: a queue can be handed to a process only when it starts."""
 
 
 def share_out(
@@ -62,16 +63,15 @@ def _submitted(pool: ProcessPoolExecutor, work: Callable[[Task, Tell], Answer], 
 def _perform(work: Callable[[Task, Tell], Answer], number: int, task: Task) -> Answer:
     def tell(share: float) -> None:
         """Send the share to the parent."""
-        if _news is not None:
-            _news.put((number, share))
+        for news in _news:
+            news.put((number, share))
 
     return work(task, tell)
 
 
 def _begin(news: "Queue[tuple[int, float]]") -> None:
     """Called in each process when it starts."""
-    global _news
-    _news = news
+    _news.append(news)
     os.setsid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # drop a Ctrl-C that came before
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
