@@ -1,4 +1,4 @@
-"""The paper's closed forms for alike plain slabs and any friction law, to check the computed stability against.
+"""The paper's closed forms for alike plain slabs and any friction law; they check the computed stability.
 
 Friction clock L/V* throughout; `slopes` are F_v, G_phi, F_ss' of the law at V, `epsilon` and r those of (15).
 """

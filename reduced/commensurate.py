@@ -8,7 +8,7 @@ _SAME = 1e-9  # of the longest time
 
 
 def common_divisor(times: Array, most_parts: int) -> float | None:
-    """Longest time that divides all `times`. None if it would cut the shortest of them into more than `most_parts`: `times` then
+    """Longest time that divides all `times`; None if it is shorter than the shortest of them over `most_parts`: `times` then
     count as incommensurate."""
     shortest = float(times.min())
     for parts in range(1, most_parts + 1):

@@ -1,6 +1,7 @@
 """The facts of every model without a grid, cheapest first. To add a reduction, write its file and add its entry here.
 
-A function (scene, name) -> `reduced.impedance.reduction.Reduction` makes a reduction; it is called only for scenes it honours.
+A function (scene, name) -> `reduced.impedance.reduction.Reduction` makes a reduction; it is called only for scenes that the
+family honours.
 """
 
 from slipwave.family import ANYTHING, NOTHING, Exact, Family, PlotStyle

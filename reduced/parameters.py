@@ -12,7 +12,7 @@ from slipwave.scene.slab import Slab
 
 
 def scaled(scene: Scene, round_trip: float = 1.0, epsilon: float = 1.0, velocity: float | None = None) -> Scene:
-    """The scene with both round trips and both epsilons multiplied, and driven steadily at `velocity` (V*) if that is given."""
+    """The scene with both round trips and both epsilons multiplied, and with constant drive `velocity` (V*) if given."""
     drive = scene.drive if velocity is None else steady_drive(velocity)
     return _both(
         dataclasses.replace(scene, drive=drive),
@@ -89,7 +89,7 @@ LABELS = {
     "machine_mass": "mass on the face / (ε r)",
     "reflection": "reflection coefficient of the outer face",
 }
-"""What the axis of a figure says of those that are no keys of a scene."""
+"""Axis labels of the parameters that are no keys of a scene."""
 
 
 def with_parameter(scene: Scene, name: str, value: float) -> Scene:

@@ -1,1 +1,1 @@
-"""Families of periodic orbits: followed through folds in any parameter of a scene, with their special points."""
+"""Continuation of periodic orbits through folds in any parameter of a scene, with their special points."""

@@ -1,9 +1,8 @@
 """Follows a branch of periodic orbits by pseudo-arclength: predict along the tangent, correct orthogonally to it.
 
-A step counts only if the tangents at its ends differ by a small angle and the chord lies in the cone around both: on a branch
-that folds back and forth, a corrector that lands on a neighbouring part is thus refused, and the direction is never reversed.
-Between two points the number of unstable multipliers changes by what the special points between them account for (`special`);
-otherwise the step is repeated with half its length.
+A step is accepted only if the tangents at its ends differ by a small angle and the chord lies in the cone around both, so that
+the corrector neither lands on a neighbouring part of the branch nor reverses the direction, and if the special points between its
+ends (`special`) explain the change of the number of unstable multipliers. Otherwise the step is halved.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,8 +15,8 @@ from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 
 BRANCH_TOLERANCE = 1e-6
-"""Relative error of the figures along a branch. With it the 37 special points of the paper's delay system up to T = 85 lie within
-4e-8 in log10 r of those found with 1e-8, in a fifth of the time."""
+"""Relative error of the figures along a branch. With it the 37 special points of the paper's delay system up to T = 85 differ by
+at most 4e-8 in log10 r from those with 1e-8, which take five times as long."""
 
 LARGEST_ANGLE = 0.2
 """Radians; between tangents at the ends of a step, and between these and its chord."""
@@ -57,10 +56,9 @@ def follow_branch(
     tolerance: float = BRANCH_TOLERANCE,
     control: Control = Control(),
 ) -> Iterator[Step]:
-    """The points after `first`, in the direction of its tangent, as long as they are `inside`; the last one is the first that is
-    not. The mesh is refined where it does not reach `tolerance`, the relative error of the figures.
-
-    Raises NumericsError if no step is short enough or no mesh fine enough; what came before has been yielded.
+    """Yield the points after `first`, in the direction of its tangent, up to the first that is not `inside`. The mesh is refined
+    where it does not reach `tolerance`, the relative error of the figures. Raises NumericsError, after yielding all earlier
+    points, if no step is short enough or no mesh fine enough.
     """
     point, size, refinements = first, control.first, 0
     trend: Array | None = None
@@ -93,7 +91,7 @@ def _require_same_count(point: OrbitPoint, finer: OrbitPoint) -> None:
 def _longest_step(
     family: FlowFamily, point: OrbitPoint, metric: Metric, size: float, control: Control, trend: Array | None
 ) -> tuple[OrbitPoint, tuple[Special, ...], float]:
-    """(the next point, special points on the way, length of the step)."""
+    """(next point, special points before it, length of the step)."""
 
     def step(length: float) -> tuple[OrbitPoint, tuple[Special, ...], float]:
         new = point_near(family, point.unknowns + length * point.tangent, point.tangent, metric, point)
@@ -114,7 +112,8 @@ def _longest_step(
 
 
 def longest(step: Callable[[float], Stepped], length: float, shortest: float) -> Stepped:
-    """The `step` of this `length`, a half, a quarter ... down to the `shortest`. Raises NumericsError if each of them does."""
+    """Result of `step` for `length`, or for the first of its halves, quarters ... down to `shortest` that does not raise
+    NumericsError. Raises NumericsError if all do."""
     failed = NumericsError(TURNS)
     while length >= shortest:
         try:
@@ -126,7 +125,7 @@ def longest(step: Callable[[float], Stepped], length: float, shortest: float) ->
 
 
 def is_smooth(point: OrbitPoint, new: OrbitPoint, metric: Metric) -> bool:
-    """Whether each point lies in the cone around the other's tangent."""
+    """Whether each of both points lies in the cone around the other's tangent."""
     chord = new.unknowns - point.unknowns
     pairs = ((point.tangent, new.tangent), (chord, point.tangent), (chord, new.tangent))
     return max(metric.angle(*pair) for pair in pairs) < LARGEST_ANGLE

@@ -1,9 +1,9 @@
 """Special points of branches followed in two parameters: curves of folds, period doublings and torus points.
 
-A curve is stepped along in the plane of both parameters. Across its predicted place a line is laid; along this line, the orbits
-are a branch in one parameter, on which the special point is located as on any other (`special`), between two orbits on both
-sides. So a curve may turn back in either parameter, every point has its bracket and its index, and none rests on an extended
-system that a neighbouring special point may attract.
+A curve is followed in the plane of both parameters. Through each predicted point a line is laid across the curve; along it, the
+orbits are a branch in one parameter, on which the special point is located as on any other (`special`), between two orbits on
+either side. So a curve may turn back in either parameter, every point has its bracket and its index, and no extended system can
+converge to a neighbouring special point.
 """
 
 import cmath
@@ -35,14 +35,14 @@ _GROWTH = 1.5
 
 @dataclass(frozen=True)
 class Plane:
-    """The `scene_at` values of both parameters, and the `scale` of each: lengths in the plane are relative to these. There a
-    place, a step or a direction is a complex number."""
+    """The plane of two parameters: `scene_at` gives the scene at their values, `scale` their units of length. Points, steps and
+    directions in the plane are complex numbers."""
 
     scene_at: Callable[[float, float], Scene]
     scale: Values
 
     def values(self, at: complex) -> Values:
-        """Both parameters there."""
+        """Values of both parameters at a point of the plane."""
         return at.real * self.scale[0], at.imag * self.scale[1]
 
     def at(self, values: Values) -> complex:
@@ -51,15 +51,16 @@ class Plane:
 
 
 class OnCurve(NamedTuple):
-    """A `special` point at a `place`; its own parameter is the distance along the line on which it was located."""
+    """A `special` point at values of both `parameters`; its own parameter is the distance along the line on which it was
+    located."""
 
-    place: Values
+    parameters: Values
     special: Special
 
 
 class Reached(NamedTuple):
-    """Where a curve can go on: its last two points, at its beginning twice the first; the direction of the step between them, at
-    the beginning that of the next one; and the length of the next step."""
+    """State of following a curve: its last two points (at the beginning both are the first), the direction of the step between
+    them (at the beginning, of the next), and the length of the next step."""
 
     before: OnCurve
     last: OnCurve
@@ -72,20 +73,17 @@ CURVE_STEPS = Control(2e-3, 1e-5, 0.05)
 
 
 def beginning(start: OnCurve, towards: Values, steps: Control = CURVE_STEPS) -> Reached:
-    """The beginning of a curve at `start`, which was found on a branch in the first parameter, at first in the direction
-    `towards`."""
+    """Beginning of a curve at `start`, a special point of a branch in the first parameter, in the direction `towards`."""
     return Reached(start, start, towards, steps.first)
 
 
 def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Control = CURVE_STEPS) -> Iterator[Reached]:
-    """The curve point after point beyond what is `reached`, without end; on meshes that keep relative errors of the figures below
-    `tolerance`.
-
-    Raises NumericsError where the curve cannot be followed; what came before has been yielded.
+    """Yield the points of the curve after `reached`, without end, on meshes that keep relative errors of the figures below
+    `tolerance`. Raises NumericsError, after yielding all earlier points, where the curve cannot be followed.
     """
     while True:
         new = _next(plane, reached, tolerance, steps.shortest)
-        step = plane.at(new.place) - plane.at(reached.last.place)
+        step = plane.at(new.parameters) - plane.at(reached.last.parameters)
         used = abs(step)
         reached = Reached(reached.last, new, (step.real / used, step.imag / used), min(steps.longest, _GROWTH * used))
         yield reached
@@ -96,7 +94,7 @@ def _next(plane: Plane, reached: Reached, tolerance: float, shortest: float) -> 
 
     def step(length: float) -> OnCurve:
         new = _across(plane, reached, length, tolerance)
-        turn = (plane.at(new.place) - plane.at(last.place)) / complex(*direction)
+        turn = (plane.at(new.parameters) - plane.at(last.parameters)) / complex(*direction)
         if before is not last and not abs(cmath.phase(turn)) < LARGEST_TURN:
             raise NumericsError(TURNS)
         return new
@@ -104,14 +102,14 @@ def _next(plane: Plane, reached: Reached, tolerance: float, shortest: float) -> 
     try:
         return longest(step, length, shortest)
     except NumericsError as reason:
-        at = ", ".join(f"{value:.8g}" for value in last.place)
+        at = ", ".join(f"{value:.8g}" for value in last.parameters)
         raise NumericsError(f"the curve cannot be followed beyond the parameters {at}: {reason}") from None
 
 
 def _across(plane: Plane, reached: Reached, length: float, tolerance: float) -> OnCurve:
-    """The special point on the line across the curve's predicted place, at this `length` from the last one."""
+    """The special point on the line across the curve at the predicted point, a step of `length` after the last one."""
     _, last, direction, _ = reached
-    centre, line = plane.at(last.place) + length * complex(*direction), complex(*direction) / 1j
+    centre, line = plane.at(last.parameters) + length * complex(*direction), complex(*direction) / 1j
     known = last.special.point
     family = FlowFamily(known.closed.flow, lambda along: plane.scene_at(*plane.values(centre + along * line)))
     point = point_near(family, _predicted(plane, reached, centre), known.tangent, METRIC)
@@ -123,19 +121,19 @@ def _across(plane: Plane, reached: Reached, length: float, tolerance: float) -> 
 
 
 def _predicted(plane: Plane, reached: Reached, centre: complex) -> Array:
-    """Unknowns at the centre of a line: those of the last point, in the same deviation from steady sliding, and continued along
-    the secant if both points have one mesh."""
+    """Guess of the unknowns at the centre of a line: the last point's deviation from steady sliding, extrapolated along the
+    secant if both points have the same mesh."""
     before, last = reached.before, reached.last
     guess, earlier = _deviation(last), _deviation(before)
     if before is not last and earlier.size == guess.size:
-        share = abs(centre - plane.at(last.place)) / abs(plane.at(last.place) - plane.at(before.place))
+        share = abs(centre - plane.at(last.parameters)) / abs(plane.at(last.parameters) - plane.at(before.parameters))
         guess = guess + share * (guess - earlier)
     steady = last.special.point.closed.flow.of(plane.scene_at(*plane.values(centre))).steady
     return np.concatenate([guess[:-2] + steady, [guess[-2], 0.0]])
 
 
 def _deviation(known: OnCurve) -> Array:
-    """Unknowns, less the state of steady sliding."""
+    """Unknowns minus those of steady sliding."""
     point = known.special.point
     return np.asarray(point.unknowns - np.append(point.closed.flow.steady, [0.0, 0.0]))
 

@@ -28,9 +28,8 @@ class Onset(NamedTuple):
 
 
 def onsets(scene_at: Callable[[float], Scene], low: float, high: float, model: str) -> list[Onset]:
-    """The Hopf points between the parameters `low` and `high`, in order, as far as sampling at equal distances separates them.
-
-    Raises what reading a scene or finding its roots raises.
+    """The Hopf points between the parameters `low` and `high`, in order; two of them between neighbouring samples, at equal
+    distances, may be missed. Raises SceneError and NumericsError of the scenes and their roots.
     """
 
     def problem(value: float) -> Characteristic:
@@ -59,7 +58,8 @@ def _change(
 
 
 def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """`low` and `high`, or the end where the root is nearly neutral, and not counted, and a value a little beyond it."""
+    """Bracket of the zero of `rate`: `low` and `high`, or a nearly neutral end, where the root is not counted, and a value a
+    little beyond it."""
     if rate(low) * rate(high) <= 0.0:
         return low, high
     end, other = (low, high) if abs(rate(low)) < abs(rate(high)) else (high, low)

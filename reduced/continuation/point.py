@@ -1,4 +1,4 @@
-"""A branch of periodic orbits: its flows, all on one mesh, its points, and a finer mesh where the motion asks for it."""
+"""A branch of periodic orbits: its flows, on one mesh, its points, and its refinement to a finer mesh."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ MOST_REFINEMENTS = 8
 
 
 class FlowFamily:
-    """`flow` for all scenes `scene_at(p)`: calling it gives the flow at the parameter p."""
+    """The flow of the scenes `scene_at(p)` on the mesh of `flow`: calling it gives the flow at the parameter p."""
 
     def __init__(self, flow: Flow, scene_at: Callable[[float], Scene]) -> None:
         self._scene_at = scene_at
@@ -80,7 +80,7 @@ class OrbitPoint:
 
     @cached_property
     def multipliers(self) -> Complex:
-        """All but the trivial one and those of idle modes, largest modulus first; none where `Flow.undecided`."""
+        """Multipliers without the trivial one and those of idle modes, largest modulus first; none if `Flow.undecided`."""
         closed = self.closed
         return np.empty(0, dtype=complex) if closed.flow.undecided else floquet(closed.monodromy, closed.flow.idle)[0]
 
@@ -90,7 +90,7 @@ class OrbitPoint:
         return int((np.abs(self.multipliers) > 1.0).sum())
 
     def roughness(self, tolerance: float) -> float:
-        """How much too coarse the mesh is: above 1 it does not reach `tolerance`."""
+        """Highest coefficient over the allowed one (`Flow.roughness`): above 1 the mesh does not reach `tolerance`."""
         return self.closed.flow.roughness(self.closed.cycle, tolerance)
 
 
@@ -120,8 +120,8 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
 
 
 def on_finer_mesh(family: FlowFamily, point: OrbitPoint, metric: Metric, tolerance: float) -> tuple[FlowFamily, OrbitPoint]:
-    """The family on a mesh that suits the motion at `point` to `tolerance`, and the point found again on it. Raises NumericsError
-    if no mesh does."""
+    """The family on a mesh that resolves the motion at `point` to `tolerance`, and the point on it. Raises NumericsError if no
+    mesh does."""
     for _ in range(MOST_REFINEMENTS):
         closed, excess = point.closed, point.roughness(tolerance)
         finer = float(np.clip(_EXCESS * excess ** (1.0 / closed.flow.nodes.size), 1.0, _LARGEST_REFINEMENT))
@@ -135,7 +135,7 @@ def on_finer_mesh(family: FlowFamily, point: OrbitPoint, metric: Metric, toleran
 
 
 def too_rough(point: OrbitPoint, tolerance: float) -> NumericsError:
-    """The error of a branch that no mesh resolves beyond `point`."""
+    """Error for a branch that no mesh resolves beyond `point`."""
     return NumericsError(
         f"the branch ends at parameter = {point.parameter:.10g}: no mesh resolves the motion to {tolerance:g} (the highest "
         f"coefficient is {point.roughness(tolerance):.2g} times too large)"

@@ -4,8 +4,8 @@
     PD  a real multiplier passes through -1
     NS  a complex pair passes through the unit circle
 
-The number of unstable multipliers changes by 1, 1 and 2. An interval in which it changes otherwise than by its events is refused.
-Where multipliers cannot be counted (`Flow.undecided`), only folds are known.
+The number of unstable multipliers changes by 1, 1 and 2. An interval in which its change is not explained by the points found is
+refused. Where multipliers cannot be counted (`Flow.undecided`), only folds are located.
 """
 
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from slipwave.observe.pieces import Array
 
 _BRACKET = 1e-9  # half of a bracket's length in the branch's metric
 _MOST_WIDENINGS = 10
-_CLOSE = 0.01  # of half a bracket, to which the place is found
+_CLOSE = 0.01  # of half a bracket, to which the point is located
 _REAL = 1e-9  # imaginary part below which a multiplier is real
 _WATCHED = 4  # moduli
 _NARROWEST = 2e-4  # interval, in the branch's metric, that is not searched for a pair of points of one kind
@@ -34,7 +34,7 @@ class Unaccounted(NumericsError):
 @dataclass(frozen=True)
 class Special:
     """A special point of `kind` LP, PD or NS, as the `point` found nearest to it; `bracket`, the width in the parameter of the
-    interval that holds it, but not less than that to which orbits close; numbers of unstable multipliers before and after, and
+    interval that contains it, at least the accuracy to which orbits close; numbers of unstable multipliers before and after, and
     the `multiplier` that passes."""
 
     kind: str
@@ -48,8 +48,8 @@ class Special:
 def specials_between(
     flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, trend: Array | None = None
 ) -> tuple[Special, ...]:
-    """The special points between two neighbours of a branch, in order. `trend`, from before `left`, reveals a pair of them that
-    leaves the number of unstable multipliers as it was. Raises Unaccounted if they do not explain the change of that number."""
+    """The special points between two neighbours of a branch, in order. `trend`, up to `left`, reveals a pair of points that the
+    counts miss. Raises Unaccounted if they do not explain the change of the number of unstable multipliers."""
 
     def halves(middle: OrbitPoint) -> tuple[Special, ...]:
         beyond = trend_of(left, middle, metric.length(middle.unknowns - left.unknowns))
@@ -72,7 +72,7 @@ def specials_between(
 
 
 def trend_of(left: OrbitPoint, right: OrbitPoint, length: float) -> Array:
-    """How fast the largest moduli of multipliers that may pass the unit circle elsewhere than at 1 grow along the branch."""
+    """Slopes along the branch of the largest moduli of multipliers that may cross the unit circle elsewhere than at 1."""
     return (_moduli(right) - _moduli(left)) / length
 
 
@@ -82,7 +82,7 @@ def _real(point: OrbitPoint) -> Array:
 
 
 def _above(values: Complex) -> Complex:
-    """Of each complex pair the value above the real axis."""
+    """The value above the real axis of each complex pair."""
     return values[values.imag >= _REAL]
 
 
@@ -94,8 +94,8 @@ def _moduli(point: OrbitPoint) -> Array:
 
 
 def _may_cross(left: OrbitPoint, right: OrbitPoint, metric: Metric, trend: Array | None) -> bool:
-    """Whether a modulus that goes on by its trend would pass 1 before `right`, where it lies on the same side of 1 as at `left`:
-    it may have passed and come back. A modulus that bends back stays below the line of its trend."""
+    """Whether a modulus extrapolated by its trend passes 1 before `right` although it lies on the same side of 1 there as at
+    `left`: it may have passed and returned. A modulus that turns stays below its extrapolation."""
     length = metric.length(right.unknowns - left.unknowns)
     if trend is None or length < _NARROWEST:
         return False
@@ -138,7 +138,8 @@ _CHANGES = {"LP": 1, "PD": 1, "NS": 2}  # of the number of unstable multipliers
 
 
 def _middle(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, share: float = 0.5) -> OrbitPoint:
-    """The point of the branch between two others, at `share` of the chord, sought from the cubic through both."""
+    """The point of the branch between two others, at `share` of the chord, found by Newton's method from the cubic through
+    both."""
     chord = right.unknowns - left.unknowns
     rest, length = 1.0 - share, metric.length(chord)
     bend = rest * (length * left.tangent - chord) - share * (length * right.tangent - chord)
@@ -147,13 +148,12 @@ def _middle(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric
 
 
 def _locate(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, kind: str) -> Special:
-    """The special point of `kind` between two points: the zero of its test function, between two points close by on either side,
-    of which one is before it and one beyond."""
+    """The special point of `kind` between two points: the zero of its test function, bracketed by two close points."""
     length = metric.length(right.unknowns - left.unknowns)
     found = {0.0: left, 1.0: right}
 
     def point(share: float) -> OrbitPoint:
-        """The point at `share` of the chord, sought between the nearest two that are known."""
+        """The point at `share` of the chord, from the nearest two known points."""
         if share not in found:
             low, high = max(one for one in found if one < share), min(one for one in found if one > share)
             within = (share - low) / (high - low)
@@ -173,7 +173,7 @@ def _locate(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric
 
 
 def _zero(value: Callable[[float], float], is_beyond: Callable[[float], bool], within: float) -> float:
-    """The share at which `value` changes sign or, where its ends have one sign, from which on `is_beyond`."""
+    """The share at which `value` changes sign or, if it has one sign at both ends, from which on `is_beyond` holds."""
     from scipy.optimize import brentq
 
     low, high = 0.0, 1.0
@@ -194,7 +194,8 @@ def _value(kind: str, point: OrbitPoint) -> float:
 
 
 def critical(kind: str, values: Complex) -> complex:
-    """Of the multipliers (m,) beside a special point of `kind` that which passes there; of a pair the one above the real axis."""
+    """The multiplier, of `values` (m,) near a special point of `kind`, that crosses there; of a pair the one above the real
+    axis."""
     if kind == "LP":
         return complex(values[np.abs(values - 1.0).argmin()]) if values.size else complex(1.0)
     if kind == "PD":

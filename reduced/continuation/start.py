@@ -1,5 +1,5 @@
-"""The first point of a branch: beside a Hopf point, beside a period doubling, an orbit found otherwise, or a stored point; and
-the orbits of a branch at one value of its parameter."""
+"""The first point of a branch: near a Hopf point, near a period doubling, from a given orbit, or stored; and the orbits of a
+branch at one value of its parameter."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -17,7 +17,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import State
 
-_FIRST_AMPLITUDE = 0.02  # of psi, of the first orbit beside a Hopf point
+_FIRST_AMPLITUDE = 0.02  # of psi, of the first orbit near a Hopf point
 _NULL = 1e-3  # singular values of two null vectors, relative to 1, which damped motions have, or to typical larger ones
 _AMPLITUDES = (3e-3, 1e-3, 1e-4)  # of the largest component of a doubled orbit; the first with which Newton's method converges
 _ALIKE = 0.1  # difference of the halves, over the amplitude, below which the orbit is a simple one
@@ -27,9 +27,8 @@ _SAME_ORBIT = 1e-9  # difference of two periods that count as one orbit's, relat
 
 
 def metric_for(low: float, high: float) -> Metric:
-    """Lengths on a branch between two parameters: a change by this range counts as much as twenty transits of period.
-
-    Periods of a delay system's orbits at one parameter differ by about a transit from fold to fold, so that folds are round."""
+    """Metric of a branch between two parameters: their difference counts as much as twenty transits of period. A delay system's
+    orbits at one parameter differ by about a transit of period from fold to fold, so that folds are round in it."""
     return Metric(20.0, abs(high - low) or 1.0)
 
 
@@ -45,9 +44,9 @@ def from_hopf(flow_at: FlowAt, parameter: float, period: float, metric: Metric) 
     """The first small orbit of the branch that begins at the Hopf point at `parameter`, where disturbances of steady sliding
     oscillate with `period` (transits) and neither grow nor decay.
 
-    There the derivative of the motion over a period has two null vectors: the oscillation at two of its phases. The orbit is
-    sought at a given amplitude along one of them; the other is the motion along the orbit. Raises NumericsError if the steady
-    state does not oscillate so.
+    There the derivative of the closing condition has two null vectors: the oscillation at two phases. The orbit is computed at a
+    given amplitude along one of them; the other is the motion along the orbit. Raises NumericsError if the steady state has no
+    such oscillation.
     """
     flow = flow_at(parameter)
     steady = flow.steady
@@ -66,7 +65,7 @@ def from_hopf(flow_at: FlowAt, parameter: float, period: float, metric: Metric) 
 
 
 def from_doubling(family: FlowFamily, special: Special, metric: Metric) -> tuple[FlowFamily, OrbitPoint]:
-    """The first orbit of twice the period beside the period doubling `special`, and the family on a mesh for it: displaced along
+    """The first orbit of twice the period near the period doubling `special`, and the family on a mesh for it: displaced along
     the eigenvector of the multiplier -1, by which the two halves of the doubled orbit differ.
 
     Raises NumericsError if the special point is no period doubling, or no such orbit is found.
@@ -90,7 +89,7 @@ def _displaced(
     family: FlowFamily, simple: OrbitPoint, shape: Array, amplitude: float, metric: Metric
 ) -> tuple[FlowFamily, OrbitPoint]:
     """The doubled orbit at this amplitude of its deviation `shape` from the simple one, measured across the branch of simple
-    orbits, so that none of these can be found instead."""
+    orbits, which is so excluded."""
     closed = simple.closed
     period = 2.0 * closed.cycle.period
     flow, state = closed.flow.remeshed(closed.cycle._replace(start=closed.cycle.start + amplitude * shape, period=period), 1.0)
@@ -104,13 +103,14 @@ def _displaced(
 
 
 def difference_of_halves(point: OrbitPoint) -> float:
-    """Largest difference of z and psi between the first and the second half of an orbit; 0 if it is a simple one, twice."""
+    """Largest difference of z and psi between the first and the second half of an orbit; 0 if that is a simple orbit run
+    twice."""
     return difference_of_parts(point.closed.cycle, point.closed.flow.nodes, 2)
 
 
 def stored(point: OrbitPoint, step: float) -> State:
-    """All that is needed to go on from a point, to the last digit, as arrays by name: its `unknowns` (x, T, p), `tangent`, the
-    next `step`, the mesh and the derivatives of `Closed`, which may be those of a neighbour."""
+    """Arrays by name from which a branch continues bit by bit: its `unknowns` (x, T, p), `tangent`, the next `step`, the mesh and
+    the derivatives of `Closed`, which may be those of a neighbour."""
     closed = point.closed
     mesh = {f"{_MESH}{name}": np.atleast_1d(array) for name, array in closed.flow.mesh_state().items()}
     derivatives = {"monodromy": closed.monodromy, "velocity": closed.velocity, "drift": closed.drift}
@@ -130,7 +130,7 @@ def from_stored(family: FlowFamily, saved: Mapping[str, Array]) -> tuple[FlowFam
 
 def orbits_at(points: Iterable[OrbitPoint], parameter: float, scene: Scene) -> list[Closed]:
     """All orbits of a branch at one value of its `parameter`, in order along the branch, each by Newton's method from the points
-    on both sides; `scene` is that of this value. Raises NumericsError if it does not find one."""
+    on both sides; `scene` is the scene at this value. Raises NumericsError if Newton's method fails."""
     found: list[Closed] = []
     for left, right in pairwise(points):
         if (left.parameter - parameter) * (right.parameter - parameter) <= 0.0:

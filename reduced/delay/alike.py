@@ -26,10 +26,10 @@ _FEWEST_STEPS, _MOST_FIRST_STEPS = 3, 24
 class Delay(DelayMarch):
     """Marches the exact system to `tolerance`, the requested relative error of the outputs.
 
-    With `emit` (the default) the outputs are the figures of the cycle, including extrema between nodes. With `emit=False` they
-    are only the state at the end of the run: fewer steps, and `advance` returns pieces of the last transit it marched, without
-    elastic stress. The solver marches whole transits and keeps the pieces beyond `until` for the next call. The number of steps
-    per transit grows where a step's polynomial is not resolved or Newton fails. The march then goes back to the last whole
+    With `emit` (the default) the outputs are the figures of the cycle, including extrema between nodes. With `emit=False` only
+    the state at the end of the run is accurate: fewer steps, and `advance` returns the pieces of the last marched transit,
+    without elastic stress. The solver marches whole transits and keeps the pieces beyond `until` for the next call. The number of
+    steps per transit grows where a step's polynomial is not resolved or Newton fails. The march then goes back to the last whole
     transit. With `emit=False` the polynomials are not accurate enough for new nodes, so it goes back to its beginning: the
     scene's start, or the beginning that `restore` was given. `nodes` and `steps` (a lower bound) may be given. `failures` counts
     unconverged solves; a step that cannot be solved with MAX_STEPS per transit raises NumericsError instead.
@@ -126,10 +126,10 @@ class Delay(DelayMarch):
         return saved | {"counts": counts, "incoming": incoming, "guess": np.stack([psi[0], z[0]]), "now": now, "waiting": waiting}
 
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
-        """March `transits` transits; returns (transits kept, verdict). A rejected step takes the memory back to the transit's
+        """March `transits` transits; returns (transits kept, verdict). A rejected step restores the memory of the transit's
         start."""
         clock = self._clock._replace(origin=float(self._memory.now[TIME]), times=transits)
-        first = min(0, pieces.time.size - self.steps * transits)  # room for all steps or for those of the last transit
+        first = min(0, pieces.time.size - self.steps * transits)  # all steps or for those of the last transit
         march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
         done, iterations, verdict = march_delay(self._shape, *march, first, pieces)
         self.iterations += iterations
@@ -144,12 +144,12 @@ class Delay(DelayMarch):
         self._remember(new, old.resample(incoming, self.nodes, new), now)
 
     def _remember(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
-        """Be at a whole transit, with guesses for constant psi."""
+        """Set the memory at a whole transit, with guesses for constant psi."""
         guess = self._first_guess(0.5 * self.scene.upper.epsilon, incoming[0], now[PSI])
         self._take(mesh, incoming, DelayMemory(guess, now.copy()))
 
     def _take(self, mesh: TransitMesh, incoming: Array, memory: DelayMemory) -> None:
-        """Go on from this memory in the steps of `mesh`."""
+        """Continue from this memory in the steps of `mesh`."""
         self._mesh, self._clock, self._memory = mesh, Clock(0.0, np.append(mesh.starts, 1.0), mesh.lengths), memory
         self._lines = alike_lines(0.5 * self.scene.upper.epsilon, incoming)
 
@@ -161,8 +161,8 @@ def refuse_unless_plain(scene: Scene) -> None:
 
 
 def end_resolution(tolerance: float) -> float:
-    """The same if only the state at the ends of steps counts, which superconverges: with 5 and 8 nodes the error of psi, measured
-    on the reference scenes, is 0.02 coefficient^2 (for coefficients from 2e-2 down to 1e-5)."""
+    """As `dense_resolution` if only the state at the ends of steps counts, which superconverges: with 5 and 8 nodes the error of
+    psi, measured on the reference scenes, is 0.02 coefficient^2 (for coefficients from 2e-2 down to 1e-5)."""
     return float(min(0.02, max((30.0 * tolerance) ** 0.5, 1e-6)))
 
 

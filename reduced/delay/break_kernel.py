@@ -21,7 +21,7 @@ FILLED, WAITING, FOLLOWED = range(3)  # `History.counts`
 
 class History(NamedTuple):
     """`starts` and `lengths` (ring,) of past steps; `arrivals` (n,), the next break points in order; `counts` (3,): past steps
-    that are known, break points that wait, and those that were followed. Begin (2,) and length (1,) of the `present` step."""
+    known, break points to come, break points passed. Begin (2,) and length (1,) of the `present` step."""
 
     starts: Array
     lengths: Array
@@ -33,8 +33,7 @@ class History(NamedTuple):
 class Ends(NamedTuple):
     """`travel` (layers,); rows (s,) that give a step's polynomial at its `left` end and its slopes at both ends, and the nodes'
     `barycentric` weights; per slab `resistance` Z_g + e and `mass` of its top; `inverse` (s, s) A^-1; scratch (s, 2s) to invert
-    `system`; the smallest `jump` and `kink` that are followed; the `longest` step
-    (transits)."""
+    `system`; the smallest `jump` and `kink` that become break points; the `longest` step (transits)."""
 
     travel: Array
     left: Array
@@ -52,8 +51,8 @@ class Ends(NamedTuple):
 
 @njit
 def look_back(nodes: Nodes, ends: Ends, network: Network, history: History, slot: int, start: float, length: float) -> bool:
-    """Set the past step and the weights from which each node of the next step, which is the `slot` in the ring, reads its delayed
-    waves (none before t = 0). False if the ring does not reach back so far."""
+    """Set, for each node of the next step (`slot` in the ring), the past step and the weights that interpolate its delayed waves
+    (none before t = 0). False if the ring does not reach back so far."""
     s, ring, known = len(nodes), history.starts.size, history.counts[FILLED]
     for layer in range(ends.travel.size):
         for j in range(s):
@@ -147,7 +146,7 @@ def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot
 
 @njit
 def leave_behind(history: History, time: float) -> None:
-    """Take the break points before `time` from the list."""
+    """Remove the break points before `time` from the list."""
     arrivals, counts = history.arrivals, history.counts
     gone = 0
     while gone < counts[WAITING] and arrivals[gone] < time:

@@ -2,8 +2,8 @@
 
 A jump at t = 0 returns after every round trip, and after every sum of round trips, for ever (MODEL.md section 7). The same holds
 for the kink that a knot of the drive causes. Breaks are measured: at each step's start the waves just launched at every end of
-every layer are compared, in value and in slope, with those of the step before. If the difference is above the tolerance, the time
-at which it arrives at the layer's other end becomes a break point, where a step will end. Smaller breaks are no longer followed.
+every layer are compared, in value and in slope, with those of the step before. If the difference is above the tolerance, its
+arrival at the layer's other end becomes a break point, where a step ends. Smaller breaks are not followed.
 """
 
 import numpy as np
@@ -29,9 +29,9 @@ _KINK = 100.0  # smallest kink over the largest coefficient left out of a step: 
 class DelayBreaks(DelayNetwork):
     """As `DelayNetwork`, with steps of varying length that end where a break arrives; about 4 microseconds per step.
 
-    A node reads its delayed waves from the past step in which they left, by interpolation. Equal steps need a projection
-    (`delay_rows`), because some delays amplify noise at every return; steps of varying length do not: for such delays psi(600)
-    agrees with the full wave to 2e-11, at a tolerance of 1e-9 and with no more steps.
+    Delayed waves at a node are interpolated in the past step in which they left. Equal steps need a projection (`delay_rows`),
+    because some delays amplify noise at every return; steps of varying length do not: for such delays psi(600) agrees with the
+    full wave to 2e-11, at a tolerance of 1e-9 and with no more steps.
 
     `break_points` counts the jumps and kinks that were followed. Raises NumericsError if they need more than the stored history.
     """
@@ -49,7 +49,7 @@ class DelayBreaks(DelayNetwork):
 
     @property
     def break_points(self) -> int:
-        """Jumps and kinks that were followed so far."""
+        """Number of jumps and kinks followed so far."""
         return int(self._history.counts[FOLLOWED])
 
     def advance(self, until: float) -> Pieces:
@@ -84,7 +84,7 @@ class DelayBreaks(DelayNetwork):
         )
 
     def _remember(self, past: Array, arrivals: Array, followed: int) -> None:
-        """Take these past steps (start and length) and next break points as the history."""
+        """Set the history to these past steps (start and length) and next break points."""
         counts = np.array([past.shape[0], arrivals.size, followed])
         present = (np.zeros(2), np.zeros(1))
         self._history = History(np.empty(_RING), np.ones(_RING), np.empty(_RING + arrivals.size), counts, present)
@@ -98,7 +98,7 @@ class DelayBreaks(DelayNetwork):
                 f"delay: more than {_RING} break points within a travel time at t = {self._memory.now[TIME]:.6g} transits (scene "
                 f"{self.scene.name!r}, digest {self.scene.digest})"
             )
-        self._require_room(verdict)
+        self._require_shorter(verdict)
         self._count = next_count(self._count)
         self._memory = DelayMemory(
             constant_guess(self._memory.now[PSI], self._memory.guess.z[0], self._stages), self._memory.now

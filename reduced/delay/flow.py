@@ -1,7 +1,7 @@
 """The delay system over one period (`Flow`), for any pair of lossless slabs, by steps that divide its delays where possible.
 
-Delayed waves then fall on the nodes of past steps, whose ends superconverge. A period is no whole number of steps: the state at
-its end is read from the polynomials of the last steps, which is the only interpolation in a period.
+Delayed values are then nodal values of past steps. A period is no whole number of steps: the state at its end is interpolated in
+the last steps, the only interpolation in a period.
 """
 
 import math
@@ -92,7 +92,7 @@ class DelayFlow:
         return cycle
 
     def velocity(self, cycle: Cycle) -> Array:
-        """As `Flow`: the slope of the last steps' polynomials, which are kept of the last march."""
+        """As `Flow`: the slope of the polynomials of the last steps, kept from the last march."""
         if self._last is None or self._last[0] is not cycle:
             return self.velocity(self.march(cycle.start, cycle.period))
         lines, (_, fraction) = self._last[1], self._steps(cycle.period)
@@ -102,7 +102,7 @@ class DelayFlow:
         return np.asarray((later - earlier) / (2.0 * _CHANGE * self.length))
 
     def tangent(self, cycle: Cycle, frozen: bool = False) -> Array:
-        """As `Flow`. If `frozen`, psi is held at its values along `cycle`: what the interface returns of the waves alone."""
+        """As `Flow`. If `frozen`, psi is held at its values along `cycle`: the motion of the waves alone."""
         nodes, integral = self._nodes, self._rule.integral
         exchange = exchange_of(nodes, self._network, self.length, integral)
         waves, tops, psi = self._parts(np.eye(self.size))
@@ -120,8 +120,8 @@ class DelayFlow:
     def essential_radius(self, cycle: Cycle) -> float:
         """As `Flow`: the spectral radius of the waves' motion with psi held. For alike plain slabs the interface returns a wave
         with the factor rho = (F_v - epsilon/2)/(F_v + epsilon/2), and the radius is exp of the integral of ln |rho| over the
-        period. Slabs of incommensurate round trips whose faces lose nothing have motions, as near as one likes, in which the
-        interface carries no stress: then it is 1. Of others it is that of the frozen `tangent`."""
+        period. Slabs of incommensurate round trips with lossless faces have modes with arbitrarily small stress at the interface:
+        the radius is 1. In all other cases it is that of the frozen `tangent`."""
         if self.scene.alike and self.scene.upper.is_plain:
             return self._returned(cycle)
         if self.undecided:
@@ -130,8 +130,8 @@ class DelayFlow:
 
     @cached_property
     def idle(self) -> Array:
-        """As `Flow`, of slabs with commensurate round trips: the same in every step, so those of one step in which the interface
-        absorbs waves as well as it can."""
+        """As `Flow`, for slabs with commensurate round trips: the states that do not decay in a step with a maximally absorbing
+        interface."""
         scene, divisor = self.scene, self._lines.divisor
         lossless = all(slab.termination.is_rigid or not slab.termination.dashpot for slab in scene.slabs)
         if scene.alike or divisor is None or not lossless:
@@ -146,7 +146,7 @@ class DelayFlow:
 
     @cached_property
     def undecided(self) -> bool:
-        """As `Flow`: of incommensurate round trips."""
+        """As `Flow`: true for incommensurate round trips."""
         if self._lines.divisor is not None:
             return False
         from reduced.stability.essential import essential_abscissa
@@ -178,7 +178,7 @@ class DelayFlow:
 
     def sampled(self, waves: Array, length: float, rest: Array) -> Array:
         """The state with `waves` (layers, 2, past steps, s) launched in steps of `length` (transits), oldest first, and the
-        `rest` of the state. Before the oldest step its first values are taken."""
+        `rest` of the state. Before the oldest step they equal its first values."""
         past = waves.shape[2]
         ages = (np.arange(self.kept)[:, None] - self.kept + self.nodes).ravel() * self.length / length + past
         step = np.clip(np.ceil(ages - 1e-12).astype(int) - 1, 0, past - 1)
@@ -194,7 +194,7 @@ class DelayFlow:
         return np.asarray(interpolation_matrix(self._with_left, np.array([fraction]))[0])
 
     def lines_at(self, start: Array) -> NetworkLines:
-        """The lines at the state `start`, whose ring has room for one step more."""
+        """The lines at the state `start`, with one free slot in the ring."""
         waves, tops, _ = self._parts(start[:, None])
         return lines_with(self._network, np.ascontiguousarray(np.moveaxis(waves[..., 0], 0, 2)), tops[..., 0], self.kept)
 
@@ -217,9 +217,9 @@ class DelayFlow:
     def _state(self, ring: Array, tops: Array, psi: Array, cursor: int, fraction: float) -> Array:
         """States (n, m) at `fraction` of the last step in the ring, with the faces `tops` at its end."""
         ordered = ring[(cursor + np.arange(self.kept + 1)) % (self.kept + 1)]
-        places = fraction + self.nodes
-        rows = interpolation_matrix(self._basis, np.where(places <= 1.0, places, places - 1.0))
-        early, late = rows * (places <= 1.0)[:, None], rows * (places > 1.0)[:, None]
+        points = fraction + self.nodes
+        rows = interpolation_matrix(self._basis, np.where(points <= 1.0, points, points - 1.0))
+        early, late = rows * (points <= 1.0)[:, None], rows * (points > 1.0)[:, None]
         waves = np.moveaxis(early @ ordered[:-1] + late @ ordered[1:], 0, 2)
         faces = self._faces(ordered, tops, fraction) if self.tops_remembered.any() else tops
         return np.concatenate([waves.reshape(-1, psi.size), faces[self.tops_remembered], psi[None]])
@@ -243,6 +243,6 @@ class DelayFlow:
 
 @cache
 def _bases(stages: int) -> tuple[Basis, Basis]:
-    """Of a step's nodes, and of these with the step's start."""
+    """Bases of a step's nodes, and of these with the step's start."""
     nodes = radau(stages).nodes
     return lagrange_basis(nodes), lagrange_basis(np.r_[0.0, nodes])

@@ -1,8 +1,8 @@
-"""The compiled derivative of `march_delay` through a network: what the waves of equal steps do with small changes of their state.
+"""The compiled derivative of `march_delay` through a network in equal steps.
 
 All changes are carried at once, each in a column, the last axis of every array: loops over columns are what the compiler
-vectorises. Friction's part is `step_answer`, the slabs' part `Exchange`: it is linear, the same in every step, and so a matrix,
-found by sending unit waves through the functions of the march itself.
+vectorises. Friction's part is `step_answer`, the slabs' part `Exchange`: a matrix, the same for every step, computed by sending
+unit waves through the march's own functions.
 """
 
 from typing import NamedTuple
@@ -19,15 +19,15 @@ from slipwave.step.tangent import Answer, Motion, step_answer
 
 
 class Exchange(NamedTuple):
-    """What leaves a step and what the interface receives in it, from what arrives and what the interface does.
+    """Linear map of the slabs over a step.
 
     Rows of the matrix: the waves that leave (layers, 2, s), the outer faces' state (slabs, 2) and psi at the step's end; the
     stress that waves bring to the interface (s), and psi at the start. Columns: the waves that arrive, the faces' state and psi
     at the start; the interface's stress (s), and psi at the end. The nonzero entries of row i are [starts[i], starts[i + 1]),
     with their columns, `sources`, and values, `factors`; no row is empty.
 
-    `impedance` is that of the interface. What leaves arrives `back` (rows, n) steps later; waves with the `weights`
-    (waves, n, s) of the nodes of these steps, others at once in the first."""
+    `impedance` is that of the interface. Row i receives what was emitted `back[i]` (n,) steps before; waves with the `weights`
+    (waves, n, s) of the nodes of these steps, other rows at the first."""
 
     impedance: float
     starts: Integers
@@ -102,9 +102,9 @@ def march_tangent(
 ) -> int:
     """Carry n changes of the state along the `motion`.
 
-    `memory` (ring, rows, n): what left past steps, in rows as in `exchange`; the next step is `cursor`. `h` is the length of a
-    step on the friction clock. psi is taken within the last step, by the weights `last` (s + 1,) of psi at its start and nodes;
-    all else at its end. Returns the ring index of the step after the last."""
+    `memory` (ring, rows, n): output of past steps, in rows as in `exchange`; `cursor` is the next step. `h` is the length of a
+    step on the friction clock. psi is evaluated within the last step, by the weights `last` (s + 1,) of psi at its start and
+    nodes; all else at its end. Returns the ring index of the step after the last."""
     s, count, stress, impedance = len(nodes), motion.z.shape[0], memory.shape[1], exchange.impedance
     row, matrix, at_end = np.empty((4, s)), np.empty((s + 1, s + 1)), np.zeros(s + 1)
     answer = Answer(np.empty((2 * s, 2 * s + 1)), row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
@@ -139,7 +139,7 @@ def step_matrix(nodes: Nodes, impedance: float, answer: Array, weights: Array, m
 
 @njit
 def arrive_columns(nodes: Nodes, exchange: Exchange, memory: Array, cursor: int, arrived: Array) -> None:
-    """Rows of arrived <- what left earlier steps and arrives in the step at `cursor`."""
+    """Rows of arrived <- output of earlier steps that arrives in the step at `cursor`."""
     s, ring, weights = len(nodes), memory.shape[0], exchange.weights
     for i in range(memory.shape[1]):
         j = i % s

@@ -1,7 +1,7 @@
 """One step of a network for small disturbances of a slow motion: linear, with the friction of that motion frozen.
 
-Waves that are trapped between the interface, joints and outer faces pass many thousand steps while friction hardly changes. Their
-linear map over one step, a matrix, is raised to that power by squaring.
+Trapped waves pass many thousand steps while friction hardly changes. Their linear map over one step is raised to that power by
+squaring.
 """
 
 from typing import NamedTuple
@@ -18,7 +18,7 @@ from slipwave.step.nodal import Interface
 
 
 class Disturbance(NamedTuple):
-    """What a network remembers, as a vector: `waves` (layers, 2, ring, s), oldest step first, `tops` (slabs, 2), and `rest`: psi
+    """Memory of a network, as a deviation: `waves` (layers, 2, ring, s), oldest step first, `tops` (slabs, 2), and `rest`: psi
     and y."""
 
     waves: Array
@@ -47,14 +47,14 @@ class Friction(NamedTuple):
 
 
 def mean_friction(law: Law, interface: Interface, weights: Array) -> Friction:
-    """Their means over moments with psi and z (k,) and `weights` (k,), whose sum is 1."""
+    """`Friction` averaged over k times with psi and z (k,) of `interface` and `weights` (k,), whose sum is 1."""
     rows = np.array([respond(law, float(z), float(psi)) for psi, z in zip(*interface, strict=True)])
     return Friction(*(weights @ rows[:, [1, 3, 4, 6, 7]]))
 
 
 class FrozenStep:
-    """The linear step of a `network` of step `length` (transits), found by sending unit disturbances and unit stresses of the
-    interface through the march's own functions. `empty` is a disturbance of the right shape."""
+    """The linear step of a `network` of step `length` (transits), computed by sending unit disturbances and unit interface
+    stresses through the march's own functions. `empty`: the zero disturbance."""
 
     def __init__(self, network: Network, length: float, stages: int, forcing: Forcing) -> None:
         self._impedance, self._forcing, self._length = network.interface_impedance, forcing, length
@@ -90,7 +90,7 @@ class FrozenStep:
 
 
 def powers_of(matrix: Array, most: int) -> list[Array]:
-    """The matrix squared 0, 1, .. times, up to the power `most` or just below."""
+    """Powers 1, 2, 4, .. of the matrix (n, n), up to `most`."""
     powers = [matrix]
     while 2 ** len(powers) <= most:
         powers.append(powers[-1] @ powers[-1])
@@ -106,8 +106,8 @@ def advanced(powers: list[Array], vector: Array, count: int) -> Array:
 
 
 def slow_parts(powers: list[Array], rows: Array) -> Array:
-    """`rows` (k, n) of quantities, averaged over steps with a weight that leaves nothing of what oscillates: four boxes, one
-    after the other, of as many steps as the highest power."""
+    """`rows` (k, n) of quantities averaged over steps with a weight that removes oscillations: four successive box averages over
+    as many steps as the highest power."""
     for _ in range(4):
         for power in powers[:-1]:
             rows = 0.5 * (rows + rows @ power)

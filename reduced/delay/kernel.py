@@ -1,4 +1,4 @@
-"""The compiled march of the delay system: collocation steps, whatever the lines that carry the waves.
+"""The compiled march of the delay system: collocation steps for any lines that carry the waves.
 
 With one slab's incoming characteristic S = mu + eps v/2 (MODEL.md section 3), the equations of alike plain slabs are, on the t~
 clock,
@@ -6,8 +6,8 @@ clock,
     F(z, psi) + (eps/2) v(z) = S,     psi' = r G(z, psi) + nudge(t),     S(t + 1) = S(t) - eps v(t) + eps V(t + 1/2),
 
 which is (29, 35) with S = mu_ss + eps V/2 - 2 eps g(t - 1). Their steps divide the transit, so that delayed values lie on the
-same collocation nodes and nothing is interpolated. What the march asks of lines is written here for these, `Alike`. All others
-are a `network_kernel.Network`, with versions of its own.
+same collocation nodes and nothing is interpolated. The functions of lines that the march calls are defined here for these,
+`Alike`, and in `network_kernel` for all others.
 """
 
 from typing import Any, NamedTuple
@@ -61,8 +61,8 @@ def clock_of(origin: float, done: int, count: int, length: float) -> Clock:
 
 
 class Alike(NamedTuple):
-    """Waves of alike plain slabs of `impedance` eps/2: S at the nodes of the steps of the next transit, `incoming` (steps, s); in
-    the midst of a transit the solved steps' S `before` (steps, s), and the present at its `start`."""
+    """Waves of alike plain slabs of `impedance` eps/2: S at the nodes of the steps of the next transit, `incoming` (steps, s);
+    within a transit, S of the solved steps `before` (steps, s), and the memory at the transit's `start`."""
 
     impedance: float
     incoming: Array
@@ -78,20 +78,20 @@ def alike_lines(impedance: float, incoming: Array) -> Alike:
 
 @by_class(inline=True)
 def receive(lines: Any, nodes: Nodes, physics: Physics, n: int, length: float, nodal: Nodal) -> None:
-    """nodal.incoming <- S of step `n`, which is `length` long. What is remembered does not change."""
+    """nodal.incoming <- S of step `n` of this `length`. The memory does not change."""
     for j in range(len(nodes)):
         nodal.incoming[j] = lines.incoming[n, j]
 
 
 @by_class(inline=True)
 def roughness(lines: Any, nodes: Nodes, tail: Array, nodal: Nodal) -> float:
-    """Highest Legendre coefficient of what the far ends of the lines launch in the step."""
+    """Highest Legendre coefficient of the waves launched at the far ends of the lines in the step."""
     return 0.0
 
 
 @by_class(inline=True)
 def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, length: float, nodal: Nodal) -> None:
-    """Remember the waves of the solved step `n`."""
+    """Store the waves of the solved step `n`."""
     drive, middle = physics.drive, start + 0.5 * length + 0.5
     for j in range(len(nodes)):
         driven = velocity_at(drive, start + nodes[j] * length + 0.5, middle)
@@ -106,7 +106,7 @@ def begin_clock(lines: Any, memory: DelayMemory) -> None:
 
 @by_class(inline=True)
 def go_back(lines: Any, memory: DelayMemory, n: int) -> None:
-    """Called where step `n` of the clock is rejected. What is remembered stays that of the step's start."""
+    """Called when step `n` of the clock is rejected. The memory stays that of the step's start."""
 
 
 @begin_clock.register(Alike)
@@ -142,9 +142,9 @@ def march_delay(
     first: int,
     pieces: Pieces,
 ) -> tuple[int, int, int]:
-    """March the steps of the `clock`, of which the first becomes piece `first`, or none where that is negative. Returns (steps,
-    Newton iterations, verdict of `judge_step`); a rejected step leaves the memory at its start, that of `Alike` at the start of
-    its transit."""
+    """March the steps of the `clock`; step i becomes piece `first` + i, or none if that is negative. Returns (steps, Newton
+    iterations, verdict of `judge_step`); a rejected step leaves the memory at its start, that of `Alike` at the start of its
+    transit."""
     s, (law, forcing, _, rule) = len(nodes), physics
     impedance, origin, iterations = Diagonal(lines.impedance), clock.origin, 0
     guess, now, count = memory.guess, memory.now, clock.length.size

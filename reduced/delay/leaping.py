@@ -34,7 +34,7 @@ _Moment: TypeAlias = tuple[TransitMesh, Array, DelayMemory]
 
 
 class LeapingDelay(Delay):
-    """`Delay`, to its `tolerance`, which also does what `Leaping` asks for.
+    """`Delay`, to its `tolerance`, as a `Leaping` solver.
 
     Leaps begin in a stick: v is below V (in a hold, below V before it) in all of a transit. They go on while v rises slowly
     towards the next event, and end where the motion changes so fast that they would save no time. V is constant in them. Where z,
@@ -62,7 +62,7 @@ class LeapingDelay(Delay):
         return self.advance(until)
 
     def state(self) -> State:
-        """As `Delay`, and `leaps`: transits skipped, length of the next leap, when to try again, pause after that; `past`:
+        """As `Delay`, and `leaps`: transits skipped, length of the next leap, time of the next try, pause after it; `past`:
         number, change of phi and of y, and extremes of the latest transits; `past.incoming`: changes of the incoming wave."""
         number, change, highest = self._past
         return super().state() | {
@@ -82,7 +82,7 @@ class LeapingDelay(Delay):
         self.skipped, self._length, self._next_try, self._pause = leaps
 
     def _walk(self) -> None:
-        """March the next transit of what may be a stick; where none begins or goes on, leave it to the ordinary march."""
+        """March the next transit if it may belong to a stick; return to the ordinary march if none begins or continues."""
         start = float(self._memory.now[TIME])
         pieces, change, verdict = self._transit()
         if verdict != DONE:
@@ -96,8 +96,8 @@ class LeapingDelay(Delay):
             self._give_up()
 
     def _leap(self, end: float) -> bool:
-        """Go from the latest transit to a later one, at most to that in which the run ends, and march it. False if it cannot be
-        done: nothing has changed then but the length of the next leap."""
+        """Leap from the latest transit to a later one, at most the last of the run, and march it. False if that fails: then only
+        the length of the next leap has changed."""
         before, past, failures = (self._mesh, self._lines.incoming, self._memory), self._past, self.failures
         start = float(past.number[-1])
         target = min(start + self._length, float(np.floor(self._next_kink(start))) - 2.0, math.ceil(end - SAME) - 1.0)
@@ -135,7 +135,7 @@ class LeapingDelay(Delay):
         return pieces
 
     def _jump_to(self, before: _Moment, change: Array, number: float) -> None:
-        """Go to the beginning of the transit `number`, by the `change` of the state since the memory `before`."""
+        """Set the state at the beginning of the transit `number`: the memory `before` plus `change`."""
         mesh, incoming, (_, now) = before
         psi = now[PSI] + math.log1p(change[-2] * math.exp(-now[PSI]))
         self._remember(mesh, incoming + change[:-2].reshape(incoming.shape), np.array([number, psi, now[ELASTIC] + change[-1]]))
@@ -143,8 +143,8 @@ class LeapingDelay(Delay):
     def _transit(self) -> tuple[Pieces, Array, int]:
         """March one transit; returns its pieces, the change of the state (wave, phi, y), and the verdict of the march.
 
-        phi is taken in place of psi, because it grows linearly in a stick. The change of the wave is eps (V - v): the difference
-        of two waves would have a thousand times larger rounding errors."""
+        phi is used instead of psi, because it grows linearly in a stick. The change of the wave is eps (V - v): the difference of
+        two waves would have a thousand times larger rounding errors."""
         pieces, before = empty_pieces(self.steps, self._stages), self._memory.now.copy()
         _, verdict = self._march(1, pieces)
         velocity = self.scene.drive.at(before[TIME])
@@ -154,7 +154,7 @@ class LeapingDelay(Delay):
         return pieces, np.concatenate((wave.ravel(), (phi, now[ELASTIC] - before[ELASTIC]))), verdict
 
     def _is_slow(self, start: float, pieces: Pieces) -> bool:
-        """Whether the transit that begins at `start` is one of a stick, or of the rise of v that follows it."""
+        """Whether the transit that begins at `start` belongs to a stick, or to the slow rise of v after it."""
         highest = float(pieces.z.max())
         if self._past.number.size and highest > self._past.highest[-1, 0]:
             return True
@@ -172,13 +172,13 @@ class LeapingDelay(Delay):
         return self.scene.drive.knot_after(time)
 
     def _size(self, pieces: Pieces, change: Array) -> float:
-        """The largest change of psi, of y and of ln v (that of the wave over F_z) that a `change` of the state amounts to."""
+        """Size of a `change` of the state: the largest of the changes of psi, y and ln v (that of the wave over F_z)."""
         psi = float(pieces.psi[-1, -1])
         friction_z = respond(self.scene.law, float(pieces.z[-1, -1]), psi)[3]
         return float(max(np.abs(change[:-2]).max() / friction_z, abs(change[-2]) * math.exp(-psi), abs(change[-1])))
 
     def _scale(self, error: float) -> float:
-        """How much longer the next leap can be than one with this `error`."""
+        """Ratio of the next leap's length to that of a leap with this `error`."""
         return float(min(_GROW, max(_SHRINK, _SAFETY * (self._allowed / max(error, 1e-300)) ** (1.0 / (ORDER + 1)))))
 
     def _give_up(self) -> None:

@@ -1,13 +1,13 @@
 """The delay system of any lossless slabs with leaps over slow motion: holds, loading, quasi-steady sliding, sticks.
 
-In such motion v hardly changes in a round trip, but the waves of the last change stay trapped in the slabs, some for ever, and an
-outer face's mass swings: a march needs as many steps as in an event. A leap takes the motion apart into
+In such motion v hardly changes in a round trip, but the waves of the last change stay trapped in the slabs and the mass of an
+outer face oscillates: a march needs as many steps as in an event. A leap splits the motion into
 
-    slow   what follows the slip rate at once (`slow_motion`): one step of collocation over the whole leap;
-    rest   small beside the curvature of friction, hence linear (`frozen_step`): a power of the matrix of one step;
+    slow   quasi-static response to the slip rate (`slow_motion`): one step of collocation over the whole leap;
+    rest   too small for the curvature of friction, hence linear (`frozen_step`): a power of the matrix of one step;
 
-and needs no transit between. What is left out, above all the square of the rest, is measured: a few steps are marched before and
-after the leap and compared with what both parts predict.
+The error of the split, mainly the square of the rest, is measured: a few steps are marched before and after the leap and compared
+with the prediction of both parts.
 """
 
 import math
@@ -44,7 +44,7 @@ _MOST_SPLITS, _NUDGES = 5, 1e-5  # Newton steps that take the motion apart; chan
 
 
 class _Split(NamedTuple):
-    """The motion taken apart at a moment: the slow step, y at its beginning, and the `rest` of what is remembered."""
+    """The split of the motion at one time: the slow step, y at its beginning, and the `rest` of the memory."""
 
     slow: Slow
     y: float
@@ -52,8 +52,8 @@ class _Split(NamedTuple):
 
 
 class _Check(NamedTuple):
-    """A few steps that were marched: their `pieces`, by how much ln v, psi and y would `miss` what is predicted after a leap, and
-    the largest by which z differs from that of the slow motion."""
+    """A few marched steps: their `pieces`, `miss`, the error of the predicted ln v, psi and y after a leap, and `ripple`, the
+    largest difference of z from the slow motion."""
 
     pieces: Pieces
     miss: float
@@ -61,11 +61,11 @@ class _Check(NamedTuple):
 
 
 class LeapingNetwork(DelayNetwork):
-    """`DelayNetwork`, to its `tolerance`, which also does what `Leaping` asks for.
+    """`DelayNetwork`, to its `tolerance`, as a `Leaping` solver.
 
-    V is constant in a leap. Where waves move z by less than the tolerance, the pieces of a leap are those of the slow motion;
-    elsewhere it is a gap, in which z, mu and y have no extremum. `skipped` counts the transits not marched. A jump of V within a
-    step is met by steps that end there.
+    V is constant in a leap. Where waves change z by less than the tolerance, the pieces of a leap are those of the slow motion;
+    elsewhere it is a gap, in which z, mu and y have no extremum. `skipped` counts the transits not marched. Steps are shortened
+    to end at a jump of V.
     """
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
@@ -116,7 +116,7 @@ class LeapingNetwork(DelayNetwork):
         return self.scene.drive.knot_after(self.time + SAME)
 
     def _meet(self, knot: float) -> Pieces:
-        """March to a `knot` between the ends of steps, by one or two shorter ones; the grid of steps begins anew there."""
+        """March to a `knot` within a step by one or two shorter steps; the grid of steps restarts there."""
         before, start = self._moment(), self.time
         count = max(1, math.ceil((knot - start) / self._length - COINCIDENT))
         short, pieces = (knot - start) / count, empty_pieces(count, self._stages)
@@ -137,14 +137,14 @@ class LeapingNetwork(DelayNetwork):
         self._frozen = None
 
     def _rest_a_while(self) -> None:
-        """March for a while before the next try; not beyond the next kink of V, after which all is different."""
+        """Postpone the next try to leap, at most to the next kink of V."""
         kink, self._next_try = self._next_kink(), self.time + self._pause
         if kink <= self._next_try:
             self._next_try, self._pause, self._reach = kink, _PAUSE, _FIRST
 
     def _leap(self, stop: float, gaps: bool) -> Pieces | None:
-        """The pieces of a leap that ends before `stop`, with some steps before and after it; None if none is possible that saves
-        time: nothing has changed then but the length of the next one."""
+        """The pieces of a leap that ends before `stop`, with some steps before and after it; None if no leap saves time: then
+        only the length of the next one has changed."""
         size, checks = self._lines.waves.size + self._lines.tops.size + 2, 2 * self._lines.waves.shape[2]
         least = int(_PRICE + _PRICE_OF_POWERS * size**3)
         count = min(max(least, self._reach), int((stop - self.time) / self._length - COINCIDENT) - checks)
@@ -162,8 +162,8 @@ class LeapingNetwork(DelayNetwork):
         return None
 
     def _cross(self, count: int, gaps: bool) -> tuple[Pieces | None, float]:
-        """A leap of `count` steps: its pieces, None if it cannot be done, and how much longer the next one can be: 0 if none can
-        be done now."""
+        """Leap `count` steps: its pieces (None if it fails), and the ratio of the next leap's length to this one's, 0 if none is
+        possible now."""
         before = self._moment()
         split = self._split(count * self._length)
         ahead = self._check(split, count) if split else None
@@ -181,14 +181,14 @@ class LeapingNetwork(DelayNetwork):
         return None, scale
 
     def _moment(self) -> tuple[NetworkLines, DelayMemory, float, int, int]:
-        """All that a march changes, for a return to the present."""
+        """All that a march changes, to restore the present."""
         lines, (guess, now) = self._lines, self._memory
         waves = lines_with(lines.network, lines.waves.copy(), lines.tops.copy(), int(lines.cursor[0]))
         memory = DelayMemory(Interface(guess.psi.copy(), guess.z.copy()), now.copy())
         return waves, memory, self._origin, self._done, self.iterations
 
     def _beyond(self, split: _Split, ahead: _Check, count: int) -> tuple[Pieces | None, float]:
-        """The same after the steps `ahead` of the leap, which are the first of `count`."""
+        """As `_cross`, after the checked steps `ahead`, the first of `count`."""
         slow, begin, steps = split.slow, self.time, count - ahead.pieces.time.size
         end = self._origin + (self._done + steps) * self._length
         fill = self._fill(split, np.linspace(begin, end, _CUTS + 1))
@@ -209,10 +209,9 @@ class LeapingNetwork(DelayNetwork):
         return Pieces.joined(shown), self._scale(slow, error)
 
     def _split(self, length: float) -> _Split | None:
-        """The present motion taken apart, for a leap of `length` (transits); None if the slow part is not smooth enough for that.
-
-        Slow is what is left of psi and of the interface's stress when they are averaged over so many steps of the frozen motion
-        that all else cancels. The slow step begins with such a psi and such a load that the rest has none of both."""
+        """The split of the present motion for a leap of `length` (transits); None if the slow part is not smooth enough. Slow
+        parts of psi and of the interface's stress are their averages over so many steps of the frozen motion that oscillations
+        cancel. The slow step begins with the psi and the load for which these averages of the rest vanish."""
         (motion, frozen), now = self._parts(), self._now()
         start, (psi, y) = self.time, now.rest
         stages, unknown = self._stages, float(self._memory.guess.z[0])
@@ -246,7 +245,7 @@ class LeapingNetwork(DelayNetwork):
         return None
 
     def _check(self, split: _Split, count: int) -> _Check | None:
-        """March some steps of the motion that is taken apart as `split`, for a leap of `count` steps; None if that fails."""
+        """March some steps of the motion with this `split`, to check a leap of `count` steps; None if that fails."""
         motion, frozen = self._parts()
         steps, start = frozen.empty.waves.shape[2], self.time
         friction = self._friction(split.slow, start, start)
@@ -262,8 +261,8 @@ class LeapingNetwork(DelayNetwork):
         return _Check(pieces, self._size(miss, friction) * count / steps, float(ripple))
 
     def _carried(self, split: _Split, begin: float, end: float, steps: int) -> tuple[_Split, float]:
-        """The same with the rest after `steps` steps, and how much that changes if friction is averaged over all of them at once
-        in place of each half."""
+        """`split` with the rest after `steps` steps, and its change if friction is averaged over all of them instead of over each
+        half."""
         frozen, parts = self._parts()[1], (steps // 2, steps - steps // 2)
         if self._size(split.rest, self._friction(split.slow, begin, begin)) < _NEGLIGIBLE * self._allowed:
             return split, 0.0
@@ -276,7 +275,7 @@ class LeapingNetwork(DelayNetwork):
         return split._replace(rest=rest), self._size(rest - other, friction)
 
     def _jump_to(self, split: _Split, time: float, steps: int) -> None:
-        """Go `steps` on to a `time`, at which the motion is taken apart as `split`."""
+        """Set the state `steps` later, at `time`, from its `split`."""
         waves, tops, (psi, y) = self._parts()[1].empty.like(self._composed(split, time).vector + split.rest)
         unknown = float(self._parts()[0].interface(split.slow, np.array(time)).z)
         self._done += steps
@@ -284,18 +283,18 @@ class LeapingNetwork(DelayNetwork):
         self._memory = DelayMemory(constant_guess(psi, unknown, self._stages), np.array([time, psi, y]))
 
     def _parts(self) -> tuple[SlowMotion, FrozenStep]:
-        """The tools for both parts of the motion."""
+        """The solvers of both parts of the motion."""
         self._motion = self._motion or SlowMotion(self.scene, self._layers, self._stages, self._limits)
         self._frozen = self._frozen or FrozenStep(self._lines.network, self._length, self._stages, self.scene.forcing)
         return self._motion, self._frozen
 
     def _now(self) -> Disturbance:
-        """What is remembered at present."""
+        """The present memory."""
         _, _, waves, tops, cursor, _ = self._lines
         return Disturbance(np.roll(waves, -int(cursor[0]), axis=2), tops, self._memory.now[[PSI, ELASTIC]])
 
     def _composed(self, split: _Split, time: float) -> Disturbance:
-        """What would be remembered at a `time` of the slow motion alone."""
+        """The memory at a `time` of the slow motion alone."""
         motion, frozen = self._parts()
         ring = frozen.empty.waves.shape[2]
         times = time + self._length * (np.arange(-ring, 0)[:, None] + self.nodes)
@@ -304,7 +303,7 @@ class LeapingNetwork(DelayNetwork):
         return Disturbance(motion.waves(split.slow, times), motion.tops(split.slow, time), np.array([psi, float(y)]))
 
     def _friction(self, slow: Slow, begin: float, end: float) -> Friction:
-        """Its mean from `begin` to `end`; at `begin` if they are the same."""
+        """Mean of `Friction` from `begin` to `end`; its value at `begin` if they are equal."""
         points, weights = np.polynomial.legendre.leggauss(self._stages if end > begin else 1)
         interface = self._parts()[0].interface(slow, begin + 0.5 * (end - begin) * (1.0 + points))
         return mean_friction(self.scene.law, interface, 0.5 * weights)
@@ -324,13 +323,13 @@ class LeapingNetwork(DelayNetwork):
         return all(bool((change >= 0.0).all() or (change <= 0.0).all()) for change in changes)
 
     def _size(self, change: Array, friction: Friction) -> float:
-        """The largest change of psi, of y and of ln v (that of a wave over F_z) that a `change` of the memory amounts to."""
+        """Size of a `change` of the memory: the largest of the changes of psi, y and ln v (that of a wave over F_z)."""
         waves, tops, rest = self._parts()[1].empty.like(np.abs(change))
         impedance = self._layers.impedance[list(self._layers.last)]
         stresses = [waves.max(), rest[1], tops[:, LOAD].max(), (tops[:, VELOCITY] * impedance).max()]
         return float(max(rest[0], max(stresses) / friction.mu_z))
 
     def _scale(self, slow: Slow, error: float) -> float:
-        """How much longer than the step `slow`, with this `error`, the next leap can be."""
+        """Ratio of the next leap's length to that of the step `slow`, which has this `error`."""
         smooth = (self._limits.resolution / max(slow.tail, 1e-300)) ** (1.0 / _ORDER)
         return float(min(_GROW, max(_SHRINK, _SAFETY * min(smooth, self._allowed / max(error, 1e-300)))))

@@ -1,4 +1,4 @@
-"""What all marches of the delay system share: the present state, the counters, and the errors if a step cannot be resolved."""
+"""Common part of all marches of the delay system: present state, counters, and errors for a step that cannot be resolved."""
 
 import math
 from typing import Any
@@ -40,7 +40,7 @@ class DelayMarch:
         return float(self._memory.now[TIME])
 
     def energy(self) -> Energy | None:
-        """None: the delay system knows no fields in the slabs, and so keeps no ledger."""
+        """None: the delay system has no fields in the slabs, hence no energy balance."""
         return None
 
     def _first_guess(self, impedance: float, incoming: Array, psi: float) -> Interface:
@@ -51,7 +51,7 @@ class DelayMarch:
         return guess
 
     def _unresolved(self, steps: float, verdict: int) -> NumericsError:
-        """The error to raise if even `steps` per transit are too few, for the `verdict` on the step that needs more."""
+        """Error for a step with this `verdict` even with `steps` per transit."""
         if verdict == TOO_STEEP:
             return self._left_too_fast(steps)
         time, psi = self._memory.now[[TIME, PSI]]
@@ -61,7 +61,7 @@ class DelayMarch:
         )
 
     def _left_too_fast(self, steps: float) -> NumericsError:
-        """The error to raise if the motion is unstable on a time scale that the steps cannot follow."""
+        """Error for a motion that is unstable on a time scale shorter than the steps resolve."""
         growth, (time, psi) = self._growth(), self._memory.now[[TIME, PSI]]
         return NumericsError(
             f"delay: at t = {time:.6g} transits (psi = {psi:.6g}) the motion is unstable: disturbances grow at "

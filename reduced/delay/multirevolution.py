@@ -4,10 +4,10 @@ Marched over one transit, the state u becomes u + d. Where d changes slowly from
 
     u_(n+N) = u_(n+1) + sum of d_k over k = n + 1 .. n + N - 1
 
-takes d_k from the polynomial in k through the latest ORDER transits that were marched, of which n is the last. Transit n + N is
-then marched and gives the next d. This is the explicit Adams method with sums in place of integrals (Graf and Bettis, Celestial
-Mechanics 11, 1975; Petzold, SIAM J. Numer. Anal. 18, 1981), of order ORDER in N. The same sum with the new d in place of the
-oldest is the implicit Adams method of that order; the difference of both is the estimated error of the leap.
+with d_k from the polynomial in k through the latest ORDER marched transits, of which n is the last. Transit n + N is then marched
+and gives the next d. This is the explicit Adams method with sums instead of integrals (Graf and Bettis, Celestial Mechanics 11,
+1975; Petzold, SIAM J. Numer. Anal. 18, 1981), of order ORDER in N. The same sum with the new d instead of the oldest is the
+implicit Adams method of that order; the difference of both is the estimated error of the leap.
 """
 
 import math
@@ -29,7 +29,7 @@ class Past(NamedTuple):
     highest: Array
 
     def then(self, number: float, change: Array, highest: Array) -> "Past":
-        """With one more transit, without those that are too old."""
+        """`Past` with one more transit, without those that are too old."""
         longer = (np.append(self.number, number), np.vstack([self.change, change]), np.vstack([self.highest, highest]))
         return Past(*(values[-ORDER:] for values in longer))
 
@@ -39,15 +39,15 @@ class Past(NamedTuple):
         return np.asarray(weights @ self._rows(first + nodes) @ self.change)
 
     def error(self, first: float, last: float, change: Array) -> Array:
-        """What `total` changes by (m,) if the transit `last`, marched since with this `change`, takes the place of the oldest.
-        Both polynomials agree in the others, so that their difference is known from that in the transit `last`."""
+        """Change (m,) of `total` if the transit `last`, marched since with this `change`, replaces the oldest. Both polynomials
+        agree at the other transits, so that their difference follows from that at `last`."""
         (nodes, weights), others = sum_rule(last - first), self.number[1:]
         shares = np.prod((first + nodes[:, None] - others) / (last - others), axis=1)
         return np.asarray(weights @ shares * (change - self._rows(np.array([last]))[0] @ self.change))
 
     def peaks(self, first: float, last: float) -> list[float]:
-        """The transits between the last two that were marched, `first` and `last`, in which a quantity that rose before comes to
-        its maximum, in order."""
+        """The transits between the last two marched ones, `first` and `last`, in which a quantity that rose before has its
+        maximum, in order."""
         inside = np.arange(first + 1.0, last)
         rising = self.highest[-2] > self.highest[-3]
         if not (inside.size and rising.any()):
@@ -57,7 +57,7 @@ class Past(NamedTuple):
         return sorted({float(inside[row.argmax()]) for row in rows.T})
 
     def _rows(self, at: Array) -> Array:
-        """Weights (k, p) of the polynomial's values `at` transits of which none was marched."""
+        """Weights (k, p) that give the polynomial's values `at` k transits, none of them marched."""
         end, span = self.number[-1], self.number[-1] - self.number[0]
         marched = (self.number - end) / span
         terms = barycentric_weights(marched) / ((at[:, None] - end) / span - marched)

@@ -97,7 +97,7 @@ class DelayNetwork(DelayMarch):
         return {"tops": (len(self._layers.tops), 2), "guess": (2, self._stages), "now": (3,)}
 
     def flow(self, period: float, tolerance: float) -> tuple[DelayFlow, Array]:
-        """The motion over a period as a map, in steps as long as those now, and the present state."""
+        """The flow in steps of the present length, and the present state as its state."""
         flow = DelayFlow(self.scene, self.steps)
         waves = np.roll(self._lines.waves, -int(self._lines.cursor[0]), axis=2)
         rest = np.append(self._lines.tops[flow.tops_remembered], self._memory.now[PSI])
@@ -117,8 +117,7 @@ class DelayNetwork(DelayMarch):
         return saved | {"counts": counts, "origin": origin, "waves": lines.waves, "tops": lines.tops, "guess": guess, "now": now}
 
     def _march(self, length: float, pieces: Pieces) -> tuple[int, int]:
-        """March as many steps of `length` as `pieces` has room for, from `_done` such steps after `_origin`; (steps kept,
-        verdict)."""
+        """March `pieces.time.size` steps of `length`, from `_done` such steps after `_origin`; (steps kept, verdict)."""
         clock = clock_of(self._origin, self._done, pieces.time.size, length)
         march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
         steps, iterations, verdict = march_delay(self._shape, *march, 0, pieces)
@@ -134,14 +133,14 @@ class DelayNetwork(DelayMarch):
         """Take shorter steps; the polynomials of the stored waves give the new nodes."""
         if not self._layers.divisor:  # no step has to end on a multiple of the span
             self._origin, self._done = self.time, 0
-        self._require_room(verdict)
+        self._require_shorter(verdict)
         before, count = self._length, self._count
         self._count = self._finer()
         self._done = self._done * self._count // count
         self._resample(before, self._length)
 
     def _resample(self, before: float, length: float) -> None:
-        """Go on with steps of `length` after steps of the length `before`."""
+        """Resample the waves of steps of length `before` for steps of `length`."""
         old, network, memory = self._lines, self._compile(length), self._memory
         ring, wanted = old.waves.shape[2], int(network.back.max()) + 1
         past, new = (TransitMesh(n, np.full(n, h), h * np.arange(-n, 0)) for n, h in ((ring, before), (wanted, length)))
@@ -150,14 +149,14 @@ class DelayNetwork(DelayMarch):
         self._memory = DelayMemory(constant_guess(memory.now[PSI], float(memory.guess.z[0]), self._stages), memory.now)
 
     def _finer(self) -> int:
-        """The next number of steps in their span of which one ends at the present moment, at the latest twice the present one:
-        ends of spans, on which break points fall, then stay ends of steps."""
+        """The next number of steps per span, at most twice the present one, for which a step ends at the present time: ends of
+        spans, on which break points fall, stay ends of steps."""
         count = next_count(self._count)
         while self._done * count % self._count:
             count = next_count(count)
         return count
 
-    def _require_room(self, verdict: int) -> None:
+    def _require_shorter(self, verdict: int) -> None:
         """Raises NumericsError unless shorter steps may be taken."""
         if self._finer() / self._span > MAX_STEPS / min(1.0, 2.0 * float(self._layers.travel.min())):
             raise self._unresolved(self.steps, verdict)

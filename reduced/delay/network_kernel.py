@@ -1,8 +1,8 @@
-"""The lines of a network as the march meets them (`kernel`): delayed waves are read from past steps.
+"""The lines of a network in the march (`kernel`): delayed waves are read from past steps.
 
-Because the step's length is constant, a delay is the same whole number of steps and fraction for every step. What arrives in a
-step left in two past ones, with matrices of weights that are computed once. If all delays are whole numbers of steps, it left in
-one, at its nodes.
+Because the step's length is constant, a delay is the same whole number of steps and fraction for every step. The waves that
+arrive in a step were emitted in two past ones and follow by weight matrices computed once; if all delays are whole numbers of
+steps, in one, at its nodes.
 """
 
 from typing import NamedTuple
@@ -22,11 +22,11 @@ Integers = NDArray[np.int64]
 
 
 class Network(NamedTuple):
-    """Lines in compiled form (see `Lines`). Per layer: `impedance` e; `back` (layers, n), how many steps back those lie in which
-    waves left, and `weights` (layers, n, s, s) there; `whole` (layers,), whether they left in the first, at its nodes. Per slab:
-    `first`, `last` and its top: `spring`, `compliance`
-    (s, s) = (m/h A^-1 + Z_g + e + h K A)^-1, `inertia` (s, s) = m/h A^-1 and `remembers` = has a spring or a mass (`tops_for`).
-    `base` = mu_ss + Z V_0; `weight` of each slab."""
+    """Lines in compiled form (see `Lines`). Per layer: `impedance` e; `back` (layers, n), the number of steps since the arriving
+    wave was emitted, and the `weights` (layers, n, s, s) of these steps; `whole` (layers,), whether it was emitted at the nodes
+    of the first alone. Per slab: `first`, `last` and its top: `spring`, `compliance` (s, s) = (m/h A^-1 + Z_g + e + h K A)^-1,
+    `inertia` (s, s) = m/h A^-1 and `remembers` = has a spring or a mass (`tops_for`). `base` = mu_ss + Z V_0; `weight` of each
+    slab."""
 
     impedance: Array
     back: Integers
@@ -76,7 +76,7 @@ def passage_of(network: Network, stages: int) -> Passage:
 
 
 def lines_with(network: Network, waves: Array, tops: Array, cursor: int = 0) -> NetworkLines:
-    """The lines of `network` that remember `waves` and `tops`."""
+    """The lines of `network` with `waves` and `tops` as memory."""
     return NetworkLines(
         network.interface_impedance, network, waves, tops, np.array([cursor]), passage_of(network, waves.shape[-1])
     )
@@ -84,7 +84,7 @@ def lines_with(network: Network, waves: Array, tops: Array, cursor: int = 0) -> 
 
 @njit
 def _read(nodes: Nodes, network: Network, waves: Array, cursor: int, arrived: Array) -> None:
-    """Nodal values of the waves that arrive at the ends of their layers: they were launched one travel time before."""
+    """arrived <- nodal values of the waves launched one travel time before, at the ends of their layers."""
     s, ring, weights = len(nodes), waves.shape[2], network.weights
     for layer in range(waves.shape[0]):
         whole = network.whole[layer]
@@ -171,7 +171,7 @@ def gather(nodes: Nodes, lines: NetworkLines, length: float, integral: Array, in
 
 @njit
 def launch(nodes: Nodes, lines: NetworkLines) -> None:
-    """Store the waves launched in a step, with those that leave the interface at its stress, and go to the step's end."""
+    """Store the waves launched in a step, with those that leave the interface at its stress, and advance to the step's end."""
     waves, (arrived, launched, _, _, stress, tops) = lines.waves, lines.passage
     cursor, first = lines.cursor[0], lines.network.first
     for slab in range(first.size):
@@ -187,8 +187,8 @@ def launch(nodes: Nodes, lines: NetworkLines) -> None:
 
 @njit
 def roughness_from_faces(nodes: Nodes, tail: Array, lines: NetworkLines, nodal: Nodal) -> float:
-    """Highest Legendre coefficient of the waves that springs and masses launch in a step, as a change of z where they arrive. If
-    launched with too few nodes, they stay wrong, however short the steps in which they arrive."""
+    """Highest Legendre coefficient of the waves that springs and masses launch in a step, as a change of z where they arrive.
+    Waves launched with too few nodes stay inaccurate, however short the steps in which they arrive."""
     network, passage, worst, inverse = lines.network, lines.passage, 0.0, 0.0
     for j in range(len(nodes)):
         inverse = max(inverse, nodal.inverse[j])

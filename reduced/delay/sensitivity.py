@@ -1,8 +1,8 @@
 """The derivative of a march of alike plain slabs' delay system by parameters of its scene (`slipwave.step.sensitivity`).
 
 With the wave S that arrives, S(t + 1) = S(t) - eps v(t) + eps V(t + 1/2), a change dS meets friction and returns one transit
-later: dS(t + 1) = dS(t) - eps dv(t) + what p changes by itself. Parameters that change the transit are left out: they move the
-arrival of each jump, which is no smooth function of time.
+later: dS(t + 1) = dS(t) - eps dv(t) + the direct derivative by p. Parameters that change the transit are left out: they shift the
+arrival of each jump, so that the derivative does not exist there.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,8 +24,8 @@ from slipwave.step.tangent import Answer, Motion, step_answer
 
 
 class Waves(NamedTuple):
-    """Changes by m parameters of the `arriving` waves at the nodes of one transit's steps (steps, m, s), and what is `launched`
-    by the parameters themselves in k steps (k, m, s)."""
+    """Derivatives by m parameters: of the `arriving` waves at the nodes of one transit's steps (steps, m, s), and the direct ones
+    of the waves `launched` in k steps (k, m, s)."""
 
     arriving: Array
     launched: Array
@@ -36,23 +36,23 @@ def _carry_waves(
     nodes: Nodes,
     law: Law,
     impedance: float,
-    hours: Array,
+    lengths: Array,
     integral: Array,
     motion: Motion,
     waves: Waves,
     given: Given,
     psi: Array,
 ) -> None:
-    """Carry the changes along the `motion` in steps of the lengths `hours` (friction clock); `integral` is A transposed."""
+    """Carry the derivatives along the `motion` in steps of the lengths `lengths` (friction clock); `integral` is A transposed."""
     s, count, width = len(nodes), waves.arriving.shape[0], 2 * len(nodes) + 1
     row = np.empty((4, s))
     answer = Answer(np.empty((2 * s, width)), row[0], row[1], row[2], row[3], np.empty((s, width)))
-    for k in range(hours.size):
+    for k in range(lengths.size):
         arriving = waves.arriving[k % count]
         for c in range(psi.size):
             for j in range(s):
                 given.stress[k, c, j] += arriving[c, j]
-        step_answer(nodes, law, Diagonal(impedance), hours[k], integral, motion, k, answer)
+        step_answer(nodes, law, Diagonal(impedance), lengths[k], integral, motion, k, answer)
         answer_given(nodes, answer, k, given, psi)
         for c in range(psi.size):
             for j in range(s):
@@ -60,9 +60,8 @@ def _carry_waves(
 
 
 def delay_sensitivity(scene: Scene, sides: Sequence[Sides], until: float, tolerance: float) -> Iterator[tuple[Pieces, Array]]:
-    """The motion up to `until` (transits), in whole transits, each part with d mu/dp (k, m, s) at its nodes.
-
-    Raises SceneError for a parameter that changes the transit, NumericsError where the march cannot go on."""
+    """Yield the motion up to `until` (transits), in whole transits, each part with d mu/dp (k, m, s) at its nodes. Raises
+    SceneError for a parameter that changes the transit, NumericsError where the march fails."""
     if any(abs(clock - 1.0) > SAME for _, clocks, _ in sides for clock in clocks):
         raise SceneError("delay: the derivative by a parameter that changes the transit does not exist at every moment")
     solver = Delay(scene, tolerance=tolerance)
@@ -84,13 +83,13 @@ def _first_wave(scene: Scene) -> float:
 
 
 def _mesh_of(pieces: Pieces) -> TransitMesh:
-    """The steps of the first transit of `pieces`, which begin with one."""
+    """The steps of the first transit of `pieces`, which begin at a whole transit."""
     count = int(np.searchsorted(pieces.time, pieces.time[0] + 1.0 - SAME))
     return TransitMesh(count, pieces.length[:count].copy(), pieces.time[:count] - pieces.time[0])
 
 
 def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arriving: Array, carried: Carried) -> Array:
-    """d mu/dp along `pieces`; `arriving` and `carried` go to their end."""
+    """d mu/dp along `pieces`; `arriving` and `carried` are advanced to their end."""
     _, rule, shape = rule_of(pieces.z.shape[1])
     nodes = np.array(shape)
     given, here = given_by(scene, sides, pieces, 0)
@@ -102,7 +101,7 @@ def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arrivin
                 epsilon, drive = one.upper.epsilon, drive_on(one, pieces, nodes, 1.0, 0.5)
                 launched[:, i] += sign / step * epsilon * (drive - here.v)
                 given.stress[:, i] -= sign / step * 0.5 * epsilon * here.v
-    motion, hours = Motion(pieces.z, pieces.psi, False), pieces.length * scene.transit
+    motion, lengths = Motion(pieces.z, pieces.psi, False), pieces.length * scene.transit
     waves = Waves(arriving, launched)
-    _carry_waves(shape, scene.law, 0.5 * scene.upper.epsilon, hours, rule.integral, motion, waves, given, carried.psi)
+    _carry_waves(shape, scene.law, 0.5 * scene.upper.epsilon, lengths, rule.integral, motion, waves, given, carried.psi)
     return stress_by(here, given, direct)

@@ -5,9 +5,9 @@ transfer function T(s) from the slip rate is
 
     T(s) dv = c_(-1)/s dv + c_0 dv + c_1 s dv + ...,
 
-that is c_(-1) times the slip plus c_0 dv + c_1 dv' + ..., which is exact for a polynomial but for the terms left out. So friction
-can be stepped by collocation with a full impedance (`slipwave.step.impedance`) however long the step is. The coefficients are
-found from values of T on a circle about s = 0 that encloses no resonance.
+that is c_(-1) times the slip plus c_0 dv + c_1 dv' + ..., exact for polynomials but for the truncated terms. So friction can be
+stepped by collocation with a full impedance (`slipwave.step.impedance`) however long the step is. The coefficients follow from
+values of T on a circle about s = 0 that encloses no resonance.
 """
 
 from typing import NamedTuple
@@ -35,9 +35,9 @@ _INSIDE = 0.5  # of the largest radius without a resonance
 
 
 class Transfer(NamedTuple):
-    """Coefficients c_(-1), c_0, .. of everything that a network remembers: `stress` (TERMS + 1,) at the interface, `waves`
-    (layers, 2, TERMS + 1) as they are launched, `tops` (slabs, 2, TERMS + 1). `radius` (1/transit) of the circle: about half the
-    slowest resonance."""
+    """Coefficients c_(-1), c_0, .. of the memory of a network: `stress` (TERMS + 1,) at the interface, `waves` (layers, 2, TERMS
+    + 1) as they are launched, `tops` (slabs, 2, TERMS + 1). `radius` (1/transit) of the circle: about half the slowest
+    resonance."""
 
     stress: Array
     waves: Array
@@ -59,12 +59,12 @@ def transfer_of(lines: Lines) -> Transfer:
 
 
 def _zeros(values: Complex) -> int:
-    """How often `values` on a circle go round zero."""
+    """Winding number of `values` on a circle around zero."""
     return round(float(np.angle(np.roll(values, -1) / values).sum()) / (2.0 * np.pi))
 
 
 def _responses(lines: Lines, s: Complex) -> tuple[Complex, Complex, Complex, Complex]:
-    """At all `s` (1/transit), each (.., points) and up to one common factor without poles: slip rate, stress, waves, tops."""
+    """Slip rate, stress, waves and tops at all `s` (1/transit), each (.., points), up to one common factor without poles."""
     slabs = len(lines.tops)
     waves, tops = np.zeros((lines.travel.size, 2, s.size), complex), np.zeros((slabs, 2, s.size), complex)
     stresses, rates = np.empty((slabs, s.size), complex), np.empty((slabs, s.size), complex)
@@ -91,9 +91,9 @@ def _responses(lines: Lines, s: Complex) -> tuple[Complex, Complex, Complex, Com
 
 
 class Slow(NamedTuple):
-    """A solved step of slow motion from the time `start` (transits) and of the `length`: `guess`, nodal psi and z; `rate`
-    (s,), nodal dv; `load`, the slip up to its start to which the load belongs; `psi` at its start; `tail`, the highest Legendre
-    coefficient of z; whether it is `solved` well enough."""
+    """A solved step of slow motion from the time `start` (transits) and of the `length`: `guess`, nodal psi and z; `rate` (s,),
+    nodal dv; `load`, the load at its start, as a slip; `psi` at its start; `tail`, the highest Legendre coefficient of z; whether
+    Newton's method `solved` it within its limit."""
 
     start: float
     length: float
@@ -118,7 +118,7 @@ class SlowMotion:
         self._shift[:, INWARD], self._shift[:, OUTWARD] = lines.impedance, -lines.impedance
 
     def step(self, start: float, length: float, begin: Array, guess: Interface) -> Slow:
-        """From psi and the load, `begin`, at the time `start`, while V is constant."""
+        """Solve the step of `length` from `begin` (psi, load) at the time `start`; V is constant."""
         scene, terms, shape = self._scene, self.transfer.stress, self._shape
         velocity, (psi, load) = scene.drive.at(start + 0.5 * length), begin.tolist()
         derive, power = self._basis.derivative / length, np.eye(self._stages)
@@ -137,7 +137,7 @@ class SlowMotion:
         return Slow(start, length, found, nodal.v - velocity, load, psi, tail, solved)
 
     def interface(self, slow: Slow, times: Array) -> Interface:
-        """psi and z at `times` (..) of a step, or a little outside."""
+        """psi and z at `times` (..) in a step or slightly outside."""
         at = ((times - slow.start) / slow.length).ravel()
         psi = interpolation_matrix(self._with_start, at) @ np.append(slow.psi, slow.guess.psi)
         z = interpolation_matrix(self._basis, at) @ slow.guess.z

@@ -1,4 +1,4 @@
-"""The exact delay system of a scene, with the cheapest march that can compute it."""
+"""Selects the fastest solver of a scene's exact delay system."""
 
 from typing import TYPE_CHECKING
 
@@ -20,10 +20,9 @@ _ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes 
 
 def delay_system(scene: Scene, tolerance: float = 1e-9) -> "Delay | DelayNetwork":
     """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
-    ones. If equal steps cannot end on the jumps and kinks, steps follow these (`DelayBreaks`), hundreds in a transit.
-
-    It can leap over slow motion (`Leaping`). For alike plain slabs in a scene that records nothing and does not start on its
-    orbit, only the state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
+    ones. If equal steps cannot end on the jumps and kinks, steps end on these (`DelayBreaks`), hundreds in a transit. The solver
+    is `Leaping`. For alike plain slabs in a scene that records nothing and does not start on its orbit, only the state at the end
+    is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
         shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT
@@ -38,8 +37,8 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> "Delay | DelayNetwork
 
 
 def _hides_breaks(scene: Scene, lines: Lines, tolerance: float) -> bool:
-    """Whether outer faces have masses, and no dashpots, through which a jump of V reaches the slabs so smoothly that a polynomial
-    may pass over it: their acceleration jumps by K dV/m, and the polynomials of a step miss its wave by less than the tolerance.
+    """Whether outer faces have masses and no dashpots, so that only their acceleration jumps, by K dV/m, at a jump of V, and the
+    polynomials of a step represent its wave to the tolerance.
 
     A polynomial of degree n misses a jump q of the second derivative within a step h by about q (h/n)^2/8."""
     if scene.start.kind is StartKind.JUMP or any(top.dashpot > 0.0 or top.mass == 0.0 for top in lines.tops):

@@ -20,8 +20,8 @@ _SAME = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class TransitMesh:
-    """`lengths` (steps,) and `starts` (steps,) of the steps of one transit; `count` is the requested number of equal steps. Many
-    solvers share one: its arrays are never written to."""
+    """`lengths` (steps,) and `starts` (steps,) of the steps of one transit; `count` is the requested number of equal steps. It is
+    shared between solvers; do not write to its arrays."""
 
     count: int
     lengths: Array
@@ -40,7 +40,8 @@ class TransitMesh:
 
 @lru_cache(maxsize=32)
 def _read_at(coarse: TransitMesh, nodes: tuple[float, ...], finer: TransitMesh) -> tuple[NDArray[np.intp], Array]:
-    """In which step of `coarse` the nodes of `finer` lie, (finer.steps, s), and the rows that read its polynomials there."""
+    """Index of the step of `coarse` that contains each node of `finer`, (finer.steps, s), and the rows that evaluate its
+    polynomial there."""
     at = finer.starts[:, None] + np.array(nodes) * finer.lengths[:, None]
     step = np.clip(np.searchsorted(coarse.starts, at - SAME, side="left") - 1, 0, coarse.steps - 1)
     local = np.clip((at - coarse.starts[step]) / coarse.lengths[step], 0.0, 1.0)

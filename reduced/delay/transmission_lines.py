@@ -25,10 +25,10 @@ from slipwave.scene.slab import Termination
 from slipwave.step.collocation import from_moments, radau
 
 NODES = 8
-"""Of a step of a network."""
+"""Nodes of a step of a network."""
 
 COINCIDENT = 1e-9
-"""Of a step; two places that differ by less are one."""
+"""Share of a step; two points of a step that differ by less are one."""
 
 _MOST_DIVISIONS = 64
 
@@ -50,8 +50,8 @@ class Lines:
 
     @cached_property
     def divisor(self) -> float | None:
-        """Longest step (transits) that divides every travel time. None if it would be too short or does not exist; delayed values
-        are then interpolated."""
+        """Longest step (transits) that divides every travel time. None if there is none or it is too short: delayed values are
+        then interpolated."""
         return common_divisor(self.travel, _MOST_DIVISIONS)
 
 
@@ -108,11 +108,11 @@ def tops_for(lines: Lines, length: float, stages: int) -> tuple[Array, Array]:
 
 
 def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
-    """For delays of `steps_back` (L,) steps: how many steps back the two lie in which waves left, (L, 2), and their weights,
-    (L, 2, s, s).
+    """For delays of `steps_back` (L,) steps: the two numbers of steps since the arriving wave was emitted, (L, 2), and their
+    weights, (L, 2, s, s).
 
-    The weights give nodal values of the L2 projection of what arrives. With values of the waves themselves, noise in a lossless
-    slab would grow whenever it arrives, for some delays by a fifth.
+    The weights give nodal values of the L2 projection of the arriving wave. With interpolated values, noise in a lossless slab
+    would grow at every arrival, for some delays by a fifth.
     """
     s, basis, project, points, parts = _projection(nodes.size)
     older = np.ceil(steps_back - COINCIDENT).astype(np.int64)

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.impedance.of_reduction import dissipation, reduction_ratio, telling_frequencies
+from reduced.impedance.of_reduction import dissipation, reduction_ratio, sign_frequencies
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Complex, Jet, pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
@@ -49,7 +49,7 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
 
 
 def _reduction(name: str, x: NDArray[np.float64], pairs: Complex, reals: NDArray[np.float64], spring: float) -> Reduction:
-    """The coefficients of `_columns` as a reduction."""
+    """The reduction with the coefficients of `_columns`."""
     strengths, residues, offsets = np.split(x[2:], [reals.size, reals.size + pairs.size])
     return Reduction(
         name,
@@ -71,7 +71,7 @@ def exact_impedance(scene: Scene, s: Complex) -> Complex:
 
 
 def _weight(s: Complex, target: Complex) -> NDArray[np.float64]:
-    """Weights of the relative errors, larger at lower frequency: the modes above the band disturb the fit at the band's edge."""
+    """Weights of the relative errors, larger at lower frequency, because modes above the band disturb the fit at its edge."""
     return np.asarray(1.0 / ((1.0 + np.abs(target)) * (1.0 + np.abs(s) ** _EMPHASIS)))
 
 
@@ -80,7 +80,7 @@ def _columns(s: Complex, pairs: Complex, reals: NDArray[np.float64]) -> Complex:
 
 
 def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Complex, reals: NDArray[np.float64]) -> Reduction:
-    """Least squares with Re Z >= 0 on a grid. Negative dips between its points are added to the grid until there are none."""
+    """Least squares with Re Z >= 0 on a grid. Points of negative Re Z between them are added to the grid until there are none."""
     weight = _weight(s, target)
     rows, right = _columns(s, pairs, reals) * weight[:, None], (target - spring / s) * weight
     matrix, data = np.concatenate([rows.real, rows.imag]), np.concatenate([right.real, right.imag])
@@ -95,7 +95,7 @@ def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Compl
         except ArithmeticError as error:
             raise SceneError(f"model = {name!r}: no passive fit with these poles ({error}); try another N") from None
         fit = _reduction(name, x, pairs, reals, spring)
-        real, between = response @ x, telling_frequencies(fit)
+        real, between = response @ x, sign_frequencies(fit)
         lost = dissipation(fit, between)
         if real.min() >= 0.0 and lost.min() >= 0.0:
             return fit

@@ -10,9 +10,9 @@ from reduced.impedance.of_reduction import (
     poles_and_residues,
     real_part_on_axis,
     reduction_ratio,
+    sign_frequencies,
     taylor_poles,
     taylor_ratio,
-    telling_frequencies,
 )
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.reduction import Reduction
@@ -30,7 +30,7 @@ def is_exact(model: str) -> bool:
 
 
 def ratio_of(scene: Scene, model: str | Reduction = "delay") -> Callable[[Jet], Ratio]:
-    """The function s -> (p, q), Y = p/q and Z = q/p, of a scene's slab pair under a model.
+    """Function s -> (p, q) with Y = p/q and Z = q/p of a scene's slab pair under a model.
 
     `model` is any reduction, or its name, `delay`, or `taylor` (the next truncation, which is unusable). Raises SceneError as
     `reduction_of` does.
@@ -62,13 +62,13 @@ class Passivity:
 
 
 def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
-    """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to 200 radians per transit and in the right half
-    plane, poles in the closed left half plane, and positive residues of poles on the axis. A reduction is also checked wherever
-    its Re Z may change its sign (`of_reduction`)."""
+    """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to 200 radians per transit and in the right half plane,
+    poles in the closed left half plane, and positive residues of poles on the axis. A reduction is also checked wherever its Re Z
+    may change sign (`of_reduction`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, _HIGHEST, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
     if not (is_exact(model) or model == "taylor"):
-        s = np.append(s, 1j * np.maximum(telling_frequencies(reduction_of(scene, model)), 1e-6))
+        s = np.append(s, 1j * np.maximum(sign_frequencies(reduction_of(scene, model)), 1e-6))
     real = real_part_on_axis(ratio_of(scene, model)(Jet.variable(s / scene.transit)))
     lowest = int(np.argmin(real))
     bad = _unstable_poles(scene, model)
@@ -76,7 +76,7 @@ def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
 
 
 def _unstable_poles(scene: Scene, model: str) -> tuple[complex, ...]:
-    """Poles (1/transit) that a passive one-port cannot have. The exact one, a chain of passive sections, has none."""
+    """Poles (1/transit) that contradict passivity; none of the exact one-port, a chain of passive sections."""
     if is_exact(model):
         return ()
     if model == "taylor":

@@ -1,8 +1,8 @@
 """Modes of a lossless slab pair whose interface is locked: the poles of its impedance, and its impedance at low frequency.
 
 On s = i omega a lossless section turns Y = i Y_c tan(alpha) at its far end into i Y_c tan(alpha + omega T) at its near end. So
-the phase alpha of a chain of layers grows monotonically with omega and its branch is known: no mode can be missed. If the phases
-of both slabs refer to the same impedance, Y_1 + Y_2 = 0 means  beta_1 + beta_2 = k pi.
+the phase alpha of a chain of layers grows monotonically with omega with a known branch, so that no mode is missed. If the phases
+of both slabs refer to the same impedance, Y_1 + Y_2 = 0 means beta_1 + beta_2 = k pi.
 """
 
 import math
@@ -17,7 +17,7 @@ _NOT_COUPLED = 1e-9
 
 
 def is_lossless(slab: Slab) -> bool:
-    """Elastic, driven through a rigid face: Z is imaginary on the imaginary axis. Layers are allowed."""
+    """Whether it is elastic with a rigid face, so that Z is imaginary on the imaginary axis; layers are allowed."""
     return slab.viscosity is None and slab.termination.is_rigid
 
 

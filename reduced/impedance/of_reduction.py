@@ -1,13 +1,14 @@
-"""The impedance of a reduction: a rational function of s, its poles, its linear equations, and where its real part can change
-its sign, from the eigenvalues of a Hamiltonian pencil, so that no interval is missed.
+"""The impedance of a reduction: a rational function of s, its poles, its linear equations, and the frequencies at which its real
+part can change sign, from the eigenvalues of a Hamiltonian pencil, so that no interval is missed.
 
-Spring and mass dissipate nothing on the axis. The rest is G(s) = D + C (s - A)^-1 B with the damping D, and G(s) + G(-s) is 0
-exactly at the finite eigenvalues of
+Spring and mass do not dissipate. The rest is G(s) = D + C (s - A)^-1 B with the damping D, and G(s) + G(-s) is 0 exactly at the
+finite eigenvalues of
 
     [[A, 0, B], [0, -A^T, -C^T], [C, B^T, 2 D]] x = s [[1, 0, 0], [0, 1, 0], [0, 0, 0]] x
 
 (Boyd, Balakrishnan and Kabamba 1989, as a pencil, so that D may be 0). Re G(i omega) changes its sign only at imaginary ones.
-Rounding moves these off the axis, so the imaginary parts of all eigenvalues are used; some of them are not zeros of Re G.
+Rounding displaces these from the axis; therefore the imaginary parts of all eigenvalues are used, though some are not zeros of Re
+G.
 """
 
 import cmath
@@ -106,9 +107,9 @@ def dissipation(model: Reduction, omega: NDArray[np.float64]) -> NDArray[np.floa
     return np.asarray(model.damping + np.zeros(np.shape(omega)) + sum((n.value / d.value).real for n, d in terms))
 
 
-def telling_frequencies(model: Reduction) -> NDArray[np.float64]:
-    """Frequencies (radians per transit): those of the poles, and at least one in every interval of the axis in which Re Z keeps
-    its sign. A reduction is passive if Re Z is not negative at any of them and its poles are stable."""
+def sign_frequencies(model: Reduction) -> NDArray[np.float64]:
+    """Frequencies (radians per transit) that decide passivity: those of the poles, and at least one in every interval of the axis
+    in which Re Z has one sign. A reduction is passive if Re Z is nowhere negative on them and its poles are stable."""
     turns = np.unique(np.concatenate([[0.0], np.abs(_zeros(model).imag), model.frequencies]))
     return np.concatenate([turns, 0.5 * (turns[1:] + turns[:-1]), [2.0 * turns[-1] + 1.0, 1e3 * (turns[-1] + 1.0)]])
 

@@ -26,7 +26,7 @@ def reduction_of(scene: Scene, name: str) -> Reduction:
 
 
 def reduce_scene(scene: Scene, name: str) -> Reduction:
-    """The reduction `name` of any scene that it honours (`reduced.families`), from the scene's own impedance."""
+    """The reduction `name` of any scene that its family honours, from the scene's own impedance."""
     family = next((family for family in REDUCTIONS if family.name == name.partition(":")[0]), None)
     if family is None:
         return reduction(name)  # raises the SceneError for an unknown name
@@ -50,12 +50,12 @@ def quasistatic(scene: Scene, name: str) -> Reduction:
 
 
 def quasidynamic(scene: Scene, name: str) -> Reduction:
-    """The spring, and the damping by waves that never return."""
+    """The spring, and the radiation damping of waves that never return."""
     return Reduction(name, spring=relaxed_spring(scene), damping=scene.impedance / scene.upper.epsilon)
 
 
 def block12(scene: Scene, name: str) -> Reduction:
-    """Spring and mass that Z has at low frequency."""
+    """Spring and mass of Z at low frequency."""
     spring, mass = spring_and_mass(scene)
     return Reduction(name, mass=mass, spring=spring)
 

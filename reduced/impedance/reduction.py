@@ -48,17 +48,17 @@ class Reduction:
 
     @property
     def is_lossless(self) -> bool:
-        """No term dissipates: Z is purely imaginary on the imaginary axis."""
+        """Whether no term dissipates: Z is imaginary on the imaginary axis."""
         return self.damping == 0.0 and not any(self.decays) and not any(self.offsets) and not self.relaxations
 
     @property
     def is_algebraic(self) -> bool:
-        """No mass: the rate v follows from the stress by the interface condition. With mass, v is a state."""
+        """Whether there is no mass: v follows from the stress by the interface condition. With mass, v is a state."""
         return self.mass == 0.0
 
     @property
     def runs_away(self) -> bool:
-        """Nothing limits v after a loss of stability: no limit cycle (quasi-static slip has neither inertia nor radiation)."""
+        """Whether nothing limits v after a loss of stability, so that there is no limit cycle (no inertia, no radiation)."""
         return self.is_algebraic and self.damping == 0.0 and not self.frequencies and not self.relaxations
 
 

@@ -8,7 +8,7 @@ of impedance Z_c and one-way travel time T turns the pair at its far end into th
 
 with both multiplied by 1 + E, so that nothing overflows in the right half plane. s is on the friction clock, in 1/(L/V*).
 
-A value with its derivative in s: one formula of an impedance gives both Z and dZ/ds (forward differentiation).
+A `Jet` is a value with its derivative in s: one formula gives both Z and dZ/ds (forward differentiation).
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ class Jet:
 
     @staticmethod
     def variable(s: object) -> Jet:
-        """s itself: slope 1."""
+        """The jet of s itself, slope 1."""
         value = np.asarray(s, dtype=np.complex128)
         return Jet(value, np.ones_like(value))
 
     def constant(self, number: complex) -> Jet:
-        """`number` as a jet of this one's shape: slope 0."""
+        """The jet of the constant `number`, slope 0, of the same shape."""
         return Jet(np.full_like(self.value, number), np.zeros_like(self.value))
 
     def __add__(self, other: Jet | complex) -> Jet:

@@ -61,7 +61,7 @@ def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
 
 
 def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real) -> tuple[Complex, Real]:
-    """Poles after a few relocations from the given start; it stops as soon as they no longer move."""
+    """Poles after a few relocations from the given start, until they no longer change."""
     for _ in range(_ROUNDS):
         before = np.sort_complex(np.concatenate([pairs, reals]))
         pairs, reals = relocate(s, values, weight, pairs, reals)

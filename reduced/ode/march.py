@@ -38,7 +38,7 @@ class ReducedModel(PortMarch):
         super().__init__(ReducedSlabs(scene, self._reduce, stages), tolerance, LONGEST, _FIRST, reason)
 
     def _reduce(self, scene: Scene) -> Reduction:
-        """The reduction of a scene of the same kind; this one serves where the slabs are the same."""
+        """The reduction of `scene`; this one if the slabs are the same."""
         same = scene.slabs == self.scene.slabs and scene.transit == self.scene.transit
         return self.reduction if same else reduction_of(scene, self.model)
 

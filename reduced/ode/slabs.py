@@ -1,4 +1,4 @@
-"""An ODE reduction as friction's step meets it (`slipwave.step.port`): its response within a collocation step of any length.
+"""An ODE reduction as `Slabs` (`slipwave.step.port`): its response within a collocation step of any length.
 
 Collocation turns the linear network of a `Reduction` (its module gives the states) into a stage impedance: with u = v - V at the
 s nodes of a step of length h, the collocation matrix A and c = A 1, mode k responds with
@@ -23,9 +23,8 @@ from slipwave.step.port import LEVELS, Levels, Port, blank_port
 
 
 class ReducedSlabs:
-    """The `Slabs` (slipwave.step.port) of the reduction that `reduce` makes of `scene`. A port remembers the spring's stress and
-    the slip rate times the upper slab's impedance, if there are a spring and a mass, then tau of all modes, and p of those that
-    have it."""
+    """The `Slabs` (slipwave.step.port) of the reduction that `reduce` makes of `scene`. The memory of a port: spring stress (with
+    a spring), slip rate times the upper slab's impedance (with a mass), tau of all modes, and p of all but relaxations."""
 
     def __init__(self, scene: Scene, reduce: Callable[[Scene], Reduction], stages: int) -> None:
         self.scene, self.stages, self._reduce = scene, stages, reduce
@@ -72,7 +71,7 @@ def impedance_at(reduction: Reduction, s: Array) -> Array:
 @lru_cache(maxsize=16)
 def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, levels: int) -> tuple[Array, Array, Array, Array]:
     """`impedance`, `free`, `driven` and `change` (`Port`) for `levels` step lengths, of which `longest` (transits) is the first.
-    A change of the drive acts as the opposite slip rate does, but on the mass."""
+    A change of the drive acts as the opposite slip rate, except on the mass."""
     rule = radau(stages)
     residue, offset, decay2, omega2 = _terms(reduction)
     count, s = offset.size, stages
@@ -119,7 +118,7 @@ def _terms(reduction: Reduction) -> tuple[Array, Array, Array, Array]:
 
 
 def _kept(reduction: Reduction) -> Array:
-    """Which of spring, slip rate, tau and p are remembered; a relaxation has no p."""
+    """Which of spring, slip rate, tau and p belong to the memory; a relaxation has no p."""
     modes, extra = len(reduction.frequencies), len(reduction.relaxations)
     moving = [bool(omega or offset) for omega, _, _, offset in reduction.modes]
     return np.array([reduction.spring != 0.0, not reduction.is_algebraic, *[True] * (modes + extra), *moving, *[False] * extra])

@@ -1,4 +1,4 @@
-"""Periodic orbits of any model that offers its motion over a period as a map (`slipwave.step.flow.Flow`)."""
+"""Periodic orbits of any model whose motion over a period is a map (`slipwave.step.flow.Flow`)."""
 
 from reduced.orbit.periodic import PeriodicOrbit, periodic_orbit
 

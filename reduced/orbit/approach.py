@@ -1,6 +1,5 @@
-"""Bring a run near a periodic orbit, so that Newton's method can take over: some cycles are enough, settled or not.
-
-Where a motion that never repeats comes back near to itself, unstable periodic orbits are close by.
+"""Marches a run near a periodic orbit, from which Newton's method starts. Some cycles are enough, settled or not; unstable orbits
+lie near close returns of an irregular motion.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,10 +15,11 @@ from slipwave.solve.follow import Foresight
 from slipwave.step.flow import Flow
 
 MOST_TRANSITS = 6000.0
-"""Length of a run that is given up if it makes no cycles."""
+"""Transits after which a run without cycles is given up."""
 
 _ALIKE = (1e-3, 1e-4, 1e-5)
-"""Relative changes of period and size from cycle to cycle at which Newton's method takes over: the first, unless it fails."""
+"""Relative changes of period and size from cycle to cycle at which Newton's method starts: at the first; if that fails, at the
+next."""
 
 _LAST = 3
 _CYCLES = 24  # after so many that still change, it starts from the mean of so many more
@@ -37,7 +37,7 @@ class FlowingSolver(Solver, Protocol):
 
 
 class CycleSection(NamedTuple):
-    """The `state` of `flow` halfway between two slip events, of which the earlier one has this `date` (transits)."""
+    """The `state` of `flow` halfway between two slip events; `date` (transits) of the earlier one."""
 
     flow: Flow
     state: Array
@@ -45,8 +45,8 @@ class CycleSection(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """Where Newton's method begins: a `state` of `flow`, between two slip events where the motion is smooth, and a `period` of
-    so many `cycles`; whether the run had `settled` on it."""
+    """Start of Newton's method: a `state` of `flow` between two slip events, where the motion is smooth, and a `period` of
+    `cycles` cycles; whether the run had `settled`."""
 
     flow: Flow
     state: Array
@@ -58,8 +58,9 @@ class Guess(NamedTuple):
 def approach(
     solver: FlowingSolver, tolerance: float, most: float = MOST_TRANSITS, progress: Callable[[float], None] | None = None
 ) -> Guess:
-    """March `solver` near its periodic orbit, for a flow of this `tolerance`. If its cycles keep changing, as beside an unstable
-    orbit, the guess is the mean of many of them: a torus surrounds its orbit, and cycles of a doubled one lie on both sides.
+    """March `solver` near its periodic orbit, for a flow of this `tolerance`. If its cycles keep changing, as near an unstable
+    orbit, the guess is the mean of many of them, which lies near the unstable orbit inside a torus or between the cycles of a
+    doubled one.
 
     Raises NumericsError if the run makes no cycles within `most` transits, or returns to steady sliding.
     """
@@ -73,10 +74,10 @@ def guesses(
     progress: Callable[[float], None] | None = None,
     near: float | None = None,
 ) -> Iterator[Guess]:
-    """The guess of `approach`, and after it, if the cycles settle, those of the run when they have settled further: cycles hardly
-    change beside a fold either, where an orbit is near at another parameter. If the cycles keep changing, those of the run's
-    closest returns, of one cycle or of as many as take about the period `near` (transits), which then comes before all others. An
-    irregular motion comes near to many unstable orbits, and the mean of its cycles to none.
+    """Yield the guess of `approach`, then, if the cycles settle, guesses of the same run settled further: near a fold cycles
+    hardly change though the orbit exists only at another parameter. If the cycles keep changing, yield the closest returns, of
+    one cycle or of those that take about the period `near` (transits), which then come first: an irregular motion passes many
+    unstable orbits, but the mean of its cycles is near none.
 
     Raises NumericsError as `approach` does, and SceneError if the run would take too long."""
     observer, foresight = EventObserver(solver.scene, solver.nodes), Foresight(solver, most)
@@ -105,7 +106,7 @@ def _cycles(
     most: float,
     progress: Callable[[float], None] | None,
 ) -> Events:
-    """The late cycles of `solver`, marched on until they are `alike`, or so many that they will not become so."""
+    """March `solver` until its late cycles are `alike`, or too many to become so; returns them."""
     observer, _ = observers
     events = observer.events(0.5 * solver.time)
     while not (_settled(events, alike) or (events.period.size >= _CYCLES and not _drifts(events))):
@@ -119,7 +120,7 @@ def _cycles(
 
 
 def _settled(events: Events, alike: float) -> bool:
-    """Whether the last cycles are `alike` in length and size: near the onset small cycles keep their length while they grow."""
+    """Whether the last cycles are `alike` in period and in size, which may grow at constant period near the onset."""
     if events.time.size < _LAST:
         return False
     lasts = (events.period[-_LAST:], events.elastic_stress_drop[-_LAST:])
@@ -127,13 +128,13 @@ def _settled(events: Events, alike: float) -> bool:
 
 
 def _drifts(events: Events) -> bool:
-    """Whether all cycles grow, or all become smaller: a slow transient, not a motion around an orbit."""
+    """Whether the size changes in one direction over all cycles: a slow transient, not a motion around an orbit."""
     changes = np.diff(events.elastic_stress_drop)
     return bool((changes > 0.0).all() or (changes < 0.0).all())
 
 
 def _sections(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> list[CycleSection]:
-    """The motion halfway after the next events, all on one mesh."""
+    """States halfway after the next events, all on one mesh."""
     sections: list[CycleSection] = []
     while len(sections) < _CYCLES:
         flow, state = _between(solver, observer, tolerance, period)
@@ -144,8 +145,8 @@ def _sections(solver: FlowingSolver, observer: EventObserver, tolerance: float, 
 
 
 def closest_returns(sections: list[CycleSection], cycles: int = 1, near: float | None = None) -> list[tuple[CycleSection, float]]:
-    """Sections to which the motion returns closest (largest difference of a component of the state) after so many `cycles`, the
-    closest first, each with the time (transits) until then; with `near`, of the half whose time is nearest to it."""
+    """Sections with the closest returns (largest difference of a component of the state) after `cycles` cycles, closest first,
+    each with its return time (transits); with `near`, only from the half with return times nearest to it."""
     pairs = [(first, last.date - first.date, last) for first, last in zip(sections, sections[cycles:], strict=False)]
     if near is not None:
         pairs = sorted(pairs, key=lambda pair: abs(pair[1] - near))[: (len(pairs) + 1) // 2]
@@ -154,7 +155,7 @@ def closest_returns(sections: list[CycleSection], cycles: int = 1, near: float |
 
 
 def _between(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> tuple[Flow, Array]:
-    """March to the middle between two slip events, half a period after the first to come; its flow and state."""
+    """March to half a period after the next slip event; returns flow and state there."""
     last = float(observer.dates()[-1])
     if last + 0.5 * period <= solver.time + 1e-6:
         follow(solver, max(last + 1.2 * period, solver.time + 0.05 * period), [observer])
@@ -169,7 +170,7 @@ def _between(solver: FlowingSolver, observer: EventObserver, tolerance: float, p
 
 
 def _require_orbit(solver: Solver, events: Events, most: float) -> None:
-    """Raises NumericsError if a run of `most` transits has not come near an orbit; one that still grows may be near enough."""
+    """Raises NumericsError if a run of `most` transits is not near an orbit; cycles that still grow may be near enough."""
     count, sizes = events.time.size, events.elastic_stress_drop
     if count >= _LAST and sizes[-1] > sizes[0]:
         return

@@ -1,11 +1,11 @@
-"""A motion that closes: its state x after a period T is that at the start. The equations for x, T and perhaps a parameter p:
+"""Closes a motion: the state x after a period T equals that at the start. Equations for x, T and, if free, a parameter p:
 
     x(T; x_0, p) - x_0 = 0,     f . (x_0 - x_guess) = 0,     w . (u - u_guess) = 0,     u = (x_0, T, p), f = dx/dT at the guess.
 
-The second is needed because every point of an orbit may be its start; the third, with p free, because orbits come in families
-(`reduced.continuation`). The derivative with respect to x_0 is the monodromy matrix. Those with respect to T and p are
-those of the discrete motion, so that they belong to the mesh as the residual does. The former enters the place of a fold; an
-error of 1e-6 in the latter, a one-sided difference, costs Newton's method nothing.
+The second fixes the start on the orbit; the third, with p free, the orbit in its family (`reduced.continuation`). The derivative
+with respect to x_0 is the monodromy matrix. Those with respect to T and p are derivatives of the discrete motion, like the
+residual. An error in the former displaces folds; an error of 1e-6 in the latter, a one-sided difference, does not slow Newton's
+method.
 """
 
 from collections.abc import Callable
@@ -58,7 +58,7 @@ class _Equations:
     along: Array
 
     def evaluate(self, unknowns: Array) -> Evaluated[tuple[Flow, Cycle]]:
-        """What is left of the equations, by a march over the period."""
+        """The residual of the equations, by a march over the period."""
         n = self.along.size
         start, time, period = unknowns[:n], float(unknowns[n]), self.guess[n]
         if not 0.5 * period < time < 2.0 * period:
@@ -80,7 +80,7 @@ class _Equations:
         return self.bordered(flow.tangent(cycle), flow.velocity(cycle), *drift)
 
     def bordered(self, monodromy: Array, *columns: Array) -> Array:
-        """The same from the monodromy matrix and the columns of period and parameter."""
+        """The derivative from the monodromy matrix and the columns of period and parameter."""
         border = np.append(self.along, np.zeros(len(columns)))
         rows = [np.column_stack([monodromy - np.eye(self.along.size), *columns]), border]
         return np.vstack(rows if self.weights is None else [*rows, self.weights])

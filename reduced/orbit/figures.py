@@ -1,4 +1,4 @@
-"""The figures of a closed cycle (MODEL.md section 6) from its polynomials, and whether it is a shorter one, several times."""
+"""The figures of a closed cycle (MODEL.md section 6) from its polynomials, and whether it repeats a shorter one."""
 
 import numpy as np
 
@@ -22,8 +22,8 @@ def figures_of(closed: Closed) -> dict[str, float]:
 
 
 def cycle_figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:
-    """period (transits), stress_drop and elastic_stress_drop (largest less smallest value in the cycle, in units of the normal
-    stress), v_max and v_min (V*)."""
+    """Name -> period (transits), stress_drop and elastic_stress_drop (maximum minus minimum over the cycle, in units of the
+    normal stress), v_max and v_min (V*)."""
     basis, pieces = lagrange_basis(nodes), cycle.pieces
     (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (extrema(basis, rows) for rows in (pieces.mu, pieces.y, pieces.z))
     values = cycle.period, mu_max - mu_min, y_max - y_min, rate_of(law, z_max), rate_of(law, z_min)
@@ -31,8 +31,8 @@ def cycle_figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:
 
 
 def unresolved(closed: Closed) -> dict[str, float]:
-    """What the polynomials of steps leave out of the `figures` that they have an extremum for: where in its step an extremum lies
-    changes its error by chance, from mesh to mesh, but not the highest coefficient of the steps there."""
+    """Estimated truncation error of the figures that are extrema, from the highest coefficients of the steps there: the actual
+    error depends on where in its step an extremum happens to lie."""
     law, pieces = closed.flow.scene.law, closed.cycle.pieces
     tail = _NEXT * highest_coefficient(closed.flow.nodes)
     (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (_left_out(rows, tail) for rows in (pieces.mu, pieces.y, pieces.z))
@@ -43,19 +43,20 @@ def unresolved(closed: Closed) -> dict[str, float]:
 
 
 def _left_out(rows: Array, tail: Array) -> tuple[float, float]:
-    """By the step of the largest nodal value and by that of the smallest, with their neighbours: one may lie on an end."""
+    """Truncation errors of the maximum and of the minimum: of the step with that nodal value and its neighbours, since it may lie
+    on an end."""
     at = (int(rows.max(axis=1).argmax()), int(rows.min(axis=1).argmin()))
     largest, smallest = (float(np.abs(rows.take((k - 1, k, k + 1), axis=0, mode="wrap") @ tail).max()) for k in at)
     return largest, smallest
 
 
 def amplitude(cycle: Cycle) -> float:
-    """Largest less smallest rate unknown z at the nodes."""
+    """Maximum minus minimum of the rate unknown z at the nodes."""
     return float(np.ptp(cycle.pieces.z))
 
 
 def difference_of_parts(cycle: Cycle, nodes: Array, parts: int) -> float:
-    """Largest difference of z and psi between the first of so many equal `parts` of a closed cycle and the second."""
+    """Largest difference of z and psi between the first and the second of `parts` equal parts of a closed cycle."""
     basis, length = lagrange_basis(nodes), cycle.period / parts
     times = np.linspace(0.0, length, _SAMPLES, endpoint=False)[1:]
     first, second = (np.array(values_at(cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, length))
@@ -63,6 +64,6 @@ def difference_of_parts(cycle: Cycle, nodes: Array, parts: int) -> float:
 
 
 def repeats_sooner(cycle: Cycle, nodes: Array, cycles: int) -> bool:
-    """Whether a closed cycle of so many slip events is one of fewer, several times."""
+    """Whether a closed cycle of `cycles` slip events repeats a shorter one."""
     divisors = [parts for parts in range(2, cycles + 1) if cycles % parts == 0]
     return any(difference_of_parts(cycle, nodes, parts) < _SAME for parts in divisors)

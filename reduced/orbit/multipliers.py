@@ -1,4 +1,4 @@
-"""Floquet multipliers of a closed cycle: eigenvalues of its monodromy matrix, but for the trivial one, which is 1."""
+"""Floquet multipliers of a closed cycle: eigenvalues of its monodromy matrix, except the trivial one, which is 1."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -22,9 +22,9 @@ _NONE = np.zeros((0, 0))
 
 class Multipliers(NamedTuple):
     """`values` (m,), largest modulus first, without the trivial one, whose distance from 1 is `trivial_defect`, and those of idle
-    modes; `essential_radius` is the radius below which infinitely many accumulate (0 if there are finitely many); `stable` is
-    None if the values cannot decide, with the `reason`: idle modes hide stability, never instability. `idle`: where the radius is
-    1, the modes that friction damps least."""
+    modes; `essential_radius`: that of the disk in which infinitely many accumulate (0 if there are finitely many); `stable` is
+    None if the values do not decide, for the `reason`: idle modes may hide stability, never instability. `idle`: the modes that
+    friction damps least, if the radius is 1."""
 
     values: Complex
     trivial_defect: float
@@ -35,7 +35,7 @@ class Multipliers(NamedTuple):
 
 
 def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
-    """Multipliers of `closed` outside the essential radius; of these only those that a `coarser` mesh confirms."""
+    """Multipliers of `closed` outside the essential radius that a `coarser` mesh, if given, confirms."""
     values, defect = floquet(closed.monodromy, closed.flow.idle)
     radius = closed.flow.essential_radius(closed.cycle)
     isolated = values[np.abs(values) > max(radius, _SMALLEST)]
@@ -58,7 +58,7 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
 
 
 def is_decided(closed: Closed) -> bool:
-    """Whether multipliers decide the stability of `closed`: they do unless they accumulate at the unit circle."""
+    """Whether multipliers decide the stability of `closed`: none accumulate at the unit circle and none are idle."""
     return not (closed.flow.undecided or closed.flow.idle.size)
 
 
@@ -68,7 +68,8 @@ def count_unstable(closed: Closed) -> int:
 
 
 def floquet(monodromy: Array, idle: Array = _NONE) -> tuple[Complex, float]:
-    """Eigenvalues but those of `idle` states, largest modulus first, without the one nearest to 1; and its distance from 1."""
+    """Eigenvalues without those of `idle` states and the one nearest to 1, largest modulus first; and the distance of the latter
+    from 1."""
     values = np.linalg.eigvals(without(monodromy, idle)).astype(complex)
     trivial = int(np.abs(values - 1.0).argmin())
     rest = np.delete(values, trivial)
@@ -76,8 +77,7 @@ def floquet(monodromy: Array, idle: Array = _NONE) -> tuple[Complex, float]:
 
 
 def _undamped(modes: "tuple[IdleMode, ...]", period: float, grows: bool) -> str:
-    """Which modes friction does not damp, and why multipliers therefore cannot decide, unless one of them `grows`: an idle mode
-    can hide that an orbit is stable, never that it is not."""
+    """Text: which modes friction does not damp, and, unless a multiplier `grows`, that multipliers therefore do not decide."""
     from reduced.stability.idle import named
 
     exact = bool(modes) and not modes[0].decay

@@ -1,5 +1,5 @@
-"""Newton's method with a derivative that serves as long as it contracts, corrected by each step (Broyden 1965), and steps
-shortened until they help."""
+"""Newton's method: the Jacobian is kept, with Broyden's (1965) updates, while the residual contracts; steps are shortened until
+they reduce it."""
 
 from collections.abc import Callable
 from typing import Generic, NamedTuple, TypeVar
@@ -19,7 +19,7 @@ _Motion = TypeVar("_Motion")
 
 
 class Evaluated(NamedTuple, Generic[_Motion]):
-    """The `residual` (m,) of the equations at some `unknowns` u (m,), and the `motion` that gives it."""
+    """The `residual` (m,) of the equations at `unknowns` u (m,), and the `motion` from which it follows."""
 
     unknowns: Array
     residual: Array
@@ -32,7 +32,7 @@ class Evaluated(NamedTuple, Generic[_Motion]):
 
 
 class Root(NamedTuple, Generic[_Motion]):
-    """`at` the solution, the `derivative` (m, m) taken at most `away` from it, and the `iterations`."""
+    """The solution `at`, a `derivative` (m, m) evaluated at the distance `away` from it, and the number of `iterations`."""
 
     at: Evaluated[_Motion]
     derivative: Array
@@ -48,11 +48,11 @@ def solve_by_newton(
     near: float,
     first: Array | None = None,
 ) -> Root[_Motion]:
-    """Unknowns near `guess` at which the largest residual is below `tolerance`, or where rounding does not let it shrink. The
-    derivative returned was taken at a distance (largest change of an unknown) of at most `near`. `first` may be a derivative from
-    the neighbourhood, with which to begin.
+    """Unknowns near `guess` at which the largest residual is below `tolerance`, or no longer shrinks by rounding. The returned
+    derivative is evaluated within a distance (largest change of an unknown) of `near`. `first`: a derivative to start with, from
+    a nearby point.
 
-    Raises NumericsError if there is no convergence, and what `evaluate` raises at the guess.
+    Raises NumericsError if there is no convergence, and the errors of `evaluate` at the guess.
     """
 
     def finished(iterations: int) -> Root[_Motion]:
@@ -89,7 +89,7 @@ def _step(matrix: Array, residual: Array) -> Array:
 
 
 def _corrected(matrix: Array, before: Evaluated[_Motion], after: Evaluated[_Motion]) -> Array:
-    """The nearest matrix that explains the change of the residual along the step."""
+    """Broyden's update: the nearest matrix that gives the change of the residual along the step."""
     step, change = after.unknowns - before.unknowns, after.residual - before.residual
     return np.asarray(matrix + np.outer(change - matrix @ step, step / (step @ step)))
 
@@ -97,8 +97,8 @@ def _corrected(matrix: Array, before: Evaluated[_Motion], after: Evaluated[_Moti
 def _shortened(
     evaluate: Callable[[Array], Evaluated[_Motion]], now: Evaluated[_Motion], step: Array, fresh: bool
 ) -> Evaluated[_Motion]:
-    """The equations after `step` or, if that does not help though the derivative is `fresh`, after a half, a quarter ... of it:
-    the best one found. Raises NumericsError if none of them can be evaluated."""
+    """The equations after `step` or, if that does not reduce the residual although the derivative is `fresh`, after the best of
+    its halves, quarters ... Raises NumericsError if none of them can be evaluated."""
     best: Evaluated[_Motion] | None = None
     for halving in range(_MOST_HALVINGS):
         try:

@@ -24,7 +24,8 @@ _LEAST_AMPLITUDE = 1e-3  # of ln v; smaller orbits are steady sliding up to the 
 
 @dataclass(frozen=True)
 class PeriodicOrbit:
-    """An orbit as `closed` on the finer of two meshes: figures with errors, multipliers, and whether the errors are `settled`."""
+    """An orbit as `closed` on the finer of two meshes: figures with errors, multipliers, and whether the errors have
+    `settled`."""
 
     closed: Closed
     orbit: Orbit
@@ -37,10 +38,10 @@ def periodic_orbit(
 ) -> PeriodicOrbit:
     """The orbit near `state` and `period` (transits) with relative errors of all figures below `tolerance`.
 
-    The mesh is refined by `FINER` until two of them agree, each solved to rounding errors: from the coarse mesh's orbit, where a
-    residual that is merely small lets Newton's method take no step, the difference would be zero. An error is estimated by a
-    quarter of the difference, or twice a difference that rounding errors may have made. Errors of extrema depend on where in its
-    step an extremum lies, so that a difference is small by chance: what the polynomials there leave out is an estimate besides.
+    The mesh is refined by `FINER` until the figures of two meshes agree, each orbit solved to rounding errors (with a larger
+    residual Newton's method may not move from the coarse orbit, and the difference would vanish). The error is estimated as a
+    quarter of the difference, or twice a difference of the size of rounding. For extrema, whose difference may be small by
+    chance, the truncation error (`unresolved`) is a second estimate.
 
     Raises NumericsError if no orbit is found, or if the one found is steady sliding.
     """
@@ -77,6 +78,6 @@ def _error(value: float, before: float) -> float:
 
 
 def relative_error(orbit: Orbit) -> float:
-    """The largest relative error of its figures."""
+    """The largest relative error of the figures of `orbit`."""
     estimates: list[Estimate] = list(vars(orbit).values())
     return max(one.error / abs(one.value) for one in estimates)

@@ -1,10 +1,10 @@
-"""The results on the stability of steady sliding in one scene under one model.
+"""Stability of steady sliding in one scene under one model, dimensionless and in SI.
 
-The stability of steady sliding in SI: how thick the slabs, or how large the normal stress, must be for it to be lost.
+In SI: the thickness of the slabs and the normal stress at which stability is lost.
 
 A normal stress multiplied by s divides both epsilons by s. Round trips and the clock L/V* do not depend on it, and faces are
 relative to the slabs, so the critical one is sigma epsilon/epsilon_c. Both thicknesses multiplied by s multiply both round trips
-by s. A testing machine stays the same machine: relative to thicker slabs its spring is stiffer and its mass smaller.
+by s. A testing machine is unchanged: relative to thicker slabs its spring is stiffer and its mass smaller.
 """
 
 import math
@@ -59,7 +59,7 @@ def analyse(scene: Scene, model: str = "delay") -> Stability:
     for any friction.
 
     Raises SceneError if the model cannot compute the scene, NumericsError if the roots that grow cannot be counted or located;
-    what else cannot be computed is `missing`.
+    other failures are listed in `missing`.
     """
     found = spectrum(scene, model)
     missing: list[str] = []
@@ -86,7 +86,7 @@ def analyse(scene: Scene, model: str = "delay") -> Stability:
 
 
 def found_or(otherwise: Value, name: str, find: Callable[[], Value], missing: list[str]) -> Value:
-    """What `find` returns; `otherwise`, with a line that names it in `missing`, if its numerics fail."""
+    """Result of `find`; `otherwise`, with a line about `name` in `missing`, if it raises NumericsError."""
     try:
         return find()
     except NumericsError as error:
@@ -113,7 +113,7 @@ class PhysicalStability:
 
 
 def stability_in_si(scene: Scene, found: Stability) -> PhysicalStability | None:
-    """`found`, which is the stability of `scene`, in SI; None for a scene without units."""
+    """Convert `found`, the stability of `scene`, to SI; None for a scene without units."""
     units = scene.units
     if units is None:
         return None
@@ -143,7 +143,7 @@ def _thickened(slab: Slab, factor: float) -> Slab:
 
 
 def _critical_factor(scene: Scene, found: Stability) -> float:
-    """By how much both thicknesses must be multiplied for steady sliding to lose, or regain, its stability."""
+    """Factor of both thicknesses at which steady sliding loses or regains stability."""
     if not any(slab.face.is_own for slab in scene.slabs):
         return float(10.0**found.log10_r_c) / scene.transit
     if not friction_slopes(scene.law, scene.velocity).weakening:

@@ -75,8 +75,8 @@ class _Plane:
         return np.array([value.real, value.imag])
 
     def corrected(self, x: Real, tangent: Real) -> Real | None:
-        """Newton orthogonal to `tangent`; None if it does not converge. The matrix is computed anew only where the last change
-        was not much smaller than the one before: it costs six residuals."""
+        """Newton orthogonal to `tangent`; None if it does not converge. The Jacobian, which costs six residuals, is recomputed
+        only if the last change was not much smaller than the one before."""
         matrix, size = None, math.inf
         for _ in range(_ROUNDS):
             if matrix is None:
@@ -97,7 +97,7 @@ class _Plane:
 
 
 def _seeds(plane: _Plane) -> list[Real]:
-    """Points on the boundary: on lines across the rectangle, between samples with different counts of unstable roots."""
+    """Points on the boundary: on lines across the rectangle, where the count of unstable roots changes between samples."""
     points = []
     samples = np.linspace(0.0, 1.0, 41)
     for axis in (0, 1):
@@ -118,7 +118,7 @@ def _count(problem: Characteristic) -> int:
 
 
 def _crossings(plane: _Plane, low: Real, high: Real, growing: int) -> list[Real]:
-    """The point between two points of the plane at which one of the `growing` roots of the second crosses; none if none does."""
+    """The point between `low` and `high` at which one of the `growing` roots of `high` crosses; empty if none does."""
 
     def problem(share: float) -> Characteristic:
         return plane.problem(low + share * (high - low))

@@ -54,8 +54,8 @@ class Characteristic:
         return np.asarray((left + right) / (np.abs(left) + np.abs(right)))
 
     def idle(self, s: Complex) -> NDArray[np.bool_]:
-        """True at roots in which both slabs swing freely and alike, so that the interface neither slips nor carries stress.
-        Friction does not affect such roots; they exist if free modes of unlike slabs coincide."""
+        """True at roots of idle modes: both slabs oscillate alike, without slip or stress at the interface. Friction does not
+        affect them; they exist if free modes of unlike slabs coincide."""
         if self.scene.alike or self.reduction is not None:
             return np.zeros(s.shape, dtype=bool)
         variable = Jet.variable(s)
@@ -83,13 +83,13 @@ class Characteristic:
 
     @property
     def longest(self) -> float:
-        """The longer of both round trips."""
+        """The longer of both round trips (L/V*)."""
         return max(self.scene.upper.round_trip, self.scene.lower.round_trip)
 
     @property
     def anchors(self) -> tuple[complex, ...]:
-        """Points near which D varies on a scale of its own: 0, the friction state's rate, the relaxation rates of viscous slabs,
-        and the rates at which the outer faces alone would settle."""
+        """Points near which D varies on a short scale: 0, the rate of the friction state, the relaxation rates of viscous slabs,
+        and the relaxation rates of the outer faces alone."""
         found: set[complex] = {0.0, -self.slopes.healing}
         for slab in (self.scene.upper, self.scene.lower):
             found.update(_rates(slab))
@@ -102,8 +102,8 @@ class Characteristic:
 
 
 def retardation_rate(slab: Slab) -> float:
-    """The rate, in 1/(L/V*), at which strain follows a constant stress: its negative is a zero of the modulus; infinite in an
-    elastic slab."""
+    """Creep rate, in 1/(L/V*), at which strain relaxes under constant stress: minus a zero of the modulus; infinite if
+    elastic."""
     match slab.viscosity:
         case KelvinVoigtViscosity(time):
             return 1.0 / time

@@ -35,7 +35,7 @@ def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, floa
     """(r_c, omega): the upper slab's round trip at which steady sliding first loses stability as both round trips grow from 0,
     and the frequency there; (nan, nan) if it never does. Friction clock. No root grows just below, and one does just above.
 
-    Raises NumericsError if it is not found.
+    Raises NumericsError if it cannot be located.
     """
     if not friction_slopes(scene.law, scene.velocity).weakening:
         return math.nan, math.nan
@@ -83,7 +83,7 @@ def _by_angle(problem: Characteristic) -> list[tuple[float, float]]:
 
 
 def _sign_changes(function: Callable[[Real], Real], grid: Real, values: Real) -> Real:
-    """Where `function`, with these `values` on a rising `grid`, changes its sign: all brackets are halved together."""
+    """Zeros of `function`, with `values` on a rising `grid`, at its sign changes; all brackets are halved together."""
     first = np.flatnonzero(values[:-1] * values[1:] <= 0.0)
     low, high, sign = grid[first], grid[first + 1], np.sign(values[first])
     for _ in range(_HALVINGS if first.size else 0):
@@ -107,8 +107,8 @@ def _reactance(slopes: FrictionSlopes, omega: NDArray[np.float64]) -> NDArray[np
 def critical_epsilon(scene: Scene, model: str = "delay") -> float:
     """The upper slab's epsilon above which steady sliding is stable at the scene's r (40), (28); nan if there is none.
 
-    Z is proportional to epsilon, so a crossing at i omega requires a real positive epsilon_c/epsilon = -H/Z; the largest one
-    counts that has growing roots just below and none just above. Roots can cross only at omega <= omega_c, because the slab is
+    Z is proportional to epsilon, so a crossing at i omega requires a real positive epsilon_c/epsilon = -H/Z; the result is the
+    largest with growing roots just below and none just above. Roots can cross only at omega <= omega_c, because the slab is
     passive and so Re H <= 0; they cross at 0 only without a spring.
     """
     slopes = friction_slopes(scene.law, scene.velocity)

@@ -1,5 +1,5 @@
-"""Where steady sliding loses its stability as one parameter varies: counts bracket the change, and the root that crosses the
-imaginary axis is followed through the bracket."""
+"""Locates the loss of stability of steady sliding as one parameter varies: counts of roots bracket it, and the root that crosses
+the imaginary axis is followed through the bracket."""
 
 import math
 from collections.abc import Callable
@@ -10,17 +10,17 @@ from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 
 FIRST_OCTAVE, LAST_OCTAVE = -20, 10
-"""Powers of two of the factors among which critical ones are sought."""
+"""Exponents of two of the least and the largest factor that is tried."""
 
 _FIRST_STEP = 0.125
 _OFFSETS = (1e-6, 1e-4, 1e-2)
-"""Relative distances from a critical value at which roots are counted; a larger one if all of them are neutral at the smaller."""
+"""Relative distances from a critical value at which roots are counted; the next one if all roots are neutral at the smaller."""
 
 
 def between(problem_at: Callable[[float], Characteristic], low: float, high: float, root: complex) -> tuple[float, float]:
     """(parameter, omega) between `low` and `high` at which the `root` at `high`, which grows, crosses the imaginary axis.
 
-    Newton's method follows it from parameter to parameter. Raises NumericsError if it is no single pair that crosses in between.
+    Newton's method follows the root. Raises NumericsError if not a single pair crosses in between.
     """
     from scipy.optimize import brentq
 
@@ -40,7 +40,7 @@ def between(problem_at: Callable[[float], Characteristic], low: float, high: flo
 
 
 def is_lost(problem_at: Callable[[float], Characteristic], value: float, rising: bool = True) -> bool:
-    """Whether roots begin to grow at this value of a parameter that rises, or falls: none does before it, by a count."""
+    """Whether stability is lost at `value` as the parameter rises (or falls): no root grows just before it, by a count."""
     for aside in _OFFSETS:
         before, after = (unstable_count(problem_at(value * (1.0 + (aside if rising else -aside) * way))) for way in (-1.0, 1.0))
         if before > 0 or after > 0:
@@ -52,8 +52,8 @@ def critical_factor(at: Callable[[float], Scene], model: str, start: float = 1.0
     """(factor, omega): the factor next to `start` at which steady sliding of the scene `at(factor)` loses stability, and the
     frequency there: above `start` if it is stable there, below if not. (nan, nan) if there is none from 2^-20 to 2^10.
 
-    Steps of an eighth to one octave are counted until the stability changes; the bracket is halved, and the root that crosses is
-    followed through it. No root grows just below the result, and one does just above.
+    Roots are counted in steps of an eighth to one octave until the stability changes; the bracket is halved, and the crossing
+    root is followed through it. No root grows just below the result, and one does just above.
     """
 
     def problem(exponent: float) -> Characteristic:

@@ -1,9 +1,9 @@
 """The neutral (essential) spectrum: the abscissa at which the infinitely many fast roots of the exact system accumulate.
 
-At high frequency friction is the constant impedance F_v (the state cannot follow), and every slab is a set of echoes without
-memory. Roots then satisfy D(E_1, E_2, ...) = 0 with E_j = exp(-s T_j); D is affine in the echo of each layer. For alike plain
-slabs Re s = -(1/r) ln |(2 F_v + epsilon)/(2 F_v - epsilon)|. If all T_j are multiples of one time, the equation is a polynomial.
-Otherwise the phases of the echoes are independent, and the abscissa is the largest over all phases.
+At high frequency friction is the constant impedance F_v (the state is frozen), and every slab a set of echoes. Roots then satisfy
+D(E_1, E_2, ...) = 0 with E_j = exp(-s T_j); D is affine in the echo of each layer. For alike plain slabs Re s = -(1/r) ln |(2 F_v
++ epsilon)/(2 F_v - epsilon)|. If all T_j are multiples of one time, the equation is a polynomial. Otherwise the phases of the
+echoes are independent, and the abscissa is the largest over all phases.
 """
 
 import itertools
@@ -75,7 +75,7 @@ def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
 
 
 def _idle(slabs: tuple[Slab, ...], echoes: list[Echo]) -> NDArray[np.bool_]:
-    """Roots in which both slabs swing freely and alike: friction does not affect them (`Characteristic.idle`)."""
+    """True at roots of idle modes (`Characteristic.idle`)."""
     if len(slabs) == 1:
         return np.zeros(echoes[0].shape, dtype=bool)
     split = len(slabs[0].layers)
@@ -116,7 +116,7 @@ def _polynomial(scene: Scene, slabs: tuple[Slab, ...], times: list[float], grid:
 def _over_all_signs(scene: Scene, slabs: tuple[Slab, ...], times: list[float]) -> float:
     """Largest sigma with F_v p + q = 0 for echoes +-exp(-sigma T_j). The balance is affine in each echo with real coefficients,
     so over the phase of any one echo its modulus is smallest at one of the signs. The result is 0 for unlike slabs behind rigid
-    faces: modes in which both swing nearly freely and alike have arbitrarily small damping."""
+    faces: nearly idle modes have arbitrarily small damping."""
     if len(times) > _MOST_TIMES:
         raise NumericsError(
             f"the travel times of {len(times)} layers have no common measure: at most {_MOST_TIMES} can be combined"

@@ -1,9 +1,8 @@
-"""Idle modes: both slabs swing freely and alike, so that the interface neither slips nor carries stress; friction does not damp
-them, whatever else the slabs do.
+"""Idle modes: both slabs oscillate alike, without slip or stress at the interface, so that friction does not damp them.
 
 A slab's free vibrations are the zeros omega_k of its reactance X, Z(i omega) = i X, which grows with omega (Foster's theorem). An
-idle mode is a free vibration of both. If omega_1 and omega_2 of the slabs are not quite the same, they swing together with a
-little slip, which takes energy: with M = dX/domega at omega_1 and omega_2, to first order in their difference,
+idle mode is a free vibration of both. If omega_1 and omega_2 of the slabs differ slightly, they oscillate together with a little
+slip, which dissipates: with M = dX/domega at omega_1 and omega_2, to first order in their difference,
 
     omega = (M_1 omega_1 + M_2 omega_2)/(M_1 + M_2),     decay = (omega_1 - omega_2)^2 M_1^2 M_2^2/((M_1 + M_2)^3 F_v).
 
@@ -32,8 +31,8 @@ _CORRECTIONS = 4
 
 
 class IdleMode(NamedTuple):
-    """A vibration of so many quarter waves in the `upper` and in the `lower` slab (layered slabs: the n-th one counts as 2 n - 1)
-    with this `frequency` (cycles per transit) and `decay` (1/transit): 0 if friction does not damp it at all."""
+    """A vibration with `upper` and `lower` quarter waves in the slabs (layered: 2 n - 1 for the n-th vibration), its `frequency`
+    (cycles per transit) and `decay` (1/transit), 0 without any damping."""
 
     upper: int
     lower: int
@@ -41,13 +40,13 @@ class IdleMode(NamedTuple):
     decay: float
 
     def multiplier(self, period: float) -> complex:
-        """Its multiplier on an orbit of this `period` (transits)."""
+        """Multiplier of the mode on an orbit of this `period` (transits)."""
         return complex(np.exp((2j * math.pi * self.frequency - self.decay) * period))
 
 
 def idle_modes(scene: Scene) -> tuple[IdleMode, ...]:
-    """Those of lowest frequency: the first few idle ones, or if there are none, of the nearly idle ones each that decays more
-    slowly than all before. Of slabs without losses."""
+    """Idle modes of slabs without losses: the first few by frequency or, if there are none, the nearly idle ones that decay more
+    slowly than all of lower frequency."""
     (upper, upper_mass), (lower, lower_mass) = (_free_vibrations(slab, scene.transit) for slab in scene.slabs)
     nearest = np.abs(upper[:, None] - lower).argmin(axis=1)
     apart, mass = upper - lower[nearest], upper_mass + lower_mass[nearest]
@@ -63,7 +62,7 @@ def idle_modes(scene: Scene) -> tuple[IdleMode, ...]:
 
 
 def named(modes: tuple[IdleMode, ...], period: float) -> str:
-    """Modes in words, with their multipliers on an orbit of this `period` (transits)."""
+    """Text that lists modes with their multipliers on an orbit of this `period` (transits)."""
     each = []
     for mode in modes:
         value = mode.multiplier(period)

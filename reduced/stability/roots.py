@@ -30,7 +30,8 @@ def upper_half(disc: tuple[float, float], left: float) -> Complex:
 
 
 def upper_rectangle(low: complex, high: complex) -> Complex:
-    """The same for the rectangle that a `low` left corner and a `high` right corner, mirrored at the real axis, span."""
+    """As `upper_half`, for the upper half of the rectangle between the corners `low` (left) and `high` (right), mirrored at the
+    real axis."""
     return np.array([complex(high.real), high, complex(low.real, high.imag), complex(low.real)])
 
 
@@ -40,15 +41,15 @@ def rectangle(low: complex, high: complex) -> Complex:
 
 
 class OnContour(NumericsError):
-    """A zero lies on the contour, or so near that its side cannot be told."""
+    """A zero lies on the contour, or too near to decide its side."""
 
 
 def resolved(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> tuple[Complex, Jet]:
-    """Points along a polyline, and the function there, so dense that no turn of its argument is missed between two of them.
+    """Points along a polyline, dense enough that no turn of the function's argument is missed, and the function there.
 
     Sides are halved until every piece meets three conditions: |D'/D| times its length is below 1/2 at both ends, D turns by less
     than 60 degrees over it, and it is shorter than its distance from each of the `anchors`, the points near which D varies on a
-    scale of its own. Raises `OnContour` if a zero lies on it, NumericsError if more than a million points were needed.
+    short scale. Raises `OnContour` if a zero lies on it, NumericsError if more than a million points are needed.
     """
     floor = _SHORTEST * float(np.abs(corners).max())
     points = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)] + [corners[-1:]])
@@ -83,8 +84,8 @@ def resolved(function: Function, corners: Complex, anchors: tuple[complex, ...] 
 
 
 def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> int:
-    """Zeros of an analytic function inside a closed polyline: its winding number. A path from the real axis to the real axis
-    counts as closed by its mirror image, for a function that is real there. Raises what `resolved` raises."""
+    """Zeros of an analytic function inside a closed polyline: its winding number. A path from the real axis to the real axis is
+    closed by its mirror image, for a function that is real there. Raises as `resolved`."""
     _, jet = resolved(function, corners, anchors)
     half = 1.0 if corners[0] == corners[-1] else 0.5
     return round(float(np.angle(jet.value[1:] / jet.value[:-1]).sum()) / (2.0 * np.pi * half))
@@ -109,8 +110,8 @@ def zeros_in(
     """All `expected` zeros in the rectangle with corners `low` (left, below) and `high`, each once; for at most a few dozen
     zeros.
 
-    `expected` is their number from `count_zeros`, where `anchors` is explained. The rectangle is halved until Newton's method
-    finds them all. Raises NumericsError if zeros lie too close to be distinguished.
+    `expected`: their number by `count_zeros`; `anchors` as in `resolved`. The rectangle is halved until Newton's method finds
+    them all. Raises NumericsError if zeros lie too close to be distinguished.
     """
     if expected == 0:
         return np.empty(0, dtype=np.complex128)

@@ -12,16 +12,16 @@ from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 
 NEUTRAL = 1e-9
-"""A root with |Re s| below this share of the slower of friction and waves is neutral: its side is not decided."""
+"""A root with |Re s| below this share of the slower rate, of friction or waves, is neutral: its sign is not decided."""
 
 _MARGINS = (1.001, 1.0037, 1.00011)
-"""Factors by which the disc that holds every growing root is enlarged; the first whose edge meets no root is used."""
+"""Factors that enlarge the disc of all growing roots; the first whose edge meets no root is used."""
 
 _RIPPLES = 4.6
 """Leading roots are searched up to this many times pi per longer round trip: two pairs of reverberations."""
 
 _DEEPEST_STRIP, _FASTEST = 6.0, 20.0
-"""Per transit: how fast the roots decay that are searched, and how fast those of active slabs may grow."""
+"""Per transit: fastest decay of the roots searched, and fastest growth of those of active slabs."""
 _OFF_AXIS, _SMALL = 1e3, 1e-6
 _LEADING = 8
 _ANGLES = np.radians([0.0, 15.0, 35.0, 60.0, 80.0, 90.0, 100.0, 120.0, 145.0, 165.0, 180.0])
@@ -44,7 +44,8 @@ class Spectrum:
 
 @lru_cache(maxsize=64)
 def spectrum(scene: Scene, model: str = "delay") -> Spectrum:
-    """Of steady sliding at the velocity with which the drive begins. The count decides the stability, never the roots.
+    """Spectrum of steady sliding at the initial velocity of the drive. The certified count decides the stability, never the
+    roots.
 
     Raises SceneError if the model cannot compute the scene, NumericsError if a root cannot be located.
     """
@@ -77,11 +78,11 @@ def neutral_rate(problem: Characteristic) -> float:
 
 
 def unstable_count(problem: Characteristic, active: bool = False, beyond: float | None = None) -> int:
-    """Roots with Re s > `beyond`, by the argument principle; just right of the imaginary axis if that is not given, so that a
-    neutral root does not count.
+    """Number of roots with Re s > `beyond`, by the argument principle; the default, just right of the imaginary axis, excludes
+    neutral roots.
 
-    For passive slabs all of them lie in the disc `FrictionSlopes.growing`, so the count is complete. For an `active` slab
-    (with unstable poles of its own) it counts up to 20 per transit. Raises NumericsError if a root lies on the contour.
+    For passive slabs all of them lie in the disc `FrictionSlopes.growing`, so the count is complete. For an `active` slab (with
+    unstable poles) growth rates up to 20 per transit are counted. Raises NumericsError if a root lies on the contour.
     """
     centre, radius = problem.slopes.growing
     if active:
@@ -98,8 +99,9 @@ def unstable_count(problem: Characteristic, active: bool = False, beyond: float 
 
 
 def leading_roots(problem: Characteristic, most: int = _LEADING) -> Complex:
-    """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies or below that of any that
-    can grow, including conjugates. The number of those right of the last one is certified. Those of a reduction are all found.
+    """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies or below that of any root
+    that can grow, including conjugates. The number of roots right of the last one is certified. For a reduction all roots are
+    considered.
 
     Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots lie too close to be distinguished.
     """
@@ -111,10 +113,10 @@ def leading_roots(problem: Characteristic, most: int = _LEADING) -> Complex:
 
 
 def _all_leading(problem: Characteristic, most: int) -> Complex:
-    """At least `most` roots (conjugates count, idle ones do not), if there are so many, by falling real part: those with
-    Im s >= 0, of a certified number."""
+    """At least `most` roots if there are so many (counting conjugates, not idle ones), by falling real part; only those with Im s
+    >= 0 are returned. Their number is certified."""
     if problem.reduction is not None:
-        starts = np.concatenate([problem.eigenvalues(), _fan(problem)])  # slow ones are lost to rounding beside fast ones
+        starts = np.concatenate([problem.eigenvalues(), _fan(problem)])  # rounding of fast ones swamps slow ones
         roots, exact = polish(problem.jet, starts), np.abs(problem.imbalance(starts)) < _SMALL
         return _upper(np.where(np.isfinite(roots), roots, np.where(exact, starts, np.nan)))
     unit, wall = 1.0 / problem.longest, 0.9 * problem.leftmost
@@ -131,11 +133,11 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
 
 
 def _certified(problem: Characteristic, corner: complex, right: float, most: int) -> Complex:
-    """The leading roots with Re s between Re `corner` and `right` and |Im s| < Im `corner`: guessed by Newton's method and
-    confirmed by a count, else found by halving the rectangle that was counted."""
+    """The leading roots with Re s between Re `corner` and `right` and |Im s| < Im `corner`: by Newton's method from a few starts,
+    confirmed by a count, else by halving the counted rectangle."""
     top = corner.imag
-    beside = _OFF_AXIS * neutral_rate(problem)
-    edge, jet = resolved(problem.jet, np.array([complex(beside), complex(beside, top)]), problem.anchors)
+    offset = _OFF_AXIS * neutral_rate(problem)
+    edge, jet = resolved(problem.jet, np.array([complex(offset), complex(offset, top)]), problem.anchors)
     for starts in (_few_starts, _many_starts):
         roots = _upper(polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value))))
         roots = roots[(roots.imag < top) & (roots.real > corner.real) & (roots.real < right)]
@@ -148,7 +150,7 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
 
 
 def _few_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:
-    """Where |D'/D| is largest along the imaginary `edge`, and around 0."""
+    """Starts where |D'/D| is largest along the imaginary `edge`, and around 0."""
     peaks = edge[1:-1][(rate[1:-1] >= rate[:-2]) & (rate[1:-1] > rate[2:])]
     return np.concatenate([peaks, _fan(problem), np.asarray(problem.anchors) * 1.0001])
 
@@ -160,7 +162,7 @@ def _fan(problem: Characteristic) -> Complex:
 
 
 def _many_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:
-    """The same, and points all along the `edge` and left of it."""
+    """Starts of `_few_starts`, and points all along the `edge` and left of it."""
     some = edge[:: max(1, edge.size // 2000)]
     depths = np.array([0.0, -0.1, -0.5, -2.0, -4.0]) / problem.longest
     return np.concatenate([_few_starts(problem, edge, rate), (some + depths[:, None]).ravel()])
@@ -175,7 +177,7 @@ def _upper(zeros: Complex) -> Complex:
 
 
 def _number(upper: Complex) -> int:
-    """How many roots these stand for, with the conjugates of those that are not real."""
+    """Number of roots in `upper`, with the conjugates of those that are not real."""
     return int(upper.size + (upper.imag > 0.0).sum())
 
 

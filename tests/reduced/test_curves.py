@@ -61,7 +61,7 @@ def leaning(q):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_curve_of_folds(sign):
     start, points = curve("LP", leaning, 0.3, (0.0, sign), 8, ahead=-9.0)
-    assert start.place == pytest.approx((-0.25, 0.0), abs=1e-9)
+    assert start.parameters == pytest.approx((-0.25, 0.0), abs=1e-9)
     for (p, q), special in points:
         assert p == pytest.approx(-0.25 * (1.0 + q) ** 2, abs=1e-10)
         assert special.point.closed.cycle.period == pytest.approx(2.0 * math.pi / (1.0 + 0.15 * (1.0 + q)), abs=1e-4)
@@ -87,7 +87,7 @@ def circle(q):
 def test_a_curve_that_turns_back_in_both_parameters():
     """A circle, once around, in equal steps that never go back."""
     start, points = curve("NS", circle, 0.2, (0.0, 1.0), 42, Control(2e-2, 1e-5, 0.04))
-    assert start.place == pytest.approx((0.3, 0.0), abs=1e-9)
+    assert start.parameters == pytest.approx((0.3, 0.0), abs=1e-9)
     places = np.array([place for place, _ in points])
     np.testing.assert_allclose(np.hypot(places[:, 0] - 0.5, places[:, 1]), 0.2, rtol=0.0, atol=1e-8)
     angles = np.unwrap(np.arctan2(places[:, 1], 0.5 - places[:, 0]))

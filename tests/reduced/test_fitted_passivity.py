@@ -7,7 +7,7 @@ from one_port_scenes import LOSSY, paper
 import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import check_passivity, reduction_of
-from reduced.impedance.of_reduction import dissipation, telling_frequencies
+from reduced.impedance.of_reduction import dissipation, sign_frequencies
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
 
@@ -26,7 +26,7 @@ def scanned(model):
 def certified(scene, count):
     model = reduction_of(scene, f"fitted:{count}")
     if not model.is_lossless:
-        assert dissipation(model, telling_frequencies(model)).min() >= 0.0
+        assert dissipation(model, sign_frequencies(model)).min() >= 0.0
         assert scanned(model) >= 0.0
         assert min(model.decays, default=0.0) >= 0.0
     assert check_passivity(scene, f"fitted:{count}").passive
@@ -67,14 +67,14 @@ def test_an_active_reduction_is_seen(wrong, where, monkeypatch):
     assert not found.passive
     if where:
         assert found.where.imag == pytest.approx(where, abs=1e-3)
-        assert dissipation(wrong, telling_frequencies(wrong)).min() < -0.1
+        assert dissipation(wrong, sign_frequencies(wrong)).min() < -0.1
 
 
 def test_where_a_sign_changes_is_exact():
     """G = 1/2 - 0.3 s/(s^2 + s/5 + 4), of which Re G = 0 where ((4 - w^2)^2 + 0.04 w^2)/2 = 0.06 w^2."""
     model = Reduction("modal:1", damping=0.5, frequencies=(2.0,), residues=(-0.3,), decays=(0.1,))
     crossings = np.sqrt(np.roots([0.5, -4.0 + 0.02 - 0.06, 8.0]))
-    cuts = telling_frequencies(model)
+    cuts = sign_frequencies(model)
     assert np.abs(np.subtract.outer(crossings, cuts)).min(axis=1).max() < 1e-9
     assert dissipation(model, crossings) == pytest.approx(np.zeros(2), abs=1e-12)
 

@@ -78,7 +78,7 @@ class Curve:
         steps = follow_curve(self.plane, end, self.tolerance)
         while len(self.points) < limits.points:
             further = next(steps)
-            if not self._holds(*further.last.place):
+            if not self._holds(*further.last.parameters):
                 self.notes.append("the curve leaves the rectangle of both ranges")
                 return
             self.points.append(curve_point_of(further.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
@@ -143,7 +143,7 @@ def _saved(one: OnCurve, length: float) -> dict[str, Array]:
     """A point of the curve, and the length of the next step, as arrays."""
     special = one.special
     numbers = (special.bracket, special.unstable_before, special.unstable_after, special.multiplier.real, special.multiplier.imag)
-    return stored(special.point, length) | {"place": np.array(one.place), "special": np.array(numbers)}
+    return stored(special.point, length) | {"place": np.array(one.parameters), "special": np.array(numbers)}
 
 
 def require_curve(kind: str, over: Over, second: Over) -> None:

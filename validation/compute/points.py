@@ -94,7 +94,7 @@ def curve_point_of(one: OnCurve, share: float) -> CurvePoint:
     """The record of a point of a curve, whose bracket is in units of this `share` of the first parameter."""
     passing, bracket = one.special.multiplier, max(share * one.special.bracket, CLOSES_TO)
     sides = _sides(one.special)
-    return CurvePoint(*one.place, bracket=bracket, multiplier_re=passing.real, multiplier_im=passing.imag, **sides)
+    return CurvePoint(*one.parameters, bracket=bracket, multiplier_re=passing.real, multiplier_im=passing.imag, **sides)
 
 
 def _sides(found: Special) -> dict[str, Any]:
