@@ -1,4 +1,4 @@
 """Models with a grid: leapfrog and summation-by-parts differences, finite elements, discontinuous Galerkin.
 
-Imports only `slipwave`, never `reduced`, so that it is an independent witness.
+Imports only `slipwave`, never `reduced`, which it checks independently.
 """

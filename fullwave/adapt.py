@@ -9,8 +9,8 @@ the probe are compared instead.
 
 The estimate holds for the length of the probe. In a chaotic run it becomes invalid at the rate at which nearby motions diverge. A
 start with a jump is of order 1 in every scheme, needs many cells, and is refused if these are too many. With a ramped drive the
-convergence of explicit steps is only of second order and irregular, because kinks fall at different places within the steps of
-each grid. So is that of differences of second order beside unlike slabs. One small difference proves nothing: no refinement is
+convergence of explicit steps is only of second order and irregular, because kinks fall at different points within the steps of
+each grid; so is that of second-order differences for unlike slabs. One difference may be small by chance: no refinement is
 credited with more than the scheme's order p, i.e. the estimate is at least the previous difference divided by 1.5^p.
 """
 
@@ -79,8 +79,8 @@ def to_tolerance(
     **options: Any,
 ) -> tuple[MethodOfLines, Choice]:
     """A solver of `scene`, at its start, whose estimated relative error in period and stress drop is below `tolerance`, and the
-    `Choice` made. `kind` and `options` fix the family (by default discontinuous Galerkin of a degree chosen by `tolerance`); no
-    refinement is taken to be of a higher order than is `credited`.
+    `Choice` of its grid. `kind` and `options` fix the family (by default discontinuous Galerkin of a degree chosen by
+    `tolerance`); no refinement is credited with a higher order than `credited`.
 
     Raises SceneError for a tolerance outside [1e-12, 0.1], NumericsError if 400 cells, or as many as the march allows, are not
     enough.
@@ -130,18 +130,16 @@ def to_tolerance(
 
 
 def resolution_for(tolerance: float) -> float:
-    """Resolution of the steps of an exact march whose figures are to be right to `tolerance`. The steps of all grids are nearly
-    the same, so that no difference of grids shows their error: it is added to the estimate."""
+    """Resolution of the steps of an exact march for figures to `tolerance`. All grids have nearly the same steps, whose error
+    cancels in differences of grids and is therefore added to the estimate."""
     return _STEPS_SHARE * tolerance
 
 
 def judge_grid(cells: int, judged: FieldSolver, other: FieldSolver) -> Choice:
-    """The accuracy of a default grid of `cells`, from fresh solvers on it and on an `other` grid, with two thirds of its cells,
-    or with half as many more where no coarser one is possible.
-
-    From order 2 on (from 3 on beside a finer one), the difference of their probes, with a margin for grids that do not follow
-    their order yet, and with the error of the steps that both share, is larger than the error. The estimate is infinite if the
-    two do not find the same cycles.
+    """The accuracy of a default grid of `cells`, from fresh solvers on it (`judged`) and on an `other` grid with 2/3 of its
+    cells, or 3/2 where no coarser one is possible. From order 2 on (3 for the finer one), the difference of their probes, with a
+    margin for the pre-asymptotic range and the error of their common steps, exceeds the error. The estimate is infinite if the
+    probes differ in their cycles.
     """
     theirs, ours = probe(other), probe(judged)
     estimate = _MARGIN * difference_of(theirs, ours) + _STEPS_ERROR * judged.settings.get("resolution", 0.0)
@@ -153,14 +151,14 @@ def _adapts(solver: FieldSolver) -> bool:
 
 
 def _needed(cells: int, factor: float, gain: float) -> float:
-    """Cells that would reduce the error by `factor` if every refinement continued to gain `gain`; 0 if it cannot be estimated."""
+    """Number of cells that reduces the error by `factor` if every refinement gains `gain`; 0 if there is no estimate."""
     if not 1.0 < gain < math.inf or not math.isfinite(factor):
         return 0.0
     return cells * math.exp(min(_MOST_OUTLOOK, math.log(factor) * math.log(_RATIO) / math.log(gain)))
 
 
 def first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> Solved | None:
-    """The solver that `make` builds on the first of some `numbers` of cells that its family accepts; None if it accepts none."""
+    """The solver that `make` builds on the first of the `numbers` of cells that its family accepts; None if there is none."""
     for cells in numbers:
         try:
             return make(cells)
@@ -186,7 +184,7 @@ def _jumps(scene: Scene) -> bool:
 
 
 def probe(solver: Solver) -> _Outcome | None:
-    """The result of a probe with `solver`, fresh; None if the grid was too coarse to march."""
+    """The result of a probe with a fresh `solver`; None if the grid is too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
     require_time(solver, _probed_until(solver.scene))
     try:
@@ -200,7 +198,7 @@ def probe(solver: Solver) -> _Outcome | None:
 
 
 def difference_of(before: _Outcome | None, now: _Outcome | None) -> float:
-    """Largest relative difference of two probes, infinite unless both found the same cycles."""
+    """Largest relative difference of two probes, infinite unless both have the same cycles."""
     if before is None or now is None or before.quantity != now.quantity or before.values.size != now.values.size:
         return math.inf
     worst = float((np.abs(now.values - before.values) / np.maximum(np.abs(now.values), 1e-3)).max())

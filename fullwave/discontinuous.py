@@ -4,7 +4,7 @@ Each slab is divided into `cells` elements. In each, w and s are polynomials of 
 are also the quadrature points (collocation). The mass matrix is then diagonal, and the step is 1.8 (P = 7) to 2.7 (P = 1) times
 as long as with exact mass. Neighbours are coupled only through upwind states (`fullwave.lines.system`). Layers begin and end on
 elements, so impedance jumps cost no order. Hesthaven and Warburton, Nodal Discontinuous Galerkin Methods (2008), ch. 3; Kopriva
-and Gassner, J. Sci. Comput. 44 (2010), for the collocation. The interface's outputs are of up to order 2 P + 1. Energy never
+and Gassner, J. Sci. Comput. 44 (2010), for the collocation. Outputs at the interface are of order up to 2 P + 1. Energy never
 grows, because upwind states dissipate.
 """
 

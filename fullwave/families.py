@@ -15,8 +15,8 @@ from slipwave.family import ANYTHING, Exact, Family, PlotStyle
 
 
 class Rungs(NamedTuple):
-    """The grids on which a member shows its order: the `first` (coarsest) and the `most` cells per slab worth trying; a bound of
-    the `finest` errors; the least order `promised`, if not the declared one; the Courant number, if not that of the family."""
+    """Grids that measure a member's order: the `first` (coarsest) and the `most` cells per slab; a bound of the `finest` errors;
+    the least order `promised`, if not the declared one; the Courant number, if not that of the family."""
 
     first: int
     most: int
@@ -26,16 +26,16 @@ class Rungs(NamedTuple):
 
 
 class AttackCells(NamedTuple):
-    """Cells for attacks on a member: a `coarse` grid that makes long marches cheap (step limits do not depend on it), and a
-    `fine` one for runs that are compared with the delay system."""
+    """Cells for the study stability-attacks: a `coarse` grid for long marches (step limits do not depend on it), and a `fine` one
+    for comparisons with the delay system."""
 
     coarse: int
     fine: int
 
 
 def degree_for(tolerance: float) -> int:
-    """Degree of elements that is cheapest near `tolerance`, measured on the paper's scene at log10 r = -2.68, -2.6 and -2.3: 5 at
-    1e-4, one more for every two digits."""
+    """Cheapest degree of elements near `tolerance`, measured on the paper's scene at log10 r = -2.68, -2.6 and -2.3: 5 at 1e-4,
+    one more for every two digits."""
     return max(3, math.floor(3.5 - 0.5 * math.log10(tolerance)))
 
 
@@ -44,10 +44,10 @@ class FullWave(Family):
     """A family on a grid; functions take the number after the colon (0 if there is none).
 
     `order_bulk` is the order of the fields inside a slab, `order_interface` that of every output at the interface (for elements a
-    lower bound), `order_at_best` the highest that one may have (if not given, the same); `points` is the number of nodes in a
-    cell. `number_is`: what messages call the number. `implicit_state`: friction's state does not limit the step.
-    `conserves`: the ledger closes to rounding, otherwise the scheme dissipates at its order. `cells` and `cfl` are defaults;
-    `cfl`, at most 1, is in units of `step`. `attacks` and `ladder`, by number, are the members that the studies try."""
+    lower bound), `order_at_best` its upper bound (default: the same); `points` is the number of nodes in a cell. `number_is`:
+    what messages call the number. `implicit_state`: friction's state does not limit the step. `conserves`: the energy balance
+    closes to rounding, otherwise the scheme dissipates at its order. `cells` and `cfl` are defaults; `cfl`, at most 1, is in
+    units of `step`. `attacks` and `ladder`, by number: the members in the studies of stability and of orders."""
 
     honours: frozenset[str] = ANYTHING
     exact: Exact = Exact.ON_FINE_GRIDS
@@ -174,9 +174,9 @@ FAMILIES: list[FullWave] = [
     ELEMENTS,
     GALERKIN,
 ]
-"""Those of the house; families of other packages and files are added at the end (`validation.compute.own`)."""
+"""The built-in families; those of other packages and files are appended (`validation.compute.own`)."""
 
 
 def facts_of(name: str) -> FullWave:
-    """The family called `name`, the word before the colon. Raises KeyError if there is none."""
+    """The family called `name`, without colon and number. Raises KeyError if there is none."""
     return {family.name: family for family in FAMILIES}[name]

@@ -5,8 +5,8 @@ Bulk: velocities at nodes and half times, stresses in cells and at whole times, 
 (`leapfrog.friction`).
 
 At cfl = 1 waves travel through a uniform slab without error, so the scheme is the delay system (35) discretised by the midpoint
-rule. Agreement with that system is therefore independent evidence only below cfl = 1. A slab or layer that the common cell does
-not divide has a slightly smaller Courant number. The scheme conserves the energy K(u at n + 1/2) + P(sigma at n, n + 1)
+rule. Agreement with that system is therefore independent evidence only below cfl = 1. A slab or layer that is not a multiple of
+the common cell has a slightly smaller Courant number. The scheme conserves the energy K(u at n + 1/2) + P(sigma at n, n + 1)
 (`leapfrog.readout`).
 """
 
@@ -81,13 +81,13 @@ class Leapfrog:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Everything besides the scene that affects its numbers."""
+        """As `Solver`."""
         widths = [grid.width.size for grid in self._grids]
         return {"cells": self.cells, "slabs": widths, "cfl": self.cfl, "step": self.step}
 
     @property
     def total_cells(self) -> int:
-        """Cells that are marched."""
+        """Number of marched cells."""
         return sum(grid.width.size for grid in self._grids)
 
     def advance(self, until: float) -> Pieces:
@@ -96,7 +96,7 @@ class Leapfrog:
         return self._fill(pieces_until(max(self._sample, 0), self.step, until, STEPS_PER_PIECE, most))
 
     def _fill(self, pieces: Pieces) -> Pieces:
-        """March through `pieces` and fill them. If there are none, only take the sample at t = 0, unless it was taken before."""
+        """March through `pieces` and fill them. If there are none, only record the sample at t = 0, unless it exists."""
         scene, upper = self.scene, self._sides[0]
         physics = (scene.law, self.step, scene.forcing, scene.drive.compiled)
         failures, failed = march_leapfrog(*physics, upper, self._lower, self._memory, self._sample, pieces)
@@ -110,7 +110,7 @@ class Leapfrog:
         """As `FieldSolver`; it is always kept."""
 
     def energy(self) -> Energy:
-        """Ledger since t = 0, in units of sigma L."""
+        """As `Solver`."""
         return energy_of(self.scene, self._memory, list(zip(self._sides, self._grids, strict=True)))
 
     def snapshot(self) -> Snapshot:
@@ -120,7 +120,7 @@ class Leapfrog:
         return leapfrog_snapshot(self.scene, self.time, self._memory, self._sides, self._grids)
 
     def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
-        """As `FieldSolver`; stresses, which belong to other times, stay."""
+        """As `FieldSolver`; stresses, which are stored at other times, are unchanged."""
         for side in self._sides:
             side.medium.velocity[1:-1] += noise(side.medium.velocity.size - 2)
 

@@ -10,7 +10,7 @@ LEAST_CFL = 1e-9
 
 
 class AnyShare(float):
-    """A `cfl` that may exceed 1, so that steps beyond the limit can be studied. No option of a user becomes one."""
+    """A `cfl` that may exceed 1, for studies of steps beyond the limit; users' options are never converted to it."""
 
 
 class CellsRefused(SceneError):

@@ -34,7 +34,7 @@ QUANTITIES = {
     "velocity": ("velocity in the {} slab, positive along the upper face's drive", "V*"),
     "stress": ("shear stress in the {} slab", "normal stress"),
 }
-"""What a record holds: meaning, and of what its numbers are shares."""
+"""Quantity -> its meaning, and the unit of its numbers."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,8 @@ class Field:
         return {"upper": self.upper} | ({"lower": self.lower} if self.lower is not None else {})
 
     def dataset(self) -> "xarray.Dataset":
-        """The record as a Dataset with names and coordinates; values are numbers without units, `in_units_of` says of what."""
+        """The record as a Dataset with names and coordinates; values are dimensionless, their unit is the attribute
+        `in_units_of`."""
         require("files", "a dataset of fields")
         import xarray
 
@@ -70,7 +71,7 @@ class Field:
         return found
 
     def si_size(self, quantity: str) -> float | None:
-        """Size in SI of what the numbers of `quantity` are multiples of; None in a scene without units."""
+        """SI size of the unit of `quantity`; None in a scene without units."""
         unit, units = QUANTITIES[quantity][1], self.scene.units
         return None if units is None or unit not in IN_SI else units.size(unit, self.scene.transit)
 
@@ -177,7 +178,7 @@ def record_field(
 
 
 def field_of(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:
-    """The record made of the snapshots of one run."""
+    """The record of the snapshots `shots` of one run."""
     time = np.array([shot.time for shot in shots])
     lower = None if scene.alike else _stack([shot.lower for shot in shots])
     return Field(scene, model, time, _stack([shot.upper for shot in shots]), lower)

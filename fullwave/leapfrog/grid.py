@@ -49,7 +49,7 @@ class LeapfrogGrid:
 
     @property
     def is_uniform(self) -> bool:
-        """One width and one impedance, no burden."""
+        """Whether it has one width and one impedance, and no burden."""
         return self.burden == 0.0 and bool(np.all(self.width == self.width[0]) and np.all(self.impedance == self.impedance[0]))
 
 

@@ -1,5 +1,5 @@
-"""A slab on its staggered grid: the functions that the kernel calls, written for elastic layers. A medium that differs in one
-registers its own version, as homogeneous slabs do here for speed, and others in `viscous`.
+"""A slab on its staggered grid: the functions that the kernel calls, for elastic layers. Other media register their own versions:
+homogeneous slabs here, for speed, viscous ones in `viscous`.
 
 Depth is travel time (transits of the upper slab) from the interface, so that waves have speed 1, and `u` is the velocity in the
 slab's own direction of drive (u = w_1 above, u = -w_2 below). Both slabs then obey
@@ -59,7 +59,7 @@ class Layered(NamedTuple):
 
 
 class Side(NamedTuple):
-    """A slab that is marched. Of alike slabs, which move antisymmetrically, only the upper one is."""
+    """A marched slab; of alike slabs, which move antisymmetrically, only the upper one is marched."""
 
     medium: Medium
     face: Rigid | Grip
@@ -82,7 +82,7 @@ def elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
 
 @by_class(inline=True)
 def load(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
-    """(Z, S) of the interface's half cell, here from nothing but its momentum."""
+    """(Z, S) of the interface's half cell, here from its momentum alone."""
     return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
 
 

@@ -1,9 +1,9 @@
-"""What the leapfrog's grid holds: the energy that it conserves, the energy that has left it, and its fields.
+"""Energy balance and fields of the leapfrog's grid.
 
-With u at n + 1/2 and sigma at n the scheme conserves  sum m u^2/2 + sum dx sigma^n sigma^(n+1)/(2 eps)  exactly, so the ledger
-(per unit area, in units of sigma L, since t = 0) closes to rounding. The kernel only adds up the powers of drive, friction,
+With u at n + 1/2 and sigma at n the scheme conserves sum m u^2/2 + sum dx sigma^n sigma^(n+1)/(2 eps) exactly, so the energy
+balance (per unit area, in units of sigma L, since t = 0) closes to rounding. The kernel only sums the powers of drive, friction,
 dashpots and viscosity; the stored energy is computed here. Stresses are stored as deviations from steady sliding, whose stress
-enters separately, without cancellation. Fields are interpolated to common times and places.
+enters separately, without cancellation. Fields are interpolated to common times and depths.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ from slipwave.solve import Energy, SlabSnapshot, Snapshot
 
 
 def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]]) -> Energy:
-    """Ledger of `sides`; the only side of alike slabs counts twice."""
+    """Energy balance of `sides`; the only side of alike slabs counts twice."""
     sums = [side_energy(side, grid, scene.steady_stress, 0.5 * scene.velocity) for side, grid in sides]
     copies = 2 if scene.alike else 1
     stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
@@ -95,7 +95,7 @@ def _at_whole_time(side: Side, grid: LeapfrogGrid, interface_stress: float, rate
 
 
 def _beyond(values: Array) -> float:
-    """The next value of a smooth equidistant sequence, from its last two or three."""
+    """The next value of a smooth equidistant sequence, extrapolated from its last two or three."""
     if values.size < 3:
         return float(2.0 * values[-1] - values[-2]) if values.size > 1 else float(values[-1])
     return float(3.0 * (values[-1] - values[-2]) + values[-3])

@@ -99,8 +99,8 @@ def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
 
 
 def most_cells_alike(sections: Sequence[Section]) -> int:
-    """The largest number of cells for which every layer of the coarsest grid, `sections`, keeps its cells: until the thickest one
-    needs more than its fewest. Two grids below it are one and the same, and their difference says nothing."""
+    """The largest number of cells that gives the coarsest grid, `sections`, in which every layer has its fewest cells. Grids up
+    to it are identical, so that their difference is no error estimate."""
     slabs = {section.slab for section in sections}
     thinnest = min(sum(section.length for section in sections if section.slab == slab) for slab in slabs)
     thickest = max(section.length for section in sections)
@@ -166,7 +166,7 @@ def energy_weight(grid: BlockGrid) -> Array:
     """eps h per slot of the grid (size,): its product with half of w^2 or s^2, summed, is energy over one transit.
 
     A norm that is not diagonal is replaced by its row sums. These integrate to the order of the scheme but may be negative, which
-    is sufficient for the ledger of heat; stored energy is summed with the norm itself (`readout`)."""
+    is sufficient for the balance of heat; stored energy is summed with the norm itself (`readout`)."""
     weight = np.zeros(grid.size)
     for block in grid.blocks:
         norm = block.norm if isinstance(block.norm, np.ndarray) else np.asarray(block.norm.sum(axis=1)).ravel()

@@ -15,8 +15,9 @@ MOST_BYTES = 4e9
 swaps. On a grid of this size every step takes seconds, so no useful run needs more."""
 
 MOST_UNKNOWNS = 2048
-"""Of the exact march, whose matrices are dense. Set-up and memory, measured: 0.2 s and 60 MB for 480 unknowns, 1.2 s and 0.25 GB
-for 1000, 23 s and 1 GB for 2000. In viscous slabs memory stresses count too: 13 s and 0.6 GB for 992 values of the grid."""
+"""Most unknowns of the exact march, whose matrices are dense. Set-up and memory, measured: 0.2 s and 60 MB for 480 unknowns, 1.2
+s and 0.25 GB for 1000, 23 s and 1 GB for 2000. In viscous slabs memory stresses count too: 13 s and 0.6 GB for 992 values of the
+grid."""
 
 MOST_WORK = 4e8
 """Products of a weight and a value in one call of compiled code, which neither reports progress nor can be interrupted: 0.2 to
@@ -44,7 +45,7 @@ def march_work(values: int, order: int, method: RungeKutta, viscous: bool) -> fl
 
 @contextmanager
 def enough_memory(cells: int) -> Iterator[None]:
-    """Raises SceneError naming cells if the machine has less memory than is needed."""
+    """Context that raises SceneError naming cells if memory runs out."""
     try:
         yield
     except MemoryError:

@@ -1,6 +1,5 @@
 """The exact march of a grid: the slabs are propagated without error in time (`propagator`), and steps only resolve friction.
-
-How a grid is marched in time if the user leaves it open: the march that is cheaper for the scene and the grid.
+Without a choice of the user, the march that is cheaper for scene and grid is taken (`cheaper_march`).
 """
 
 import math
@@ -32,8 +31,8 @@ Tables take 40 ms for 270 unknowns, 0.2 to 0.5 s for 500, 0.7 to 1.8 s for 800, 
 
 
 def cheaper_march(scene: Scene, unknowns: int) -> TimeMarch:
-    """The exact march up to `MOST_BY_DEFAULT` unknowns. A start with a jump leaves waves as short as the grid allows, which both
-    marches must follow step by step: the error is that of the grid, and the explicit march is cheaper on most of them."""
+    """The exact march up to `MOST_BY_DEFAULT` unknowns. After a start with a jump both marches must resolve waves as short as the
+    grid allows; then the explicit march is cheaper on most grids."""
     return "explicit" if unknowns > MOST_BY_DEFAULT or scene.start.kind is StartKind.JUMP else "exact"
 
 
@@ -42,8 +41,8 @@ LONGEST = 1.0
 """Longest step (transits)."""
 
 EXACT_TOLERANCE = 1e-12
-"""Relative error of the figures of a cycle to which steps resolve friction: what is left is the error of the grid. 1e-9 would
-take half the time."""
+"""Relative error of the figures of a cycle to which steps resolve friction, far below that of the grid. 1e-9 would take half the
+time."""
 
 _FIRST = 0.125
 _STEP_SECONDS = 2e-6
@@ -78,7 +77,7 @@ class ExactMarch(PortMarch):
 
     @property
     def _products(self) -> float:
-        """Products in a step."""
+        """Number of products in a step."""
         size = self.slabs.remembered
         return float(size * (size + 3 * STAGES))
 
@@ -89,7 +88,7 @@ class ExactMarch(PortMarch):
         return self._layout
 
     def begin_from(self, values: Array) -> None:
-        """Take the grid's values in that layout."""
+        """Set the grid's values, in that layout."""
         self.values[:] = values[self.slabs.slots] * self.slabs.scale
 
     def advance(self, until: float) -> Pieces:
@@ -102,18 +101,18 @@ class ExactMarch(PortMarch):
         return pieces
 
     def keep_ledger(self) -> None:
-        """From now on work and heat are added up, step by step."""
+        """Start to sum work and heat, step by step."""
         self.slabs.keep_ledger()
 
     def work_done(self) -> tuple[float, float, float, float] | None:
-        """Work of the drive, heat of friction, radiation and viscous heat since t = 0; None unless they are kept."""
+        """Work of the drive, heat of friction, radiation and viscous heat since t = 0; None unless summed."""
         if not self.slabs.is_kept[0]:
             return None
         entries = self.slabs.entries
         return float(entries[INPUT]), float(entries[FRICTION]), float(entries[RADIATED]), float(entries[VISCOUS])
 
     def state(self) -> State:
-        """As `Solver`: what a `PortMarch` keeps, with the `ledger`."""
+        """As `PortMarch`, with the `ledger`."""
         return super().state() | {"ledger": self.slabs.entries.copy()}
 
     def restore(self, state: State) -> None:
@@ -123,12 +122,11 @@ class ExactMarch(PortMarch):
         self.slabs.entries[:] = saved["ledger"]
 
     def keep_frames(self, interval: float) -> None:
-        """From now on `frames` has states inside the steps, at most `interval` (transits) apart: steps are too long for a picture
-        of waves."""
+        """Let `frames` return states within the steps, at most `interval` (transits) apart: steps are too long to show waves."""
         self._frame = interval
 
     def frames(self) -> list[tuple[float, Array]]:
-        """(time, values) within and at the ends of the last advance's steps, where kept."""
+        """(time, values) within and at the ends of the steps of the last `advance`, if kept."""
         return self._frames
 
     def _between(self, values: Array, pieces: Pieces) -> list[tuple[float, Array]]:

@@ -41,7 +41,7 @@ class ExplicitMarch:
 
     @property
     def settings(self) -> dict[str, float]:
-        """What affects its numbers."""
+        """As `Solver`, of the march."""
         return {"step": self.step}
 
     @property
@@ -97,7 +97,7 @@ class ExplicitMarch:
         return fastest
 
     def keep_ledger(self) -> None:
-        """It is always kept: its entries are integrated like the grid's values, at hardly any cost."""
+        """Does nothing: the energy balance is always integrated with the motion, at hardly any cost."""
 
     def work_done(self) -> tuple[float, float, float, float]:
         """Work of the drive, heat of friction, radiation and viscous heat since t = 0, integrated with the motion."""
@@ -105,21 +105,21 @@ class ExplicitMarch:
         return float(scalars[INPUT]), float(scalars[FRICTION]), float(scalars[RADIATED]), float(scalars[VISCOUS])
 
     def begin_from(self, values: Array) -> None:
-        """Take all values that are integrated."""
+        """Set all integrated values."""
         self.layout[:] = values
 
     def keep_frames(self, interval: float) -> None:
-        """From now on `frames` has every step: high-order steps are long, and pieces of eight are too long for a picture."""
+        """Let `frames` return every step: high-order steps are long, and pieces of eight steps too long to show waves."""
         self._keeps_frames = True
 
     def frames(self) -> list[tuple[float, Array]]:
-        """(time, values) at the ends of the last advance's steps, where kept."""
+        """(time, values) at the ends of the steps of the last `advance`, if kept."""
         begin = self._taken - self._frames.shape[0] + 1
         return [((begin + k) * self.step, values) for k, values in enumerate(self._frames) if k]
 
     def state_at_start(self, values: Array, interface: InterfaceState) -> State:
-        """The state, for `restore`, with the grid's `values` where they move, at the end of the first piece beyond the time of
-        `interface`."""
+        """The state, for `restore`, from the `values` that move (`LinearMotion.moving`), at the end of the first piece at or
+        beyond `interface.time`."""
         whole = np.zeros_like(self.layout)
         whole[motion_of(self._system).moving] = values
         size = self._system.interface.size

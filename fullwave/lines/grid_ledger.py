@@ -1,4 +1,4 @@
-"""The energy ledger of a grid that is propagated exactly: work of the drive and heat of a step, from what its port knows."""
+"""The energy balance of an exactly propagated grid: work of the drive and heat of each step, from quantities of its port."""
 
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ INPUT, FRICTION, RADIATED, VISCOUS = range(4)  # entries of `GridLedger.entries`
 
 
 class Power(NamedTuple):
-    """What turns the moments of a step into work: `copies` of each marched slab; `sides`, their number; the `dashpots`."""
+    """Factors from the moments of a step to work: `copies` of each marched slab; `sides`, their number; the `dashpots`."""
 
     copies: float
     sides: int
@@ -24,9 +24,9 @@ class Power(NamedTuple):
 
 
 class GridLedger(NamedTuple):
-    """Where `is_kept` (1,) is true, the `entries` (4,) are added up. Per level, from (x, u, c) of the `Port`: `moments`
-    (L, n + 2 s, m), and as a quadratic form viscous `heat` (L, n + 2 s, n + 2 s), empty in elastic slabs. `taken` (m,) and
-    `spare` (n + 2 s,) are scratch.
+    """If `is_kept` (1,), the `entries` (4,) are summed. Per level, from (x, u, c) of the `Port`: `moments` (L, n + 2 s, m), and
+    as a quadratic form viscous `heat` (L, n + 2 s, n + 2 s), empty in elastic slabs. `taken` (m,) and `spare` (n + 2 s,) are
+    scratch.
 
     The moments: of all tractions (two), of the slip at faces under a dead load, then those of each dashpot's slip (s each)."""
 

@@ -1,5 +1,5 @@
-"""A grid as friction's step meets it (`slipwave.step.port`): propagated exactly, by tables made for a step length when it is
-first needed, by doubling shorter steps."""
+"""A grid as `Slabs` (`slipwave.step.port`), propagated exactly by tables that are made for a step length when it is first needed,
+by doubling shorter steps."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -25,16 +25,17 @@ _HELD = 80  # numbers held for one longest length, over the square of the unknow
 
 
 class Known(NamedTuple):
-    """What is known of steps of one longest length and its halves: their `maps` and the `port`."""
+    """Tables for steps of one longest length and its halves: their `maps` and the `port`."""
 
     maps: StepMaps
     port: Port
 
 
 class GridSlabs:
-    """The `Slabs` (slipwave.step.port) of the grid that `grid` makes for `scene`, for steps of `stages` nodes. A port remembers
-    the grid's values, in `slots` of the explicit march's layout, times the upper slab's impedance, `scale`: stresses. All ports
-    share the `entries` of the ledger. Tables of `most_known` longest steps are kept, as far as memory allows."""
+    """The `Slabs` (slipwave.step.port) of the grid that `grid` makes for `scene`, for steps of `stages` nodes. The memory of a
+    port: the grid's values, in `slots` of the explicit march's layout, times the upper slab's impedance, `scale`, as stresses.
+    All ports share the `entries` of the energy balance. Tables of `most_known` longest steps are kept, as far as memory
+    allows."""
 
     def __init__(
         self, scene: Scene, grid: Callable[[Scene], System], model: str, stages: int, most_known: int = _MOST_KNOWN
@@ -67,32 +68,32 @@ class GridSlabs:
         self._most_known = max(_FEWEST_KNOWN, min(most_known, int(MOST_BYTES / (8.0 * _HELD * self.remembered**2))))
 
     def of(self, scene: Scene) -> "GridSlabs":
-        """As `Slabs`; few tables are kept, for a flow makes those of many periods."""
+        """As `Slabs`; few tables are kept, because a flow makes tables for many periods."""
         return GridSlabs(scene, self._grid, self.model, self.stages, _FEWEST_KNOWN)
 
     def keep_ledger(self) -> None:
-        """From now on the ledger is kept."""
+        """Start to keep the energy balance."""
         if self._dissipation and not self.is_kept[0]:
             for key, known in self._known.items():
-                known.port.ready[:] = False  # their maps know no heat
+                known.port.ready[:] = False  # their maps lack the heat
                 longest = float(known.port.length[0])
                 self._known[key] = known._replace(maps=StepMaps(self.slabs, self._dissipation, longest))
         self.is_kept[0] = True
 
     def known(self, longest: float) -> Known:
-        """What is known of steps of `longest` (transits) and its halves; of one length for all that differ by rounding, whichever
-        of them came first: a run that goes on from a checkpoint meets them from there on only."""
+        """Tables for steps of `longest` (transits) and its halves. Lengths that differ by rounding share tables of one length
+        that does not depend on their order: a run that continues from a checkpoint sees only the later ones."""
         key = f"{longest:.12e}"
         longest = float(key)
         dissipation = self._dissipation if self.is_kept[0] else None
         known = self._known.pop(key, None) or Known(StepMaps(self.slabs, dissipation, longest), self._blank(longest))
-        self._known[key] = known  # the last used is the last to be forgotten
+        self._known[key] = known  # the least recently used is dropped first
         if len(self._known) > self._most_known:
             del self._known[next(iter(self._known))]
         return known
 
     def port(self, longest: float, levels: int = LEVELS) -> Port:
-        """As `Slabs`: of exactly this length, with the tables of any that differs by rounding, and of all `LEVELS`."""
+        """As `Slabs`: with exactly this length, the tables of a length that differs by rounding, and all `LEVELS`."""
         port = self.known(longest).port
         values = line_aligned(port.values.size)
         return port._replace(length=np.ldexp(longest, -np.arange(port.length.size)), values=values)

@@ -17,7 +17,7 @@ shared by 4096 steps."""
 
 
 class Integrated(NamedTuple):
-    """All that is integrated, `state` (n,), and z of the last three steps' stages, `unknowns` (3, stages), latest first: a
+    """All integrated values, `state` (n,), and z of the last three steps' stages, `unknowns` (3, stages), latest first: a
     parabola through them starts each friction solve, which saves two of four iterations. Scratch: the state of a stage, `trial`
     (n,), and the `rates` of all stages, flat (stages n,)."""
 

@@ -1,4 +1,4 @@
-"""What all method-of-lines families share: grid, ledger, fields, and the march in time, exact or explicit."""
+"""Base class of all method-of-lines families: grid, energy balance, fields, and the march in time, exact or explicit."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
@@ -77,12 +77,12 @@ class MethodOfLines(ABC):
 
     @property
     def fewest(self) -> int:
-        """Cells that every layer has at least."""
+        """Fewest cells of a layer."""
         return 1
 
     @abstractmethod
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
-        """The grid of any sections."""
+        """The family's grid of `sections`."""
 
     @abstractmethod
     def elastic_limit(self) -> float:
@@ -106,7 +106,7 @@ class MethodOfLines(ABC):
         return ExplicitMarch(scene, self.system, method, step, values, work, self.cells, self.model)
 
     def system_of(self, scene: Scene) -> System:
-        """The equations of motion of another scene on a grid of the same kind with as many cells."""
+        """The equations of motion of another scene on a grid of the same family and number of cells."""
         if scene is self.scene:
             return self.system
         first = self.sections[0]
@@ -114,7 +114,7 @@ class MethodOfLines(ABC):
 
     @property
     def settings(self) -> dict[str, Any]:
-        """Everything besides the scene and the model's name that affects its numbers."""
+        """As `Solver`."""
         cells = [section.cells for section in self.sections]
         return {"cells": cells, "mass": self.mass, "time": self._march.name, **self._march.settings, "cfl": self.cfl}
 
@@ -139,8 +139,8 @@ class MethodOfLines(ABC):
         self._march.keep_ledger()
 
     def energy(self) -> Energy | None:
-        """Ledger since t = 0, in units of sigma L; None unless it is kept. Work and heat are integrated with the motion, never
-        taken from a difference, so that it closes at the order of the scheme."""
+        """As `Solver`; None unless `keep_ledger` was called. Work and heat are integrated with the motion, independently of the
+        stored energy, so that the balance closes at the order of the scheme."""
         work = self._march.work_done()
         if work is None:
             return None

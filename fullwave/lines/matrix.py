@@ -1,5 +1,5 @@
-"""The equations of motion without friction, as matrices: what the exact march propagates, a simple reference for
-`fullwave.lines.kernel`, and the basis of the step limit of scenes with viscosity or a mass on a face.
+"""The equations of motion without friction as matrices, for the exact march, for the step limit of scenes with viscosity or a
+mass on a face, and as a simple reference for `fullwave.lines.kernel`.
 """
 
 from typing import NamedTuple
@@ -38,8 +38,8 @@ class LinearMotion(NamedTuple):
 
     @property
     def moving(self) -> NDArray[np.int64]:
-        """Places in q of all that moves. The load of a face without a spring does not, although it would move the face: kept, it
-        would be an idle mode that lets no orbit be found."""
+        """Indices in q of the entries that move. The load of a face without a spring is constant; kept, it would be a neutral
+        mode that makes orbits degenerate."""
         return np.flatnonzero(np.abs(self.rates).sum(axis=1))
 
 
@@ -49,7 +49,7 @@ def motion_matrix(system: System, locked: bool) -> Array:
     motion = motion_of(system)
     n = motion.rates.shape[0]
     rates: Array = motion.rates[:, :n]
-    if not locked:  # the slip rate that leaves the stress as it is
+    if not locked:  # the slip rate at constant stress
         rates = rates - np.outer(motion.rates[:, n], motion.stress[:n] / motion.stress[n])
     return rates
 

@@ -4,15 +4,15 @@ With the slip rate u = v - V_0 and the change c of the drive (both polynomials i
 
     x' = L x + b u + d c,      y = C x + D_u u + D_c c,
 
-y: the stress at the interface and what the ledger needs. Inputs and outputs are taken by their coefficients in Legendre
-polynomials P_k(2 tau - 1) on the step: powers of tau would lose five digits. An output is represented by its moments
+y: the stress at the interface and the quantities of the energy balance. Inputs and outputs are taken by their coefficients in
+Legendre polynomials P_k(2 tau - 1) on the step: powers of tau would lose five digits. An output is represented by its moments
 
     m_k = integral of P_k(2 tau - 1) y over tau = 0..1,
 
 i.e. by its L2 projection onto the polynomials. Values at nodes instead would make the coupled step unstable for weak friction.
 The map (x, inputs) -> (change of x, moments) of a very short step is a Taylor series (`short_step`); that of a step twice as long
-follows from it by products of matrices (`doubled`). The change of x is kept instead of x at the end: e^(h L) - 1 of slow modes
-would lose its digits beside 1, and doubling would multiply the error.
+follows from it by products of matrices (`doubled`). The change of x is computed instead of x at the end: next to 1, e^(h L) - 1
+of slow modes would lose its digits, and doubling would multiply the error.
 """
 
 import math
@@ -45,8 +45,8 @@ class LinearSlabs:
 
 @dataclass(frozen=True)
 class StepMap:
-    """One step: x(end) - x = `change` x + `forced` a and m = `free` x + `through` a, with all inputs' coefficients a (p,) and all
-    outputs' moments m (q,), one input or output after the other."""
+    """One step: x(end) - x = `change` x + `forced` a and m = `free` x + `through` a, with the coefficients a (p,) of all inputs
+    and the moments m (q,) of all outputs, one after the other."""
 
     change: Array
     forced: Array

@@ -3,8 +3,8 @@
 In a homogeneous elastic slab the characteristics s + w and s - w travel independently, so a slab unfolds into one line along
 which u_t = -u_x. Its discrete spectrum is computed without inflow, and with the outflow returning at all phases. The spectrum
 times the step must lie where the Runge-Kutta method does not amplify. The friction solve does not reduce the limit, because it
-reflects at most what arrives. The matrices are not normal; a measurement shows that the spectrum is still sufficient: noise on
-the whole grid does not grow at 0.99 of the limit, and grows beyond the limit (tests/verification/test_noise.py).
+does not amplify waves. The matrices are not normal; a measurement shows that the spectrum is still sufficient: noise on the whole
+grid does not grow at 0.99 of the limit, and grows beyond the limit (tests/verification/test_noise.py).
 
 Step limits that depend on the scene and not only on the scheme: outer faces, viscosity, the frictional state.
 """

@@ -1,9 +1,8 @@
 """The maps of steps of one longest length and its halves, made when first needed, by doubling shorter steps.
 
-Heat of viscosity over one exactly propagated step, as a quadratic form in the grid's values and the inputs' coefficients.
-
-Dissipated power is a quadratic form in (x, u, c). Over a step x is linear in y = (x at its start, coefficients a), so the heat
-is y^T G y with one symmetric matrix G for each step length; that of a step twice as long follows as for the step's map.
+Viscous heat of a step is a quadratic form in the grid's values and the inputs' coefficients. Dissipated power is a quadratic form
+in (x, u, c). Over a step x is linear in y = (x at its start, coefficients a), so the heat is y^T G y with one symmetric matrix G
+for each step length; that of a step twice as long follows as for the step's map.
 """
 
 import math
@@ -90,7 +89,7 @@ def _values(terms: tuple[int, ...], time: Array | float) -> Array:
 
 
 class StepMaps:
-    """Maps of `slabs` in steps of `longest` (transits) / 2^level, and the `heats` by `dissipation`, if there is any, by level."""
+    """Maps of `slabs` in steps of `longest` (transits) / 2^level, and, with a `dissipation`, the `heats`, by level."""
 
     def __init__(self, slabs: LinearSlabs, dissipation: Dissipation | None, longest: float) -> None:
         self._slabs, self._dissipation, self._longest = slabs, dissipation, longest
@@ -98,8 +97,8 @@ class StepMaps:
         self.heats: dict[int, Array] = {}
 
     def find(self, level: int) -> StepMap:
-        """The map of a level: from a series or, where none holds, by doubling that of half the length. The same to the bit,
-        whichever levels were asked for before."""
+        """The map of a level, from the Taylor series or by doubling the map of half the length; bit-identical, whatever levels
+        were computed before."""
         with one_thread():
             series = min(LEVELS - 1, shortest_halving(self._slabs, self._longest))
             if max(level, series) not in self._maps:
@@ -112,7 +111,7 @@ class StepMaps:
         return self._maps[level]
 
     def _begin(self, level: int) -> None:
-        """Make the map of `level`, from a step for which a series holds."""
+        """Make the map of `level` from a step short enough for the Taylor series."""
         length = math.ldexp(self._longest, -level)
         extra = shortest_halving(self._slabs, length)
         first = math.ldexp(length, -extra)

@@ -16,9 +16,9 @@ s* = s +- (w* - w) that belongs to w*, the energy eps (w.H w + s.H s)/2 then cha
 
     sum_ends +- eps s* w* - eps (w - w*)^2,
 
-the power from outside minus the dissipation by upwinding. So nothing grows by itself, and the stiffness of friction does not
-enter the step limit. There are three kinds of ends, all solved for w* from the characteristic o = s -+ w that arrives (MODEL.md
-section 3):
+the power from outside minus the dissipation by upwinding. So energy does not grow by itself, and the stiffness of friction does
+not enter the step limit. There are three kinds of ends, all solved for w* from the characteristic o = s -+ w that arrives
+(MODEL.md section 3):
     joint      between two blocks: stress and velocity are continuous;
     interface  one scalar friction solve (`slipwave.friction.interface`) for both slabs;
     top        rigid, spring or dashpot: w* = A V + B (y_g - o); with a mass on the face, w* is a state of its own.

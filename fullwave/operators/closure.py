@@ -1,6 +1,6 @@
 """The end rows of summation-by-parts differences, computed from their accuracy conditions.
 
-H and Q are solved for together, not copied from a table. The conditions are Q p = H p' for all polynomials p of degree 2m - 1 or
+H and Q are computed together, not copied from a table. The conditions are Q p = H p' for all polynomials p of degree 2m - 1 or
 less, linear in both. D = H^-1 Q is then of order 2m - 1 in the end rows, and the solution keeps the order 2m of the interior.
 This requires a full norm matrix for the 2m + 1 end nodes. The end node itself is coupled to no other in H (Strand's restricted
 full norm), so that a penalty acts on one node. The conditions leave three entries free for order 4 and four for order 6; these
