@@ -9,7 +9,7 @@ import pytest
 
 from reduced.continuation.branch import Control, follow_branch, is_smooth
 from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
-from reduced.continuation.special import specials_between
+from reduced.continuation.special import specials_between, trend_of
 from reduced.continuation.start import from_hopf, from_orbit, from_stored, stored
 from reduced.orbit.closing import CLOSES_TO, close
 from slipwave.errors import NumericsError
@@ -270,3 +270,17 @@ def test_two_folds_between_two_points_are_found():
     assert [(fold.kind, fold.unstable_before, fold.unstable_after) for fold in found] == [("LP", 0, 1), ("LP", 1, 0)]
     size = 2.0 * 0.001**1.5
     assert [fold.point.parameter for fold in found] == pytest.approx([size, -size], abs=1e-10)
+
+
+@pytest.mark.parametrize(("kind", "moebius"), [("NS", False), ("PD", True)])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("height", [0.05, 3e-3, 1e-4, -1e-6, -0.01])
+def test_a_pair_of_special_points_within_a_step_is_found(height, sign, kind, moebius):
+    """A multiplier that leaves the circle, or dips into it, around p = 0.5 is as stable at both ends."""
+    oscillator = beside(lambda p: sign * (height - (p - 0.5) ** 2), moebius=moebius)
+    family = family_of(oscillator)
+    before, left, right = (at(family, oscillator, p) for p in (0.1, 0.2, 0.8))
+    found = specials_between(family, left, right, METRIC, trend_of(before, left, METRIC.length(left.unknowns - before.unknowns)))
+    places = [0.5 - height**0.5, 0.5 + height**0.5] if height > 0.0 else []
+    assert ([one.kind for one in found], left.unstable) == ([kind] * len(places), right.unstable)
+    assert [one.point.parameter for one in found] == pytest.approx(places, abs=1e-8)
