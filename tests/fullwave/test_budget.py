@@ -2,10 +2,7 @@
 taken."""
 
 import dataclasses
-import os
 import resource
-import signal
-import sys
 from functools import partial
 
 import pytest
@@ -21,8 +18,6 @@ from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow
 from tests.compiled_work import count_calls
-from tests.copies import in_a_copy
-from validation.cli import main
 
 SMALL = {**FAMILIES, "fd": partial(Leapfrog, cells=16, cfl=0.9)}
 
@@ -135,19 +130,3 @@ def test_the_count_is_about_what_is_taken(kind, options, monkeypatch):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert 0.6 * peak < counted[0] < 2.0 * peak
-
-
-def test_interrupt_ends_a_big_run():
-    march = fullwave.lines.explicit.march_lines
-
-    def telling(*arguments):
-        fullwave.lines.explicit.march_lines = march
-        print("begun", file=sys.stderr)
-        return march(*arguments)
-
-    def run():
-        fullwave.lines.explicit.march_lines = telling
-        return main(["run", "paper", "--model", "dg:24", "--cells", "10000", "--until", "1e9", "--yes"])
-
-    done = in_a_copy(run, lambda line, copy: line != "begun\n" or os.kill(copy, signal.SIGINT))
-    assert (done.returncode, done.stderr.splitlines()[-1].startswith("slipwave: interrupted")) == (130, True)

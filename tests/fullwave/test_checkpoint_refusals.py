@@ -94,7 +94,14 @@ def test_every_array_dropped_replaced_or_flipped(tmp_path, kind):
     for name in sorted(whole.keys() - {"facts"}):
         array, rest = whole[name], {key: value for key, value in whole.items() if key != name}
         flat = array.ravel()
-        shapes = [np.array("text"), np.zeros(0), flat[:-1], np.append(flat, 0.0), array[None], *map(array.astype, ("f4", complex))]
+        shapes = [
+            np.array("text"),
+            np.zeros(0),
+            flat[:-1],
+            np.append(flat, 0.0),
+            array[None],
+            *map(array.astype, ("f4", complex)),
+        ]
         shapes += [np.full(array.shape, np.nan)] if array.size and name.startswith("solver/") else []
         wrong = [sealed(rest), *(sealed(rest | {name: one}) for one in shapes if not np.array_equal(one, array))]
         if array.size:

@@ -11,7 +11,6 @@ from fullwave.lines import exact
 from fullwave.lines.system import GRIP, SCALARS, Viscous
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
-from slipwave.errors import SceneError
 from slipwave.solve import follow
 from slipwave.threads import one_thread
 
@@ -192,8 +191,3 @@ def test_any_slip_rate_and_a_long_hold():
     before = np.abs(held.snapshot().upper.velocity).max()
     follow(held, 2000.0)
     assert np.abs(held.snapshot().upper.velocity).max() <= 1.01 * before
-
-
-def test_another_word_for_the_march_is_refused():
-    with pytest.raises(SceneError, match="time = 'implicit': must be exact or explicit"):
-        DiscontinuousGalerkin(slipwave.read("paper"), time="implicit")

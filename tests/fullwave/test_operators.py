@@ -5,8 +5,6 @@ import pytest
 
 from fullwave.finite_element import assemble_layer
 from fullwave.operators.closure import boundary_closure, closure_rows
-from fullwave.operators.gll_element import ElementLineGLL
-from fullwave.operators.lobatto import gauss_lobatto
 from fullwave.summation_by_parts import difference_matrix
 
 
@@ -58,22 +56,3 @@ def test_elements_sum_by_parts(degree, mass):
         np.testing.assert_allclose(derivative @ depth**k, k * depth ** max(k - 1, 0), atol=1e-9)
     off_diagonal = np.abs(norm.toarray() - np.diag(norm.diagonal())).max()
     assert (off_diagonal < 1e-15) == (mass == "lumped")
-
-
-@pytest.mark.parametrize("degree", [1, 2, 3, 6, 11])
-def test_gll_element_is_a_lagrange_basis(degree):
-    element = ElementLineGLL(degree)
-    for i in range(degree + 1):
-        values, _ = element.lbasis(element.doflocs.T, i)
-        np.testing.assert_allclose(values, np.eye(degree + 1)[i], atol=1e-13)
-        step = 1e-6
-        at = np.array([[0.3, 0.7123]])
-        difference = (element.lbasis(at + step, i)[0] - element.lbasis(at - step, i)[0]) / (2 * step)
-        np.testing.assert_allclose(element.lbasis(at, i)[1][0], difference, rtol=1e-6, atol=1e-7)
-
-
-@pytest.mark.parametrize("degree", [1, 4, 9, 24])
-def test_gauss_lobatto_is_exact_to_its_degree(degree):
-    nodes, weights = gauss_lobatto(degree)
-    for k in range(2 * degree):
-        assert weights @ nodes**k == pytest.approx((1 + (-1) ** k) / (k + 1), abs=1e-13)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fullwave.lines.runge_kutta import CLASSICAL, combine_stages, method_of, stability_polynomial
+from fullwave.lines.runge_kutta import CLASSICAL, combine_stages, method_of
 from fullwave.lines.scheme_limit import longest_decay_step, longest_step
 
 METHODS = pytest.mark.parametrize("method", [CLASSICAL, method_of(8)], ids=["order 4", "order 8"])
@@ -31,15 +31,6 @@ def test_order_on_a_nonlinear_problem(method):
     errors = [abs(integrate(method, steps) - exact) for steps in (8, 16)]
     assert math.log2(errors[0] / errors[1]) > method.order - 0.7
     assert abs(integrate(method, 64) - exact) < (1e-12 if method.order == 8 else 1e-6)
-
-
-@METHODS
-def test_stability_polynomial_is_the_exponential_to_the_order(method):
-    coefficients = stability_polynomial(method)
-    exponential = [1.0 / math.factorial(k) for k in range(method.order + 1)]
-    np.testing.assert_allclose(coefficients[: method.order + 1], exponential, rtol=1e-11)
-    following = coefficients[method.order + 1] if coefficients.size > method.order + 1 else 0.0
-    assert abs(following * math.factorial(method.order + 1) - 1.0) > 1e-3
 
 
 def test_stability_limits_as_documented():

@@ -10,7 +10,7 @@ from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
 from reduced.delay.transmission_lines import delay_rows
 from slipwave import read
-from slipwave.errors import NumericsError, SceneError
+from slipwave.errors import NumericsError
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
 from slipwave.step.nodal import NOT_SMOOTH
@@ -19,25 +19,6 @@ from slipwave.step.nodal import NOT_SMOOTH
 def halve(solver, times):
     for _ in range(times):
         solver._refine(NOT_SMOOTH)
-
-
-STEP = ["drive.velocity=[[0, 100], [20, 100], [20, 1000]]"]
-
-
-@pytest.mark.parametrize(("name", "ln_v"), [("unlike", 5.7036059), ("layered", 5.2941163), ("grip", 6.5189910)])
-def test_steps_end_on_every_break_point_however_often_they_become_shorter(name, ln_v):
-    """V jumps at a multiple of the divisor of all delays, so that the jump's echoes arrive at multiples of it, for ever. The
-    first refinements come within such a span."""
-    solver = DelayNetwork(read(name, STEP))
-    parts, counts = [], {solver.steps}
-    while solver.time < 150.0:
-        parts.append(solver.advance(solver.time + solver._length))
-        counts.add(solver.steps)
-    ends = np.concatenate([piece.time + piece.length for piece in parts])
-    spans = solver._span * np.arange(1, round(150.0 / solver._span) + 1)
-    assert np.abs(ends[np.searchsorted(ends, spans - 1e-9)] - spans).max() < 1e-12
-    assert len(counts) > 2
-    assert parts[-1].z[-1, -1] == pytest.approx(ln_v, abs=2e-7)
 
 
 @pytest.mark.parametrize("back", [1.0, 1.02, 1.3, 1.875, 2.25, 2.5, 40.6])
@@ -105,11 +86,6 @@ def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):
     with pytest.raises(NumericsError, match=r"delay: more than 20 break points within a travel time at t = \d+"):
         follow(solver, 30.0)
     assert solver.time == pytest.approx(12.0, abs=0.02)
-
-
-def test_viscous_slabs_are_refused_with_the_reason():
-    with pytest.raises(SceneError, match="disperse"):
-        delay_system(read("viscous"))
 
 
 @pytest.mark.parametrize("march", [DelayNetwork, DelayBreaks])

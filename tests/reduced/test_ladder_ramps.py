@@ -6,7 +6,7 @@ from reduction_equations import EVERY_TERM, Equations
 
 import slipwave
 from reduced.impedance import reduction_of
-from reduced.ode.march import LONGEST, ReducedModel
+from reduced.ode.march import ReducedModel
 from slipwave.solve import follow
 
 KNOTS = (20.1234567, 21.3456789, 30.77777, 30.87777, 41.42135)
@@ -40,30 +40,6 @@ def test_the_march_obeys_the_equations(model, settings):
     scene = slipwave.read("paper", ["slab.log10_r=-2.62", *settings, RAMP, "run.until=400"])
     reduction = EVERY_TERM if model == "every term" else reduction_of(scene, model)
     assert (errors(scene, reduction, 1e-9) < (5e-8 if reduction.mass else 5e-9)).all()
-
-
-@pytest.mark.parametrize("distance", [0.01, 1.9, 2.1, 17.0, 300.0])
-def test_the_longest_step_divides_the_way_to_the_next_knot_by_a_power_of_two(distance):
-    scene = slipwave.read("paper", [f"drive.velocity=[[0.0, 100.0], [1.0, 100.0], [{1.0 + distance!r}, 200.0]]", "run.until=400"])
-    solver = ReducedModel(scene, reduction_of(scene, "kelvin-voigt"))
-    follow(solver, 1.0 + 0.5 * distance)
-    halvings = np.log2(distance / solver.longest)
-    assert halvings == pytest.approx(round(halvings), abs=1e-9)
-    assert min(0.5 * LONGEST, distance) < solver.longest * (1 + 1e-9) <= LONGEST * (1 + 1e-9)
-
-
-def test_steps_end_on_every_knot_and_are_no_shorter_than_they_need_be():
-    scene = slipwave.read("paper", [RAMP, "run.until=400"])
-    solver, ends = ReducedModel(scene, reduction_of(scene, "kelvin-voigt")), []
-    while solver.time < 50.0:
-        pieces = solver.advance(50.0)
-        ends += (pieces.time + pieces.length).tolist()
-    assert np.abs(np.subtract.outer(KNOTS, ends)).min(axis=1).max() < 1e-11
-    uncut = slipwave.read("paper", ["run.until=400"])
-    solver, before = ReducedModel(uncut, reduction_of(uncut, "kelvin-voigt")), 0
-    while solver.time < 20.0:
-        before += solver.advance(20.0).time.size
-    assert sum(end < 20.12 for end in ends) < 1.5 * before
 
 
 def test_no_step_is_tiny_before_a_knot_far_away():

@@ -106,24 +106,6 @@ def test_waves_that_last_are_not_shown_by_long_pieces():
     assert np.diff(seen.samples()[0]).max() < 1.0
 
 
-def test_no_leap_crosses_a_change_of_the_drive():
-    scene = sample("machine", ODD)
-    solver, begun, ended = LeapingNetwork(scene, TOLERANCE), [], []
-
-    class Ends:
-        whole_from = np.inf
-
-        def scan(self, pieces):
-            begun.extend(pieces.time)
-            ended.extend(pieces.time + pieces.length)
-
-    follow(solver, 36_000.5, [Ends()])
-    assert solver.skipped > 20_000
-    for knot in (2000.1, 30_000.37):
-        assert np.abs(np.array(ended) - knot).min() < 1e-9
-        assert np.abs(np.array(begun) - knot).min() < 1e-9
-
-
 def test_a_jump_of_the_drive_within_a_step_is_met_by_its_end():
     scene = dataclasses.replace(slipwave.read("machine"), drive=Drive((0.0, 20.3, 20.3), (100.0, 100.0, 130.0)))
     ours, theirs = LeapingNetwork(scene, 1e-9), DelayBreaks(scene, 1e-9)

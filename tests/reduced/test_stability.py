@@ -107,13 +107,6 @@ NOT_FOR_LOSS = [("block12", name) for name in LOSSY] + [("kelvin-voigt", name) f
 NOT_FOR_LOSS += [("modal:3", name) for name in LOSSY] + [("quasidynamic", "reflection")]
 
 
-@pytest.mark.parametrize(("model", "name"), NOT_FOR_LOSS)
-def test_a_model_that_cannot_do_a_scene_is_no_answer(model, name):
-    for analysis in (critical_round_trip, critical_epsilon):
-        with pytest.raises(SceneError, match=f"model = '{model}'.*fitted:N"):
-            analysis(EVERY[name], model)
-
-
 @pytest.mark.parametrize(("name", "model"), [case for case in CASES if case[::-1] not in NOT_FOR_LOSS])
 def test_critical_values_part_stable_from_unstable(name, model):
     scene = EVERY[name]
@@ -178,14 +171,6 @@ def test_essential_abscissa_closed_form():
     assert essential_abscissa(EVERY["matched grip"]) == -math.inf
     assert essential_abscissa(EVERY["ratio sqrt 2"]) == pytest.approx(0.0, abs=1e-6)
     assert essential_abscissa(scene_of(slab(viscosity=KelvinVoigtViscosity(0.5)))) == -2.0
-
-
-def test_taylor_is_unstable_whatever_the_friction():
-    for law in (PAPER, Ageing(0.369, 0.0489, 0.0349)):
-        found = analyse(paper(10**-3.5, law=law), "taylor")
-        assert not found.stable
-        assert found.unstable_roots >= 2
-    assert analyse(paper(10**-3.5), "kelvin-voigt").stable
 
 
 def test_strengthening_friction_is_stable_and_has_no_critical_values():

@@ -10,7 +10,7 @@ from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
-from reduced.delay.transit_mesh import cuts_of, transit_mesh
+from reduced.delay.transit_mesh import transit_mesh
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from slipwave.step.collocation import radau_nodes
@@ -23,21 +23,6 @@ def test_radau_nodes_are_the_roots_of_a_jacobi_polynomial(stages):
     nodes = radau_nodes(stages)
     assert nodes[-1] == 1.0
     assert np.abs(nodes[:-1] - 0.5 * (roots_jacobi(stages - 1, 1.0, 0.0)[0] + 1.0)).max() < 4e-16
-
-
-def test_cuts_are_the_knots_and_their_arrivals():
-    assert cuts_of(slipwave.read("paper").drive) == pytest.approx([0.0])
-    assert cuts_of(slipwave.read("paper", ODD).drive) == pytest.approx([0.0, 0.17, 0.3, 0.5, 0.67, 0.8])
-
-
-def test_steps_tile_the_transit_and_end_on_the_cuts():
-    cuts = np.array([0.0, 0.17, 0.3, 0.5])
-    mesh = transit_mesh(4, cuts)
-    ends = mesh.starts + mesh.lengths
-    assert ends[-1] == pytest.approx(1.0)
-    assert mesh.lengths.max() <= 0.25 + 1e-12
-    assert np.abs(ends[:, None] - cuts[1:]).min(axis=0).max() < 1e-12
-    assert np.array_equal(transit_mesh(3, np.zeros(1)).starts, np.arange(3) / 3)
 
 
 def test_resampling_keeps_polynomials():

@@ -14,7 +14,6 @@ from numba.core import event
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import njit
 from slipwave.observe.swings import size_of
-from slipwave.sources import ROOT
 
 SWING = np.array([1.0, 2.0, 3.5])
 ANSWER = 1.5
@@ -170,12 +169,3 @@ def test_a_function_of_the_users_is_kept_until_what_it_names_changes(monkeypatch
     assert [ask_own(), ask_own()] == [(12.0, 0), (12.0, 1)]
     monkeypatch.setattr(own, "__module__", "nowhere")
     assert [ask_own(), ask_own()] == [(12.0, 0)] * 2
-
-
-def test_code_for_one_kind_of_grid_does_not_depend_on_another():
-    from fullwave.discontinuous import Elements
-    from fullwave.lines.kernel import march_lines
-
-    sources = compile_cache.made_from_what(march_lines.py_func, {Elements}).sources
-    assert {ROOT / "fullwave" / "discontinuous.py", ROOT / "fullwave" / "lines" / "system.py"} <= set(sources)
-    assert ROOT / "fullwave" / "finite_element.py" not in sources

@@ -63,19 +63,3 @@ def test_the_record_within_a_part_of_a_piece(basis):
         raise_record(basis, polynomial(basis.nodes), np.zeros(5), memory, 0, begin, end)
         wanted = [greatest(sign * polynomial, begin, end, within=(begin, end)) for sign in (1.0, -1.0)]
         assert memory == pytest.approx(wanted, abs=1e-12)
-
-
-def pieces_of(wave, basis):
-    """Values of eight pieces that share the interval [0, 1]."""
-    return [wave((k + basis.nodes) / 8) for k in range(8)]
-
-
-@pytest.mark.parametrize("basis", BASES.values(), ids=BASES)
-def test_the_record_over_pieces(basis):
-    """A peak near the end of a piece is found in one of the two."""
-    for wave in smooth(100):
-        memory = np.array([9.0, -np.inf, -np.inf, 9.0])
-        for values in pieces_of(wave, basis):
-            raise_record(basis, values, np.zeros(5), memory, 1, 0.0, 1.0)
-        wanted = [greatest(sign * wave, 0.0, 1.0, within=(0.0, 1.0)) for sign in (1.0, -1.0)]
-        assert memory == pytest.approx([9.0, *wanted, 9.0], abs=1e-12)

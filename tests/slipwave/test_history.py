@@ -37,13 +37,6 @@ def test_the_window_at_the_nodes_or_at_equal_steps(history, per_piece, inside):
     np.testing.assert_allclose(values, motion(time), atol=1e-13)
 
 
-def test_any_moment_of_the_window(history):
-    times = np.linspace(1.0, 4.0, 37)
-    time, *values = history.at(times)
-    np.testing.assert_array_equal(time, times)
-    np.testing.assert_allclose(values, motion(times), atol=1e-13)
-
-
 def test_the_state_holds_the_window(history):
     again = HistoryObserver(LAW, NODES)
     again.restore(HistoryObserver(LAW, NODES).state())

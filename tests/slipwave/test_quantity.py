@@ -150,6 +150,10 @@ def test_a_grip_takes_units_and_its_bare_numbers_stay_relative():
             {"slab.face": {"kind": "machine", "stiffness": "1e8 N/m", "impedance": 0, "mass": 0}},
             'slab.face.stiffness = "1e8 N/m": must come with slab.face.area, or be per area, as in "1 GPa/m"',
         ),
+        (
+            {"slab.face": {"kind": "machine", "stiffness": 0, "impedance": 0, "mass": "1e15 kg/m2"}},
+            'slab.face.mass = "1e15 kg/m2": is 1.85185185e+10 relative to',
+        ),
         ({"drive.velocity": [["5 s", 1], ["1 s", 2]]}, "drive.velocity: times = [833.33"),
         (
             {"drive.velocity": [[5, 1], [5, 2], [5, 3]]},

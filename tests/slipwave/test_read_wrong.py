@@ -26,7 +26,8 @@ FULL = {
 }
 SI = {
     "interface": FULL["interface"] | {"normal_stress": 1e3, "memory_length": 0.9e-6, "reference_velocity": 1e-6},
-    "slab": {"density": 784.0, "shear_modulus": 1e6, "thickness": 0.03, "viscosity": {"kind": "kelvin-voigt", "time": 1e-5}},
+    "slab": {"density": 784.0, "shear_modulus": 1e6, "thickness": 0.03, "viscosity": {"kind": "kelvin-voigt", "time": 1e-5}}
+    | {"face": {"kind": "machine", "stiffness": 1e9, "impedance": 1e5, "mass": 9.0}},
     "drive": {"velocity": 100.0},
 }
 NUMBERS = [
@@ -36,6 +37,7 @@ NUMBERS = [
     *((FULL, key) for key in ("upper.layers.0.fraction", "upper.layers.1.impedance")),
     *((SI, f"interface.{key}") for key in ("normal_stress", "memory_length", "reference_velocity")),
     *((SI, key) for key in ("slab.density", "slab.shear_modulus", "slab.thickness", "slab.viscosity.time")),
+    *((SI, f"slab.face.{key}") for key in ("stiffness", "impedance", "mass")),
 ]
 WORDS = ["interface.law", "upper.face.kind", "upper.viscosity.kind", "start.kind"]
 TABLES = ["interface", "upper", "lower", "upper.face", "upper.viscosity", "upper.layers", "drive", "start", "run"]
@@ -87,7 +89,7 @@ MAY_BE_NEGATIVE = ("interface.a_star", "lower.log10_r", "lower.face.coefficient"
 def test_signs(data, key):
     if key not in MAY_BE_NEGATIVE:
         assert f"{key} = -1" in complaint(changed(data, key, -1.0))
-    if key not in (*MAY_BE_NEGATIVE, "interface.b", "upper.face.impedance"):
+    if key not in (*MAY_BE_NEGATIVE, "interface.b", "upper.face.impedance") and not key.startswith("slab.face"):
         assert f"{key} = 0" in complaint(changed(data, key, 0))
 
 

@@ -65,11 +65,6 @@ def test_steady_sliding_is_at_the_drive_before_the_run(law, velocity):
     assert chosen.steady_stress == pytest.approx(0.5 - 0.02 * math.log(velocity), rel=1e-15)
 
 
-def test_a_transit_is_the_upper_slabs_round_trip():
-    assert of(Slab(2.0, 3.0), Slab(2.0, 5.0)).transit == 3.0
-    assert not of(Slab(2.0, 3.0), Slab(2.0, 5.0)).alike
-
-
 NOT_PHYSICS = {"name", "record", "units", "tables", "material"}
 """What a scene is called, which of its quantities are kept, the names of its units, how it was written and what slabs of known
 impedance are made of change no number."""

@@ -1,11 +1,9 @@
 """What a file of the house imports, and digests that cover the program and not its comments."""
 
-from pathlib import Path
-
 import pytest
 
 from slipwave import sources
-from slipwave.sources import ROOT, import_closure, inside, program
+from slipwave.sources import ROOT, import_closure, program
 
 
 def closure(file, packages=True):
@@ -46,13 +44,6 @@ def test_a_digest_sees_the_program_only(other, same, tmp_path):
     for number, text in enumerate(texts):
         (tmp_path / f"{number}.py").write_text(text)
     assert (program(tmp_path / "0.py") == program(tmp_path / "1.py")) is same
-
-
-def test_only_files_of_the_four_rooms_are_inside():
-    assert inside(ROOT / "slipwave" / "scene" / "slab.py")
-    assert not inside(ROOT / "tests" / "conftest.py")
-    assert not inside(Path(__file__))
-    assert not inside(Path("/tmp/scene/slab.py"))
 
 
 @pytest.mark.parametrize("room", ["slipwave", "reduced", "fullwave"])

@@ -4,7 +4,6 @@ import math
 
 import pytest
 
-import slipwave
 from slipwave.errors import SceneError
 from slipwave.scene.slab import GripFace, Layer, MachineFace, ReflectingFace, RigidFace, Slab, Termination
 
@@ -61,32 +60,3 @@ def test_time_in_transits():
 def test_what_no_face_can_be_is_refused(numbers):
     with pytest.raises(SceneError, match=r"outer face: spring = .*, dashpot = .*, mass = .*: must be 0 or more, the mass finite"):
         Termination(*numbers)
-
-
-def machine(scene, **keys):
-    given = {f"slab.face.{key}": value for key, value in keys.items()}
-    return slipwave.read(scene, {"slab.face.kind": "machine"} | given).upper.face
-
-
-def test_a_machine_in_si_by_the_slabs_own_numbers():
-    """A spring like both slabs of h together, a dashpot like rho c, and a mass of both slabs are 1 each."""
-    density, modulus, thickness = 784.0, 1e6, 0.03357797353158276
-    both = 2.0 * thickness
-    found = machine("paper-si", stiffness=modulus / both, impedance=math.sqrt(density * modulus), mass=density * both)
-    assert isinstance(found, MachineFace)
-    assert (found.stiffness, found.impedance, found.mass) == pytest.approx((1.0, 1.0, 1.0), rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("scene", "keys", "complaint"),
-    [
-        ("paper", {"mass": -1}, r"slab.face.mass = -1: must be a number from 0 "),
-        ("paper", {"mass": 1e10}, r"slab.face.mass = 1e\+10: must be a number from 0 to 1e\+09"),
-        ("paper-si", {"stiffness": 1e18}, r"slab.face.stiffness = 1e\+18: must be a number from 0 to 1e\+15"),
-        ("paper-si", {"mass": 1e15}, r"slab.face.mass = 1e\+15: is 1.8993\d*e\+13 relative to .* must be .* 0 to 1e\+09"),
-        ("paper", {"mas": 3}, r"slab.face.mas = 3: unknown key; did you mean mass\?"),
-    ],
-)
-def test_machines_that_make_no_sense_are_refused_by_key(scene, keys, complaint):
-    with pytest.raises(SceneError, match=complaint):
-        machine(scene, **({"stiffness": 1.0, "impedance": 1.0, "mass": 1.0} | keys))

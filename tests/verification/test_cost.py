@@ -38,27 +38,14 @@ def cost(monkeypatch):
 @EVERY
 def test_work_is_proportional_to_cells_times_steps(model, cost):
     """Twice the transits: twice the steps, of the same values. Four times the cells: four times the steps, of four times the
-    values. A run ends with the piece of up to 8 steps in which its end lies."""
+    values. Unlike slabs of equal round trips: twice the values. A run ends with the piece of up to 8 steps in which its end
+    lies."""
     cells = GRIDS[model]
-    (steps, values), longer, (more, finer) = (
-        cost(model, PAPER, cells),
-        cost(model, PAPER, cells, 40.0),
-        cost(model, PAPER, 4 * cells),
-    )
-    print(f"{model}: {steps} steps of {values} values; {longer[0] / steps:.4f}, {more / steps:.4f}, {finer / values:.4f} times")
-    assert (longer[1], longer[0]) == (values, pytest.approx(2 * steps, abs=16))
-    assert more == pytest.approx(4 * steps, abs=40)
-    assert finer == pytest.approx(4 * values, abs=40)
-
-
-@EVERY
-def test_unlike_slabs_cost_twice_what_alike_ones_do(model, cost):
-    """Equal round trips, so that both have the same cells and steps."""
     unlike = dataclasses.replace(PAPER, lower=dataclasses.replace(PAPER.lower, epsilon=1.001 * PAPER.lower.epsilon))
-    (steps, values), (both_steps, both_values) = cost(model, PAPER, GRIDS[model]), cost(model, unlike, GRIDS[model])
-    print(f"{model}: {both_steps} for {steps} steps, {both_values} for {values} values")
-    assert both_steps == steps
-    assert both_values == pytest.approx(2 * values, abs=10)
+    steps, values = cost(model, PAPER, cells)
+    assert cost(model, PAPER, cells, 40.0) == (pytest.approx(2 * steps, abs=16), values)
+    assert cost(model, PAPER, 4 * cells) == (pytest.approx(4 * steps, abs=40), pytest.approx(4 * values, abs=40))
+    assert cost(model, unlike, cells) == (steps, pytest.approx(2 * values, abs=10))
 
 
 def peak(model, cells, transits):
@@ -80,5 +67,4 @@ def test_memory_does_not_grow_with_the_run(model):
     solver = build(model, PAPER, cells=GRIDS[model], time=explicit_time(model))
     samples = 4 * 8 * 800.0 / solver.step
     short, long = (peak(model, GRIDS[model], transits) for transits in (400.0, 1200.0))
-    print(f"{model}: {short / 1e3:.0f} kB, {long / 1e3:.0f} kB for three times as long, {samples / 1e3:.0f} kB of samples more")
     assert long - short < 0.1 * samples
