@@ -10,7 +10,7 @@ from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
 from reduced.delay.transmission_lines import delay_rows
 from slipwave import read
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
 from slipwave.step.nodal import NOT_SMOOTH
@@ -77,6 +77,11 @@ def test_break_points_are_the_arrivals_of_the_jump_and_no_others(name, one_way):
                 arrivals.add(back)
                 at_interface.append(back)
     assert solver.break_points == len(arrivals)
+
+
+def test_viscous_slabs_are_refused_with_the_reason():
+    with pytest.raises(SceneError, match="disperse"):
+        delay_system(read("viscous"))
 
 
 def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):
