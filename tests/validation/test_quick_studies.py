@@ -88,7 +88,7 @@ def held(name):
     return result
 
 
-ELSEWHERE = {"which-model", "period-against-delay", "slip-event", "claims"}
+ELSEWHERE = {"which-model", "period-against-delay", "claims"}
 """Studies that a test file of their own runs, once."""
 SLOW = {"regime-map", "asymmetry-map", "laboratory", "manufactured"}
 LONG = {"beyond-one-scene", "bifurcation", "partial-reflection", "snaking", "stability-boundaries"}

@@ -131,25 +131,6 @@ def test_a_root_on_the_axis_is_neutral_and_no_verdict(answer, scene, model, shar
     assert ["neutral within rounding" in note for note in found["notes"]] == [True]
 
 
-@pytest.mark.parametrize(("share", "stable"), [(1e-5, False), (-1e-5, True)])
-def test_off_the_axis_there_is_a_verdict(answer, share, stable):
-    r_c = 10.0 ** answer("stability", "paper")["log10_r_c"]
-    found = answer("stability", "paper", "--set", f"slab.r={r_c * (1.0 + share):.17g}")
-    assert found["stable"] is stable
-    assert (found["unstable_roots"], found["notes"]) == (0 if stable else 2, [])
-
-
-def test_a_ramp_says_which_velocity_is_analysed(answer, printed):
-    ramp = "drive.velocity=[[0, 1000], [5, 1000], [10, 100]]"
-    found = answer("stability", "paper", "--set", ramp)
-    same = answer("stability", "paper", "--set", "drive.velocity=1000")
-    assert found["velocity"] == same["velocity"] == 1000.0
-    assert found["leading_roots"] == same["leading_roots"]
-    assert ["V = 1000, the one at t = 0" in note for note in found["notes"]] == [True]
-    assert same["notes"] == []
-    assert "note: the drive changes: this is steady sliding at V = 1000" in printed("stability", "paper", "--set", ramp)
-
-
 def test_figures_that_do_not_exist_have_a_reason(answer):
     """Quasi-dynamic slabs on a machine whose onset lies beyond every thickness, and friction that strengthens."""
     rock = {"density": 2700.0, "shear_modulus": "30 GPa", "thickness": 1.0}
