@@ -9,7 +9,7 @@ import pytest
 import slipwave
 import slipwave as sw
 from slipwave.errors import SceneError
-from slipwave.family import FEATURES, features_of
+from slipwave.family import features_of
 from slipwave.input.stored import read_stored
 from slipwave.solve import follow
 from validation.compute.build import build, build_all
@@ -34,15 +34,6 @@ from validation.compute.own import load_families, own_files
 )
 def test_features(name, features):
     assert features_of(slipwave.read(name)) == features
-
-
-def test_the_registry_is_consistent():
-    names = [family.name for family in FAMILIES]
-    assert len(set(names)) == len(names)
-    for family in FAMILIES:
-        assert family.honours <= set(FEATURES)
-        assert (family.default is not None) == bool(family.numbers)
-        assert callable(family.maker())
 
 
 @pytest.mark.parametrize("family", families(), ids=lambda family: family.name)
@@ -211,13 +202,6 @@ def test_a_file_of_results_names_the_family_and_demands_it_again(file, printed, 
     assert "was computed with another family of 'mine:3'" in refused("run", first, *own)
     printed("run", "paper", "--until", "5", "--model", "dg:3", "--out", ours)
     assert "family_file" not in read_stored(ours).facts
-
-
-@pytest.mark.parametrize(("name", "told"), [("none.py", "no such file"), ("mine.txt", "must be a Python file")])
-def test_a_file_that_is_none(tmp_path, name, told):
-    (tmp_path / "mine.txt").write_text("")
-    with pytest.raises(SceneError, match=told):
-        sw.stability("paper", family=tmp_path / name)
 
 
 PACKAGE = {

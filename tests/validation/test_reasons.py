@@ -4,7 +4,6 @@ import json
 import logging
 import math
 import sys
-from dataclasses import dataclass, field
 
 import pytest
 
@@ -15,7 +14,6 @@ from reduced.delay.march import DelayMarch
 from reduced.stability import characteristic, leading_roots
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver
-from slipwave.scene import Scene
 from slipwave.solve import follow
 from slipwave.solve.follow import DAY, require_time
 from tests.granite import GRANITE, THIN
@@ -38,12 +36,6 @@ def test_a_stable_sample_says_what_would_make_it_slip():
     assert line.endswith("it would slip with slabs over 6 m (here 200 mm) or a normal stress over 150 MPa (here 5 MPa)")
     assert "(8.92 s)" in line  # of the slower root of a s^2 + (a - b + k) s + k = 0, k = 0.15, on the clock of 10 s
     assert pytest.approx((0.145 - math.sqrt(0.145**2 - 4 * 0.01 * 0.15)) / 0.02, rel=1e-3) == 10.0 / 8.92
-
-
-def test_a_run_without_cycles_says_how_long_one_takes():
-    lines = told(until=20.0)
-    assert lines[0] == "a cycle is expected to take about 69 transits"
-    assert lines[1].startswith("steady sliding is unstable; a disturbance grows by a factor e in 542 transits; ")
 
 
 def test_a_decaying_run_says_how_fast():
@@ -130,15 +122,6 @@ def test_it_is_that_of_the_velocity_with_which_the_drive_ends():
     assert (hold.stable, hold.rate, hold.period) == (None, 0.0, math.inf)
 
 
-@dataclass
-class Marching:
-    """As much of a solver as is read."""
-
-    model: str
-    time: float = 0.0
-    scene: Scene = field(default_factory=lambda: slipwave.read("paper"))
-
-
 @pytest.mark.parametrize(
     ("model", "seconds", "says"), [("delay", 6.1, True), ("delay", 0.5, False), ("quasidynamic", 6.1, False)]
 )
@@ -147,7 +130,7 @@ def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, ca
     clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
     monkeypatch.setattr("validation.compute.run._SOON", 5.0)
     monkeypatch.setattr("validation.compute.run.time.monotonic", lambda: next(clock))
-    advice = LongRunAdvice(Marching(model), 110.0, lambda done: None)  # type: ignore[arg-type]
+    advice = LongRunAdvice(build(model, slipwave.read("paper")), 110.0, lambda done: None)
     with caplog.at_level(logging.INFO, logger="slipwave"):
         for done in (10.0, 20.0, 90.0):
             advice(done)
@@ -230,20 +213,3 @@ def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now, caplog):
             told.append(" ".join(caplog.messages))
             caplog.clear()
     assert told == ["", "", "", "run: 20%, 80 s left", "", "run: 50%, 25 s left", ""]
-
-
-def test_a_terminal_has_a_bar_once_patience_has_passed(now, monkeypatch):
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
-    with progress("a [label]", 8.0) as report:
-        now[0] = 101.9
-        report(1.0)
-        assert report._bar is None  # type: ignore[attr-defined]
-        now[0] = 102.0
-        report(2.0)
-        report(6.0)
-        bar = report._bar  # type: ignore[attr-defined]
-        (task,) = bar.tasks
-        assert ((task.total, task.completed, task.percentage), task.description) == ((8.0, 6.0, 75.0), r"a \[label]")
-        assert bar.live.is_started
-        assert bar.live.transient
-    assert not bar.live.is_started

@@ -220,12 +220,18 @@ def test_a_law_by_file_is_recorded_and_asked_for(tmp_path, again, refused, monke
 
 
 @pytest.mark.parametrize(
-    ("text", "told"), [("x = 1\n", "registers no friction law"), ("1 / 0\n", "ZeroDivisionError"), (None, "no such file")]
+    ("name", "told"),
+    [
+        ("x = 1.py", "registers no friction law"),
+        ("1 % 0.py", "ZeroDivisionError"),
+        ("none", "no such file"),
+        ("x = 1.txt", "must be a Python file"),
+    ],
 )
-def test_a_file_without_a_law_is_refused(text, told, tmp_path, refused):
-    path = tmp_path / "law.py"
-    if text is not None:
-        path.write_text(text)
+def test_a_file_without_a_law_is_refused(name, told, tmp_path, refused):
+    path = tmp_path / name
+    if path.suffix:
+        path.write_text(path.stem)
     assert told in refused("run", "paper", "--law", str(path))
     assert path.resolve() not in LAW_FILES  # else every process of a later sweep would refuse it once more
 
@@ -267,41 +273,28 @@ SCENE = {
 """A stiff block whose transits are long, so that few have to be computed."""
 
 
-def protocol(**options):
-    return slipwave.run("velocity-steps", "quasidynamic", **options, **SCENE).summary["protocol"]
-
-
-def test_the_json_has_every_stage_with_si():
-    start, step, hold = protocol()
-    assert [stage["kind"] for stage in (start, step, hold)] == ["start", "step", "hold"]
-    si = step["si"]
-    assert (si["start_s"], si["end_s"]) == (pytest.approx(40.0, rel=1e-12), pytest.approx(90.0, rel=1e-12))
-    assert si["velocity_m_per_s"] == pytest.approx(3e-6, rel=1e-12)
-    for name in ("direct_effect", "evolution", "steady_stress"):
-        assert si[f"{name}_Pa"] == pytest.approx(step[name] * 5e6, rel=1e-12)
-    assert si["slip_to_recovery_m"] == pytest.approx(step["slip_to_recovery"] * 1e-5, rel=1e-12)
-    assert (si["healing_Pa"], step["healing"]) == (None, None)
-    assert hold["si"]["relaxation_Pa"] > 0.0
-
-
-def test_a_file_has_the_stages_of_the_json(tmp_path):
-    path = tmp_path / "steps.nc"
+def test_json_and_file_have_every_stage_with_si(tmp_path):
     result = slipwave.run("velocity-steps", "quasidynamic", **SCENE)
-    result.to_netcdf(path)
+    result.to_netcdf(tmp_path / "steps.nc")
     stages = result.summary["protocol"]
-    with xarray.open_dataset(path) as data:
+    assert [(stage["kind"], stage["stick_slips"]) for stage in stages] == [("start", 0), ("step", 0), ("hold", 0)]
+    sizes = {f"{name}_Pa": 5e6 for name in ("direct_effect", "evolution", "steady_stress", "relaxation", "healing")}
+    sizes |= {"slip_to_recovery_m": 1e-5, "velocity_m_per_s": 1e-6}
+    with xarray.open_dataset(tmp_path / "steps.nc") as data:
         assert (data.attrs["ended"], data.attrs["reasons"]) == ("until", "; ".join(result.reasons))
         assert data["stage_kind"].values.tolist() == ["start", "step", "hold"]
-        assert data["stage_stick_slips"].values.tolist() == [0, 0, 0]
-        sizes = {"direct_effect": "Pa", "evolution": "Pa", "relaxation": "Pa", "slip_to_recovery": "m", "start": "s", "end": "s"}
-        for name, unit in sizes.items():
-            plain, twin = (
-                [math.nan if one is None else one for one in column]
-                for column in ([stage[name] for stage in stages], [stage["si"][f"{name}_{unit}"] for stage in stages])
-            )
+        for label, size in sizes.items():
+            name = label.removesuffix("_m_per_s").removesuffix("_m").removesuffix("_Pa")
+            plain = [math.nan if stage[name] is None else stage[name] for stage in stages]
+            twin = [math.nan if stage["si"][label] is None else stage["si"][label] for stage in stages]
+            np.testing.assert_allclose(twin, np.multiply(plain, size), rtol=1e-12)
             np.testing.assert_array_equal(data[f"stage_{name}"], plain)
-            np.testing.assert_allclose(data[f"stage_{name}_{unit}"], twin, rtol=1e-15)
-        assert data["stage_velocity_m_per_s"].values.tolist() == pytest.approx([1e-6, 3e-6, 0.0], rel=1e-14)
+            np.testing.assert_allclose(data[f"stage_{label}"], twin, rtol=1e-15)
+        for name, seconds in (("start", [0.0, 40.0, 90.0]), ("end", [40.0, 90.0, 100.0])):
+            assert data[f"stage_{name}_s"].values.tolist() == [stage["si"][f"{name}_s"] for stage in stages]
+            assert data[f"stage_{name}_s"].values.tolist() == pytest.approx(seconds, rel=1e-12)
+    assert stages[1]["direct_effect"] > 0.0 < stages[2]["relaxation"]
+    assert stages[1]["healing"] is None
 
 
 @pytest.mark.parametrize(("name", "options"), [("paper", []), ("paper-si", ["--set", "drive.velocity=2000"])])
