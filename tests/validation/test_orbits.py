@@ -118,18 +118,20 @@ def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid():
         ("kelvin-voigt", -2.60, {}),
         ("dg:7", -2.68, {"cells": 5, "time": "exact"}),
         ("dg:7", -2.68, {"cells": 5, "time": "explicit"}),
+        ("sbp:6", -2.68, {"cells": 24, "time": "explicit", "cfl": 0.45}),
+        ("fem:4", -2.68, {"cells": 5, "time": "explicit", "cfl": 0.45}),
         ("delay", "grip", {}),
         ("delay", "layered", {}),
     ],
 )
 def test_every_cycle_from_the_start_on_is_the_orbit(model, scene, options):
     """At log10 r = -2.65 the orbit is unstable: by a factor of 1.17 in a cycle, so that an error of 1e-9 stays invisible."""
-    begun = {"start.kind": "orbit"}
-    if isinstance(scene, float):
-        chosen = slipwave.read("paper", begun | {"slab.log10_r": scene})
+    chosen = read("paper", {"slab.log10_r": scene}) if isinstance(scene, float) else read(scene)
+    if isinstance(scene, float) and model in ("delay", "kelvin-voigt", "dg:7"):
         known = reference_orbit("delay" if model == "dg:7" else model, scene)
     else:
-        chosen, known = slipwave.read(scene, begun), own_orbit(model, read(scene)).orbit.values()
+        known = own_orbit(model, chosen, 1e-10, options.get("cells")).orbit.values()
+    chosen = slipwave.read(chosen, {"start.kind": "orbit"})
     solver = build(model, chosen, **options)
     watch = EventObserver(solver.scene, solver.nodes)
     follow(solver, 330.0, [watch])
@@ -215,30 +217,16 @@ def test_orbits_of_other_scenes_are_those_of_the_delay_system(name):
     assert exact.multipliers.stable is (None if name == "unlike-irrational" else True)
 
 
-@pytest.mark.parametrize(
-    ("model", "cells", "cfl", "within"), [("sbp:6", 24, 0.45, 1e-9), ("fem:4", 5, 0.45, 2e-10), ("dg:7", 3, 0.375, 2e-12)]
-)
-def test_the_explicit_march_goes_round_on_the_same_orbit(model, cells, cfl, within):
-    """It shares no step with the flow. Measured in two cycles from the orbit's own state on: 6e-11, 1e-11 and 7e-14 of T, the
-    error of Runge-Kutta steps of half the usual length."""
-    scene = read("paper")
-    closed = own_orbit(model, scene, 1e-10, cells).closed
-    solver = build(model, scene, cells=cells, time="explicit", cfl=cfl)
-    solver.restore(state_on(solver, closed))
-    observer = EventObserver(scene, solver.nodes)
-    follow(solver, BEGIN + 3.6 * closed.cycle.period, [observer])
-    assert observer.events(BEGIN).period == pytest.approx([closed.cycle.period] * 2, rel=within)
-
-
-CELLS, END = {"fd": 24, "dg:5": 4}, 10.0
+MARCHES, END = {"fd": (24, None), "dg:5": (4, "explicit"), "dg:5 exact": (4, "exact")}, 10.0
 SHARPNESS = {"fd": 1e-9, "dg:5": 3e-3}
 """Of a grid's own value at the interface against the friction solve's, relative: one and the same in the leapfrog."""
 
 
-@pytest.fixture(scope="module", params=CELLS)
+@pytest.fixture(scope="module", params=MARCHES)
 def recorded(request):
-    chosen = slipwave.read("paper", ["start.kind=orbit"])
-    solver = build(request.param, chosen, cells=CELLS[request.param], time=explicit_time(request.param))
+    chosen, (cells, time) = slipwave.read("paper", ["start.kind=orbit"]), MARCHES[request.param]
+    solver = build(request.param.split()[0], chosen, cells=cells, time=time)
+    assert (solver.energy() is None) == (time == "exact")
     solver.keep_ledger()
     history = HistoryObserver(chosen.law, solver.nodes)
     field, final = record_field(solver, solver.time, END, 1 / 16, [history])
@@ -259,13 +247,15 @@ def test_fields_carry_the_times_of_the_run(recorded):
 
 
 def test_the_ledger_begins_on_the_orbit(recorded):
-    """Friction's work from t = 0 on, by quadrature of the recorded motion: the approach is hundreds of times as much.
-
-    Measured: 7e-3 of it for the leapfrog, whose powers are half a step late at the fastest moment of all; 6e-8 for dg."""
+    """Friction's work from t = 0 on, by quadrature of the recorded motion: the approach is hundreds of times as much. Measured:
+    7e-3 of it for the leapfrog, whose powers are half a step late at the fastest moment of all; 6e-8 for dg, 1e-3 for its exact
+    march, which keeps the ledger only from there on and whose samples miss the first part of the first step."""
     solver, _, _, columns = recorded
     ledger = solver.energy()
     assert ledger is not None
-    assert ledger.friction == pytest.approx(friction_work(solver, columns), rel=3e-2 if solver.model == "fd" else 1e-6)
+    assert ledger.friction == pytest.approx(
+        friction_work(solver, columns), rel={"explicit": 1e-6}.get(solver.settings.get("time"), 3e-2)
+    )
     assert abs(ledger.residual) < 1e-11
 
 
@@ -274,20 +264,6 @@ def friction_work(solver, columns):
     assert times[0] == pytest.approx(0.0, abs=0.2)
     power = (columns["stress"] * columns["slip_rate"])[first]
     return solver.scene.transit * float(CubicSpline(times, power).integrate(times[0], times[-1]))
-
-
-def test_the_ledger_of_the_exact_march_is_asked_for_on_the_orbit():
-    """It is kept from there on only, and so is the change of the stored energy. The samples miss the first part of the first
-    step, 1e-3 of friction's work; that on the way to the orbit is hundreds of times as much."""
-    chosen = slipwave.read("paper", ["start.kind=orbit"])
-    solver = build("dg:5", chosen, cells=CELLS["dg:5"], time="exact")
-    assert solver.energy() is None
-    solver.keep_ledger()
-    history = HistoryObserver(chosen.law, solver.nodes)
-    follow(solver, END, [history])
-    ledger = solver.energy()
-    assert ledger.friction == pytest.approx(friction_work(solver, history.columns()), rel=1e-2)
-    assert abs(ledger.residual) < 1e-11
 
 
 def test_the_file_of_fields_begins_at_zero(tmp_path, capsys):

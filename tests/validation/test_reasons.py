@@ -59,18 +59,6 @@ def test_three_figures_and_a_prefix(value, unit, text):
     assert engineering(value, unit) == text
 
 
-def test_figures_of_a_run_in_si(answer):
-    """paper-si: one transit is 2 thickness/c, L/V* = 0.9 s, sigma = 1000 Pa, V* = 1e-6 m/s."""
-    words = ["run", "paper-si", "--set", "drive.velocity=2000", "--until"]
-    found, transit = answer(*words, "200"), 2.0 * 0.03357797353158276 / math.sqrt(1e6 / 784.0)
-    wanted = {f"{name}_m_per_s": 1e-6 * found[name] for name in ("v_max", "v_min")} | {"transit_s": transit}
-    for name, unit, scale in (("period", "s", transit), ("stress_drop", "Pa", 1e3), ("elastic_stress_drop", "Pa", 1e3)):
-        wanted |= {f"{name}_{unit}": scale * found[name]["mean"], f"{name}_std_{unit}": scale * found[name]["std"]}
-    assert found["si"] == pytest.approx(wanted, rel=1e-12)
-    short = answer(*words, "2")["si"]
-    assert (short["period_s"], short["transit_s"]) == (None, pytest.approx(transit, rel=1e-12))
-
-
 def test_an_interface_that_is_hardly_loaded_has_no_expected_cycle():
     """The spring of the machine takes 1e11 transits, or 1e300, to load it: the run gives its verdict, and no length to try."""
     done = slipwave.run("machine", settings=["slab.face.stiffness=1e-9"], until=20.0)

@@ -6,7 +6,6 @@ import json
 import math
 import tomllib
 from contextlib import closing
-from dataclasses import asdict, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,6 @@ from slipwave.friction.law import LAWS
 from slipwave.friction.own import LAW_FILES
 from slipwave.input.source import gallery_names
 from slipwave.observe.stages import StageFigures
-from slipwave.observe.statistics import Margins
 from tests.conventions import quick_results
 from validation.cli import main
 from validation.results.provenance import provenance
@@ -153,20 +151,6 @@ def test_a_file_has_the_numbers_of_every_slab():
     wanted |= {"memory_length_m": 0.9e-6, "reference_velocity_m_per_s": 1e-6, "normal_stress_Pa": 1e3}
     wanted["epsilon"] = (784.0 * 1e6) ** 0.5 * 1e-6 / 1e3
     assert {name: facts[name] for name in wanted} == pytest.approx(wanted, rel=1e-12)
-
-
-def test_a_file_has_the_margins_of_motion_that_never_repeats(monkeypatch, tmp_path):
-    result = sw.run("paper-si", "kelvin-voigt", until=200, **SHORT)
-    assert result.done.verdict is not None
-    assert "period_margin" not in result.dataset
-    margins = Margins(0.25, 0.5, 0.125)
-    wanders = replace(result.done, verdict=result.done.verdict._replace(kind="irregular"))
-    irregular = replace(result, done=replace(wanders, statistics=replace(wanders.statistics, margins=margins)))
-    irregular.to_netcdf(tmp_path / "x.nc")
-    with xarray.open_dataset(tmp_path / "x.nc") as data:
-        assert [float(data[f"{name}_margin"]) for name in asdict(margins)] == [0.25, 0.5, 0.125]
-        assert float(data["period_margin_s"]) == pytest.approx(0.25 * data.attrs["transit_s"], rel=1e-14)
-        assert float(data["stress_drop_margin_Pa"]) == pytest.approx(500.0, rel=1e-14)
 
 
 UNITS = {"1", "s", "Pa", "m", "m s-1"}

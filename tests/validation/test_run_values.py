@@ -60,6 +60,9 @@ def test_statistics_are_those_of_the_second_half(told):
         assert result[name]["std"] == pytest.approx(math.sqrt(sum((row - mean) ** 2 for row in rows) / len(rows)), rel=1e-9)
         assert result[name]["std"] > 1e-3 * mean
         assert result["margins"][name] == pytest.approx(margin_of_mean(rows), rel=1e-9)
+        assert float(data[f"{name}_margin"]) == result["margins"][name]
+    assert float(data["period_margin_s"]) == pytest.approx(result["margins"]["period"] * SECONDS, rel=1e-12)
+    assert float(data["stress_drop_margin_Pa"]) == pytest.approx(result["margins"]["stress_drop"] * PRESSURE, rel=1e-12)
     assert result["v_max"] == pytest.approx(max(data["v_max"].values[late]), rel=1e-14)
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 
@@ -128,9 +131,11 @@ def test_the_table_is_the_json_and_its_si_column_is_by_hand(told):
     numbers = [float(word.strip("(,")) for word in margins.split() if word.strip("(,")[0].isdigit()]
     period, drop = result["margins"]["period"], result["margins"]["stress_drop"]
     assert numbers[1:] == pytest.approx([period, period * SECONDS, drop, drop * PRESSURE], rel=5e-3)
-    spreads = {"period_std_s": result["period"]["std"] * SECONDS, "period_margin_s": period * SECONDS}
-    spreads |= {"stress_drop_std_Pa": result["stress_drop"]["std"] * PRESSURE, "stress_drop_margin_Pa": drop * PRESSURE}
-    assert {name: result["si"][name] for name in spreads} == pytest.approx(spreads)
+    si = {"transit_s": SECONDS} | {f"{name}_m_per_s": result[name] * RATE for name in ("v_max", "v_min")}
+    for name, unit, size in (("period", "s", SECONDS), ("stress_drop", "Pa", PRESSURE), ("elastic_stress_drop", "Pa", PRESSURE)):
+        of_means = {"": result[name]["mean"], "std_": result[name]["std"], "margin_": result["margins"][name]}
+        si |= {f"{name}_{kind}{unit}": value * size for kind, value in of_means.items()}
+    assert result["si"] == pytest.approx(si)
     (transit,) = [line for line in lines if line.startswith("one transit = ")]
     assert float(transit.split("one transit = ")[1].split()[0]) == pytest.approx(SECONDS, rel=1e-5)
     slabs, _ = [line for line in lines if line.startswith("slabs:")]
