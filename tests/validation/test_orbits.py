@@ -20,8 +20,6 @@ from slipwave.observe import EventObserver, HistoryObserver, Pieces
 from slipwave.solve import FieldSolver, follow
 from validation.cli import main
 from validation.compute.build import build
-from validation.compute.models import explicit_time
-from validation.compute.orbit_start import BEGIN, state_on
 from validation.measure.order_fit import fit_order, shortfall
 from validation.measure.settle import MOST_TRANSITS, NoCycle, one_cycle, settle
 from validation.references.published import reference_orbit

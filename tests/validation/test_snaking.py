@@ -125,6 +125,10 @@ def made(model, *found, points=()):
     )
 
 
+def branch(*found):
+    return made("", *found, points=(point(-2.6, 0),))
+
+
 def test_the_index_counts_what_no_point_explains():
     fold, torus = special("LP", -2.71, 1, 0), special("NS", -2.6, 0, 2)
     whole = (point(-2.7, 1), fold.point, point(-2.65, 0), torus.point, point(-2.5, 2))
@@ -257,11 +261,11 @@ JUDGED = [
     (snake.wanders, (run([77.9, 78.1], True), orbit(78.0)), "fail"),
     (snake.wanders, (run([78.01, 78.1], False), orbit(78.0)), "fail"),
     (snake.wanders, (run([78.0, 78.0], False), orbit(78.0)), "fail"),
-    (snake.fold_claims, (made("", *folds(0.98)), made("", *folds(0.98))), "pass pass pass"),
-    (snake.fold_claims, (made("", *folds(0.98)), made("", *folds(0.98, last=-2.7 + 2e-8))), "fail pass pass"),
-    (snake.fold_claims, (made("", *folds(0.98)), made("", *folds(0.98)[:-1])), "pass fail pass"),
-    (snake.fold_claims, (made("", *folds(0.98)[:-1]), made("", *folds(0.98))), "pass fail pass"),
-    *((snake.fold_claims, (made("", *folds(n)),) * 2, f"pass pass {end}") for n, end in
+    (snake.fold_claims, (branch(*folds(0.98)), branch(*folds(0.98))), "pass pass pass"),
+    (snake.fold_claims, (branch(*folds(0.98)), branch(*folds(0.98, last=-2.7 + 2e-8))), "fail pass pass"),
+    (snake.fold_claims, (branch(*folds(0.98)), branch(*folds(0.98)[:-1])), "pass fail pass"),
+    (snake.fold_claims, (branch(*folds(0.98)[:-1]), branch(*folds(0.98))), "pass fail pass"),
+    *((snake.fold_claims, (branch(*folds(n)),) * 2, f"pass pass {end}") for n, end in
       ((1.15, "pass"), (1.25, "fail"), (0.75, "fail"))),
     (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0)],), "pass pass"),
     (snake.coexisting, ([ATTRACTED, attracted(77.0, 77.0)],), "pass fail"),
