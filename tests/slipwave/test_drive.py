@@ -66,5 +66,6 @@ def test_only_a_drive_that_changes_is_searched():
 
 @pytest.mark.parametrize("late", [-6.0, -1.5, 0.0, 0.3, 6.9])
 def test_the_nudge_is_a_bell_around_its_centre(late):
-    assert nudge_rate(0.5, NUDGE_CENTRE + late) == pytest.approx(0.5 * math.exp(-(late**2)), rel=1e-13)
-    assert nudge_rate(0.5, NUDGE_CENTRE + 7.1) == 0.0  # exp(-49) is below rounding
+    for size in (0.5, 1.0):
+        assert nudge_rate(size, NUDGE_CENTRE + late) == pytest.approx(size * math.exp(-(late**2)), rel=1e-13)
+        assert nudge_rate(size, NUDGE_CENTRE + 7.1) == 0.0  # exp(-49) is below rounding

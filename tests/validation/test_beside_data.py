@@ -70,8 +70,10 @@ def test_without_events_or_with_one_there_is_nothing_to_compare(slips: tuple[Ser
         part = Series("cell.csv", {key: values[:last] for key, values in cell.columns.items()})
         with pytest.raises(SceneError, match=f"'cell.csv': {told}"):
             measured_motion(part, scene)
-    with pytest.raises(SceneError, match="smooth = 9999: must be from 1 to"):
-        measured_motion(cell, scene, 9999)
+    assert measured_motion(cell, scene, 1).smoothing.samples == 1
+    for smooth in (0, 9999):
+        with pytest.raises(SceneError, match=f"smooth = {smooth}: must be from 1 to"):
+            measured_motion(cell, scene, smooth)
 
 
 def written(series: Series, path: Path) -> str:
