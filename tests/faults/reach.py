@@ -1,4 +1,4 @@
-"""A pytest plugin: which functions of the house each test runs, and how long it takes; used to choose tests for a mutant.
+"""A pytest plugin: which functions of the house each test runs, and its processor time; used to choose tests for a mutant.
 
 Compiled code leaves no trace here (`mutants` takes the tests that run its callers), nor does another process.
 """
@@ -6,7 +6,6 @@ Compiled code leaves no trace here (`mutants` takes the tests that run its calle
 import json
 import os
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import CodeType, FrameType
@@ -28,20 +27,25 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         if event == "call":
             seen.add(frame.f_code)
 
-    begun = time.perf_counter()
+    begun = _processor_seconds()
     sys.setprofile(watch)
     try:
         yield
     finally:
         sys.setprofile(None)
         functions = sorted({name for code in seen if (name := _name(code))})
-        _reached[item.nodeid] = {"seconds": round(time.perf_counter() - begun, 3), "functions": functions}
+        _reached[item.nodeid] = {"seconds": round(_processor_seconds() - begun, 3), "functions": functions}
 
 
 def pytest_unconfigure() -> None:
     """One file for each process that ran tests."""
     if _reached:
         Path(os.environ["REACH"], f"{os.getpid()}.json").write_text(json.dumps(_reached), encoding="utf-8")
+
+
+def _processor_seconds() -> float:
+    """Of this process and of those that it waited for: other work on the machine does not decide which tests are tried."""
+    return sum(os.times()[:4])
 
 
 def _name(code: CodeType) -> str:
