@@ -8,12 +8,18 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from slipwave.errors import SceneError
+from slipwave.extras import require
 
 CONVENTIONS = "CF-1.11"
 """The conventions that netCDF files follow; `make cf` checks them."""
 
 TIME = "time"
 """The time coordinate of netCDF files: from the start, in transits. It has no date, so no `standard_name` of CF."""
+
+FIGURES = (".png", ".pdf", ".svg")
+"""Kinds of file that figures are drawn to."""
+
+_EXTRA = dict.fromkeys(FIGURES, "plot") | dict.fromkeys((".nc", ".vtu", ".xdmf"), "files")
 
 _LONGEST_STEM = 40
 _PROBE = 1 << 20  # bytes; a disk with less space counts as full
@@ -101,6 +107,45 @@ def alone_in(folder: Path, label: str) -> Iterator[None]:
         yield
     finally:
         os.close(lock)
+
+
+def require_folder(folder: Path) -> None:
+    """Make sure, before anything is computed, that `folder` exists (its last part is made) and can be written."""
+    try:
+        folder.mkdir(exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise SceneError(f"--out = {str(folder)!r}: cannot be used: {reason_of(error)}") from None
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise SceneError(f"--out = {str(folder)!r}: this folder cannot be written")
+
+
+def require_writable(path: Path, suffixes: tuple[str, ...], option: str = "--out") -> None:
+    """Make sure, before anything is computed, that `path` can become a file of one of these kinds: that it can be written, and
+    that the library that writes it is installed."""
+    try:
+        problem = _why_not(path, suffixes)
+    except (OSError, ValueError) as error:
+        problem = reason_of(error)
+    if problem:
+        raise SceneError(f"{option} = {str(path)!r}: {problem}")
+    if path.suffix in _EXTRA:
+        require(_EXTRA[path.suffix], f"{option} = {str(path)!r}")
+
+
+def _why_not(path: Path, suffixes: tuple[str, ...]) -> str:
+    if not str(path).isprintable():
+        return "the path has characters that cannot be printed, or is no valid text"
+    if path.suffix not in suffixes:
+        return f"the name must end in {' or '.join(suffixes)}"
+    if path.is_dir():
+        return "is a folder; must be a file"
+    if path.exists() and not path.is_file():
+        return "is no regular file"
+    if not path.parent.is_dir():
+        return f"the folder {str(path.parent)!r} does not exist"
+    if not os.access(path.parent, os.W_OK | os.X_OK):
+        return f"the folder {str(path.parent)!r} cannot be written"
+    return ""
 
 
 def _refusal(path: Path) -> OSError | None:

@@ -24,9 +24,9 @@ from slipwave.scene import Scene
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, ReflectingFace, StandardLinearViscosity
 from slipwave.solve import follow
 from validation.compute.models import explicit_time
-from validation.output import print_table
 from validation.references.lsoda import plain_kelvin_voigt
 from validation.report.provenance import machine_facts
+from validation.results.result import aligned
 from validation.timing import March, Race, Setting, Work, alike_and_unlike, solver_of, whole
 
 ROUNDS = 9
@@ -136,7 +136,7 @@ def main(folder: Path) -> None:
         path.write_text(json.dumps(record, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     earlier = before.get("ratios", {})
     rows = [_row(name, ratio, earlier.get(name)) for name, ratio in measured.items()]
-    print_table(["ratio", "median", "quartiles", "last", "change"], rows)
+    print("\n".join(aligned(["ratio", "median", "quartiles", "last", "change"], rows)))
     print(f"last: {before['date']}, commit {before['machine']['commit']}" if before else "no earlier measurement to compare with")
 
 

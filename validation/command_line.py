@@ -1,5 +1,6 @@
 """A command on the command line, made from what it declares: its options, and the files and the table of its result."""
 
+import sys
 from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import replace
@@ -12,8 +13,8 @@ import typer
 
 import slipwave
 from slipwave.errors import Interrupted, NumericsError, SceneError
+from slipwave.files import reason_of, require_writable
 from slipwave.input.source import gallery_names
-from validation.output import print_json, printed, require_writable
 from validation.results.options import Option, SceneOptions, options_of
 from validation.results.result import Output, Result
 
@@ -103,7 +104,7 @@ def _value(one: Option, word: Any) -> Any:
     if "stands_for" in one.more:
         word = one.more["stands_for"] if word else one.default
     path = one.checked(word)
-    if "suffixes" in one.more:
+    if "suffixes" in one.more and path is not None:
         require_writable(path, one.more["suffixes"], one.flag)
     return path
 
@@ -112,7 +113,8 @@ def _place_of(one: Output, path: Path | None, json: bool) -> Path | None:
     """Where the file is written. Raises SceneError, before anything is computed, if it cannot be."""
     if path is None and one.default and not json:
         path = Path(one.default)
-    require_writable(path, one.suffixes, one.flag)
+    if path is not None:
+        require_writable(path, one.suffixes, one.flag)
     return path
 
 
@@ -134,3 +136,21 @@ def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> 
     if any(problems):
         kind = Interrupted if result.stopped else NumericsError if result.failed else SceneError
         raise kind("; ".join(filter(None, problems)))
+
+
+def printed(show: Callable[[], None]) -> None:
+    """Call `show` and check that its output reached stdout. Raises SceneError if stdout cannot be written (a full disk)."""
+    try:
+        show()
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has closed the pipe
+        return
+    except OSError as error:
+        raise SceneError(f"the result cannot be written to stdout: {reason_of(error)}") from None
+
+
+def print_json(result: Mapping[str, Any]) -> None:
+    """`result` as JSON on stdout."""
+    import json  # imported here to keep start-up fast
+
+    print(json.dumps(result, indent=2, allow_nan=False))

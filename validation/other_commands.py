@@ -10,7 +10,8 @@ import typer
 import slipwave
 from slipwave.errors import Interrupted, NumericsError
 from slipwave.extras import require
-from validation.output import print_json, printed, require_folder
+from slipwave.files import require_folder
+from validation.command_line import print_json, printed
 
 EXAMPLES = {
     "report": (

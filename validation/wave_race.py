@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import slipwave
-from validation.output import print_table
+from validation.results.result import aligned
 from validation.timing import Setting, time_final
 
 PSI = -2.8174018894888
@@ -100,9 +100,13 @@ def fastest(found: Sequence[Entrant], kind: str, error: float) -> Entrant | None
 
 def main(found: Sequence[Entrant]) -> None:
     """Print the table and the ratios."""
-    print_table(["march", "error of psi(600)", "ms"], [[one.what, f"{one.error:.1e}", f"{one.ms:.1f}"] for one in found])
+    print(
+        "\n".join(
+            aligned(["march", "error of psi(600)", "ms"], [[one.what, f"{one.error:.1e}", f"{one.ms:.1f}"] for one in found])
+        )
+    )
     print()
-    print_table(["ratio of times", "measured"], [list(row) for row in race_ratios(found)])
+    print("\n".join(aligned(["ratio of times", "measured"], [list(row) for row in race_ratios(found)])))
 
 
 if __name__ == "__main__":

@@ -12,9 +12,8 @@ from slipwave.solve import FieldSolver, State
 from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 from validation.compute.build import prepare
 from validation.compute.models import family_of
-from validation.compute.recording import Wanted, records_of
-from validation.compute.run import simulate
-from validation.results.run_result import RunResult
+from validation.compute.run import Wanted, records_of, simulate
+from validation.results.run import RunResult
 
 Row = tuple[str, ...]
 

@@ -95,7 +95,7 @@ WORDS = {"eight": 8.0, "sixteen": 16.0}
 NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
 HELP = {
     "run --fields": "validation.compute.recording.FIELD_WINDOW",
-    "run --checkpoint-every": "validation.compute.recording._EVERY",
+    "run --checkpoint-every": "validation.compute.run._EVERY",
     "orbit --tol": "validation.results.orbit.ORBIT_TOLERANCE",
     "branch --tol": "validation.results.branch.BRANCH_TOLERANCE",
     "branch --most-points": "validation.results.branch.BRANCH_POINTS",

@@ -19,9 +19,9 @@ from tests.granite import GRANITE
 from validation.cli import main
 from validation.compute.build import build
 from validation.compute.history_file import HistoryFile, Kept
-from validation.compute.length import JudgedHalf, Until, UntilCycles, UntilSettled, halves_agree, length_of
+from validation.compute.length import JudgedHalf, UntilCycles, UntilSettled, halves_agree
 from validation.compute.outlook import Outlook, outlook
-from validation.compute.run import simulate
+from validation.compute.run import Until, length_of, simulate
 from validation.results.quantities import stored_name
 
 PAPER = slipwave.read("paper")

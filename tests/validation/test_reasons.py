@@ -22,8 +22,8 @@ from validation.compute import progress as module
 from validation.compute.build import build
 from validation.compute.models import GRIDS, explicit_time
 from validation.compute.outlook import outlook, stress_released
-from validation.compute.progress import progress
-from validation.compute.run import LongRunAdvice, error_without_echoes, simulate
+from validation.compute.progress import LongRunAdvice, error_without_echoes, progress
+from validation.compute.run import simulate
 from validation.results.reasons import engineering
 
 
@@ -116,8 +116,8 @@ def test_it_is_that_of_the_velocity_with_which_the_drive_ends():
 def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
     """A tenth of the run has taken so many seconds; what came before it, as compilation, does not count."""
     clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
-    monkeypatch.setattr("validation.compute.run._SOON", 5.0)
-    monkeypatch.setattr("validation.compute.run.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("validation.compute.progress._SOON", 5.0)
+    monkeypatch.setattr("validation.compute.progress.time.monotonic", lambda: next(clock))
     advice = LongRunAdvice(build(model, slipwave.read("paper")), 110.0, lambda done: None)
     with caplog.at_level(logging.INFO, logger="slipwave"):
         for done in (10.0, 20.0, 90.0):

@@ -36,10 +36,9 @@ from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFa
 from slipwave.solve import follow
 from slipwave.solve.lyapunov import largest_exponent
 from validation.compute.build import build
-from validation.compute.length import needed
 from validation.compute.models import one_port_of
 from validation.compute.outlook import outlook
-from validation.compute.run import Run, reconsidered, simulate
+from validation.compute.run import Run, needed, reconsidered, simulate
 
 KINDS = ["plain", "plain", "plain", "unlike", "layers", "grip", "machine", "viscous"]
 MODELS = ["delay"] * 7 + ["kelvin-voigt", "modal:2", "block12", "quasidynamic"]

@@ -1,4 +1,4 @@
-"""Makes the solver of a model for a scene, by the model's name on the command line."""
+"""Makes the solver of a model for a scene, by the model's name on the command line, where the scene starts."""
 
 from typing import Any, Unpack
 
@@ -7,7 +7,7 @@ from slipwave.family import Family
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
 from slipwave.solve import FieldSolver, Solver
-from validation.compute.models import OPTIONS, Built, Options, given, make, parse, requested, resolve
+from validation.compute.models import OPTIONS, Built, Options, given, made, parse, resolve
 
 
 def build(model: str, scene: Scene, **options: Unpack[Options]) -> Solver:
@@ -24,17 +24,14 @@ def build_full_wave(model: str, scene: Scene, **options: Unpack[Options]) -> Fie
 
 
 def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[Options]) -> Built:
-    """The solver called `model` for `scene`, and what was chosen for it; a grid's degree may be left out of its name and is then
-    chosen (`dg` for `dg:P`).
+    """What `made` gives, where the scene starts: one on its orbit marches the model there first, unless the run is `resumed` from
+    a checkpoint. Raises as `made`."""
+    built = made(model, scene, **options)
+    return on_its_orbit(built, resumed) if scene.start.kind is StartKind.ORBIT else built
 
-    Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
-    not take, and a scene it cannot do (naming the models that can). A start on the orbit marches the model there first, unless
-    the run is `resumed` from a checkpoint.
-    """
-    model, why = resolve(model, scene)
-    built = make(*requested(model, scene, **options))._replace(why=why)
-    if scene.start.kind is not StartKind.ORBIT:
-        return built
+
+def on_its_orbit(built: Built, resumed: bool) -> Built:
+    """`built` on the orbit of its scene; not marched there yet if it is `resumed`."""
     from validation.compute.orbit_start import on_orbit
 
     orbiting = on_orbit(built.solver)

@@ -1,23 +1,21 @@
-"""How long a run is: to a given time, until its second half has so many cycles, or until its motion has shown what it is.
+"""Lengths of a run that its motion decides: until its second half has so many cycles, or until it has shown what it is.
 
-A length of the last two kinds is marched in stretches. At the end of each the second half of what was run is judged. The ends
+Such a run is marched in stretches. At the end of each the second half of what was run is judged. The ends
 depend on the scene alone and the judgement on the motion alone, so a run continued from a checkpoint ends where it would have
 ended without a stop.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
-from slipwave.errors import SceneError
 from slipwave.observe import Events, MotionVerdict, summarise
 from slipwave.observe.torus import MANY
 from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
-from slipwave.solve import Solver
-from validation.compute.outlook import Outlook, outlook
+from validation.compute.outlook import LEFT_BY_ROUNDING, Outlook
 
 Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
 """Why a run ended where it did: at the given time, with the cycles asked for, settled, or at the limit of work."""
@@ -29,9 +27,6 @@ LONGEST_RUN = 1e9
 """Transits; the longest run."""
 
 MOST_CYCLES = 1_000_000
-
-LEFT_BY_ROUNDING = 40.0
-"""Growth times in which rounding alone leaves steady sliding."""
 
 _FIRST = 16.0  # expected cycles, half of them judged
 _LONGER = 1.25  # from one look to the next
@@ -49,31 +44,10 @@ class JudgedHalf(NamedTuple):
     cycles: Events
 
 
-def second_half(solver: Solver, until: float) -> float:
-    """When the second half of a run to `until` (transits) begins; of what was run, if the run ended before."""
-    return 0.5 * min(until, solver.time)
-
-
-@dataclass(frozen=True)
-class Until:
-    """To a given time (transits); of other lengths `until` is infinite where it is not known before the run, and no stretch is
-    begun beyond which the whole run would take more than `most_seconds`."""
-
-    until: float
-    most_seconds: float = math.inf
-
-    def ends(self, after: float) -> Iterator[float]:
-        """The ends of its stretches, rising, of a run that is at the time `after` (transits): one."""
-        yield self.until
-
-    def ended(self, now: JudgedHalf) -> Ended | None:
-        """Why the run ends here, if it does."""
-        return "until"
-
-
 @dataclass(frozen=True)
 class UntilSettled:
-    """Until the motion is no longer a transient, as far as its cycles show.
+    """Until the motion is no longer a transient, as far as its cycles show. No stretch is begun beyond which the whole run would
+    take more than `most_seconds`.
 
     Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 16 or more, and if the means of
     period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that
@@ -86,8 +60,8 @@ class UntilSettled:
     until: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
-        """As `Until`: the first after the start and 16 expected cycles; a changing drive rests from its middle on. Each of the
-        others is a quarter later."""
+        """The ends of its stretches, rising, of a run that is at the time `after` (transits): the first after the start and 16
+        expected cycles; a changing drive rests from its middle on. Each of the others is a quarter later."""
         changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
         end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST_RUN)
         while end <= LONGEST_RUN:
@@ -96,7 +70,7 @@ class UntilSettled:
             end *= _LONGER
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Until`."""
+        """Why the run ends here, if it does."""
         return "settled" if self._settled(now) else None
 
     def _first(self) -> float:
@@ -149,7 +123,7 @@ class UntilCycles:
     until: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
-        """As `Until`."""
+        """As `UntilSettled`."""
         cycle = self.expected.period if math.isfinite(self.expected.period) else 1.0
         end = cycle
         while end < LONGEST_RUN:
@@ -158,37 +132,7 @@ class UntilCycles:
             end = max(end + cycle, _STEP * end)
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Until`."""
+        """As `UntilSettled`."""
         if now.verdict is None or now.verdict.cycles >= self.wanted:
             return "cycles"
         return "settled" if now.verdict.kind == "steady" and self.expected.stable is not False else None
-
-
-Length: TypeAlias = Until | UntilSettled | UntilCycles
-
-
-def require_counted(scene: Scene, cycles: int | None) -> None:
-    """Raises SceneError for a number of cycles that the scene does not count."""
-    if cycles is not None and not scene.record:
-        raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
-
-
-def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
-    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected;
-    infinite if no run may be so long. `model` as for `length_of`."""
-    if verdict is None or verdict.cycles or verdict.kind != "too short":
-        return verdict.needed if verdict else math.nan
-    settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
-    expected = next(settled.ends(0.0))
-    return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
-
-
-def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
-    """So many cycles if they are given, else that of the scene, else until the motion is settled. `model` is one with the
-    one-port of the model that runs."""
-    if cycles is not None:
-        return UntilCycles(cycles, outlook(scene, model))
-    if scene.until is not None:
-        return Until(scene.until)
-    settled = UntilSettled(scene, outlook(scene, model))
-    return settled if scene.record else Until(next(settled.ends(0.0)))

@@ -124,9 +124,20 @@ def resolve(model: str, scene: "Scene", among: Collection[Family] = FAMILIES) ->
     return best.example, f"the delay system cannot do {DELAY.refusal(scene) or 'it is not part of this installation'}"
 
 
+def made(model: str, scene: "Scene", **options: Unpack[Options]) -> Built:
+    """The solver called `model` for `scene`, at the beginning of it, and what was chosen for it; a grid's degree may be left out
+    of its name and is then chosen (`dg` for `dg:P`).
+
+    Raises SceneError for an unknown model (naming the nearest), a number out of range after the colon, an option the model does
+    not take, and a scene it cannot do (naming the models that can).
+    """
+    model, why = resolve(model, scene)
+    return make(*requested(model, scene, **options))._replace(why=why)
+
+
 def requested(model: str, scene: "Scene", **options: Unpack[Options]) -> tuple[Family, "Scene", int | None, Options]:
     """What `make` needs for a full name: its family, the scene, the number after the colon, and the options. Raises SceneError as
-    `prepare` does."""
+    `made` does."""
     family, number = parse(model)
     _require_options(model, family, options)
     if number is None:

@@ -1,5 +1,6 @@
 """Progress of anything that lasts longer than two seconds: on a terminal a bar with the time left, else lines for the logger
-"slipwave", which the command line prints on stderr and a Python program leaves silent."""
+"slipwave", which the command line prints on stderr and a Python program leaves silent; and which
+model is cheaper for a long run."""
 
 import logging
 import sys
@@ -8,6 +9,10 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from slipwave.friction import respond, steady_state, unknown_of
+from slipwave.scene import Scene
+from slipwave.solve import Solver
+
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
@@ -15,6 +20,12 @@ PATIENCE = 2.0
 """Seconds without news before progress is shown."""
 
 _LINE_INTERVAL = 10.0
+
+LONG = 60.0
+"""Seconds from which on a cheaper model is named."""
+
+_SOON = 5.0  # seconds after which the rest of the run is extrapolated
+_DEAR = {"delay", "fd", "sbp", "fem", "dg"}
 
 
 class _Meter:
@@ -66,3 +77,38 @@ def progress(label: str, total: float) -> Iterator[Callable[[float], None]]:
         yield meter
     finally:
         meter.close()
+
+
+def error_without_echoes(scene: Scene) -> float:
+    """Largest relative change of v by one echo of a change of V, which quasidynamic leaves out: 2 Z v_z/F_z at the largest V."""
+    velocity = max(scene.drive.velocities)
+    slopes = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
+    return float(2.0 * scene.impedance * slopes[1] / slopes[3])
+
+
+class LongRunAdvice:
+    """Takes how far a run of `solver` to `until` (transits) has come, for `report`; says once that it is long, and names the
+    cheaper model with its estimated error."""
+
+    def __init__(self, solver: Solver, until: float, report: Callable[[float], None]) -> None:
+        self._solver, self._until, self._report = solver, until, report
+        self._first: tuple[float, float] | None = None
+        elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
+        self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
+
+    def __call__(self, done: float) -> None:
+        """The time `done` (transits) is reached."""
+        self._report(done)
+        now = time.monotonic()
+        began, start = self._first = self._first or (now, done)  # what came before may have been compilation
+        if self._silent or now - began < _SOON or done <= start:
+            return
+        self._silent = True
+        seconds = (now - began) * (self._until - start) / (done - start)
+        if seconds > LONG:
+            logging.getLogger("slipwave").info(
+                "this run will take about %.0f s; --model quasidynamic is cheaper and leaves out the echoes of waves, each of "
+                "which changes v by up to %.1g of itself (estimated; more where the motion stick-slips)",
+                seconds,
+                error_without_echoes(self._solver.scene),
+            )

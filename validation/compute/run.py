@@ -1,31 +1,180 @@
-"""One model on one scene from start to end: the run behind `slipwave run`, `compare` and `bench`."""
+"""One model on one scene from start to end, as `slipwave run`, `compare` and `bench` need it: how long it is, what is kept of it,
+the march, the verdict."""
 
-import logging
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from slipwave.errors import NumericsError
-from slipwave.friction import respond, steady_state, unknown_of
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
+from slipwave.observe.envelope import Envelope
 from slipwave.observe.events import NO_EVENTS
+from slipwave.observe.protocol import ProtocolObserver
 from slipwave.observe.stages import stages_of
 from slipwave.observe.verdict import Kind, repeating
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
-from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
+from slipwave.solve import Energy, Final, Mark, Observer, Resumable, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
-from slipwave.solve.follow import DAY, Foresight, require_time
-from validation.compute.length import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, Until, second_half
-from validation.compute.outlook import is_stable, outlook
-from validation.compute.progress import progress
+from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers, require_time
+from validation.compute.history_file import ALL, HistoryFile, Kept
+from validation.compute.length import LONGEST_RUN, Ended, JudgedHalf, UntilCycles, UntilSettled
+from validation.compute.outlook import LEFT_BY_ROUNDING, is_stable, outlook
+from validation.compute.progress import LongRunAdvice, progress
+from validation.compute.recording import fields_for, history_for
 
-LONG = 60.0
-"""Seconds from which on a cheaper model is named."""
+if TYPE_CHECKING:
+    from fullwave.fields.record import FieldRecord
 
-_SOON = 5.0  # seconds after which the rest of the run is extrapolated
-_DEAR = {"delay", "fd", "sbp", "fem", "dg"}
+_EVERY = 1000.0  # transits between two checkpoints
+
+
+class Wanted(NamedTuple):
+    """What a run is asked to keep: the history of the `interface` and the last `fields`, as the scene's `record` says where None;
+    which samples of the history, and in which file during the run (default: a temporary one). `shortest` is the length (transits)
+    of the run that is known if its end is not. A `checkpoint` is written every so often (transits, default 1000)."""
+
+    interface: bool | None = None
+    fields: bool | None = None
+    kept: Kept = ALL
+    samples: Path | None = None
+    shortest: float = math.inf
+    checkpoint: Path | None = None
+    checkpoint_every: float | None = None
+
+
+@dataclass(frozen=True)
+class Records:
+    """What is kept of a run on its way: `watch` for events, the `envelope` that its figure shows, the figures of the stages of a
+    `protocol`, and, where asked for, the interface's history, the last fields, checkpoints and what observers `named` by the
+    scene give."""
+
+    watch: EventObserver
+    envelope: Envelope
+    protocol: ProtocolObserver | None
+    history: HistoryFile | None
+    fields: "FieldRecord | None"
+    checkpoints: Checkpoints | None
+    named: Mapping[str, NamedObserver]
+
+    @property
+    def observers(self) -> list[Observer]:
+        """The observers of the run besides `watch`."""
+        every = (self.envelope, self.protocol, self.history, *self.named.values())
+        return [observer for observer in every if observer is not None]
+
+    @property
+    def marks(self) -> list[Mark]:
+        """What is done at certain times of the run: fields first, so that a checkpoint has them."""
+        return [mark for mark in (self.fields, self.checkpoints) if mark is not None]
+
+    def close(self) -> None:
+        """Close the history's file, which is removed unless it belongs to a checkpoint."""
+        if self.history is not None:
+            self.history.close()
+
+
+def records_of(solver: Solver, until: float, wanted: Wanted) -> Records:
+    """What is `wanted` of a run of `solver` to `until` (transits). It goes on from its checkpoint if that exists.
+
+    Raises SceneError for fields of a model that has none and for a checkpoint of another run.
+    """
+    checkpoint, every, scene = wanted.checkpoint, wanted.checkpoint_every, solver.scene
+    samples = fields = None
+    if _is_wanted(wanted.interface, "interface", scene):
+        samples = history_for(solver, min(until, wanted.shortest), wanted.kept, wanted.samples, checkpoint)
+    if _is_wanted(wanted.fields, "fields", scene):
+        fields = fields_for(solver, until, wanted.fields)
+    watch = EventObserver(scene, solver.nodes)
+    envelope = Envelope(scene, solver.nodes, wanted.kept.begin, wanted.kept.end)
+    protocol = None if scene.drive.is_constant else ProtocolObserver(scene, solver.nodes, until)
+    watched, named = watch if scene.record else None, named_observers(solver)
+    parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": samples, "fields": fields}
+    saved: dict[str, Resumable] = {label: part for label, part in (parts | named).items() if part is not None}
+    marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, every or _EVERY)
+    records = Records(watch, envelope, protocol, samples, fields, marks, named)
+    if marks is not None and checkpoint is not None and checkpoint.exists():
+        try:
+            marks.resume()
+        except BaseException:
+            records.close()
+            raise
+    return records
+
+
+def _is_wanted(asked: bool | None, name: str, scene: Scene) -> bool:
+    """Whether it is asked for or, where that is None, the scene's `record` has its name."""
+    return name in scene.record if asked is None else asked
+
+
+class Length(Protocol):
+    """How long a run is. `until` (transits) is infinite where it is not known before the run, and no stretch is begun beyond
+    which the whole run would take more than `most_seconds`."""
+
+    @property
+    def until(self) -> float:
+        """Its end, if it is known."""
+
+    @property
+    def most_seconds(self) -> float:
+        """The limit of work."""
+
+    def ends(self, after: float) -> Iterator[float]:
+        """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """Why the run ends here, if it does."""
+
+
+@dataclass(frozen=True)
+class Until:
+    """To a given time (transits)."""
+
+    until: float
+    most_seconds: float = math.inf
+
+    def ends(self, after: float) -> Iterator[float]:
+        """One."""
+        yield self.until
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """There."""
+        return "until"
+
+
+def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
+    """So many cycles if they are given, else that of the scene, else until the motion is settled. `model` is one with the
+    one-port of the model that runs."""
+    if cycles is not None:
+        return UntilCycles(cycles, outlook(scene, model))
+    if scene.until is not None:
+        return Until(scene.until)
+    settled = UntilSettled(scene, outlook(scene, model))
+    return settled if scene.record else Until(next(settled.ends(0.0)))
+
+
+def require_counted(scene: Scene, cycles: int | None) -> None:
+    """Raises SceneError for a number of cycles that the scene does not count."""
+    if cycles is not None and not scene.record:
+        raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
+
+
+def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
+    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected;
+    infinite if no run may be so long. `model` as for `length_of`."""
+    if verdict is None or verdict.cycles or verdict.kind != "too short":
+        return verdict.needed if verdict else math.nan
+    settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
+    expected = next(settled.ends(0.0))
+    return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
+
+
+def second_half(solver: Solver, until: float) -> float:
+    """When the second half of a run to `until` (transits) begins; of what was run, if the run ended before."""
+    return 0.5 * min(until, solver.time)
 
 
 @dataclass(frozen=True)
@@ -170,38 +319,3 @@ def reconsidered(run: Run, model: str) -> Run:
         return replace(run, verdict=run.verdict._replace(kind="settling", rate=math.nan))
     grown = LEFT_BY_ROUNDING / outlook(run.solver.scene, model).rate
     return run if run.until > grown else replace(run, verdict=run.verdict._replace(kind="too short", needed=2.0 * grown))
-
-
-def error_without_echoes(scene: Scene) -> float:
-    """Largest relative change of v by one echo of a change of V, which quasidynamic leaves out: 2 Z v_z/F_z at the largest V."""
-    velocity = max(scene.drive.velocities)
-    slopes = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
-    return float(2.0 * scene.impedance * slopes[1] / slopes[3])
-
-
-class LongRunAdvice:
-    """Takes how far a run of `solver` to `until` (transits) has come, for `report`; says once that it is long, and names the
-    cheaper model with its estimated error."""
-
-    def __init__(self, solver: Solver, until: float, report: Callable[[float], None]) -> None:
-        self._solver, self._until, self._report = solver, until, report
-        self._first: tuple[float, float] | None = None
-        elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
-        self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
-
-    def __call__(self, done: float) -> None:
-        """The time `done` (transits) is reached."""
-        self._report(done)
-        now = time.monotonic()
-        began, start = self._first = self._first or (now, done)  # what came before may have been compilation
-        if self._silent or now - began < _SOON or done <= start:
-            return
-        self._silent = True
-        seconds = (now - began) * (self._until - start) / (done - start)
-        if seconds > LONG:
-            logging.getLogger("slipwave").info(
-                "this run will take about %.0f s; --model quasidynamic is cheaper and leaves out the echoes of waves, each of "
-                "which changes v by up to %.1g of itself (estimated; more where the motion stick-slips)",
-                seconds,
-                error_without_echoes(self._solver.scene),
-            )

@@ -7,7 +7,7 @@ import sys
 
 from validation.coverage.held import coverage_of
 from validation.coverage.record import KINDS, computation, make_record
-from validation.output import print_table
+from validation.results.result import aligned
 
 
 def main(words: list[str]) -> None:
@@ -19,7 +19,7 @@ def main(words: list[str]) -> None:
     rows = [
         [one.figure, str(one.many), f"{one.share:.3f}", f"{one.low:.3f} .. {one.high:.3f}", f"{one.width:.1f}"] for one in found
     ]
-    print_table([kind, "number", "held", "95 % interval", "bar / error"], rows)
+    print("\n".join(aligned([kind, "number", "held", "95 % interval", "bar / error"], rows)))
 
 
 if __name__ == "__main__":

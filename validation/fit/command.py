@@ -13,6 +13,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
+from slipwave.files import FIGURES
 from slipwave.input import SceneSource, read
 from slipwave.input.source import is_stored
 from slipwave.input.stored import read_stored
@@ -26,11 +27,10 @@ from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import free_parameters
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
-from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.options import ModelOptions, RecordOptions, log, option
 from validation.results.provenance import SCHEMA, provenance
-from validation.results.result import Dataset, Output, Result, finite
+from validation.results.result import Dataset, Output, Result, aligned, finite, rounded
 from validation.results.wording import header
 from validation.study.drawing import Drawing
 

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.files import whole_or_absent
+from slipwave.files import require_writable, whole_or_absent
 from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from validation.fit.least_squares import Best
-from validation.output import require_writable
 
 _SHOWN = 3
 
@@ -45,7 +44,8 @@ def facts_of_fit(scene_digest: str, files: Sequence[str], settings: Mapping[str,
 def recalled_best(path: Path | None, first: Array, facts: Mapping[str, Any]) -> KeptBest:
     """The best values that the file holds, `first` if there is none. Raises SceneError for a file that cannot be written, is
     damaged, or belongs to another fit, saying what differs."""
-    require_writable(path, (".json",), "--checkpoint")
+    if path is not None:
+        require_writable(path, (".json",), "--checkpoint")
     if path is None or not path.exists():
         return KeptBest(first, path=path, facts=facts)
     try:

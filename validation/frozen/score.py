@@ -10,8 +10,8 @@ from slipwave.errors import SceneError
 from slipwave.files import reason_of
 from slipwave.input.wording import nearest, shorten
 from validation.frozen.values import FrozenValue, frozen
-from validation.output import aligned
 from validation.results.provenance import SCHEMA
+from validation.results.result import aligned
 
 DIGITS = 6
 """Digits that every row must agree to, where as many are certified."""

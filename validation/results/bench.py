@@ -8,14 +8,13 @@ from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
-from validation.compute.length import Length, Until, length_of
 from validation.compute.models import honouring, one_port_of
 from validation.compute.progress import progress
-from validation.compute.run import Run, simulate
-from validation.output import aligned, rounded
+from validation.compute.run import Length, Run, Until, length_of, simulate
 from validation.results.command import command
 from validation.results.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.results.options import RunsOptions
+from validation.results.result import aligned, rounded
 from validation.study.drawing import Drawing, style_of, styled, subplots
 from validation.timing import Setting, solver_of, warm_up
 

@@ -12,6 +12,7 @@ from typing import Any, ClassVar, Self
 from reduced.orbit.closing import Closed
 from slipwave.errors import SceneError
 from slipwave.extras import require
+from slipwave.files import FIGURES
 from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
@@ -21,12 +22,11 @@ from validation.compute.followed import End, Followed, pursue, write_followed
 from validation.compute.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
 from validation.compute.parameter import Values, over_range, range_text, scene_along
 from validation.compute.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
-from validation.output import FIGURES, aligned, rounded, thinned
 from validation.results.command import command
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, variables
-from validation.results.result import Dataset, Output, PointOfBranch, Result, finite, new_dataset
+from validation.results.result import Dataset, Output, PointOfBranch, Result, aligned, finite, new_dataset, rounded, thinned
 from validation.results.wording import header
 from validation.study.branch_figures import figure_of_branch
 from validation.study.drawing import Drawing, styled

@@ -7,23 +7,22 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
+from slipwave.files import FIGURES
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.solve import Solver
 from slipwave.solve.follow import require_time
 from validation.compute.build import build_all
-from validation.compute.length import Until, length_of, second_half
 from validation.compute.models import one_port_of
-from validation.compute.run import Run, reconsidered, simulate
+from validation.compute.run import Run, Until, length_of, reconsidered, second_half, simulate
 from validation.data.events import MeasuredMotion, measured_motion
 from validation.data.series import read_series
 from validation.measure.cycle import CycleObserver, OneCycle
-from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
 from validation.results.figures import second_axis
 from validation.results.options import NumericalOptions, RecordOptions, RunsOptions, log, option
-from validation.results.result import Output, finite
+from validation.results.result import Output, aligned, finite, rounded
 from validation.results.with_data import data_lines, distances_from_data, draw_with_data, facts_of_data
 from validation.study.drawing import Drawing, canvas, styled
 from validation.timing import warm

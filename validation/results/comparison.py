@@ -11,13 +11,11 @@ from slipwave.family import Exact
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.compute.length import needed
 from validation.compute.models import family_of, one_port_of
-from validation.compute.run import Run
-from validation.output import rounded
+from validation.compute.run import Run, needed
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import table_of
-from validation.results.result import Dataset, Result, finite
+from validation.results.result import Dataset, Result, finite, rounded
 
 _Row: TypeAlias = Mapping[str, Any]
 

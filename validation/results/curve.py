@@ -12,12 +12,11 @@ from validation.compute.followed import pursue
 from validation.compute.orbits import flowing
 from validation.compute.parameter import Values, over_range, range_text
 from validation.compute.points import SPECIAL_KINDS, CurvePoint, StopAt
-from validation.output import thinned
 from validation.results.branch import BRANCH_TOLERANCE, FollowedOptions, FollowedResult, origin_of, points_option, printed_column
 from validation.results.command import command
 from validation.results.options import announced, option
 from validation.results.quantities import table_of
-from validation.results.result import Dataset
+from validation.results.result import Dataset, thinned
 from validation.study.branch_figures import figure_of_curve
 from validation.study.drawing import Drawing, styled
 

@@ -11,8 +11,7 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
 from slipwave.solve import Leaping
-from validation.compute.length import second_half
-from validation.compute.run import Run
+from validation.compute.run import Run, second_half
 from validation.results.quantities import INTERFACE, si_factor, stored_name
 from validation.results.reasons import PREFIXES, power_of
 from validation.study.drawing import Axes, Drawing, canvas, styled, subplots

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.files import TIME
+from slipwave.files import FIGURES, TIME
 from slipwave.input import SceneSource
 from slipwave.input.assemble import moment
 from slipwave.input.wording import shorten
@@ -19,14 +19,13 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.compute.at_scene import orbit_at_scene
 from validation.compute.orbits import OrbitFound, flowing, neutral_orbit
-from validation.output import FIGURES, aligned, rounded
 from validation.results.branch import tolerance_option
 from validation.results.command import command
 from validation.results.figures import motion_figure
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
-from validation.results.result import Dataset, Output, PointOfBranch, Result, finite, new_dataset
+from validation.results.result import Dataset, Output, PointOfBranch, Result, aligned, finite, new_dataset, rounded
 from validation.results.wording import header, orbit_rows
 from validation.study.drawing import Drawing, styled
 

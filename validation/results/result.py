@@ -6,10 +6,10 @@ The tables of a summary are `Facts`: nested dictionaries and lists, as they are 
 import html
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from validation.study.drawing import Drawing
 else:  # xarray is loaded only when a dataset is made
     DataArray = Dataset = Any
+
+Row = TypeVar("Row")
 
 
 class Facts(dict[str, Any]):
@@ -72,6 +74,25 @@ def leaves(facts: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
             yield from leaves(value, f"{above}{key}.")
         elif not isinstance(value, list):
             yield f"{above}{key}", value
+
+
+def thinned(rows: Sequence[Row], most: int) -> list[Row]:
+    """At most `most` of the rows at equal distances, and the last one."""
+    every = max(1, math.ceil(len(rows) / most))
+    return [row for n, row in enumerate(rows) if n % every == 0 or n == len(rows) - 1]
+
+
+def aligned(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Lines of aligned columns: the first to the left, the others to the right."""
+    widths = [max(len(row[column]) for row in [heading, *rows]) for column in range(len(heading))]
+    for row in [heading, *rows]:
+        cells = [row[0].ljust(widths[0]), *(cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))]
+        yield "  ".join(cells).rstrip()
+
+
+def rounded(value: float | None, digits: int = 9) -> str:
+    """A number for a table; a dash where there is none."""
+    return "-" if value is None or math.isnan(value) else f"{value:.{digits}g}"
 
 
 class Output(NamedTuple):

@@ -1,28 +1,62 @@
-"""`slipwave.run`: one model on one scene."""
+"""`slipwave.run`: one model on one scene; its options and its result."""
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from fullwave.fields.files import write_field
 from slipwave.errors import NumericsError, SceneError
+from slipwave.files import FIGURES, part_of
 from slipwave.input import SceneSource
-from slipwave.observe.verdict import REPEATING
-from slipwave.scene import Scene
-from slipwave.solve import Solver, has_fields
-from slipwave.solve.follow import DAY
-from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
-from validation.compute import build as models
+from slipwave.observe.stages import StageFigures
+from slipwave.scene.doubts import doubts
+from slipwave.scene.drive import StartKind
+from slipwave.solve import Leaping, Solver, has_fields
+from slipwave.solve.lyapunov import Exponent
+from validation.compute.build import on_its_orbit
 from validation.compute.default_grid import grid_in_words, judged_grid, note_on, note_on_given
-from validation.compute.length import MOST_CYCLES, Length, length_of, require_counted
-from validation.compute.models import Options, one_port_of
-from validation.compute.outlook import amplified_rounding, costly_steps, outlook
-from validation.compute.progress import progress
-from validation.compute.recording import Wanted, Window, kept_of, records_of, time_between
-from validation.compute.run import Run, reconsidered, simulate
+from validation.compute.exponent import exponent_of, require_constant
+from validation.compute.history_file import ALL
+from validation.compute.length import MOST_CYCLES
+from validation.compute.models import made, one_port_of
+from validation.compute.outlook import amplified_rounding, costly_steps
+from validation.compute.recording import FIELD_FILES, Window, how_to_resume, kept_of, time_between
+from validation.compute.run import (
+    Length,
+    Records,
+    Run,
+    Wanted,
+    length_of,
+    needed,
+    reconsidered,
+    records_of,
+    require_counted,
+    simulate,
+)
+from validation.data.writing import write_series
 from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
-from validation.results.run_result import RunResult
+from validation.results.provenance import SCHEMA, provenance
+from validation.results.quantities import cycle_in_si
+from validation.results.result import Dataset, Output, Result, aligned, finite, rounded, save_drawing
+from validation.results.run_dataset import run_dataset, write_events, write_run
+from validation.results.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
+from validation.results.wording import (
+    ENDED,
+    events_in_words,
+    exponent_in_words,
+    header,
+    margins_in_words,
+    spreads_in_words,
+    statistics_rows,
+)
+
+if TYPE_CHECKING:
+    from fullwave.adapt import Choice
+    from validation.study.drawing import Drawing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,6 +104,218 @@ class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
     lyapunov: bool = option("how fast motions close by part: the largest Lyapunov exponent, by a second march", False)
 
 
+@dataclass(frozen=True, repr=False, eq=False)
+class RunResult(Result):
+    """A run that is `done`, with what was kept of it on its way in `records`. `choice` is the grid that was chosen for a full
+    wave, `notes` are remarks on the numbers, `options` those of the call; `exponent`, if asked for, is the largest Lyapunov
+    exponent of the motion from the end on."""
+
+    done: Run
+    records: Records
+    choice: "Choice | None"
+    notes: list[str]
+    options: Mapping[str, Any]
+    exponent: Exponent | None = None
+
+    OUTPUTS: ClassVar = (
+        Output("--out", (".nc",), "to_netcdf", "write events, and the interface and fields if recorded", "FILE.nc"),
+        Output(
+            "--fields",
+            FIELD_FILES,
+            "write_fields",
+            "full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc",
+        ),
+        Output("--events", (".csv",), "write_events", "write the slip events, in s and Pa for scenes in SI", "FILE.csv"),
+        Output("--series", (".csv",), "write_series", "write the interface's motion as a record, with units", "FILE.csv"),
+        Output("--plot", FIGURES, "save_plot", "draw stress and slip rate over time: .png, .pdf or .svg"),
+        Output("--return-map", FIGURES, "save_return_map", "draw the period of each cycle over that of the one before"),
+    )
+
+    @classmethod
+    def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
+        """The history for a record, and for a netCDF file if its scene records it; the fields for theirs."""
+        out, record = files["out"], {"interface": True} if files["series"] else {}
+        if out is None:
+            return {"interface": False, "fields": files["fields"] is not None} | record
+        return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {}) | record
+
+    def to_go_on(self, options: Any) -> str:
+        """From its checkpoint."""
+        return how_to_resume(options.checkpoint)
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy ledger."""
+        done, choice, scene = self.done, self.choice, self.done.solver.scene
+        yield from header(scene)
+        if choice is not None:  # the default grid tried no others
+            yield f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {grid_in_words(choice)}"
+        yield from (f"note: {note}" for note in self.notes)
+        march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
+        words = f": {stages_in_words(self.stages)}" if done.kind == "protocol" else ""
+        judged = f"{events_in_words(done.starts, done.verdict, self.needed)}{words}"
+        yield f"model {done.solver.model}{march}, {done.until:g} transits: {judged}"
+        yield from self.reasons
+        if done.ended in ENDED:
+            yield ENDED[done.ended]
+        if done.verdict and done.verdict.repeats:
+            yield ""
+            yield from aligned(*statistics_rows(done.statistics, scene))
+            yield from margins_in_words(done.statistics, scene)
+        if self.exponent is not None:
+            yield exponent_in_words(self.exponent)
+        if self.stages:
+            yield ""
+            yield from aligned(*stage_rows(self.stages, scene))
+            yield from missing_in_words(self.stages)
+        if done.final:
+            state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
+            yield "\nat the end: " + ", ".join(f"{name} = {rounded(value, 12)}" for name, value in state.items())
+        for label, one in self.records.named.items():
+            yield f"{label}: " + ", ".join(f"{name} = {rounded(value, 6)}" for name, value in one.figures().items())
+        if self.energy:
+            yield "energy: " + ", ".join(f"{name} {rounded(value, 6)}" for name, value in self.energy.items())
+        if done.solver.failures:
+            yield f"interface solves that did not converge: {done.solver.failures}"
+        yield f"wall time {done.wall_s:.3g} s"
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The JSON of `slipwave run` (users rely on its keys). `grid` is there only if the user did not choose its cells,
+        `protocol`, its stages, only if the drive changes, `lyapunov` only if it was asked for, `failed` only if the numerics
+        failed, `observed` only if the scene records observers by name."""
+        done, found = self.done, self.done.statistics
+        result: dict[str, Any] = {
+            "schema": SCHEMA,
+            "scene": done.solver.scene.name,
+            "model": done.solver.model,
+            "until": done.until,
+            "events": done.starts,
+            "verdict": done.kind,
+            "multiplicity": done.verdict.multiplicity if done.verdict else None,
+            "rotation_number": done.verdict.rotation if done.verdict else None,
+            "rate": done.verdict.rate if done.verdict else None,
+            **{name: asdict(one) for name, one in found.spreads.items()},
+            "v_max": found.v_max,
+            "v_min": found.v_min,
+            "margins": asdict(found.margins) if done.verdict and done.verdict.wanders else None,
+            "final": asdict(done.final) if done.final else None,
+            "energy": self.energy,
+            "ended": done.ended,
+            "reasons": self.reasons,
+            "failures": done.solver.failures,
+            "wall_s": done.wall_s,
+        }
+        if done.solver.scene.units:
+            result |= cycle_in_si(found.values() | self._spreads, done.solver.scene)
+        if "time" in done.solver.settings:
+            result["time"] = done.solver.settings["time"]
+        if isinstance(done.solver, Leaping) and done.solver.skipped:
+            result["left_out"] = done.solver.skipped
+        if self.choice:
+            result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
+        more = {
+            "protocol": stage_results(self.stages, done.solver.scene) if self.stages else [],
+            "lyapunov": self.exponent._asdict() if self.exponent else None,
+            "observed": {name: one.figures() for name, one in self.records.named.items()},
+            "failed": done.failed,
+            "notes": [*doubts(done.solver.scene), *self.notes],
+        }
+        return dict(finite(result | {name: value for name, value in more.items() if value}))
+
+    @property
+    def _spreads(self) -> dict[str, float]:
+        """The std of the cycles' figures, and of motion that never repeats the margins of their means."""
+        found, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
+        margins = {f"{name}_margin": getattr(found.margins, name) for name in found.spreads} if wanders else {}
+        return {f"{name}_std": one.std for name, one in found.spreads.items()} | margins
+
+    @property
+    def stages(self) -> list[StageFigures]:
+        """The stages of a protocol with their figures; none if V never changes."""
+        return self.records.protocol.figures if self.records.protocol else []
+
+    @cached_property
+    def reasons(self) -> list[str]:
+        """Why the motion is what it is, and what would change it, in words."""
+        if self.done.failed or self.done.verdict is None:
+            return []
+        if self.done.verdict.repeats:
+            return spreads_in_words(self.done.statistics)
+        from validation.results.reasons import reasons  # it analyses stability
+
+        return reasons(self.done, one_port_of(self.done.solver.model))
+
+    @property
+    def needed(self) -> float:
+        """Length (transits) of a run with enough cycles, if this one is too short."""
+        return needed(self.done.verdict, self.done.solver.scene, one_port_of(self.done.solver.model))
+
+    @property
+    def energy(self) -> dict[str, float] | None:
+        """The energy ledger since t = 0 by name; None for models that keep none and for a run that failed."""
+        ledger = self.done.energy
+        if ledger is None:
+            return None
+        viscous = ["viscous"] * any(slab.viscosity for slab in self.done.solver.scene.slabs)
+        return {name: getattr(ledger, name) for name in ("input", "friction", "radiated", "stored", "residual", *viscous)}
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """Cycles by `event`, stages of a protocol by `stage`, and the interface's history by `time`, if it was kept; all
+        of it is in memory."""
+        return run_dataset(self.done, self._facts(), self.stages, self.records.history)
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the dataset, block by block, and the fields as a group if the scene records them. Raises SceneError if the file
+        cannot be written."""
+        record = self.records.fields if "fields" in self.done.solver.scene.record else None
+        field = record.field if record is not None and self.done.final is not None else None
+        write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
+
+    def plot(self) -> "Drawing":
+        """Stress and slip rate over time, or of a protocol friction over time and slip; in a window if one was given. Some
+        thousand ranges are drawn, however long the run was."""
+        from validation.results.figures import run_figure
+
+        return run_figure(self.done, self.records.envelope, self.stages if self.records.protocol else None)
+
+    def plot_return_map(self) -> "Drawing":
+        """The period of each cycle of the run's second half over that of the one before. Raises SceneError for fewer than two
+        cycles."""
+        from validation.results.figures import return_map
+
+        return return_map(self.done)
+
+    def save_return_map(self, path: str | Path) -> None:
+        """Write the return map as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+        save_drawing(path, self.plot_return_map)
+
+    def _facts(self) -> dict[str, Any]:
+        facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
+        return facts | {"ended": self.done.ended or "failed", "reasons": "; ".join(self.reasons)}
+
+    def write_events(self, path: str | Path) -> None:
+        """Write one line for each complete cycle to a .csv file, in SI if the scene has units."""
+        write_events(Path(path), self.done.events, self.done.solver.scene)
+
+    def write_series(self, path: str | Path) -> None:
+        """Write the interface's motion as a record that `validation.data.series.read_series` reads, in SI if the scene has units.
+        Raises SceneError if the run kept no history (`interface`), or if it cannot be written."""
+        history = self.records.history
+        if history is None or history.problem:
+            raise SceneError(history.problem if history else "a record needs the interface's history: run with interface=True")
+        write_series(Path(path), history.parts(), self.done.solver.scene)
+
+    def write_fields(self, path: str | Path) -> None:
+        """Write velocity and stress of the last transits to a .vtu, .xdmf or .nc file; nothing if the run kept none."""
+        if self.records.fields is not None and self.done.final is not None:
+            write_field(Path(path), self.records.fields.field)
+
+    def close(self) -> None:
+        """Remove the temporary file that holds the interface's history."""
+        self.records.close()
+
+
 @command
 def run(source: SceneSource, options: RunOptions) -> RunResult:
     """Run one model on a scene.
@@ -91,9 +337,12 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     require_counted(scene, options.cycles)
     if options.lyapunov:
         require_constant(scene)
-    every = time_between(checkpoint, options.checkpoint_every, scene)
-    kept = kept_of(options.every, options.window, scene)
-    built = models.prepare(options.model, scene, checkpoint is not None and checkpoint.exists(), **options.numerical)
+    asks = checkpoint is not None or options.checkpoint_every is not None
+    every = time_between(checkpoint, options.checkpoint_every, scene) if asks else None
+    kept = kept_of(options.every, options.window, scene) if options.every or options.window else ALL
+    built = made(options.model, scene, **options.numerical)
+    if scene.start.kind is StartKind.ORBIT:
+        built = on_its_orbit(built, checkpoint is not None and checkpoint.exists())
     if built.choice is not None:
         log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
     announced(built.solver.model, built.why)
@@ -113,7 +362,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         default = judged_grid(built.solver, start, options.cfl, options.time) if is_default else None
         exponent, failed, stopped = None, done.failed, done.stopped
         if options.lyapunov and not (failed or stopped):
-            exponent, failed, stopped = _exponent(done, scene, options)
+            exponent, failed, stopped = _exponent(done, options)
     except BaseException:
         records.close()
         raise
@@ -124,19 +373,14 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     return RunResult(*parts, failed=failed, stopped=stopped)
 
 
-def _exponent(done: Run, scene: Scene, options: RunOptions) -> tuple[Exponent | None, str, bool]:
-    """The exponent of a run, by a twin of its solver, or why there is none, and whether the user stopped it. A grid chosen
-    for a tolerance is not chosen again."""
-    solver, numerical = done.solver, options.numerical
-    if has_fields(solver):
-        numerical = numerical | Options(cells=solver.cells, tolerance=solver.settings.get("resolution"))
-    twin = models.prepare(solver.model, scene, True, **numerical).solver
+def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, bool]:
+    """The exponent of a run, or why there is none, and whether the user stopped it."""
     try:
-        return exponent_of(done, twin, one_port_of(solver.model), options.most_seconds), "", False
+        return exponent_of(done, options.numerical, options.most_seconds), "", False
     except NumericsError as error:
         return None, str(error), False
     except KeyboardInterrupt:
-        return None, f"interrupted at t = {solver.time:.6g} transits, before the Lyapunov exponent was known", True
+        return None, f"interrupted at t = {done.solver.time:.6g} transits, before the Lyapunov exponent was known", True
 
 
 def _doubts(solver: Solver, length: Length, options: RunOptions) -> list[str]:
@@ -144,28 +388,3 @@ def _doubts(solver: Solver, length: Length, options: RunOptions) -> list[str]:
     amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, options.tol)
     given = note_on_given(options.cells, options.tol) if has_fields(solver) else []
     return [*([amplified.note] if amplified else []), *given, *costly_steps(solver)]
-
-
-def require_constant(scene: Scene) -> None:
-    """Raises SceneError if the drive changes: then motions part because they are driven."""
-    if not scene.drive.is_constant or scene.velocity == 0.0:
-        raise SceneError(f"scene {scene.name!r}: a Lyapunov exponent needs a constant drive.velocity")
-
-
-def exponent_of(done: Run, twin: Solver, model: str, most_seconds: float = DAY) -> Exponent:
-    """The exponent of the motion from the end of a run on; `twin` is another solver of its scene, and `model` one with the
-    one-port of the model that ran.
-
-    Raises NumericsError for a run whose cycles do not represent its motion: a disturbance of steady sliding fades or grows as
-    `slipwave stability` says, and a transient has no exponent; else as `largest_exponent`."""
-    solver = done.solver
-    if done.verdict is not None and not done.verdict.repeats:
-        advice = "run longer" if done.verdict.kind in ("too short", "settling") else "slipwave stability gives its rate"
-        raise NumericsError(
-            f"{solver.model}: a Lyapunov exponent is measured of runs with the verdict {', '.join(REPEATING[:-1])} or "
-            f"{REPEATING[-1]}; this one is {done.verdict.kind}: {advice} (scene {solver.scene.name!r})"
-        )
-    period = float(done.events.period[-1]) if done.events.period.size else outlook(solver.scene, model).period
-    cycle = period if math.isfinite(period) else 1.0
-    with progress(f"{solver.scene.name}, {solver.model}, beside a second motion", float(TRANSIENT + INTERVALS)) as report:
-        return largest_exponent(solver, twin, cycle, report, most_seconds=most_seconds)

@@ -16,12 +16,11 @@ from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.compute.models import one_port_of
-from validation.output import aligned, rounded
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA, provenance
 from validation.results.reasons import on_stability
-from validation.results.result import Dataset, Result, finite, new_dataset
+from validation.results.result import Dataset, Result, aligned, finite, new_dataset, rounded
 from validation.results.wording import header
 from validation.study.drawing import Drawing, styled, subplots
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from slipwave.observe.stages import StageFigures
 from slipwave.scene import Scene
-from validation.output import rounded
 from validation.results.quantities import STAGE_QUANTITIES, shown_in, twins_in_si
+from validation.results.result import rounded
 
 
 def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:

@@ -11,8 +11,8 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.events import MeasuredMotion
 from validation.measure.cycle import OneCycle
-from validation.output import aligned, rounded
 from validation.results.quantities import EVENTS, cycle_in_si, shown_in
+from validation.results.result import aligned, rounded
 from validation.study.drawing import Axes, Drawing, canvas
 
 FIGURES_OF_CYCLES = ("period", "stress_drop", "v_max")

@@ -18,8 +18,8 @@ from slipwave.scene.drive import Drive
 from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, RigidFace, Slab, Viscosity
 from slipwave.scene.units import Units
 from slipwave.solve.lyapunov import Exponent
-from validation.output import rounded
 from validation.results.quantities import EVENTS, shown_in
+from validation.results.result import rounded
 
 ENDED = {
     "cycles": "the run ended here because its second half has the cycles asked for",
@@ -49,17 +49,19 @@ def _with_units(
 ) -> tuple[list[str], list[list[str]]]:
     """Rows of (value, spread) of the five figures of a cycle."""
     labels = {"period": "period [transits]", "v_max": "v_max [V*]", "v_min": "v_min [V*]"}
-    units = {name: shown_in(EVENTS[name].unit, scene) for name in known}
-    facts = [(labels.get(name, name.replace("_", " ")), *pair, *units[name]) for name, pair in known.items()]
-    second = (units["period"][0] / scene.transit, units["period"][1])
+    facts = [(labels.get(name, name.replace("_", " ")), *pair) for name, pair in known.items()]
     period, spread = known["period"]
-    facts.insert(1, ("period [L/V*]", period * scene.transit, spread * scene.transit, *second))
-    rows = [
-        [label, rounded(value), rounded(spread, 3), f"{rounded(value * size, 6)} {unit}", _sized(spread * size, unit)]
-        for label, value, spread, size, unit in facts
+    facts.insert(1, ("period [L/V*]", period * scene.transit, spread * scene.transit))
+    heading, rows = ["", *columns], [[label, rounded(value), rounded(spread, 3)] for label, value, spread in facts]
+    if scene.units is None:
+        return heading, rows
+    units = [shown_in(EVENTS[name].unit, scene) for name in known]
+    units.insert(1, (units[0][0] / scene.transit, units[0][1]))
+    physical = [
+        [f"{rounded(value * size, 6)} {unit}", _sized(spread * size, unit)]
+        for (_, value, spread), (size, unit) in zip(facts, units, strict=True)
     ]
-    heading = ["", *columns, "SI", f"{columns[1]} in SI"]
-    return (heading, rows) if scene.units else (heading[:-2], [row[:-2] for row in rows])
+    return [*heading, "SI", f"{columns[1]} in SI"], [row + more for row, more in zip(rows, physical, strict=True)]
 
 
 def _sized(spread: float, unit: str) -> str:

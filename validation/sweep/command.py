@@ -16,12 +16,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
+from slipwave.files import FIGURES
 from slipwave.input import SceneSource
-from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.options import RunsOptions, option
 from validation.results.provenance import SCHEMA
-from validation.results.result import Dataset, Output, Result, finite
+from validation.results.result import Dataset, Output, Result, aligned, finite, rounded
 from validation.study.drawing import Drawing
 from validation.sweep.axes import Axis, axis_of
 from validation.sweep.engine import STATUS

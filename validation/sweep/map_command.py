@@ -7,12 +7,12 @@ from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
+from slipwave.files import FIGURES
 from slipwave.input import SceneSource
-from validation.output import FIGURES, aligned, rounded
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
 from validation.results.provenance import SCHEMA
-from validation.results.result import Dataset, Output, Result, finite, load_dataset
+from validation.results.result import Dataset, Output, Result, aligned, finite, load_dataset, rounded
 from validation.study.drawing import Drawing
 from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import difference

@@ -14,10 +14,10 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.verdict import Kind
 from slipwave.scene import Scene
 from validation.compute.build import prepare
-from validation.compute.length import Ended, JudgedHalf, Length, Until, UntilSettled
+from validation.compute.length import Ended, JudgedHalf, UntilSettled
 from validation.compute.models import one_port_of
 from validation.compute.outlook import Outlook, is_stable, outlook
-from validation.compute.run import Run, reconsidered, simulate
+from validation.compute.run import Length, Run, Until, reconsidered, simulate
 from validation.results.quantities import Meaning
 
 VERDICTS: tuple[str, ...] = get_args(Kind)

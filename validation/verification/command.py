@@ -15,11 +15,10 @@ from slipwave.input import SceneSource
 from validation.compute.models import GRIDS, grid_of, parse, resolve
 from validation.compute.own import load_families
 from validation.compute.progress import progress
-from validation.output import aligned
 from validation.results.command import command
 from validation.results.options import ModelOptions
 from validation.results.provenance import SCHEMA
-from validation.results.result import Dataset, Output, Result
+from validation.results.result import Dataset, Output, Result, aligned
 from validation.study import EXACT, Outcome, Verdict, holding
 from validation.study.drawing import Drawing
 from validation.study.names import with_names
