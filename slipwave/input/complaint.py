@@ -33,8 +33,8 @@ def complaint(failure: ValidationError) -> str:
 
 def _rank(fault: ErrorDetails) -> tuple[bool, bool]:
     """Order of reporting: a misspelt key makes one key unknown and another missing; the unknown key comes first, because it
-    explains both. Missing parameters of a law come last."""
-    return fault["loc"][:1] == ("interface",) and fault["type"] != "missing", fault["type"] not in _UNKNOWN
+    explains both. The parameters of a law come last."""
+    return "interface" in fault["loc"][:-1], fault["type"] not in _UNKNOWN
 
 
 class _Located(NamedTuple):

@@ -5,6 +5,7 @@ import math
 import os
 import random
 import re
+from functools import reduce
 
 import pytest
 from hypothesis import given
@@ -65,6 +66,20 @@ def complaint(source, overrides=()):
     assert message.isprintable()
     assert len(message) < 500
     return message
+
+
+@pytest.mark.parametrize(("key", "wrong"), [
+    ("interface.a_star", "astar"), ("drive.velocity", "velocty"), ("upper.epsilon", "epsilom"),
+    ("upper.layers.1.impedance", "impedence"),
+    ("upper.face.stiffness", "stifness"), ("upper.viscosity.ratio", "ratios"), ("interface", "interfaces"), ("drive", "drives"),
+])  # fmt: skip
+def test_a_misspelt_key_is_named_before_the_one_that_is_then_missing(key, wrong):
+    above, _, right = key.rpartition(".")
+    misspelt = f"{above}.{wrong}".lstrip(".")
+    value = reduce(lambda table, part: table[int(part) if part.isdigit() else part], key.split("."), FULL)
+    told = complaint(changed(changed(FULL, misspelt, value), key, ...))
+    assert told.startswith(f"{misspelt} = ")
+    assert told.endswith(f"unknown key; did you mean {right}?")
 
 
 def outcome(source, overrides=()):
