@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from operator import attrgetter
-from typing import Any, ClassVar, TypedDict
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from fullwave.lines.blocks import BlockGrid, Section, assemble, sections_of, sta
 from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch, TimeMarch, cheaper_march
 from fullwave.lines.explicit import ExplicitMarch
-from fullwave.lines.readout import Shape, impose_fields, snapshot_of, stored_energy, twice_energy
+from fullwave.lines.readout import snapshot_of, stored_energy, twice_energy
 from fullwave.lines.runge_kutta import RungeKutta, method_of
 from fullwave.lines.scheme_limit import relaxation_limit, spectral_limit
 from fullwave.lines.system import ELASTIC, PSI, System
@@ -30,14 +30,6 @@ def method_for(family: FullWave, number: int) -> RungeKutta:
     return method_of(family.order_in_time(number))
 
 
-class Marching(TypedDict, total=False):
-    """Options of `MethodOfLines` for the march in time."""
-
-    cfl: float | None
-    time: TimeMarch | None
-    resolution: float
-
-
 class MethodOfLines(ABC):
     """Marches `scene` as the member of its `family` with `number` (by default the usual one), on `cells` in the slab with the
     shorter round trip. A `FieldSolver` (slipwave.solve).
@@ -49,7 +41,6 @@ class MethodOfLines(ABC):
     """
 
     family: ClassVar[FullWave]
-    mass: str | None = None
 
     def __init__(
         self,
@@ -116,7 +107,7 @@ class MethodOfLines(ABC):
     def settings(self) -> dict[str, Any]:
         """As `Solver`."""
         cells = [section.cells for section in self.sections]
-        return {"cells": cells, "mass": self.mass, "time": self._march.name, **self._march.settings, "cfl": self.cfl}
+        return {"cells": cells, "time": self._march.name, **self._march.settings, "cfl": self.cfl}
 
     @property
     def cells(self) -> int:
@@ -160,13 +151,6 @@ class MethodOfLines(ABC):
         """As `FieldSolver`."""
         shown = [snapshot_of(self.grid, self.system, time, values) for time, values in self._march.frames()]
         return shown or [self.snapshot()]
-
-    def impose(self, slab: int, velocity: Shape, stress: Shape) -> None:
-        """Set the fields of slab 0 (upper) or 1 (lower): functions of depth (transits of the upper slab, array in, array out).
-        `velocity` in V* in the slab's own direction of drive, `stress` in units of the normal stress; both are total values."""
-        values = self._march.layout
-        impose_fields(self.grid, self.system, values, slab, velocity, stress)
-        self._march.begin_from(values)
 
     def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
         """As `FieldSolver`."""

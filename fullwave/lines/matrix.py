@@ -8,19 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.blocks import state_size
-from fullwave.lines.system import GRIP, SCALARS, Operator, System, Viscous, apply, finish
+from fullwave.lines.system import GRIP, SCALARS, Operator, System, Viscous, apply
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 
 
 @njit
-def _columns(operator: Operator, states: Array, at_apply: Array, at_finish: Array) -> None:
-    """Row k of `at_apply` <- `apply` to row k of `states`; row k of `at_finish` <- `finish` of it (M^-1 of a consistent mass)."""
+def _columns(operator: Operator, states: Array, derivatives: Array) -> None:
+    """Row k of `derivatives` <- `apply` to row k of `states`."""
     for k in range(states.shape[0]):
-        apply(operator, states[k], at_apply[k], 0)
-        for i in range(states.shape[1]):
-            at_finish[k, i] = states[k, i]
-        finish(operator, at_finish[k], 0)
+        apply(operator, states[k], derivatives[k], 0)
 
 
 class LinearMotion(NamedTuple):
@@ -59,8 +56,8 @@ def motion_of(system: System) -> LinearMotion:
     size = system.interface.size
     viscous = system.medium if isinstance(system.medium, Viscous) else None
     total = state_size(system)
-    derivative, completion = np.zeros((size, size)), np.zeros((size, size))
-    _columns(system.operator, np.eye(size), derivative, completion)
+    derivative = np.zeros((size, size))
+    _columns(system.operator, np.eye(size), derivative)
     state = np.eye(total, total + 2)  # every row below is a linear form in (q, u, c)
     strong = np.zeros((size, total + 2))
     strong[:, :size] = derivative.T
@@ -77,7 +74,6 @@ def motion_of(system: System) -> LinearMotion:
         total_stress = state[:size] + viscous.retardation[:, None] * rates
         rates[viscous.is_velocity] = (derivative.T @ total_stress)[viscous.is_velocity]
     np.add.at(rates, traces.velocity, traces.lift[:, None] * jump)
-    rates = completion.T @ rates
     matrix = np.zeros((total, total + 2))
     if viscous is not None:
         memory = state[size + SCALARS : 2 * size + SCALARS]

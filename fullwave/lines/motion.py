@@ -17,7 +17,6 @@ from fullwave.lines.system import (
     Traces,
     apply,
     dissipate,
-    finish,
     retard,
     total_stress,
 )
@@ -117,7 +116,6 @@ def rates_of(system: System, time: float, state: Array, rates: Array, at: int, z
     retard(medium, operator, size, state, rates, at)
     for k in range(ends):
         rates[at + traces.velocity[k]] += traces.lift[k] * traces.jump[k]
-    finish(operator, rates, at)
     rates[at + size + VISCOUS] = interface.copies * forcing.transit * dissipate(medium, size, state, rates, at)
     rates[at + size + FRICTION] = forcing.transit * mu * v
     rates[at + size + ELASTIC] = forcing.stiffness * (velocity - v)

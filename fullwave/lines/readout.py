@@ -1,7 +1,6 @@
-"""Stored energy and fields on the grid of a method-of-lines march, and how to set the fields."""
+"""Stored energy and fields on the grid of a method-of-lines march."""
 
-from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -9,9 +8,6 @@ from fullwave.lines.blocks import Block, BlockGrid, Chain
 from fullwave.lines.system import GRIP, SCALARS, System, Viscous
 from slipwave.observe.pieces import Array
 from slipwave.solve import SlabSnapshot, Snapshot
-
-Shape: TypeAlias = Callable[[Array], Array]
-"""A field as a function of depth."""
 
 
 def stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
@@ -85,13 +81,3 @@ def _total_stress(block: Block, system: System, state: Array) -> Array:
         rate = np.gradient(state[block.velocity], block.depth, edge_order=2 if block.depth.size > 2 else 1)
         stress = stress + medium.retardation[block.stress[0]] * rate
     return stress
-
-
-def impose_fields(grid: BlockGrid, system: System, state: Array, slab: int, velocity: Shape, stress: Shape) -> None:
-    """Set the fields of marched slab 0 (upper) or 1 in `state`: functions of depth, as in `MethodOfLines.impose`."""
-    for block in grid.blocks:
-        if block.section.slab == slab:
-            state[block.velocity] = velocity(block.depth) - 0.5 * system.forcing.velocity
-            state[block.stress] = (stress(block.depth) - system.forcing.steady_stress) / block.section.impedance
-            if system.interface.heavy:  # the last block's end is the outer face
-                state[system.interface.heavy + slab] = state[block.velocity[-1]]

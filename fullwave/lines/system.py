@@ -11,8 +11,8 @@ difference or finite element). It is coupled at both ends only through the chara
     w_t = D s + sum_ends l (w* - w),     s_t = D w +- l (w* - w)     (+ at the end away from the interface).
 
 l = H^-1 e with the unit vector e of the end. It is 1/h_0 at the end node if h_0 is the only entry of its row in H (a diagonal
-norm, or the restricted full norm of the differences); a consistent mass distributes it over the block (`finish`). With the stress
-s* = s +- (w* - w) that belongs to w*, the energy eps (w.H w + s.H s)/2 then changes by
+norm, or the restricted full norm of the differences). With the stress s* = s +- (w* - w) that belongs to w*, the energy
+eps (w.H w + s.H s)/2 then changes by
 
     sum_ends +- eps s* w* - eps (w - w*)^2,
 
@@ -106,13 +106,8 @@ class System(NamedTuple):
 
 @by_class()
 def apply(operator: Operator, state: Array, rates: Array, at: int) -> None:
-    """rates[at + velocity slots] = D s, rates[at + stress slots] = D w (before `finish`)."""
+    """rates[at + velocity slots] = D s, rates[at + stress slots] = D w."""
     raise NotImplementedError(type(operator))
-
-
-@by_class()
-def finish(operator: Operator, rates: Array, at: int) -> None:
-    """Complete the rates after the faces' terms were added: solves with a consistent mass matrix, otherwise does nothing."""
 
 
 class Elastic(NamedTuple):

@@ -44,13 +44,6 @@ SCENES = {
 FAMILIES = {
     "dg:5": partial(DiscontinuousGalerkin, number=5, cells=3, time="explicit"),
     "fem:4": partial(FiniteElement, number=4, cells=4, time="explicit"),
-    "fem:2 consistent": partial(FiniteElement, number=2, cells=6, mass="consistent", time="explicit"),
     "sbp:6": partial(SummationByParts, number=6, cells=16, time="explicit"),
 }
-PAIRS = [
-    (family, scene)
-    for family in FAMILIES
-    for scene in SCENES
-    if not (family == "fem:2 consistent" and scene in ("kelvin-voigt", "everything"))
-]
-"""All but what no solver takes: Kelvin-Voigt viscosity with a consistent mass."""
+PAIRS = [(family, scene) for family in FAMILIES for scene in SCENES]

@@ -68,7 +68,6 @@ def test_a_big_grid_leaves_compiled_code_soon(kind, options, products, monkeypat
     [
         (DiscontinuousGalerkin, {"number": 24}),
         (FiniteElement, {"number": 16}),
-        (FiniteElement, {"number": 16, "mass": "consistent"}),
     ],
 )
 def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch):

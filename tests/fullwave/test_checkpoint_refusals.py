@@ -23,10 +23,10 @@ KINDS = {
     "fd": (Leapfrog, {"cells": 16, "cfl": 0.9}),
     "dg": (DiscontinuousGalerkin, {"number": 7, "cells": 9}),
     "sbp": (SummationByParts, {"number": 4, "cells": 24}),
-    "fem": (FiniteElement, {"number": 4, "cells": 9, "mass": "lumped"}),
+    "fem": (FiniteElement, {"number": 4, "cells": 9}),
 }
-OTHERS = [(kind, option) for kind in KINDS for option in ("cells", "cfl", "number", "mass")]
-OTHER = {"cells": 26, "cfl": 0.5, "number": 6, "mass": "consistent"}
+OTHERS = [(kind, option) for kind in KINDS for option in ("cells", "cfl", "number")]
+OTHER = {"cells": 26, "cfl": 0.5, "number": 6}
 
 
 @pytest.mark.parametrize(("kind", "option"), [o for o in OTHERS if o[1] in KINDS[o[0]][1] or o[1] in ("cfl", "cells")])

@@ -51,7 +51,6 @@ def test_families_agree_on_every_scene(name):
         (DiscontinuousGalerkin, {"cfl": 1.5}, r"cfl = 1.5: must lie in \(0, 1\]"),
         (DiscontinuousGalerkin, {"cfl": True}, r"cfl = True: must lie in \(0, 1\]"),
         (DiscontinuousGalerkin, {"cfl": AnyShare(-1.5)}, r"cfl = -1.5: must lie in \(0, 1\]"),
-        (FiniteElement, {"mass": "heavy"}, "mass = 'heavy': must be one of lumped, consistent"),
         (FiniteElement, {"number": 2.0}, "degree = 2.0: must be a whole number"),
         (DiscontinuousGalerkin, {"time": "implicit"}, "time = 'implicit': must be exact or explicit"),
         (SummationByParts, {"number": 3}, "order = 3: must be one of 2, 4, 6"),
@@ -61,11 +60,6 @@ def test_families_agree_on_every_scene(name):
 def test_wrong_options_are_refused_by_name(kind, options, message):
     with pytest.raises(SceneError, match=message):
         kind(PAPER, **options)
-
-
-def test_consistent_mass_refuses_kelvin_voigt_and_says_who_can():
-    with pytest.raises(SceneError, match='Kelvin-Voigt viscosity; fem with mass = "lumped", dg and sbp can'):
-        FiniteElement(SCENES["kelvin-voigt"], mass="consistent")
 
 
 def test_state_too_fast_for_the_step_is_reported_in_one_line():

@@ -62,6 +62,15 @@ def fields(solver, slab=0):
     return (*joined, scipy.sparse.block_diag(norms, format="csr"))
 
 
+def impose(solver, velocity, stress):
+    """Set the fields of the upper slab: deviations, as in `fields`, as functions of depth."""
+    state = solver.state()
+    for block in solver.grid.blocks:
+        if block.section.slab == 0:
+            state["state"][block.velocity], state["state"][block.stress] = velocity(block.depth), stress(block.depth)
+    solver.restore(state)
+
+
 def squared(norm, *errors):
     """Sum of e.H e, twice the energy of the fields `errors` over the impedance."""
     return float(sum(error @ (norm @ error) for error in errors))
@@ -72,7 +81,7 @@ def standing_error(make, waves=3, time=1.3):
     square over the pieces from t = 0.8 to `time`, since errors of the wave's phase and of its shape take turns."""
     solver = tiling(make, rate_scene(LOCKED), 0.8)
     k = 2.0 * np.pi * waves
-    solver.impose(0, lambda x: 0.5 + np.sin(k * x), lambda x: 0.0 * x)
+    impose(solver, lambda x: np.sin(k * x), np.zeros_like)
     step_to(solver, 0.8)
     squares = []
     while solver.time < time:
