@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 import xarray
 
-import slipwave
 import slipwave as sw
 from slipwave.errors import NumericsError
 from tests.copies import interrupted
@@ -24,7 +23,6 @@ from validation.compute.parameter import over_range
 from validation.compute.points import StopAt
 from validation.references.onset import onset_of
 from validation.references.published import reference_orbit
-from validation.study.branch_figures import figure_of_branch
 
 RANGE = "log10_r=-2.72:-2.68"
 COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")
@@ -56,7 +54,7 @@ def test_a_branch_is_born_and_turns_where_other_programs_say(answer, model, hopf
 def whole(tmp_path_factory):
     """The branch over the range, and its file."""
     path = tmp_path_factory.mktemp("branch") / "x.nc"
-    return slipwave.branch("paper", RANGE, "kelvin-voigt", tol=1e-4, out=path), path
+    return sw.branch("paper", RANGE, "kelvin-voigt", tol=1e-4, out=path), path
 
 
 def test_it_passes_through_known_orbits_and_its_file_holds_it(whole):
@@ -73,15 +71,6 @@ def test_it_passes_through_known_orbits_and_its_file_holds_it(whole):
         assert data["point_period"].values[: len(found["points"])].tolist() == [point["period"] for point in found["points"]]
         assert data["special_kind"].values.tolist() == [special["type"] for special in found["special"]]
         assert data["special_value"].values.tolist() == [special["log10_r"] for special in found["special"]]
-
-
-def test_pieces_of_one_stability_meet_at_special_points(whole):
-    found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
-    read_followed(whole[1], found)
-    for axes, name in zip(figure_of_branch(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
-        unstable, stable = ([line.get_xydata()[k].tolist() for k in (0, -1)] for line in axes.lines if line.get_xdata().size > 2)
-        birth, fold = ([special.value, getattr(special, name)] for special in found.special)
-        assert (unstable, stable[0]) == ([birth, fold], fold)
 
 
 @pytest.mark.parametrize(("by", "kept"), [(signal.SIGINT, True), (signal.SIGKILL, True), (signal.SIGINT, False)])
@@ -121,15 +110,6 @@ def test_undecided_stability_is_null_with_its_reason(answer, tmp_path):
     assert found["notes"][0].endswith("so of the special points only HB and LP are found")
 
 
-def test_another_parameter_stands_under_its_own_name(answer):
-    """The Hopf point in epsilon is that of `stability`."""
-    words = ["paper", "--model", "block8", "--over", "slab.epsilon=2.5e-5:3.5e-5", "--tol", "1e-3", "--stop-at", "HB"]
-    found = answer("branch", *words)
-    birth = found["special"][0]
-    assert birth["epsilon"] == birth["value"] == pytest.approx(slipwave.stability("paper", "block8").epsilon_c, rel=1e-9)
-    assert birth["parameter"] == found["parameter"] == "epsilon"
-
-
 def test_it_ends_where_orbits_shrink_to_steady_sliding():
     """The first small orbit, followed the wrong way: the Hopf point is met again, and nothing is counted twice."""
     found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
@@ -154,7 +134,7 @@ def test_a_range_may_have_units(printed):
     """As the key itself; a bare velocity is in V*. Listed values that differ are printed so, and periods in seconds beside."""
     over = over_range("slab.thickness=31 mm:34 mm", "paper-si")
     assert (over.first, over.last, over.written(0.032)) == (0.031, 0.034, "0.032 m")
-    assert over.scene_at(0.032) == slipwave.read("paper-si", {"slab.thickness": 0.032})
+    assert over.scene_at(0.032) == sw.read("paper-si", {"slab.thickness": 0.032})
     fast = over_range("drive.velocity=0.1 mm/s:0.2 mm/s", "paper-si")
     assert (fast.name, fast.first, fast.last) == ("V", pytest.approx(100.0), pytest.approx(200.0))
     assert fast.scene_at(150.0).velocity == 150.0
@@ -164,7 +144,7 @@ def test_a_range_may_have_units(printed):
     assert special[:2] == ["HB", "Hopf"]
     assert float(special[2]) == pytest.approx(0.03357797353158276 * 10 ** (2.68 - 2.69954994745), rel=1e-9)
     assert first[0] != second[0]
-    transit = over.scene_at(float(first[0])).transit * slipwave.read("paper-si").units.time
+    transit = over.scene_at(float(first[0])).transit * sw.read("paper-si").units.time
     assert float(first[2]) == pytest.approx(float(first[1]) * transit, rel=1e-6)
 
 
@@ -177,17 +157,17 @@ def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, 
 
     monkeypatch.chdir(tmp_path)
     words, options = ("paper", RANGE, "kelvin-voigt"), {"tol": 1e-4, "most_points": 9}
-    slipwave.branch(*words, **options, out="whole.nc")
+    sw.branch(*words, **options, out="whole.nc")
     with monkeypatch.context() as patch:
         patch.setattr(followed, "ends_of", failing)
         with pytest.raises(NumericsError, match="it turns too sharply") as failure:
-            slipwave.branch(*words, **options, out="part.nc")
+            sw.branch(*words, **options, out="part.nc")
     assert len(failure.value.result.summary["points"]) == 5
     failure.value.result.to_netcdf("again.nc")
     for name in ("part.nc", "again.nc"):
         with xarray.open_dataset(name) as data:
             assert (data.attrs["complete"], data.sizes["point"]) == (0, 5)
-    slipwave.branch(*words, **options, resume="part.nc")
+    sw.branch(*words, **options, resume="part.nc")
     whole, part = xarray.open_datatree("whole.nc"), xarray.open_datatree("part.nc")
     assert part.attrs["complete"] == 1
     assert [part.attrs[name] for name in ("facts", "notes")] == [whole.attrs[name] for name in ("facts", "notes")]
@@ -195,9 +175,7 @@ def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, 
         xarray.testing.assert_equal(part[group].dataset, whole[group].dataset)
 
 
-def test_limits_are_kept_and_told(answer):
-    few = answer("branch", *SHORT[:-1], "7")
-    assert (len(few["points"]), few["notes"]) == (7, ["stopped after 7 points: --most-points goes further"])
+def test_a_branch_ends_at_its_longest_period(answer):
     short = answer("branch", *COARSE, "--longest-period", "51")
     assert short["points"][-2]["period"] < 51.0 < short["points"][-1]["period"]
 
@@ -230,29 +208,6 @@ def test_a_branch_goes_on_with_another_tolerance(answer, tmp_path):
     assert found["special"][-1]["log10_r"] == pytest.approx(-2.700213011, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("fact", "changes"),
-    [
-        ("scene", {"over": over_range(RANGE, slipwave.read("paper", {"interface.a": 0.03491}))}),
-        ("model", {"model": "modal:1"}),
-        ("cells", {"cells": 9}),
-        ("doubled", {"doubled": True}),
-        ("parameter", {"over": over_range("V=100:110", "paper")}),
-        ("sources", {}),
-    ],
-)
-def test_every_fact_of_another_branch_is_refused(whole, monkeypatch, fact, changes):
-    """Another range of the same parameter is none."""
-    own = FollowedBranch(over_range("log10_r=-2.71:-2.6", "paper"), "kelvin-voigt", 1e-4)
-    if fact == "sources":
-        read_followed(whole[1], own)
-        monkeypatch.setattr("validation.compute.branch.source_digest", lambda: "of another version")
-    other = replace(own, **changes, points=[], special=[], notes=[])
-    with pytest.raises(slipwave.SceneError, match=rf"x\.nc': {fact} is "):
-        read_followed(whole[1], other)
-    assert other.points == []
-
-
 @pytest.mark.parametrize("name", ["mesh_levels", "monodromy", "metric"])
 def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, refused, name):
     path = tmp_path / "x.nc"
@@ -266,7 +221,7 @@ def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, refused, name):
 
 KEYS = {"schema", "scene", "model", "clock", "type", "parameters", "points", "wall_s", "notes"}
 FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
-FIRST, SECOND = (over_range(text, "paper") for text in ("log10_r=-2.72:-2.68", "V=100:120"))
+FIRST, SECOND = (over_range(text, "paper") for text in (RANGE, "V=100:120"))
 
 
 def test_the_first_fold_of_the_delay_system():
@@ -340,25 +295,37 @@ def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
         assert resumed["point_second"].values.tolist() == [point.second for point in expected]
 
 
+OTHER = over_range(RANGE, sw.read("paper", {"interface.a": 0.03491}))
+
+
 @pytest.mark.parametrize(
-    ("fact", "changes"),
+    ("kind", "fact", "changes"),
     [
-        ("scene", {"over": over_range("log10_r=-2.72:-2.68", sw.read("paper", {"interface.a": 0.03491}))}),
-        ("model", {"model": "kelvin-voigt"}),
-        ("type", {"kind": "NS"}),
-        ("rectangle", {"over": over_range("log10_r=-2.72:-2.69", "paper")}),
-        ("rectangle", {"second": over_range("V=100:121", "paper")}),
-        ("rectangle", {"second": over_range("epsilon=100:120", "paper")}),
-        ("sources", {}),
+        ("branch", "scene", {"over": OTHER}),
+        ("branch", "model", {"model": "modal:1"}),
+        ("branch", "cells", {"cells": 9}),
+        ("branch", "doubled", {"doubled": True}),
+        ("branch", "parameter", {"over": SECOND}),
+        ("branch", "sources", {}),
+        ("curve", "scene", {"over": OTHER}),
+        ("curve", "model", {"model": "kelvin-voigt"}),
+        ("curve", "type", {"kind": "NS"}),
+        ("curve", "rectangle", {"over": over_range("log10_r=-2.72:-2.69", "paper")}),
+        ("curve", "rectangle", {"second": over_range("V=100:121", "paper")}),
+        ("curve", "rectangle", {"second": over_range("epsilon=100:120", "paper")}),
+        ("curve", "sources", {}),
     ],
 )
-def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, fact, changes):
-    path, own = tmp_path / "x.nc", Curve("LP", FIRST, SECOND, "delay", 1e-6)
-    monkeypatch.setattr(Curve, "saved", lambda *parts: {})
+def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, kind, fact, changes):
+    """And of another branch, of which the range is none."""
+    path = tmp_path / "x.nc"
+    own = Curve("LP", FIRST, SECOND, "delay", 1e-6) if kind == "curve" else FollowedBranch(FIRST, "kelvin-voigt", 1e-4)
+    monkeypatch.setattr(type(own), "saved", lambda *parts: {})
     followed.write_followed(path, own, None, False, {})
-    with pytest.raises(sw.SceneError, match="is no file of a curve, or damaged"):  # no points, but the same facts
-        read_followed(path, own)
+    same = own if kind == "curve" else replace(own, over=over_range("log10_r=-2.71:-2.6", "paper"))
+    with pytest.raises(sw.SceneError, match=f"is no file of a {kind}, or damaged"):  # no points, but the same facts
+        read_followed(path, same)
     if fact == "sources":
-        monkeypatch.setattr("validation.compute.curve.source_digest", lambda: "of another version")
+        monkeypatch.setattr(f"validation.compute.{kind}.source_digest", lambda: "of another version")
     with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
         read_followed(path, replace(own, **changes))
