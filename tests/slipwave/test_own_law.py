@@ -62,6 +62,7 @@ def test_a_wrong_derivative_is_refused_by_name(wrong, fault):
         (law_with(lambda law, z: None), "TypeError"),
         (law_with(steady=lambda law, v: math.log(-v)), "ValueError"),
         (law_with(parameters=Unpriced), "defaults"),
+        (LAWS["ageing"]._replace(rate_of=lambda law, z: z * z, unknown_of=lambda law, v: v**0.5), "v''"),
     ],
 )
 def test_other_faults_are_refused_with_their_reason(law, told):

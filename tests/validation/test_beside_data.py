@@ -107,20 +107,9 @@ def test_a_record_beside_a_model(slips: tuple[Series, Events, Scene], tmp_path: 
     )
 
 
-@pytest.mark.slow
-def test_a_run_that_is_written_leaves_no_residual_beside_itself(tmp_path: Path) -> None:
-    sw.run(NAME, "quasidynamic", until=UNTIL, interface=True).write_series(tmp_path / "run.csv")
-    result = sw.compare(NAME, "quasidynamic", data=str(tmp_path / "run.csv"), until=UNTIL)
-    above, middle, _ = result.plot().axes[::2]
-    drop = np.ptp(above.get_lines()[0].get_ydata())
-    assert np.abs(middle.get_lines()[0].get_ydata()).max() < 2e-3 * drop  # cycles settle: their mean is not quite the last
-    assert result.data.noise == 0.0
-
-
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["paper"], "--models: missing: name models, as in delay,kelvin-voigt, or a record by --with FILE"),
         (["paper", "--models", "delay", "--columns", "time,mu"], "columns: needs a record: --with FILE"),
         (["velocity-steps", "--with", "x.csv"], "its drive changes; cycles are compared under a constant drive.velocity"),
         ([NAME, "--with", "absent.csv"], "'absent.csv': cannot be read: no such file or directory"),

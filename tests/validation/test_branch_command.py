@@ -23,6 +23,7 @@ from validation.compute.parameter import over_range
 from validation.compute.points import StopAt
 from validation.references.onset import onset_of
 from validation.references.published import reference_orbit
+from validation.study.branch_figures import figure_of_branch
 
 RANGE = "log10_r=-2.72:-2.68"
 COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")
@@ -71,6 +72,15 @@ def test_it_passes_through_known_orbits_and_its_file_holds_it(whole):
         assert data["point_period"].values[: len(found["points"])].tolist() == [point["period"] for point in found["points"]]
         assert data["special_kind"].values.tolist() == [special["type"] for special in found["special"]]
         assert data["special_value"].values.tolist() == [special["log10_r"] for special in found["special"]]
+
+
+def test_pieces_of_one_stability_meet_at_special_points(whole):
+    found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
+    read_followed(whole[1], found)
+    for axes, name in zip(figure_of_branch(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
+        unstable, stable = ([line.get_xydata()[k].tolist() for k in (0, -1)] for line in axes.lines if line.get_xdata().size > 2)
+        birth, fold = ([special.value, getattr(special, name)] for special in found.special)
+        assert (unstable, stable[0]) == ([birth, fold], fold)
 
 
 @pytest.mark.parametrize(("by", "kept"), [(signal.SIGINT, True), (signal.SIGKILL, True), (signal.SIGINT, False)])

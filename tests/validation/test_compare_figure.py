@@ -1,7 +1,6 @@
 """The overlay that `compare` draws: the last cycle of each model, with the right words on its axes; none of a transient."""
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -10,11 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import slipwave
-from slipwave.observe import EventObserver, HistoryObserver, Pieces
+from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow
 from validation.cli import main
 from validation.compute.build import build
-from validation.measure.cycle import CycleObserver
 
 UNTIL = 2000.0
 CHANGED = "slab.log10_r=-2.68"
@@ -73,26 +71,3 @@ def test_a_transient_has_a_word_in_the_legend_and_no_cycle(tmp_path: Path, drawn
     for axes in (above, below):
         exact, decaying = (line.get_xdata() for line in axes.get_lines())
         assert (np.ptp(exact), len(decaying)) == (pytest.approx(73.4721, abs=1.0), 0)
-
-
-def test_the_cycle_is_of_the_judged_window() -> None:
-    """y swings by 2 with period 20 up to t = 100, then by 0.02 with period 10: beside the large ones these are no events."""
-    paper = slipwave.read("paper")
-    nodes = np.linspace(1 / 6, 1.0, 6)
-    watch = CycleObserver(SimpleNamespace(scene=paper, nodes=nodes))  # type: ignore[arg-type]
-    left = np.linspace(0.0, 200.0, 2001)[:-1]
-    times = left[:, None] + 0.1 * nodes
-    small = times > 100.0
-    angle = 2 * np.pi * times / np.where(small, 10.0, 20.0)
-    rate = np.log(100.0) - 3.0 * np.cos(angle)
-    flat = np.zeros_like(times)
-    for k in range(0, left.size, 50):
-        part = slice(k, k + 50)
-        elastic = np.where(small, 0.01, 1.0) * np.sin(angle)
-        watch.scan(Pieces(left[part], np.full(50, 0.1), rate[part], flat[part], flat[part], elastic[part]))
-    late, early = watch.cycle(110.0), watch.cycle(0.0)
-    assert late is not None
-    assert early is not None
-    assert (late.period, early.period) == (pytest.approx(10.0, abs=1e-6), pytest.approx(20.0, abs=1e-6))
-    assert np.ptp(late.time) == pytest.approx(10.0, abs=0.1)
-    assert late.slip_rate.max() == pytest.approx(100.0 * np.exp(3.0), rel=1e-3)

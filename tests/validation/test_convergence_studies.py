@@ -19,7 +19,7 @@ from validation.measure.settle import SYMBOLS
 from validation.studies import grid_convergence, leapfrog_convergence
 from validation.studies.grid_convergence import code_note, code_table, in_time, orbits, shared
 from validation.studies.grid_convergence.in_time import COURANT, REQUESTS, Marches, delay_reference, without_error_in_time
-from validation.study import Evidence, Outcome
+from validation.study import Outcome
 
 CELLS = np.array([48, 96, 192, 384])
 NAMES = (*SYMBOLS, leapfrog_convergence._SMOOTH, leapfrog_convergence._JUMP)
@@ -29,11 +29,6 @@ def leapfrog(order=2.0, jump=1.0):
     errors = {name: 0.001 * (CELLS / 48.0) ** (-(jump if "jump" in name else order)) for name in NAMES}
     fits = {name: fit_order(CELLS, values) for name, values in errors.items()}
     return ({name: dict.fromkeys(leapfrog_convergence.CFLS, fit) for name, fit in fits.items()},)
-
-
-def test_at_cfl_1_the_leapfrog_is_the_delay_systems_own_rule():
-    kinds = [verdict.evidence for verdict in leapfrog_convergence._verdicts(*leapfrog())]
-    assert kinds.count(Evidence.SELF) == 2
 
 
 GRIDS = [orbits.GridOrbit("sbp:6", cells, 1e-3 * cells**-6.0, 1e-3 * cells**-6.0) for cells in (24, 32)]
@@ -50,11 +45,6 @@ def beside(off, error=0.0, cycles=0):
     """Periods 80 and drops 0.2, the wave's period off by a share, both periods known to an error."""
     wave = (Estimate(80.0 * (1.0 + off), error), Estimate(0.2, 1e-3))
     return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles)
-
-
-def test_what_the_table_says_as_r_grows():
-    rows = orbits.growth_table([beside(0.00177, 0.1, 50), beside(2e-10)]).rows
-    assert [row[5:] for row in rows] == [("1.0 standard errors", 50), ("2 · 10^{−10}", None)]
 
 
 WAVE, DELAY = (orbits._WAVE, orbits._WAVE_CELLS), ("delay", None)

@@ -5,12 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import slipwave
 from reduced.stability.critical import critical_round_trip
 from slipwave.observe.events import Events
 from slipwave.observe.statistics import margin_of_mean
-from slipwave.solve.lyapunov import INTERVALS, Exponent
-from validation.compute.build import build
 from validation.compute.orbits import find_orbit
 from validation.coverage import irregular, record, repeating
 from validation.coverage.held import Coverage, Held, coverage_of
@@ -124,20 +121,6 @@ def test_a_mean_is_held_against_that_of_later_cycles():
     column = np.concatenate([np.tile([1.0, 3.0], 4), np.full(24, 4.0)])
     period = irregular.held_means(Events(*[column] * 6), 8)[0]
     assert period == ("period", pytest.approx(margin_of_mean(column[:8]) / 4.0), pytest.approx(0.5 * np.sqrt(0.75)))
-
-
-def test_an_exponent_is_held_against_that_of_a_longer_run(monkeypatch):
-    """0.3 +- 0.1 per transit over 200, and 0.2 over 600, at a period of 10 transits."""
-    asked = []
-
-    def exponent(solver, twin, period, intervals):
-        asked.append(intervals)
-        return Exponent(0.3, 0.1, intervals) if intervals == INTERVALS else Exponent(0.2, 0.05, intervals)
-
-    monkeypatch.setattr(irregular, "largest_exponent", exponent)
-    monkeypatch.setattr(irregular, "irregular_motion", lambda random: (build("delay", slipwave.read("paper")), 10.0))
-    assert irregular.exponents(np.random.default_rng(0)) == [("exponent", pytest.approx(1.0), pytest.approx(np.sqrt(0.75)))]
-    assert asked == [INTERVALS, 3 * INTERVALS]
 
 
 def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh():

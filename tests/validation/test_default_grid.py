@@ -47,9 +47,6 @@ def test_a_grid_that_cannot_be_coarser_is_judged_by_a_finer_one():
 
 
 STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"
-LATE = "drive.velocity=[[0.0,100.0],[500.0,100.0],[510.0,1000.0]]"
-
-SLOW = "drive.velocity=[[0.0,100.0],[450.0,100.0],[550.0,200.0]]"
 
 
 def cycles(solver, until):
@@ -73,14 +70,3 @@ def test_a_ramp_beyond_the_probe_of_a_constant_drive_is_seen(monkeypatch, tolera
     assert error <= 2.0 * estimate
     assert error <= tolerance
     assert estimate <= tolerance
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "settings", "tolerance"),
-    [("paper", [LATE, "run.until=650"], 1e-7), ("paper", [LATE, "run.until=650"], 1e-8), ("ramp", [SLOW, "run.until=700"], 1e-9)],
-)
-def test_ramps_of_long_runs(name, settings, tolerance):
-    error, estimate = error_and_estimate(slipwave.read(name, settings), tolerance)
-    assert error <= 2.0 * estimate
-    assert error <= tolerance

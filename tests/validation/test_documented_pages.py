@@ -208,15 +208,6 @@ def test_the_committed_table_has_the_numbers_of_the_baseline(model):
             )
 
 
-def test_the_block_names_a_regime_that_is_not_that_of_the_waves():
-    rows = [line.split(" | ") for line in block_of(read_table()).splitlines() if line.startswith("| `")]
-    of = {row[0].strip("| `"): row[1:] for row in rows}
-    assert of["quasidynamic"][0] == "slides steadily"
-    assert of["block8"][3].endswith("% (periodic)")
-    assert of["delay"][1] == "73.472"
-    assert "<sup>" in of["modal:8"][0]
-
-
 ROOMS = ("validation", "reduced", "fullwave", "slipwave")
 
 

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.studies.laboratory import against_measured, band_of, on_damping, on_rises, on_waves, row_met
+from validation.studies.laboratory import against_measured, band_of, on_damping, row_met
 from validation.studies.laboratory.measured import (
     MeasuredCycle,
-    Rise,
     cycle_without_tuning,
     leeman_runs,
     plain_block,
@@ -72,23 +71,6 @@ def test_verdicts_on_what_was_measured_turn_with_the_numbers() -> None:
     assert all(verdict.refuted for verdict in against_measured(made({})))
     assert math.isnan(band_of([1.0, 2.0]).median)
     assert band_of([1.0, 2.0, 4.0]).median == 2.0
-
-
-def test_verdicts_on_waves_and_rise_times_turn_with_the_numbers() -> None:
-    block = MeasuredCycle(8.7, 0.0385, 8.5)
-    kept = [
-        ("measured", MeasuredCycle(8.5, 0.042, 1.4)),
-        ("", block),
-        ("", block._replace(peak=8.6)),
-        ("", block._replace(peak=2.0)),
-    ]
-    assert outcomes(on_waves(kept)) == ["pass", "pass"]
-    far = [*kept[:2], ("", block._replace(period=9.5)), ("", block._replace(peak=230.0))]
-    assert outcomes(on_waves(far)) == ["fail", "finding"]
-    assert outcomes(on_waves([*kept[:2], ("", block)])) == ["fail"]  # to the last bit: compared with itself
-    rises = [Rise(1.0, 0.005, 1.0, drop, 18.0 + 0.1 * drop) for drop in (0.1, 0.3)]
-    assert on_rises(rises).outcome is Outcome.PASS
-    assert on_rises([rises[0], rises[1]._replace(time=54.0)]).outcome is Outcome.FAIL
 
 
 def test_the_figure_shows_what_was_measured() -> None:

@@ -243,18 +243,6 @@ def test_memory_does_not_grow_with_the_run(tmp_path):
     assert peak < 12e6
 
 
-def test_what_comes_back_is_what_went_in(tmp_path):
-    history, kept = HistoryFile(PAPER.law, NODES, tmp_path / "x", 9.0), HistoryObserver(PAPER.law, NODES)
-    for first in range(30):
-        history.scan(pieces(first))
-        kept.scan(pieces(first))
-    parts = list(history.parts())
-    assert len(parts) > 1
-    for name, values in kept.columns().items():
-        assert np.array_equal(np.concatenate([part[name] for part in parts]), values)
-    history.close()
-
-
 @pytest.mark.parametrize(("until", "seen"), [(1e5, 1001), (np.inf, 1251)])
 def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatch, until, seen):
     """Of 8 GB after 1 %, of a run without a known end when 0.1 GB are there; one sample in ten is not too much."""
