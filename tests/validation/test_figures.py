@@ -174,6 +174,13 @@ def test_labels_lose_their_markup():
     assert plain_label(r"$\log_{10} r$ of $r\,\omega_c$, slab.log10_r, $V/V^*$") == "log10 r of r ωc, slab.log10_r, V/V*"
 
 
+def test_a_stored_figure_has_its_data_and_words(fake, tmp_path):
+    module = fake.add("first")
+    store.store_result(tmp_path, module, "key", StudyResult("", figures=(Figure("line", "A line.", draw),)), 1.0)
+    (picture,) = store.stored_result(tmp_path, module, "key").pictures
+    assert picture.title == "panel: 1 curve; largest 1 at x = 1 (curve); least 0 at x = 0 (curve)."
+
+
 def test_the_papers_figures_stand_in_its_order_with_what_they_carry(tmp_path):
     """P1 is not P10; a figure takes verdicts of every study."""
     rows = [Verdict(claim, Evidence.PAPER, "73.5", "73.47", Outcome.PASS) for claim in ("P1 a", "P10 b", "Fig 5: c", "other")]

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from validation.studies.laboratory import against_measured, band_of, on_damping, row_met
+from validation.studies.laboratory import against_measured, band_of, on_damping, on_rises, on_waves, row_met
 from validation.studies.laboratory.measured import (
     MeasuredCycle,
+    Rise,
     cycle_without_tuning,
     leeman_runs,
     plain_block,
@@ -71,6 +72,18 @@ def test_verdicts_on_what_was_measured_turn_with_the_numbers() -> None:
     assert all(verdict.refuted for verdict in against_measured(made({})))
     assert math.isnan(band_of([1.0, 2.0]).median)
     assert band_of([1.0, 2.0, 4.0]).median == 2.0
+
+
+def test_verdicts_on_waves_and_rise_times_turn_with_the_numbers() -> None:
+    block = MeasuredCycle(8.7, 0.0385, 8.5)
+    kept = [("", block._replace(peak=peak)) for peak in (1.4, 8.5, 8.6, 2.0)]
+    assert outcomes(on_waves(kept)) == ["pass", "pass"]
+    assert outcomes(on_waves([*kept[:2], ("", block._replace(period=9.5)), ("", block._replace(peak=230.0))])) == [
+        "fail",
+        "finding",
+    ]
+    rises = [Rise(1.0, 0.005, 1.0, drop, 18.0 + 0.1 * drop) for drop in (0.1, 0.3)]
+    assert outcomes([on_rises(rises), on_rises([rises[0], rises[1]._replace(time=54.0)])]) == ["pass", "fail"]
 
 
 def test_the_figure_shows_what_was_measured() -> None:
