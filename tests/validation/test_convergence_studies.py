@@ -5,10 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from shown import judged, outcomes, quick
+from shown import judged, outcomes, quick, too_roomy
 
 from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
+from slipwave.observe.statistics import Estimate
 from validation.compute.build import build
 from validation.measure import timing
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
@@ -150,7 +151,29 @@ def test_which_code_is_common_is_read_from_the_imports():
     assert "no solver modules in common with any of them" in code_note()
 
 
+def beside(off, error=0.0, cycles=0):
+    """Periods 80 and drops 0.2, the wave's period off by a share, both periods known to an error."""
+    wave = (Estimate(80.0 * (1.0 + off), error), Estimate(0.2, 1e-3))
+    return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "case"),
+    [
+        ("pass", (4.5e-10,)),
+        ("fail", (-15e-10,)),
+        *(("fail", (off, 0.1, 50)) for off in (0.0, -0.0072)),
+        ("pass", (0.0069, 0.1, 50)),
+    ],
+)
+def test_orbits_and_means_of_the_full_wave_are_held_against_the_delay_systems(outcome, case):
+    """Four standard errors of 0.1 sqrt(2) are 0.0071 of 80; one without any difference is a run beside itself."""
+    assert outcomes(orbits.growth_verdicts([beside(*case)])) == outcome
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["leapfrog-convergence", "grid-convergence"])
 def test_a_quick_run_holds_and_counterfeits_turn_it_red(name):
-    assert {verdict.outcome for verdict in quick(name).verdicts} == {Outcome.PASS}
+    verdicts = quick(name).verdicts
+    assert {verdict.outcome for verdict in verdicts} == {Outcome.PASS}
+    assert too_roomy([verdict for verdict in verdicts if "order" not in verdict.claim]) == []
