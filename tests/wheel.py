@@ -22,6 +22,7 @@ COMMANDS = (
     "run paper --until 40",
     "run unlike --model dg:3 --until 20 --out run.nc --fields last.vtu",
     "stability paper",
+    "report --only slow-verification --out without-tests",
     "report --quick --only scene-facts error-laws",
 )
 
