@@ -44,7 +44,7 @@ def steps(name):
 
 
 @pytest.mark.parametrize("name", LAW_NAMES)
-@pytest.mark.parametrize("off", [0.0, 1e-3, 0.3, -0.3, 3.0, -3.0, 20.0, -20.0])
+@pytest.mark.parametrize("off", [0.0, 1e-3, 0.3, -0.3, 3.0, -3.0, 20.0, -20.0, 300.0, -300.0])
 def test_the_root_is_found_from_anywhere(name, off):
     for one in steps(name):
         z, psi, v, converged = one.solved(off)

@@ -35,10 +35,6 @@ def none_is_nearer(verdict):
     return printed or of_order or (verdict.size, verdict.limit) == (0.0, 1.0)
 
 
-READ = {}
-"""By name, for the studies that were run: the gallery scenes they read, which must be in the key of the result."""
-
-
 def quick(name):
     """A study's quick run by a clock of its own: the n-th reading is n^2 ms, so that run times are the same on every machine.
 
@@ -46,7 +42,6 @@ def quick(name):
     every counterfeit of `counterfeit.PLACES`.
     """
     shares, scenes, study, tapes = list[float](), set[str](), study_called(name), tapes_of(name)
-    READ[name] = scenes
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
         patch.setattr(timing, "_spent", lambda: 1e-3 * next(readings) ** 2)

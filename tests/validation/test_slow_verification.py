@@ -10,12 +10,11 @@ import pytest
 from validation.report import store
 from validation.report.sources import sources_of
 from validation.studies import planted_faults, slow_verification, study_called
-from validation.studies.slow_verification import _command, read_record, summarised
+from validation.studies.slow_verification import read_record, summarised
 from validation.study import Budget, Outcome
 from validation.study.text import cell
 
 ROOT = Path(__file__).parents[2]
-MARK = "mark." + "slow"
 
 
 @pytest.fixture
@@ -52,28 +51,6 @@ def test_failures_and_errors_turn_the_verdict_red(record):
 def test_a_changed_test_asks_for_a_new_run():
     names = {path.name for path in sources_of(study_called("slow-verification"))}
     assert {"test_interface_order.py", "test_convergence_studies.py", "grid_scenes.py", "system.py"} <= names
-
-
-class Collected:
-    """A plugin that keeps the files of the tests that pytest would run."""
-
-    files: set[str]
-
-    def pytest_collection_finish(self, session):
-        self.files = {str(item.path.relative_to(ROOT)) for item in session.items}
-
-
-def test_every_slow_test_of_the_tree_is_run(tmp_path):
-    """The study's own command runs the whole tree, and collects a test of every file in which one is marked, wherever it is. Read
-    in this process, which has imported most of these files already."""
-    marked = {str(path.relative_to(ROOT)) for path in (ROOT / "tests").rglob("test_*.py") if MARK in path.read_text()}
-    _, _, module, *words = _command(tmp_path / "record.xml")
-    found = Collected()
-    assert module == "pytest"
-    assert words[-1] == "tests"
-    files = [str(ROOT / one) for one in sorted(marked)]
-    assert pytest.main([f"--rootdir={ROOT}", *words[:-1], *files, "--collect-only", "-qq"], [found]) == 0
-    assert found.files == marked
 
 
 def test_a_run_without_tests_is_no_answer(monkeypatch, tmp_path):

@@ -116,15 +116,9 @@ def critical(scene, model):
 @pytest.mark.parametrize("share", [1e-9, -1e-9, 0.0])
 @pytest.mark.parametrize("scene", ["paper", "unlike", "grip", "viscous", "slip-law", "layered"])
 @pytest.mark.parametrize("model", ["delay", "quasidynamic", "fitted:3"])
-def test_a_root_on_the_axis_is_neutral_and_no_verdict(answer, scene, model, share):
-    r_c = critical(scene, model)
-    table = "upper" if scene.startswith("unlike") else "slab"
-    ratio = 2.0 if table == "upper" else 1.0
-    settings = [f"{table}.r={r_c * (1.0 + share):.17g}"] + (
-        [f"lower.r={ratio * r_c * (1.0 + share):.17g}"] if ratio > 1.0 else []
-    )
-    words = [scene, "--model", model, *(word for setting in settings for word in ("--set", setting))]
-    found = answer("stability", *words)
+def test_a_root_on_the_axis_is_neutral_and_no_verdict(scene, model, share):
+    r = critical(scene, model) * (1.0 + share)
+    found = slipwave.stability(scene, model, **{"upper.r": r, "lower.r": 2.0 * r} if scene == "unlike" else {"slab.r": r}).summary
     assert abs(found["leading_roots"][0][0]) < 1e-9 * 1e3 * found["omega_c"]
     assert found["stable"] is None
     assert found["unstable_roots"] == 0

@@ -25,7 +25,7 @@ from validation.sweep.axes import axis_of, changed
 from validation.sweep.engine import Engine, compute
 from validation.sweep.map_figures import figure_of, other_side
 from validation.sweep.measures import MEASURES, VERDICTS
-from validation.sweep.plan import morton, order_of
+from validation.sweep.plan import order_of
 from validation.sweep.refine import fill, refine, regime_numbers
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
@@ -64,16 +64,6 @@ def computed(what, folder, **where):
 def same(one, other):
     """Whether all arrays are equal to the bit."""
     return all(np.array_equal(one[name].values, other[name].values, equal_nan=one[name].dtype.kind == "f") for name in one)
-
-
-def test_morton_order_keeps_patches_together():
-    order = morton((8, 8))
-    assert sorted(order) == list(range(64))
-    for first in range(0, 64, 16):
-        rows, columns = np.divmod(order[first : first + 16], 8)
-        assert np.ptp(rows) == 3
-        assert np.ptp(columns) == 3
-    assert sorted(morton((5, 1, 7))) == list(range(35))
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ from functools import partial
 
 import pytest
 
-from slipwave.solve import follow
 from validation import benchmark, timing
 from validation.benchmark import last, main, ratios
 from validation.measure.timing import timed
@@ -82,16 +81,6 @@ def test_both_sides_of_a_ratio_differ_only_in_what_it_is_named_after():
         assert 0.0 < measured["low"] == measured["median"] == measured["high"]
 
 
-def test_granite_is_marched_with_and_without_leaps():
-    ratio = {ratio.name: ratio for ratio in ratios()}["delay: every transit of two cycles of granite over leaps"]
-    (every, end, seen), (leaping, same, events) = ratio.first().args, ratio.second().args
-    assert end == same == 1.6e5
-    assert (every.scene, every.time, every.settings) == (leaping.scene, leaping.time, leaping.settings)
-    for solver, observers in ((every, seen), (leaping, events)):
-        follow(solver, 6e3, observers)
-    assert every.skipped == 0 < leaping.skipped
-
-
 FOUND = [
     Entrant(kind, "", error, ms)
     for kind, error, ms in (
@@ -121,11 +110,12 @@ def test_the_race_is_run_and_printed(tmp_path, capsys):
     assert 0.0 <= run_program(tmp_path / "plain.py")[0].ms < 100.0
     settings = (Setting("delay", tolerance=1e-9), Setting("dg:16", 1e-10, 2, time="exact"))
     print_race(raced(tmp_path / "plain.py", settings, repeats=1))
-    head, other, delay, exact, *rest = capsys.readouterr().out.splitlines()
-    assert head.split() == ["march", "error", "of", "psi(600)", "ms"]
-    assert other.startswith("plain: degree 7, elements 8 ")
-    assert delay.startswith("delay: delay, tolerance 1e-9 ")
-    assert exact.startswith("exact: dg:16, 2 cells, exact in time, tolerance 1e-10 ")
-    assert float(delay.split()[-2]) < 3e-10  # 3e-11 measured
-    assert float(exact.split()[-2]) < 1e-10  # 1e-11 measured
-    assert len(rest) == 8
+    _, other, delay, exact, *_ = (line.rsplit(maxsplit=2) for line in capsys.readouterr().out.splitlines())
+    names = (
+        "plain: degree 7, elements 8",
+        "delay: delay, tolerance 1e-9",
+        "exact: dg:16, 2 cells, exact in time, tolerance 1e-10",
+    )
+    assert (other[0], delay[0], exact[0]) == names
+    assert float(delay[1]) < 3e-10  # 3e-11 measured
+    assert float(exact[1]) < 1e-10  # 1e-11 measured
