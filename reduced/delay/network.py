@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 
+from reduced.delay.alike import TransitMesh
 from reduced.delay.flow import DelayFlow
 from reduced.delay.kernel import DelayMemory, clock_of, march_delay
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.network_kernel import Network, lines_with
-from reduced.delay.transit_mesh import TransitMesh
 from reduced.delay.transmission_lines import COINCIDENT, NODES, Lines, lines_of, network_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
 from slipwave.scene import Scene

@@ -10,8 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.delay.alike import Delay
-from reduced.delay.transit_mesh import TransitMesh
+from reduced.delay.alike import Delay, TransitMesh
 from slipwave.compiled import allocating
 from slipwave.errors import SceneError
 from slipwave.friction import Law

@@ -4,6 +4,8 @@ A checkpoint holds the solver and, by labels, everything else that has a `state(
 observers and records of fields. The .npz file is written whole or not at all. It also holds the scene's digest (without `until`,
 so a run may be prolonged), the model, its settings, a digest of the solver packages' sources and one of its own contents. A
 checkpoint of another run, or a damaged one, is refused.
+
+Restores a solver's state from a checkpoint: all of it or, with one line that says what is wrong, nothing.
 """
 
 import dataclasses
@@ -19,7 +21,7 @@ from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
-from slipwave.observe.pieces import SAME
+from slipwave.observe.pieces import SAME, Array
 from slipwave.solve.solver import Resumable, Solver
 from slipwave.sources import source_digest
 
@@ -165,3 +167,35 @@ def _require_layout(saved: _Arrays, own: _Arrays) -> None:
         changed = sum(a != b for a, b in zip(array.shape, other.shape, strict=False))
         if not alike or changed > (array.ndim > 1):
             raise ValueError(f"{name} is {other.dtype} {other.shape}; this run needs {array.dtype} {array.shape}")
+
+
+def whole_numbers(state: Mapping[str, NDArray[Any]], name: str, least: tuple[int, ...]) -> list[int]:
+    """The counts in `state[name]`, one per entry of `least`. Raises SceneError unless each is a whole number >= that entry."""
+    counts = state.get(name)
+    if counts is None or counts.shape != (len(least),) or counts.dtype.kind not in "if":
+        raise SceneError(f"{name} is missing or does not hold {len(least)} numbers")
+    for count, lowest in zip(counts.tolist(), least, strict=True):
+        if not (lowest <= count <= 2**53 and count == int(count)):
+            raise SceneError(f"{name} holds {count!r}: must be a whole number from {lowest}")
+    return [int(count) for count in counts.tolist()]
+
+
+def tables(state: Mapping[str, NDArray[Any]], shapes: Mapping[str, tuple[int, ...]], model: str) -> dict[str, Array]:
+    """Copies of the arrays of `state` named in `shapes` (-1: any length). Raises SceneError unless they are finite and fit."""
+    saved = {}
+    for name, shape in shapes.items():
+        array = state.get(name, np.empty(0, dtype=bool))
+        fits = len(shape) == array.ndim and all(wanted in (-1, size) for wanted, size in zip(shape, array.shape, strict=True))
+        if array.dtype != np.float64 or not fits:
+            raise SceneError(f"checkpoint: {name} does not fit this scene with model {model}")
+        if not np.isfinite(array).all():
+            raise SceneError(f"checkpoint: {name} holds numbers that are not finite")
+        saved[name] = array.copy()
+    return saved
+
+
+def take_back(own: Mapping[str, Array], state: Mapping[str, NDArray[Any]], model: str) -> None:
+    """own[name][...] = state[name] for every name. Raises SceneError before any is set unless all fit and are finite."""
+    saved = tables(state, {name: array.shape for name, array in own.items()}, model)
+    for name, array in own.items():
+        array[...] = saved[name]

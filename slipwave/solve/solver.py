@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
@@ -159,19 +159,3 @@ class FieldSolver(Solver, Protocol):
 
     def frames(self) -> list[Snapshot]:
         """The fields at the steps of the last `advance`, if they are kept; at least those at the present time."""
-
-
-_known: dict[tuple[type, type], bool] = {}
-
-
-def offers(one: object, protocol: type) -> bool:
-    """Whether `one` is an instance of `protocol`; cached by class, because isinstance of a protocol takes 0.1 ms."""
-    kind = (type(one), protocol)
-    if kind not in _known:
-        _known[kind] = isinstance(one, protocol)
-    return _known[kind]
-
-
-def has_fields(solver: Solver) -> TypeGuard[FieldSolver]:
-    """Whether `solver` is a full wave."""
-    return offers(solver, FieldSolver)

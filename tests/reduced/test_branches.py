@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 
 from reduced.continuation.branch import follow_branch
-from reduced.continuation.onset import onsets
 from reduced.continuation.point import FlowFamily
-from reduced.continuation.start import from_orbit, metric_for
+from reduced.continuation.start import from_orbit, metric_for, onsets
 from reduced.impedance import reduction_of
-from reduced.ode.march import LONGEST, STAGES
-from reduced.ode.slabs import ReducedSlabs
+from reduced.ode.slabs import LONGEST, STAGES, ReducedSlabs
 from reduced.orbit.closing import close
 from slipwave import read
 from slipwave.step.port_flow import flow_near

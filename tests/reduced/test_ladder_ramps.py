@@ -6,7 +6,7 @@ from reduction_equations import EVERY_TERM, Equations
 
 import slipwave
 from reduced.impedance import reduction_of
-from reduced.ode.march import ReducedModel
+from reduced.ode.slabs import ReducedModel
 from slipwave.solve import follow
 
 KNOTS = (20.1234567, 21.3456789, 30.77777, 30.87777, 41.42135)

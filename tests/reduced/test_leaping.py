@@ -5,8 +5,7 @@ import pytest
 
 import slipwave
 from reduced.delay.alike import Delay
-from reduced.delay.leaping import LeapingDelay
-from reduced.delay.system import delay_system
+from reduced.delay.system import LeapingDelay, delay_system
 from slipwave.observe import EventObserver
 from slipwave.observe.history import HistoryObserver
 from slipwave.observe.pieces import Pieces

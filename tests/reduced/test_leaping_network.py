@@ -7,11 +7,10 @@ import pytest
 
 import slipwave
 from reduced.delay.break_points import DelayBreaks
-from reduced.delay.leaping import LeapingDelay
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.network import DelayNetwork
 from reduced.delay.slow_motion import transfer_of
-from reduced.delay.system import delay_system
+from reduced.delay.system import LeapingDelay, delay_system
 from reduced.delay.transmission_lines import lines_of
 from reduced.impedance.models import impedance
 from slipwave.observe import EventObserver, HistoryObserver

@@ -11,7 +11,7 @@ import pytest
 
 from reduced.delay.network import DelayNetwork
 from reduced.impedance import reduction_of
-from reduced.ode.march import ReducedModel
+from reduced.ode.slabs import ReducedModel
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close

@@ -7,8 +7,7 @@ import slipwave
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.reduction import TABULATED, reduction
 from reduced.ode import slabs
-from reduced.ode.march import ReducedModel
-from reduced.ode.slabs import impedance_at
+from reduced.ode.slabs import ReducedModel, impedance_at
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene.drive import Drive
 from slipwave.solve import follow

@@ -6,11 +6,10 @@ from scipy.special import roots_jacobi
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
-from reduced.delay.alike import Delay
+from reduced.delay.alike import Delay, transit_mesh
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
-from reduced.delay.transit_mesh import transit_mesh
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from slipwave.step.collocation import radau_nodes

@@ -14,7 +14,7 @@ import slipwave
 from fullwave.finite_difference import Leapfrog
 from reduced.delay.system import delay_system
 from reduced.impedance import reduction_of
-from reduced.ode.march import ReducedModel
+from reduced.ode.slabs import ReducedModel
 from slipwave.errors import NumericsError
 from slipwave.solve import follow
 from slipwave.step.collocation import growth_limit, radau

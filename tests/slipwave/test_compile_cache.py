@@ -13,13 +13,13 @@ from numba.core import event
 
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import njit
-from slipwave.observe.swings import size_of
+from slipwave.observe.detector import size_of
 
 SWING = np.array([1.0, 2.0, 3.5])
 ANSWER = 1.5
 PROGRAM = """
 import numpy as np
-from slipwave.observe.swings import size_of
+from slipwave.observe.detector import size_of
 swing = np.array([1.0, 2.0, 3.5])
 for _ in range(2):
     print(size_of(swing), size_of(swing.astype(np.float32)))

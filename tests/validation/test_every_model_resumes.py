@@ -7,9 +7,8 @@ import pytest
 import slipwave
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
-from reduced.delay.leaping import LeapingDelay
 from reduced.delay.leaping_network import LeapingNetwork
-from reduced.delay.system import delay_system
+from reduced.delay.system import LeapingDelay, delay_system
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow

@@ -8,8 +8,7 @@ from scipy.integrate import solve_ivp
 
 import slipwave as sw
 from reduced.impedance.reduce import reduction_of
-from reduced.ode.march import STAGES
-from reduced.ode.slabs import ReducedSlabs
+from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.cli import main

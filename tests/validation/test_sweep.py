@@ -18,7 +18,7 @@ import xarray
 from xarray import DataArray, Dataset
 
 import slipwave as sw
-from reduced.delay import transit_mesh
+from reduced.delay import alike
 from slipwave.errors import SceneError
 from validation.cli import main
 from validation.sweep.axes import axis_of, changed
@@ -90,8 +90,8 @@ def test_a_point_does_not_depend_on_the_points_before_it():
     points = np.random.default_rng(7).permutation(what.size)[:12]
     together = compute(what, np.concatenate((points, points[::-1]))).columns
     for place, point in enumerate(points):
-        transit_mesh._mesh_of.cache_clear()
-        transit_mesh._read_at.cache_clear()
+        alike._mesh_of.cache_clear()
+        alike._read_at.cache_clear()
         alone = compute(replace(what), np.array([point])).columns
         for name, value in alone.items():
             for row in (place, 2 * points.size - 1 - place):

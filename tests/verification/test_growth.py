@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from reduced.impedance import reduction_of
-from reduced.ode.march import ReducedModel
+from reduced.ode.slabs import ReducedModel
 from reduced.stability import characteristic, critical_round_trip, leading_roots, scaled
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Slab, StandardLinearViscosity
 from slipwave.solve import follow

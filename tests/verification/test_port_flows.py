@@ -11,7 +11,7 @@ from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.impedance import reduction_of
-from reduced.ode.march import ReducedModel
+from reduced.ode.slabs import ReducedModel
 from reduced.orbit.closing import close
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver

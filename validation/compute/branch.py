@@ -7,10 +7,20 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.onset import ONSET_WIDTH, Onset, onsets
 from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
 from reduced.continuation.special import Special
-from reduced.continuation.start import difference_of_halves, from_doubling, from_hopf, from_orbit, from_stored, metric_for, stored
+from reduced.continuation.start import (
+    ONSET_WIDTH,
+    Onset,
+    difference_of_halves,
+    from_doubling,
+    from_hopf,
+    from_orbit,
+    from_stored,
+    metric_for,
+    onsets,
+    stored,
+)
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic

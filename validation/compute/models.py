@@ -201,7 +201,7 @@ def make(family: Family, scene: "Scene", number: int | None, options: Options) -
     if family is DELAY:
         return Built(family.maker()(scene, **given(options, "tolerance")))
     from reduced.impedance import reduction_of
-    from reduced.ode.march import ReducedModel
+    from reduced.ode.slabs import ReducedModel
 
     return Built(ReducedModel(scene, reduction_of(scene, family.called(number)), **given(options, "tolerance")))
 

@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.impedance.reduce import reduction_of
-from reduced.ode.march import STAGES
-from reduced.ode.slabs import ReducedSlabs
+from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene

@@ -9,8 +9,7 @@ import numpy as np
 from reduced.delay.sensitivity import delay_sensitivity
 from reduced.families import DELAY
 from reduced.impedance.reduce import reduction_of
-from reduced.ode.march import STAGES
-from reduced.ode.slabs import ReducedSlabs
+from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis, values_at
 from slipwave.scene import Scene

@@ -6,10 +6,9 @@ from functools import cache
 
 import slipwave
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.onset import Onset, onsets
 from reduced.continuation.point import FlowFamily, OrbitPoint
 from reduced.continuation.special import Special
-from reduced.continuation.start import from_hopf, metric_for, orbits_at
+from reduced.continuation.start import Onset, from_hopf, metric_for, onsets, orbits_at
 from reduced.orbit.approach import approach
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.periodic import FINER
