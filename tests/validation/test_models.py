@@ -25,7 +25,7 @@ def test_features():
 
 
 @pytest.mark.parametrize("family", families(), ids=lambda family: family.name)
-@pytest.mark.parametrize("name", ["paper", "unlike", "grip", "layered", "viscous", "ramp", "reflection"])
+@pytest.mark.parametrize("name", ["paper", "unlike", "grip", "layered", "viscous", "ramp", "reflection", "machine"])
 def test_every_family_builds_what_it_honours_and_refuses_the_rest(family, name):
     one = next(found for found in families() if found is family)
     scene = slipwave.read(name)

@@ -86,14 +86,6 @@ def test_stability_takes_a_face_that_it_has_never_heard_of():
     assert (bolt.log10_r_c, bolt.leading_roots) == (machine.log10_r_c, machine.leading_roots)
 
 
-@pytest.mark.parametrize("model", ["block8", "block12", "kelvin-voigt", "modal:3"])
-def test_reductions_that_know_no_machine_say_so(model):
-    with pytest.raises(
-        SceneError, match=r"cannot do a grip at the outer face and a mass on the outer face .* can: delay, .*fitted:N"
-    ):
-        build(model, of(MACHINE))
-
-
 def test_a_quasi_static_reduction_needs_a_spring():
     with pytest.raises(SceneError, match="cannot do an outer face without a spring"):
         build("quasidynamic", of(MachineFace(0.0, 1.0, 0.4)))

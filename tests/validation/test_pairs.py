@@ -4,9 +4,8 @@ from functools import cache
 
 import pytest
 
-from slipwave.errors import SceneError
 from slipwave.solve import follow
-from tests.validation.pairs import KNOTS, NAMES, Saving, built, pairs_of, pairwise_rows, play, refusal, rows_allowed, scene_of
+from tests.validation.pairs import KNOTS, NAMES, Saving, built, pairs_of, pairwise_rows, play, rows_allowed, scene_of
 from tests.validation.test_every_model_resumes import assert_same_bits
 from validation.compute.build import build
 
@@ -108,21 +107,3 @@ def test_every_pair_of_levels_is_in_the_table():
     assert found == wanted
     assert len(ROWS) < 48
     assert len(wanted) == 348
-
-
-@pytest.mark.parametrize(
-    "row",
-    [
-        ("delay", "alike", "grip", "ramp", "kelvin-voigt", "nudge", "SI"),
-        ("modal:2", "layered", "machine", "constant", "none", "orbit", "none"),
-        ("quasidynamic", "irrational", "reflection", "hold", "standard-linear", "jump", "SI"),
-        ("fem:2 exact 3", "commensurate", "grip", "step after ramp", "none", "orbit", "none"),
-    ],
-    ids=named,
-)
-def test_what_is_refused_is_refused_in_one_line(row):
-    assert refusal(row)
-    with pytest.raises(SceneError) as refused:
-        built(row)
-    assert refusal(row) in str(refused.value)
-    assert "\n" not in str(refused.value)

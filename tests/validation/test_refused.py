@@ -55,8 +55,6 @@ orbit viscous --model delay | cannot do Kelvin-Voigt viscosity
 orbit paper --cells 4 | model delay takes no cells
 orbit paper --tol 1e-20 | tol = 1e-20: must lie in [1e-11, 0.01]
 orbit paper --near-period 0 | near_period = '0': must be above 0, in transits or with a unit of time
-orbit paper --near-period long | near_period = 'long': must be above 0, in transits or with a unit
-orbit paper --near-period 60s | near_period = "60s": must come with interface.normal_stress
 orbit paper --model kelvin-voigt --set slab.log10_r=-2.72 | 3: has none here: it was followed from log10_r = -2.69955
 orbit paper --model quasistatic | 3: it runs away
 branch paper --over log10_r=-2.72:-2.68 --switch LP | --switch 'LP': must be HB or PD
@@ -71,22 +69,16 @@ branch paper --over epsilon=-1:1 | slab.epsilon = -1.0: must be
 branch paper --over log10_r=-3:-2.8 | is stable at both ends
 branch paper --over log10_r=-2.72:-2.68 --stop-at XX | --stop-at 'XX': must be one of HB, LP, PD, NS
 branch paper --over log10_r=-2.72:-2.68 --most-points 0 | most_points = 0: must be at least 1
-branch paper --over log10_r=-2.72:-2.68 --longest-period -1 | --longest-period = -1
 branch paper --over log10_r=-2.72:-2.68 --model fd | models that do: delay,
 branch paper --over log10_r=-2.72:-2.68 --resume missing.nc | no such file
 branch paper --over log10_r=-2.72:-2.68 --plot x.gif | must end in .png or .pdf or .svg
 branch paper --over log10_r=-2.72:-2.68 --set drive.velocity='[[0, 1], [9, 2]]' | needs a constant drive.velocity
 branch paper --over log10_r=-2.6:-2.5 --set start.size=0 | 3: made 0 cycles
 curve paper --of XX --over log10_r=-2.72:-2.68 --and V=100:120 | slipwave: --of 'XX': must be one of HB, LP, PD, NS
-curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100 | slipwave: --and 'V=100': must be KEY=FROM:TO
-curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:100 | slipwave: --and 'V=100:100': FROM and TO must differ
 curve paper --of LP --over log10_r=-2.72:-2.68 --and log10_r=-2:-3 | --and 'log10_r': must be another parameter than --over
 curve paper --of HB --over log10_r=-2.72:-2.68 --and interface.a_star=0.3:0.4 | of Hopf points needs one of r, epsilon, V
-curve paper --of LP --over log10_r=-2.72:-2.68 --and V=-5:7 | slipwave: drive.velocity = -5.0: must be a number from 1e-12
 curve paper --of HB --over r=1e-3:2e-3 --and V=1:2 --resume x.nc | --resume: a curve of Hopf points is computed at once
 curve paper --over log10_r=-2.72:-2.68 --and V=100:120 | slipwave: --of: missing; must be given, as in --of LP
-curve paper --of LP --and V=100:120 | slipwave: --over: missing; must be given, as in --over log10_r=-2.72:-2.68
-curve paper --of LP --over log10_r=-2.72:-2.68 | slipwave: --and: missing; must be given, as in --and V=100:120
 curve paper --of PD --over log10_r=-2.72:-2.695 --and V=100:120 --tol 1e-4 | 3: no period doubling was found on the branch
 verify | give a SCENE, --family FILE.py, --law FILE.py or --model NAME
 verify --model delay | has no grid, so no order and no step limit to verify; models that do: fd, sbp:P, fem:P, dg:P

@@ -56,8 +56,6 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, place):
     ("words", "hint"),
     [
         (["--model", "delay"], "model is 'dg:7'; this run needs 'delay'"),
-        (["--set", "start.kind=orbit"], "scene"),
-        (["--model", "dg:5"], "this run needs 'dg:5'"),
         (["--cells", "8"], "settings"),
         (["--set", "slab.log10_r=-2.6"], "scene"),
         (["--until", "50"], "already at"),
