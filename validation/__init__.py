@@ -1,1 +1,1 @@
-"""Compares the models: convergence, cost, claims, studies, the report and the command line. Imports the other rooms."""
+"""Compares the models: convergence, cost, claims, studies, the report and the command line. Imports the other packages."""

@@ -34,7 +34,7 @@ GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}
 """Cells at which a transit takes about 0.1 ms (leapfrog) or 0.3 ms (method of lines)."""
 
 REDUCTIONS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
-"""The reductions in the table of README.md, which takes their costs from here."""
+"""The reductions whose costs are listed in README.md."""
 
 _GRANITE = {
     "interface": {
@@ -102,12 +102,13 @@ def _both(scene: Scene, **changes: Any) -> Scene:
 
 
 def _process(*words: str) -> Work:
-    """A separate Python process, from start to end."""
+    """The work of a separate Python process, from start to end."""
     return whole(subprocess.run, [sys.executable, *words], check=True, capture_output=True)
 
 
 def _granite(every: bool) -> Callable[[], object]:
-    """Two cycles of granite slabs of 10 m at 1 um/s, 1.6e5 transits; `every` one of them, or with leaps over the sticks."""
+    """Two cycles of granite slabs of 10 m at 1 um/s, 1.6e5 transits; `every` one of them marched, or with leaps over the
+    sticks."""
     scene = slipwave.read(_GRANITE)
     solver = solver_of(Setting("delay", tolerance=1e-6), scene)
     follow(solver, 1.0)
@@ -126,7 +127,7 @@ def last(folder: Path) -> dict[str, Any]:
 
 
 def main(folder: Path) -> None:
-    """Measure all, write the record, print the table."""
+    """Measure all ratios, write the record, print the table."""
     before = last(folder)
     now = datetime.now(UTC)
     measured = {ratio.name: ratio.measure(ROUNDS) for ratio in ratios()}

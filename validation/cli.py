@@ -47,11 +47,11 @@ COMMANDS = {
     "schema": "Print the JSON Schema of scene files, for an editor that completes and checks them.",
     "show": "Print the resolved scene as TOML, for a file of your own: slipwave show paper > mine.toml",
 }
-"""Every command with what it does. The rest of it is imported when it is named: `slipwave --help` is fast."""
+"""Command -> what it does. A command is imported only when it is called, so that `slipwave --help` is fast."""
 
 
 class _Commands(TyperGroup):
-    """Imports a command when it is named."""
+    """Imports a command when it is called."""
 
     def __init__(self, **more: Any) -> None:
         super().__init__(**more)
@@ -97,7 +97,7 @@ app = typer.Typer(
 )
 
 
-def _tell_version(wanted: bool) -> None:
+def _print_version(wanted: bool) -> None:
     """Print the version and end."""
     if wanted:
         from importlib.metadata import version
@@ -108,7 +108,7 @@ def _tell_version(wanted: bool) -> None:
 
 @app.callback()
 def common(
-    version: Annotated[bool, typer.Option("--version", help="print the version", callback=_tell_version, is_eager=True)] = False,
+    version: Annotated[bool, typer.Option("--version", help="print the version", callback=_print_version, is_eager=True)] = False,
 ) -> None:
     """Options without a command."""
 
@@ -134,28 +134,28 @@ def main(arguments: list[str] | None = None) -> int:
         status = command(words or ["--help"], prog_name="slipwave", standalone_mode=False)
         sys.stdout.flush()
     except SceneError as error:
-        return _tell(error, INPUT_WRONG)
+        return _say(error, INPUT_WRONG)
     except NumericsError as error:
-        return _tell(error, NUMERICS_FAILED)
+        return _say(error, NUMERICS_FAILED)
     except Interrupted as error:
-        return _tell(error, INTERRUPTED)
+        return _say(error, INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
-        return _tell("interrupted", INTERRUPTED)
+        return _say("interrupted", INTERRUPTED)
     except (BrokenPipeError, SystemExit) as end:  # SystemExit 0: the shell's completion is done; else the pipe is closed
         if not isinstance(end, SystemExit) or end.code:
             _abandon_stdout()
         return 0
     except Exception as error:
         if isinstance(error, OSError) and error.errno and error.filename is None:  # no file: a stream
-            return _tell(f"the result cannot be written to stdout: {reason_of(error)}", INPUT_WRONG)
+            return _say(f"the result cannot be written to stdout: {reason_of(error)}", INPUT_WRONG)
         explain: Callable[[], str] | None = getattr(error, "format_message", None)  # typer's own complaints have one
-        if explain is None and (place := line_of_user(error)):
-            return _tell(f"{place}: {type(error).__name__}: {error}", NUMERICS_FAILED)
+        if explain is None and (where := line_of_user(error)):
+            return _say(f"{where}: {type(error).__name__}: {error}", NUMERICS_FAILED)
         if explain is None:
             raise
-        return _tell(explain(), INPUT_WRONG)
+        return _say(explain(), INPUT_WRONG)
     if status == INTERRUPTED:  # typer catches the KeyboardInterrupt of a command
-        return _tell("interrupted", INTERRUPTED)
+        return _say("interrupted", INTERRUPTED)
     return status if isinstance(status, int) else 0
 
 
@@ -178,7 +178,7 @@ def one_value_each(words: list[str]) -> list[str]:
 
 
 def _require_once(words: list[str]) -> None:
-    """Raises SceneError for an option that is given twice: one of both values would hold in silence."""
+    """Raises SceneError for an option that is given twice: one of both values would be ignored silently."""
     names = [word.partition("=")[0] for word in words if word.startswith("--") and word != "--"]
     twice = next((name for name in names if names.count(name) > 1 and name not in _SPREAD), None)
     if twice is not None:
@@ -210,7 +210,7 @@ def _abandon_stdout() -> None:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
 
 
-def _tell(message: object, status: int) -> int:
+def _say(message: object, status: int) -> int:
     """Print one line on stderr, without control characters of a terminal."""
     line = " ".join(str(message).split())
     print("slipwave: " + "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line), file=sys.stderr)

@@ -1,4 +1,4 @@
-"""A command on the command line, made from what it declares: its options, and the files and the table of its result."""
+"""A command on the command line, generated from its declarations: options, output files and table of its result."""
 
 import sys
 from collections.abc import Callable, Mapping
@@ -23,7 +23,7 @@ Act: TypeAlias = Callable[[Any, Any, Files, bool], None]
 
 
 class Parsed(NamedTuple):
-    """A function that takes the words of a command line, its parameters, the details of its help, and examples."""
+    """A function of the command line's words, its parameters, the details of its help, and examples."""
 
     call: Callable[..., None]
     parameters: list[Parameter]
@@ -63,12 +63,12 @@ def command_line(name: str) -> Parsed:
 
 
 def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] = (), optional: bool = False) -> Parsed:
-    """A command that does `act` with a scene, which may be `optional`, its options and the files that it writes."""
+    """A command that calls `act` with a scene, which may be `optional`, its options and its output files."""
     known = {one.name: one for one in options_of(kind).values() if one.is_in("command line")}
 
     def call(source: str | None = None, json: bool = False, **words: Any) -> None:
         """Take the words of the command line."""
-        files = {one: _place_of(one, words.pop(one.name), json) for one in outputs}
+        files = {one: _path_of(one, words.pop(one.name), json) for one in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
         act(source, kind(**given).load_own(), files, json)
 
@@ -88,7 +88,7 @@ def _parameter(name: str, hint: Any, default: Any) -> Parameter:
 
 
 def _in_words(one: Option) -> tuple[Any, Any]:
-    """The type and the default of an option on the command line: texts where Python takes several types."""
+    """Type and default of an option on the command line: text where Python takes several types."""
     notes = typer.Option(one.flag, metavar=one.more.get("metavar"), help=one.help, autocompletion=one.more.get("words"))
     parts = {one.hint, *get_args(one.hint)}
     if bool in parts or "stands_for" in one.more:
@@ -100,7 +100,7 @@ def _in_words(one: Option) -> tuple[Any, Any]:
 
 
 def _value(one: Option, word: Any) -> Any:
-    """What was given on the command line as it is given in Python."""
+    """A value given on the command line as its Python equivalent."""
     if "stands_for" in one.more:
         word = one.more["stands_for"] if word else one.default
     path = one.checked(word)
@@ -109,8 +109,8 @@ def _value(one: Option, word: Any) -> Any:
     return path
 
 
-def _place_of(one: Output, path: Path | None, json: bool) -> Path | None:
-    """Where the file is written. Raises SceneError, before anything is computed, if it cannot be."""
+def _path_of(one: Output, path: Path | None, json: bool) -> Path | None:
+    """Path of the output file, None if not written. Raises SceneError, before anything is computed, if it cannot be written."""
     if path is None and one.default and not json:
         path = Path(one.default)
     if path is not None:
@@ -119,8 +119,8 @@ def _place_of(one: Output, path: Path | None, json: bool) -> Path | None:
 
 
 def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> None:
-    """Print the result, then write its files, each even if another part fails: the disk may be full. Raises one error, in one
-    line, for all that went wrong: Interrupted if the user stopped it, NumericsError if the numerics failed, else SceneError."""
+    """Print the result, then write its files, each even if another fails (full disk). Raises one error, in one line, for all
+    failures: Interrupted if the user stopped it, NumericsError if the numerics failed, else SceneError."""
     problems = [result.failed, result.to_go_on(options) if result.stopped else ""]
     with closing(result):
         summary = (

@@ -1,4 +1,4 @@
-"""The commands that give no result: `scenes`, `schema`, `show` and `report`."""
+"""The commands without a `Result`: `scenes`, `schema`, `show`, `score` and `report`."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -95,7 +95,7 @@ def report(
     require_folder(out)
 
     def tell() -> None:
-        """The page's place and what changed, or the whole record."""
+        """Print the path of the page and the changes, or the whole record."""
         if as_json:
             print((out / NAME).read_text(encoding="utf-8"), end="")
         else:

@@ -29,7 +29,7 @@ UNLIKE_R = (0.0026, 0.0029)
 
 Name = TypeVar("Name")
 Work: TypeAlias = Callable[[], Callable[[], object]]
-"""Prepares, untimed, and returns what is timed."""
+"""Prepares, untimed, and returns the function to be timed."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Setting:
 
     @property
     def words(self) -> str:
-        """The options in words, in the report's markup."""
+        """The options as text in the report's markup."""
         words = [f"{self.cells} cells"] if self.cells else []
         words += [f"CFL {self.cfl:g}"] if self.cfl else []
         words += [f"{self.time} in time"] if self.time else []
@@ -62,7 +62,7 @@ class March:
     begin: float = 0.0
 
     def __call__(self) -> Callable[[], Final]:
-        """Prepare it."""
+        """Prepare the march, untimed."""
         solver = solver_of(self.setting, self.scene)
         if self.begin:
             follow(solver, self.begin)
@@ -70,7 +70,7 @@ class March:
 
 
 def whole(function: Callable[..., object], *given: Any, **named: Any) -> Work:
-    """The work of one call, all of which is timed."""
+    """The work of one call, timed as a whole."""
     return lambda: partial(function, *given, **named)
 
 
@@ -100,7 +100,7 @@ class TimedRun:
 
 
 def in_turn(works: Mapping[Name, Work], rounds: int) -> list[dict[Name, float]]:
-    """Processor seconds of every work, once in each round, so that a machine that slows down slows all of them."""
+    """Processor seconds of each work in each round; works alternate, so that a slower machine slows all of them."""
     return [{name: timed(prepare())[0] for name, prepare in works.items()} for _ in range(rounds)]
 
 
@@ -115,19 +115,19 @@ def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, f
 
 
 def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -> tuple[float, float]:
-    """(seconds, psi at `until`) of a run that observes nothing."""
+    """(seconds, psi at `until`) of a run without observers."""
     warm_up(setting, scene)
     runs = [timed(lambda: follow(solver_of(setting, scene), until)) for _ in range(repeats)]
     return min(seconds for seconds, _ in runs), runs[0][1].psi
 
 
 def solver_of(setting: Setting, scene: Scene) -> Solver:
-    """The solver that `setting` asks for, at the start of `scene`."""
+    """The solver of `setting`, at the start of `scene`."""
     return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance, time=setting.time)
 
 
 def warm(solver: Solver) -> None:
-    """Load or compile what a march of `solver` needs, before a clock starts; the solver itself stays where it is."""
+    """Load or compile the code for a march of `solver`, which is not changed, before timing."""
     before = solver.state()
     with suppress(NumericsError):
         EventObserver(solver.scene, solver.nodes).scan(solver.advance(solver.time + _WARM_UP))
@@ -135,7 +135,7 @@ def warm(solver: Solver) -> None:
 
 
 def warm_up(setting: Setting, scene: Scene) -> None:
-    """Load or compile what `setting` needs, before a clock starts."""
+    """Load or compile the code for `setting`, before timing."""
     with suppress(NumericsError):  # a run that fails reports it itself
         watch(solver_of(setting, scene), _WARM_UP if scene.until is None else min(_WARM_UP, scene.until))
 

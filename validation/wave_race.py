@@ -51,8 +51,7 @@ _REPEATS = 5
 
 
 class Entrant(NamedTuple):
-    """A program at a setting: its `kind` (delay, exact, explicit, fd or rival), what it is in words, its error and its time in
-    ms."""
+    """A program at a setting: its `kind` (delay, exact, explicit, fd or rival), its description, its error and its time in ms."""
 
     kind: str
     what: str

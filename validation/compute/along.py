@@ -1,4 +1,4 @@
-"""An index of the points of a branch by the parameter that they are followed in, which may turn back."""
+"""Index of the points of a branch by its parameter, which may turn back."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -14,28 +14,28 @@ class AlongBranch(PandasIndex):
     between."""
 
     def sel(self, labels: Mapping[Any, Any], method: str | None = None, tolerance: Any = None) -> IndexSelResult:
-        """The places of the points. Raises KeyError where no part of the branch passes the value."""
+        """Indices of the points. Raises KeyError where no part of the branch passes the value."""
         ((name, label),) = labels.items()
         values = np.asarray(self.index, dtype=float)
         if isinstance(label, slice):
             low, high = sorted(
                 (values.min() if label.start is None else label.start, values.max() if label.stop is None else label.stop)
             )
-            places = np.flatnonzero((values >= low) & (values <= high))
+            indices = np.flatnonzero((values >= low) & (values <= high))
         else:
-            places = crossings(values, float(np.asarray(label)))
-        if not places.size:
+            indices = crossings(values, float(np.asarray(label)))
+        if not indices.size:
             raise KeyError(f"{name} = {label}: the branch goes from {values.min():g} to {values.max():g}")
-        return IndexSelResult({self.dim: places})
+        return IndexSelResult({self.dim: indices})
 
 
 def along(data: Dataset, name: str) -> Dataset:
-    """`data` of points of a branch with their values of the parameter, the variable `name`, as such an index."""
+    """`data` of points of a branch, indexed by the variable `name`, the parameter (`AlongBranch`)."""
     return data.set_coords(name).set_xindex(name, AlongBranch)
 
 
 def crossings(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:
-    """The places in `values`, one for each time that they pass `value`: of both values beside it the nearer one."""
+    """Indices of `values`, one for each crossing of `value`: of the two values next to it the nearer one."""
     side = np.sign(values - value)
     before = np.flatnonzero(side[:-1] * side[1:] < 0.0)
     nearer = np.abs(values[before] - value) <= np.abs(values[before + 1] - value)

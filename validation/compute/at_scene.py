@@ -1,5 +1,5 @@
-"""The periodic orbits of one scene, where several may coexist: the one that a run leads to, and those of the primary branch, the
-one that begins where steady sliding loses its stability as r grows."""
+"""The periodic orbits of one scene, several of which may coexist: the one that a run leads to, and those of the primary branch,
+which begins where steady sliding loses stability as r grows."""
 
 import math
 from contextlib import suppress
@@ -38,14 +38,15 @@ _TOLERANCE = 1e-6
 
 
 class Primary(NamedTuple):
-    """The `orbits` of the primary branch at the scene, in order along the branch; how far it was followed, in words."""
+    """The `orbits` of the primary branch at the scene, in order along the branch; `searched`: a text on how far it was
+    followed."""
 
     orbits: list[Closed]
     searched: str
 
     @property
     def extent(self) -> str:
-        """How far others were looked for, as a note."""
+        """Note on how far others were searched for."""
         start = "others were looked for along the branch of orbits that begins where stability is lost: "
         return f"{start}{self.searched}" if self.searched else ""
 
@@ -53,8 +54,9 @@ class Primary(NamedTuple):
 def orbit_at_scene(
     model: str, scene: Scene, tolerance: float, cells: int | None = None, near: float | None = None, others: bool = False
 ) -> OrbitFound:
-    """The orbit whose period is nearest to `near` (transits); or else the one that the scene's own start leads to or comes near
-    to, with the `others` of the primary branch if asked for; or else one of the primary branch, a stable one if there is any.
+    """The orbit with the period nearest to `near` (transits), if given; else the orbit that the scene's own start leads to or
+    comes near to, with the `others` of the primary branch if requested; else one of the primary branch, a stable one if there is
+    any.
 
     Raises NumericsError if none is found, SceneError for wrong input."""
     if near is not None:
@@ -68,7 +70,7 @@ def orbit_at_scene(
 
 
 def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound:
-    """The same with those orbits of the primary branch that it is not."""
+    """`found` with the other orbits of the primary branch."""
     try:
         known = primary(model, found.scene, cells, math.inf)
     except NumericsError as reason:
@@ -78,8 +80,8 @@ def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound
 
 
 def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
-    """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none of
-    this number of cycles, or is not known so far, also among those to which the scene's own motion returns."""
+    """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none
+    with this number of cycles, or does not reach so far, also among the close returns of the scene's own motion."""
     known, own, failed = Primary([], ""), None, None
     with suppress(NumericsError, SceneError):  # the run may lead to none in reasonable time
         own = find_orbit(model, scene, tolerance, cells)
@@ -101,7 +103,7 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
 
 
 def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> OrbitFound:
-    """One of several orbits to the requested tolerance; the others are named."""
+    """The orbit `one` of those `known`, refined to the tolerance; the others are listed with it."""
     found = refined_orbit(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
     return OrbitFound(found, tolerance, source, tuple(_other(orbit) for orbit in known if orbit is not one), searched)
 
@@ -117,7 +119,7 @@ def _other(closed: Closed) -> Other:
 def primary(model: str, scene: Scene, cells: int | None, longest: float, reason: str = "") -> Primary:
     """All orbits of the primary branch at the scene up to the period `longest` (transits).
 
-    Raises NumericsError if there is none; a `reason` why none was found before comes first."""
+    Raises NumericsError if there is none; its message begins with `reason`, why none was found before."""
     here = math.log10(scene.transit)
     said = f"{reason}; " if reason else ""
     points, ended = _points(model, scene, cells, here, longest, said)
@@ -130,7 +132,7 @@ def primary(model: str, scene: Scene, cells: int | None, longest: float, reason:
 
 
 def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[OrbitPoint], str]:
-    """The points of the primary branch, and how far it was followed, in words."""
+    """The points of the primary branch, and a text on how far it was followed."""
     critical, omega = critical_round_trip(scene, one_port_of(model))
     if not critical > 0.0:
         raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")

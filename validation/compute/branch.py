@@ -1,4 +1,4 @@
-"""A branch of periodic orbits, which begins at a Hopf point or at an orbit that a run leads to, and is followed through folds."""
+"""A branch of periodic orbits, from a Hopf point or from an orbit that a run leads to, followed through folds."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -50,7 +50,7 @@ _WITHOUT_IDLE = (
 
 
 class BranchEnd(NamedTuple):
-    """The last `point` of a branch and the length of the next `step`: all that is needed to go on."""
+    """The last `point` of a branch and the length of the next `step`, from which it continues."""
 
     point: OrbitPoint
     step: float
@@ -60,8 +60,8 @@ class BranchEnd(NamedTuple):
 @dataclass(frozen=True)
 class FollowedBranch:
     """The branch of `model` over a parameter, to the relative error `tolerance` of all figures. `cells` is for full waves.
-    `closed` are the orbits of special points by their number in that list, if they were computed in this process. `doubled`: of
-    the orbits of twice the period that are born at the first period doubling of the scene's own branch."""
+    `closed`: index of a special point -> its orbit, if computed in this process. `doubled`: the branch of orbits of twice the
+    period from the first period doubling of the scene's own branch."""
 
     what: ClassVar[str] = "branch"
     over: Over
@@ -86,17 +86,17 @@ class FollowedBranch:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """What a file and what goes on from it must have in common, but for the tolerance; the range may be another."""
+        """Facts in which a file and a branch that continues it must agree; tolerance and range may differ."""
         own = {"model": self.model, "cells": self.cells, "doubled": self.doubled, "parameter": self.over.name}
         return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
 
     @property
     def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
-        """By the name of the file's dimension: the record of a row, and the rows."""
+        """Dimension of the file -> class of its rows, and the rows."""
         return {"point": (BranchPoint, self.points), "special": (SpecialPoint, self.special)}
 
     def saved(self, end: BranchEnd) -> dict[str, State]:
-        """All that is needed to go on, as arrays by group and name."""
+        """Arrays, by group and name, from which the branch continues."""
         return {"resume": stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}}
 
     def restored(self, saved: Mapping[str, State]) -> BranchEnd:
@@ -107,7 +107,7 @@ class FollowedBranch:
         return BranchEnd(point, step, Metric(*state["metric"].tolist()))
 
     def begin(self) -> BranchEnd:
-        """Record the Hopf point in the range that is nearest to its first end, or else an orbit at an end where steady sliding is
+        """Record the Hopf point in the range nearest to its first end, or else an orbit at an end where steady sliding is
         unstable.
 
         Raises SceneError if steady sliding is stable in the whole range, NumericsError if no orbit is found.
@@ -129,8 +129,8 @@ class FollowedBranch:
         return self._first(from_hopf(self.family_at(own.parameter, own.period), own.parameter, own.period, metric), metric)
 
     def follow(self, end: BranchEnd, limits: StopAt) -> Iterator[BranchEnd]:
-        """Record point after point; yields where the branch can go on. Ends at the limits, where it leaves the range, and where
-        the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
+        """Record point after point, yielding the end after each. Stops at the limits, where the branch leaves the range, and
+        where the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
         family = FlowFamily(end.point.closed.flow, self.over.scene_at)
         steps = follow_branch(family, end.point, end.metric, lambda _: True, self.tolerance, Control(first=end.step))
         while True:
@@ -153,7 +153,7 @@ class FollowedBranch:
             yield end
 
     def family_at(self, parameter: float, period: float) -> FlowFamily:
-        """The model's flows, on a mesh that suits steady sliding and its slow oscillations with `period` (transits)."""
+        """The model's flows, on a mesh that resolves steady sliding and its slow oscillations with `period` (transits)."""
         solver = moving(self.model, self.over.scene_at(parameter), self.cells)
         return FlowFamily(solver.flow(period, self.tolerance)[0], self.over.scene_at)
 
@@ -197,7 +197,7 @@ class FollowedBranch:
         )
 
     def _from_doubling(self) -> BranchEnd:
-        """The first orbit of twice the period, beside the first period doubling of the scene's own branch in the range."""
+        """The first orbit of twice the period, at the first period doubling of the scene's own branch in the range."""
         own = replace(self, doubled=False, points=[], special=[], notes=[])
         end = own.begin()
         special, family = own.first_special(end, "PD")
@@ -206,7 +206,7 @@ class FollowedBranch:
         return self._first(from_doubling(family, special, end.metric)[1], end.metric)
 
     def _why_to_stop(self, end: BranchEnd, limits: StopAt) -> str | None:
-        """Why the branch is not followed any further: empty if that needs no remark; None if it is."""
+        """Reason to stop, empty if that needs no remark; None to continue."""
         point = end.point
         if limits.kind and any(special.kind == limits.kind for special in self.special):
             return ""
@@ -220,8 +220,7 @@ class FollowedBranch:
         return None
 
     def _enters(self) -> bool:
-        """Whether the branch, which began at a Hopf point at the edge of the range or a little outside, may still come into
-        it."""
+        """Whether the branch, from a Hopf point at the edge of the range or slightly outside, may still enter it."""
         return [special.kind for special in self.special[:1]] == ["HB"] and len(self.points) < _MOST_OUTSIDE and not self.shown
 
     def _hopf(self, onset: Onset) -> SpecialPoint:
@@ -238,11 +237,11 @@ class FollowedBranch:
 
 
 def _closes(before: OrbitPoint, after: OrbitPoint) -> bool:
-    """Whether the two halves of doubled orbits are nearly alike and become more so: that ends in a period doubling."""
+    """Whether the halves of doubled orbits are nearly equal and still converge: the branch ends in a period doubling."""
     return difference_of_halves(after) < min(_SAME, difference_of_halves(before))
 
 
 def _vanishes(before: OrbitPoint, after: OrbitPoint) -> bool:
-    """Whether the orbits are small and become smaller: that can only end in steady sliding, and near it the equations are nearly
+    """Whether the orbits are small and shrink: the branch ends in steady sliding, near which the equations are nearly
     singular."""
     return amplitude(after.closed.cycle) < min(_SMALL, amplitude(before.closed.cycle))

@@ -61,5 +61,6 @@ def build_all(models: str, scene: Scene, **options: Unpack[Options]) -> list[Sol
 
 
 def _takes(family: Family, option: str, known: dict[str, Any]) -> bool:
-    """Whether this one of several models is given the option. With cells given, a tolerance is for those without."""
+    """Whether a model of `family`, among several, is given the option. With cells given, a tolerance is for models without
+    cells."""
     return option in family.options and not (option == "tolerance" and "cells" in known and "cells" in family.options)

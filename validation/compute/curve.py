@@ -1,4 +1,4 @@
-"""A kind of special points of branches followed in two parameters, also where their curve turns back."""
+"""A curve of special points of branches in two parameters, followed where it turns back too."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -43,14 +43,14 @@ class Curve:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """As of `FollowedBranch`."""
+        """As `FollowedBranch`."""
         ends = [[one.name, one.first, one.last] for one in (self.over, self.second)]
         own = {"model": self.model, "type": self.kind, "rectangle": ends}
         return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
 
     @property
     def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
-        """As of `FollowedBranch`."""
+        """As `FollowedBranch`."""
         return {"point": (CurvePoint, self.points)}
 
     @property
@@ -73,8 +73,8 @@ class Curve:
         return reached
 
     def follow(self, end: Reached, limits: StopAt) -> Iterator[Reached]:
-        """Record point after point, until there are as many as the limits say or the curve leaves the rectangle; yields where it
-        can go on. Raises NumericsError where the curve cannot be followed."""
+        """Record point after point, yielding the end after each, up to the number in `limits` or until the curve leaves the
+        rectangle. Raises NumericsError where the curve cannot be followed."""
         steps = follow_curve(self.plane, end, self.tolerance)
         while len(self.points) < limits.points:
             further = next(steps)
@@ -86,19 +86,19 @@ class Curve:
         self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
 
     def saved(self, end: Reached) -> dict[str, State]:
-        """As of `FollowedBranch`."""
+        """As `FollowedBranch`."""
         ends = {name: _saved(point, end.length) for name, point in (("before", end.before), ("last", end.last))}
         return ends | {"resume": {"direction": np.array(end.direction)}}
 
     def restored(self, saved: Mapping[str, State]) -> Reached:
-        """As of `FollowedBranch`."""
+        """As `FollowedBranch`."""
         last, length = self._on_curve(saved["last"])
         along, across = saved["resume"]["direction"].tolist()
         before = last if len(self.points) < 2 else self._on_curve(saved["before"])[0]
         return Reached(before, last, (along, across), length)
 
     def _scene_at(self, first: float, second: float) -> Scene:
-        """A key is read, and a short name is set in the scene that is read: that takes a hundredth of the time."""
+        """The scene at both values: a key is read, a short name is set in a scene read before, in a hundredth of the time."""
         given = ((self.over, first), (self.second, second))
         keyed = {over.name: over.written(value) for over, value in given if over.name not in PARAMETERS}
         scene = slipwave.read(self.over.base, keyed) if keyed else self.over.base
@@ -110,7 +110,7 @@ class Curve:
         return self.over.holds(first) and self.second.holds(second)
 
     def _branch(self) -> FollowedBranch:
-        """The branch where the second parameter has the value at which the curve begins."""
+        """The branch at the second parameter's first value."""
         over, value = self.over, self.second.first
         scene = self._scene_at(over.first, value)
         across = Over(scene, over.name, over.first, over.last, lambda one: self._scene_at(one, value))
@@ -147,8 +147,8 @@ def _saved(one: OnCurve, length: float) -> dict[str, Array]:
 
 
 def require_curve(kind: str, over: Over, second: Over) -> None:
-    """Raises SceneError if there is no such kind, or if the parameters are the same, or, of Hopf points, which are found by both
-    parameters' short names, have none."""
+    """Raises SceneError for an unknown kind, for two equal parameters, and, for Hopf points, for a parameter without a short
+    name."""
     if kind not in SPECIAL_KINDS:
         raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(SPECIAL_KINDS)}")
     for option, name in (("--over", over.name), ("--and", second.name)):

@@ -1,4 +1,4 @@
-"""The grid that a full wave takes by itself: its estimated error, and what a user is told of it."""
+"""The default grid of a full wave: its estimated error, and notes on it for the user."""
 
 import math
 from typing import TYPE_CHECKING
@@ -17,8 +17,8 @@ _COARSER = 1.5
 
 
 def judged_grid(solver: Solver, start: State, cfl: float | None = None, time: str | None = None) -> "Choice | None":
-    """The default grid of `solver` with its estimated error, from its own state at the `start` and another grid; None for
-    models without a grid and for a start on the orbit, which depends on a march of its own. `solver` is left as it is."""
+    """The default grid of `solver` with its estimated error, from its own state at the `start` and another grid; None for models
+    without a grid and for a start on the orbit, which needs a march of its own. `solver` is not changed."""
     if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
         return None
     from fullwave.adapt import first_accepted, judge_grid

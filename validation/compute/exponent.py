@@ -15,7 +15,7 @@ from validation.compute.run import Run
 
 
 def require_constant(scene: Scene) -> None:
-    """Raises SceneError if the drive changes: then motions part because they are driven."""
+    """Raises SceneError if the drive changes: a Lyapunov exponent needs a constant drive."""
     if not scene.drive.is_constant or scene.velocity == 0.0:
         raise SceneError(f"scene {scene.name!r}: a Lyapunov exponent needs a constant drive.velocity")
 

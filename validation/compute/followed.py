@@ -1,5 +1,5 @@
-"""What branches and curves have in common: a netCDF file that is written whole after each point, so that a process killed at any
-time leaves a file to go on from, and the loop that follows them."""
+"""The loop that follows branches and curves, and their netCDF file, written whole after each point, from which a killed process
+can be continued."""
 
 import hashlib
 import json
@@ -21,18 +21,19 @@ from validation.compute.progress import progress
 if TYPE_CHECKING:
     from netCDF4 import Dataset
 
-_UNCOUNTED = -1  # in place of None in a column of numbers
+_UNCOUNTED = -1  # stands for None in a column of numbers
 _KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"), int) | {"stable": bool}
 End: TypeAlias = Any
-"""Where a branch or a curve can go on."""
+"""The end of a branch or a curve, from which it continues."""
 
 
 Followed: TypeAlias = FollowedBranch | Curve
-"""A branch or a curve as far as it is known: its `points` and `notes` grow."""
+"""A branch or a curve; its `points` and `notes` grow."""
 
 
 class Ended(NamedTuple):
-    """Run time in seconds; where it can go on, None if it cannot; why it ended early, or nothing; whether the user stopped it."""
+    """Run time (s); the `end` from which it continues, or None; `failed`, the reason of an early end, or empty; whether the user
+    `stopped` it."""
 
     wall_s: float
     end: End | None
@@ -41,8 +42,8 @@ class Ended(NamedTuple):
 
 
 def pursue(found: Followed, limits: StopAt, file: Path | None, resume: Path | None, origin: Mapping[str, Any]) -> Ended:
-    """Fill `found`, an empty one, from its beginning or from a file to `resume`, within the limits, and write the `file`, if one
-    is wanted, after each point. Raises SceneError as `read_followed` and `write_followed` do."""
+    """Fill an empty `found`, from its beginning or from a file to `resume`, within the limits; write `file`, if given, after each
+    point. Raises SceneError as `read_followed` and `write_followed` do."""
     began, end, failed, stopped = time.perf_counter(), None, "", False
     try:
         for end in ends_of(found, limits, resume):
@@ -58,7 +59,7 @@ def pursue(found: Followed, limits: StopAt, file: Path | None, resume: Path | No
 
 
 def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:
-    """Fill `found`, point after point, with progress; yields where it can go on. Raises NumericsError where it cannot."""
+    """Fill `found` with progress, yielding its end after each point. Raises NumericsError where it cannot be followed."""
     try:
         end: End = found.begin() if resume is None else read_followed(resume, found)
         if end is not None:
@@ -72,8 +73,7 @@ def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iter
 
 
 def write_followed(path: Path, found: Followed, end: End, complete: bool, origin: Mapping[str, Any]) -> None:
-    """Write all that was `found` and where it goes on, with attributes that say its `origin`. Raises SceneError if the file
-    cannot be written."""
+    """Write `found` and its `end`, with the attributes `origin`. Raises SceneError if the file cannot be written."""
     from netCDF4 import Dataset
 
     facts = json.dumps(found.facts | {"tolerance": found.tolerance})
@@ -87,10 +87,8 @@ def write_followed(path: Path, found: Followed, end: End, complete: bool, origin
 
 
 def read_followed(path: Path, found: Followed) -> End:
-    """Fill `found`, an empty one, from the file, but for notes on its end, and say where it goes on: perhaps with another
-    tolerance, for its mesh is refined, or kept, as the next point asks for.
-
-    Raises SceneError if the file cannot be read, or has other `facts`."""
+    """Fill an empty `found` from the file, without notes on its end; returns its end. The tolerance may differ: the mesh is
+    refined at the next point if necessary. Raises SceneError if the file cannot be read, or has other `facts`."""
     from netCDF4 import Dataset
 
     try:
@@ -140,14 +138,14 @@ def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[
 
 
 def _read_table(file: "Dataset", kind: str, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:
-    """The rows that `_write_table` wrote, with whole numbers where they count, truth values, or None."""
+    """The rows that `_write_table` wrote, with whole numbers, truth values and None restored."""
     columns = [(file[f"{kind}_{name}"][:].tolist(), _KINDS.get(name)) for name in names]
     whole = ([None if one == _UNCOUNTED else kind(one) for one in column] if kind else column for column, kind in columns)
     return zip(*whole, strict=True)
 
 
 def _write_arrays(group: "Dataset", arrays: State) -> None:
-    """Arrays with dimensions of their own."""
+    """Write arrays with dimensions of their own."""
     for name, array in arrays.items():
         dimensions = [f"{name}_{axis}" for axis in range(array.ndim)]
         for dimension, size in zip(dimensions, array.shape, strict=True):

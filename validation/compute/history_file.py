@@ -1,4 +1,5 @@
-"""The interface's history of a run, written to disk during the run: memory holds one chunk of it, however long the run is."""
+"""The interface's history of a run, written to disk during the run: only one chunk is in memory, whatever the length of the
+run."""
 
 import math
 import os
@@ -36,13 +37,11 @@ ALL = Kept()
 
 
 class HistoryFile:
-    """Appends the samples that are `kept` to the file `path`, rows of five doubles.
-
-    The file is removed when this is closed or no longer used, unless it `stays` for runs that go on. A checkpoint holds how many
-    samples there were and their checksum; a run that goes on drops later ones. A full disk does not end the
-    run: `problem` says so, and later samples are not recorded. Raises SceneError, early in a run of `until`
-    transits, if all of it (here and once more in the file for the user) will not fit on the disk, or would fill a quarter of the
-    memory. Every transit is asked for from the beginning to the end of what is `kept`.
+    """Observer that appends the `kept` samples to the file `path`, rows of five doubles. The file is removed when this is closed
+    or garbage-collected, unless it `stays` for continued runs. A checkpoint holds the number of samples and their checksum; a
+    continued run drops later samples. On a full disk the run continues without further samples; `problem` describes it. Raises
+    SceneError, early in a run of `until` transits, if the history (here and once more in the user's file) will not fit on the
+    disk, or would fill a quarter of the memory. Gaps are refused within the window of `kept`.
     """
 
     def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True, kept: Kept = ALL) -> None:
@@ -62,8 +61,8 @@ class HistoryFile:
         return self._kept.begin if self._reached <= self._kept.end else math.inf
 
     def expect(self, samples: float) -> None:
-        """Raises SceneError if so many samples, before they are thinned, are too many."""
-        self._require_room(samples / self._kept.every * _COLUMNS * 8)
+        """Raises SceneError if a history of `samples` samples, before thinning, is too large."""
+        self._require_space(samples / self._kept.every * _COLUMNS * 8)
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
@@ -76,13 +75,13 @@ class HistoryFile:
         share = (self._reached - self._kept.begin) / (self._until - self._kept.begin)
         if self._bytes > self._large:
             self._large *= 2.0
-            self._require_room(self._bytes)
+            self._require_space(self._bytes)
         elif not self._judged and share > _EARLY:
             self._judged = True
-            self._require_room(self._bytes / min(share, 1.0))
+            self._require_space(self._bytes / min(share, 1.0))
 
     def state(self) -> dict[str, Array]:
-        """How many samples are on the disk, and their checksum."""
+        """Number of samples on the disk, and their checksum."""
         if self._file is not None:
             self._attempt(lambda: os.fsync(self._opened().fileno()))
         return {
@@ -92,7 +91,8 @@ class HistoryFile:
         }
 
     def restore(self, state: dict[str, Array]) -> None:
-        """Go on after the samples that `state` counts. Raises SceneError if the file does not hold them, or others were kept."""
+        """Continue after the samples counted in `state`. Raises SceneError if the file does not hold them, or others were
+        kept."""
         kept = Kept(*state["kept"].tolist())
         if kept != self._kept:
             raise SceneError(f"{self._label} keeps {_in_words(kept)}; this run asks for {_in_words(self._kept)}")
@@ -112,7 +112,7 @@ class HistoryFile:
         file.truncate(file.seek(self._bytes))
 
     def __len__(self) -> int:
-        """Samples recorded."""
+        """Number of samples recorded."""
         return self._samples
 
     def parts(self) -> Iterator[dict[str, Array]]:
@@ -173,8 +173,8 @@ class HistoryFile:
             yield np.frombuffer(self._opened().read(count * _COLUMNS * 8)).reshape(count, _COLUMNS)
             left -= count
 
-    def _require_room(self, expected: float) -> None:
-        """Raises SceneError if a history of so many bytes is too large."""
+    def _require_space(self, expected: float) -> None:
+        """Raises SceneError if a history of `expected` bytes is too large."""
         further, free = 2.0 * expected - self._bytes, shutil.disk_usage(self.path.parent).free
         most = _SHARE * _memory()
         if further > free:

@@ -18,10 +18,10 @@ from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from validation.compute.outlook import LEFT_BY_ROUNDING, Outlook
 
 Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
-"""Why a run ended where it did: at the given time, with the cycles asked for, settled, or at the limit of work."""
+"""Reason of the end of a run: at the given time, with the requested cycles, settled, or at the limit of work."""
 
 LIMIT = 300.0
-"""Seconds, by a count of its work, that a run until it is settled may take."""
+"""Longest run time (s), by a count of the work, of a run until it is settled."""
 
 LONGEST_RUN = 1e9
 """Transits; the longest run."""
@@ -36,8 +36,7 @@ _STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
 
 
 class JudgedHalf(NamedTuple):
-    """What is judged `until` now (transits): the `cycles` in the second half of what was run, and the verdict on it, None if
-    events are not watched."""
+    """The second half of a run `until` now (transits): its `cycles`, and the verdict, None if events are not recorded."""
 
     until: float
     verdict: MotionVerdict | None
@@ -46,12 +45,12 @@ class JudgedHalf(NamedTuple):
 
 @dataclass(frozen=True)
 class UntilSettled:
-    """Until the motion is no longer a transient, as far as its cycles show. No stretch is begun beyond which the whole run would
-    take more than `most_seconds`.
+    """Run until the motion is no longer a transient, as far as its cycles show. No stretch is begun beyond which the whole run
+    would take more than `most_seconds`.
 
     Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 16 or more, and if the means of
     period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that
-    never repeat. What returns to steady sliding is settled if steady sliding is stable, what the drive changes is so at once.
+    never repeat. A decaying run is settled if steady sliding is stable; a driven run always.
     """
 
     scene: Scene
@@ -61,7 +60,7 @@ class UntilSettled:
 
     def ends(self, after: float) -> Iterator[float]:
         """The ends of its stretches, rising, of a run that is at the time `after` (transits): the first after the start and 16
-        expected cycles; a changing drive rests from its middle on. Each of the others is a quarter later."""
+        expected cycles, long enough that the drive rests in its second half. Each later end is a quarter later."""
         changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
         end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST_RUN)
         while end <= LONGEST_RUN:
@@ -70,7 +69,7 @@ class UntilSettled:
             end *= _LONGER
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """Why the run ends here, if it does."""
+        """Reason to end the run here; None to continue."""
         return "settled" if self._settled(now) else None
 
     def _first(self) -> float:
@@ -114,8 +113,8 @@ def halves_agree(now: JudgedHalf) -> bool:
 
 @dataclass(frozen=True)
 class UntilCycles:
-    """Until the second half of what was run has `wanted` complete cycles; looked for once in every expected cycle. Steady
-    sliding that is stable ends it too, because no cycles will come."""
+    """Run until the second half of the run so far has `wanted` complete cycles, checked once per expected cycle. Stable steady
+    sliding ends it too, because no cycles will follow."""
 
     wanted: int
     expected: Outlook

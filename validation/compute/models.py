@@ -1,7 +1,5 @@
-"""Every family of models by its name on the command line: which one computes a model, which options it takes, which scenes it can
-do, and what makes a solver of it. A family whose module is not part of this installation is not listed.
-
-Importing it is light: solvers are imported when one is built.
+"""Every family of models by its name on the command line: its options, the scenes it can compute, and the construction of its
+solvers. A family whose module is not part of this installation is not listed. Solvers are imported when one is built.
 """
 
 import string
@@ -26,18 +24,18 @@ if TYPE_CHECKING:
     from slipwave.solve import Solver
 
 GRIDS = WITH_GRID
-"""The full waves, those of other packages and files at the end."""
+"""The full waves; those of other packages and files are appended."""
 
 FAMILIES: list[Family] = [*WITHOUT_GRID, *WITH_GRID]
-"""Cheapest first; `auto` takes the first that is exact. Families of other packages and files are added at the end."""
+"""Cheapest first; `auto` takes the first that is exact. Families of other packages and files are appended."""
 
 OPTIONS = tuple(dict.fromkeys(option for family in reversed(FAMILIES) for option in family.options))
 """The numerical options that a family may take."""
 
 
 class Options(TypedDict, total=False):
-    """The numerical options of a model, left to it where None or not given: `cells`, `cfl` and `time` are for full-wave models,
-    `tolerance` for those that take one. On a grid of given cells it is that of the steps of the exact march."""
+    """The numerical options of a model; it chooses those that are None or missing: `cells`, `cfl` and `time` are for full-wave
+    models, `tolerance` for those that take one. On a grid of given cells `tolerance` is that of the steps of the exact march."""
 
     cells: int | None
     cfl: float | None
@@ -51,7 +49,7 @@ def given(options: Options, *names: str) -> dict[str, Any]:
 
 
 class Built(NamedTuple):
-    """A solver as it was made: `choice`, the grid that a full wave got for a tolerance, and `why` `auto` took its model."""
+    """A solver, the grid that was chosen for a tolerance (`choice`), and `why` `auto` took its model."""
 
     solver: "Solver"
     choice: "Choice | None" = None
@@ -59,7 +57,8 @@ class Built(NamedTuple):
 
 
 def add_family(family: object, label: str) -> None:
-    """Make a family known to every command. Raises SceneError, which begins with `label`, if it is none or its name is taken."""
+    """Register a family for every command. Raises SceneError, which begins with `label`, if it is no `Family` or its name is
+    taken."""
     if not isinstance(family, Family):
         raise SceneError(f"{label}: is no slipwave.family.Family")
     if family.name == "auto" or family_of(family.name):
@@ -72,7 +71,7 @@ def add_family(family: object, label: str) -> None:
 
 
 def family_of(model: str) -> Family | None:
-    """The family of a full name, as `modal:2`; None if there is none of that name."""
+    """The family of a full name, as `modal:2`; None if unknown."""
     return next((family for family in FAMILIES if family.name == model.partition(":")[0]), None)
 
 
@@ -90,8 +89,8 @@ def grid_of(model: str) -> tuple[FullWave, int]:
 
 
 def explicit_time(model: str) -> str | None:
-    """The option `time` with which a full wave that has two marches takes explicit steps, whatever is cheaper: it then shares
-    neither step nor friction solve with the delay system, and can witness for it."""
+    """Value of the option `time` for explicit steps, None for a full wave with one march only. Explicit steps share neither step
+    nor friction solve with the delay system, and so check it independently."""
     return "explicit" if "time" in grid_of(model)[0].options else None
 
 
@@ -106,13 +105,13 @@ def families() -> list[Family]:
 
 
 def honouring(scene: "Scene") -> list[Family]:
-    """The families of this installation that can do `scene`."""
+    """The families of this installation that can compute `scene`."""
     return [family for family in families() if family.is_installed and not family.refusal(scene)]
 
 
 def resolve(model: str, scene: "Scene", among: Collection[Family] = FAMILIES) -> tuple[str, str]:
-    """(model, why): `auto` becomes the cheapest model `among` some that is exact for the scene; any other name is returned with
-    no reason."""
+    """(model, why): `auto` becomes the cheapest exact model for the scene `among` some families; any other name is returned
+    without reason."""
     if model != "auto":
         return model, ""
     ordered = sorted(families(), key=lambda family: family.exact is Exact.NEVER)  # exact ones first, each as they were
@@ -136,8 +135,8 @@ def made(model: str, scene: "Scene", **options: Unpack[Options]) -> Built:
 
 
 def requested(model: str, scene: "Scene", **options: Unpack[Options]) -> tuple[Family, "Scene", int | None, Options]:
-    """What `make` needs for a full name: its family, the scene, the number after the colon, and the options. Raises SceneError as
-    `made` does."""
+    """The arguments of `make` for a full name: its family, the scene, the number after the colon, and the options. Raises
+    SceneError as `made` does."""
     family, number = parse(model)
     _require_options(model, family, options)
     if number is None:
@@ -150,7 +149,8 @@ def requested(model: str, scene: "Scene", **options: Unpack[Options]) -> tuple[F
 
 
 def parse(model: str) -> tuple[Family, int | None]:
-    """Family and number of a model's name; no number where it is chosen or there is none. Raises SceneError."""
+    """Family and number of a model's name, None for a number to be chosen or a family without numbers. Raises SceneError for
+    unknown names and wrong numbers."""
     name, colon, number = model.partition(":")
     family = family_of(name)
     if family is None or family not in families():
@@ -195,7 +195,7 @@ def _require_options(model: str, family: Family, options: Options) -> None:
 
 def make(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:
     """A solver of the member of `family` with this number after the colon; SceneError for an option out of range or a scene it
-    cannot do."""
+    cannot compute."""
     if family in GRIDS:
         return _on_a_grid(family, scene, number, options)
     if family is DELAY:
@@ -207,7 +207,8 @@ def make(family: Family, scene: "Scene", number: int | None, options: Options) -
 
 
 def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:
-    """A full wave on the requested grid, where a tolerance is for its steps only, or on one that is fine enough for it."""
+    """A full wave on the requested grid, for which a tolerance only sets the steps, or else on a grid fine enough for the
+    tolerance."""
     numbers = () if number is None else (number,)
 
     def member(scene: "Scene", **options: Any) -> Any:

@@ -1,7 +1,7 @@
-"""The start `orbit`: the model begins on its own periodic orbit, stable or not; the clock is zero at a slip event there.
+"""The start `orbit`: the model starts on its own periodic orbit, stable or not; t = 0 is the date of a slip event.
 
-Newton's method finds the orbit. Only a leapfrog, whose motion over a period is no differentiable map, is marched until it has
-settled: that finds stable orbits alone. If its cycles keep changing (a torus, chaos) or end (steady sliding), the run is refused
+The orbit is computed by Newton's method; a leapfrog, whose motion over a period is no differentiable map, is marched until it has
+settled, which gives stable orbits only. If its cycles keep changing (a torus, chaos) or end (steady sliding), the run is refused
 with the reason.
 """
 
@@ -35,8 +35,8 @@ _OWN = "orbit start"  # no solver's own name: networks have an `origin`
 
 
 class OnOrbit:
-    """A solver whose t = 0 is the date of a slip event of its settled orbit, to within one step, once `begin` or `restore` has
-    brought it there; see `Solver`."""
+    """A solver whose t = 0 is the date of a slip event of its settled orbit, to within one step, after `begin` or `restore`; see
+    `Solver`."""
 
     def __init__(self, solver: Solver) -> None:
         self._solver = solver
@@ -48,7 +48,7 @@ class OnOrbit:
         self.seconds_per_piece, self.transits_per_piece = solver.seconds_per_piece, solver.transits_per_piece
 
     def begin(self) -> None:
-        """Go onto the orbit and march to the next slip event, which becomes t = 0.
+        """Set the state onto the orbit and march to the next slip event, which becomes t = 0.
 
         Raises SceneError if the drive changes (there is no orbit then), NumericsError if no orbit is found.
         """
@@ -66,7 +66,7 @@ class OnOrbit:
 
     @property
     def failures(self) -> int:
-        """Unconverged solves, those of the approach included."""
+        """Unconverged solves, including those of the approach."""
         return self._solver.failures
 
     @property
@@ -80,23 +80,23 @@ class OnOrbit:
         return pieces._replace(time=pieces.time - self._origin)
 
     def energy(self) -> Energy | None:
-        """Ledger since the start on the orbit."""
+        """Energy balance since the start on the orbit."""
         now = self._solver.energy()
         return None if now is None else Energy(*(_entries(now) - self._ledger).tolist())
 
     def state(self) -> State:
-        """As `Solver`; `orbit start` holds the date of t = 0 on the solver's own clock and its ledger then."""
+        """As `Solver`; `orbit start`: date of t = 0 on the solver's own clock, and its energy balance then."""
         return self._solver.state() | {_OWN: np.array([self._origin, *self._ledger])}
 
     def restore(self, state: State) -> None:
-        """As `Solver`; no march to the orbit is needed before."""
+        """As `Solver`, without a march to the orbit."""
         origin = tables(state, {_OWN: (1 + self._ledger.size,)}, self.model)[_OWN]
         self._solver.restore({name: array for name, array in state.items() if name != _OWN})
         self._origin, self._ledger = float(origin[0]), origin[1:]
 
 
 class FieldsOnOrbit(OnOrbit):
-    """The same for a full wave (`slipwave.solve.FieldSolver`): its fields carry the orbit's clock too."""
+    """As `OnOrbit` for a full wave (`slipwave.solve.FieldSolver`), whose fields have the orbit's clock too."""
 
     _solver: FieldSolver
 
@@ -107,16 +107,16 @@ class FieldsOnOrbit(OnOrbit):
         self.deviation, self.deviation_energy = solver.deviation, solver.deviation_energy
 
     def keep_ledger(self) -> None:
-        """From now on `energy` returns the ledger since the start on the orbit."""
+        """As `FieldSolver`, since the start on the orbit."""
         self._solver.keep_ledger()
         self._ledger = _entries(self._solver.energy())
 
     def snapshot(self) -> Snapshot:
-        """The fields now."""
+        """As `FieldSolver`."""
         return self._on_clock(self._solver.snapshot())
 
     def frames(self) -> list[Snapshot]:
-        """The fields at the ends of the last advance's steps, where kept."""
+        """As `FieldSolver`."""
         return [self._on_clock(frame) for frame in self._solver.frames()]
 
     def _on_clock(self, shot: Snapshot) -> Snapshot:
@@ -133,7 +133,7 @@ def _entries(ledger: Energy | None) -> Array:
 
 
 def _by_newton(solver: Solver) -> float:
-    """Put `solver` onto its orbit between two slip events; returns the date (transits, its own clock) of the next event."""
+    """Set `solver` onto its orbit between two slip events; returns the date (transits, its own clock) of the next event."""
     cells = solver.cells if isinstance(solver, FieldSolver) else None
     try:
         closed = find_orbit(solver.model, solver.scene, _TOLERANCE, cells).found.closed
@@ -162,13 +162,13 @@ def _by_settling(solver: Solver) -> float:
 
 
 def state_on(solver: Any, closed: Closed) -> State:
-    """The state of `solver` at the start of a motion of its own flow that closes, or nearly so. The flow knows the elastic stress
-    but for a constant: over a period, mean stresses are the same at all depths, so that the mean of y is that of mu."""
+    """The state of `solver` at the start of a motion of its own flow that closes, or nearly so. The flow gives the elastic stress
+    up to a constant: mean stresses over a period are the same at all depths, so that the mean of y equals that of mu."""
     cycle = closed.cycle
     times = np.linspace(0.0, cycle.period, _SAMPLES, endpoint=False)
     z, _, mu, y = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), times)
-    place = InterfaceState(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
-    state: State = solver.state_at_start(cycle, place)
+    interface = InterfaceState(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
+    state: State = solver.state_at_start(cycle, interface)
     return state
 
 

@@ -1,4 +1,4 @@
-"""The periodic orbit of a scene, by a run that comes near it and Newton's method from there."""
+"""The periodic orbit of a scene, by a run that comes near it and Newton's method."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ _SAME = 1e-6  # relative difference of two periods on one mesh that count as one
 
 
 class Other(NamedTuple):
-    """Another orbit of the same scene: its `period` (transits) and the number of `unstable` multipliers, None where they cannot
+    """Another orbit of the same scene: its `period` (transits) and the number of `unstable` multipliers, None where they do not
     decide its stability."""
 
     period: float
@@ -41,8 +41,8 @@ class Other(NamedTuple):
 
 @dataclass(frozen=True)
 class OrbitFound:
-    """The orbit `found` to `tolerance`, and `source`, how it was found if not from a run that had settled on it; `others` that
-    were found with it, and how far others were `searched`, in words."""
+    """The orbit `found` to `tolerance`; `source`, its origin if not a settled run; `others` found with it; `searched`, a text on
+    how far others were searched for."""
 
     found: PeriodicOrbit
     tolerance: float
@@ -52,17 +52,17 @@ class OrbitFound:
 
     @property
     def flow(self) -> Flow:
-        """The model on the mesh of the orbit."""
+        """The flow on the mesh of the orbit."""
         return self.found.closed.flow
 
     @property
     def scene(self) -> Scene:
-        """Whose orbit."""
+        """The scene of the orbit."""
         return self.flow.scene
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the numbers: what they do not say by themselves."""
+        """Notes on the limits of the numbers."""
         coarse = f"the requested error of {self.tolerance:g} was not reached on the finest mesh: see error_estimate"
         periods = ", ".join(map(str, self.others))
         others = f"other orbits of this scene have the periods {periods}: --near-period finds one of them"
@@ -72,13 +72,13 @@ class OrbitFound:
 
 
 def has_flow(family: Family) -> bool:
-    """Whether the motion of its members over a period is a differentiable map: the leapfrog's is not, for its steps cannot be
+    """Whether the motion of its members over a period is a differentiable map; not that of the leapfrog, whose steps cannot be
     fractions of a period."""
     return family not in GRIDS or "time" in family.options
 
 
 def flowing(model: str, scene: Scene) -> tuple[str, str]:
-    """As `resolve`, of the models that have a flow. Raises SceneError for another, and if the drive changes."""
+    """As `resolve`, among the models that have a flow. Raises SceneError for any other, and if the drive changes."""
     if not scene.drive.is_constant:
         raise SceneError(f"scene {scene.name!r}: a periodic orbit needs a constant drive.velocity")
     model, why = resolve(model, scene, [family for family in families() if has_flow(family)])
@@ -92,8 +92,7 @@ def flowing(model: str, scene: Scene) -> tuple[str, str]:
 
 
 def moving(model: str, scene: Scene, cells: int | None = None) -> FlowingSolver:
-    """The solver of `model` for a run to an orbit. Full waves march exactly. A scene that starts on its orbit starts with the
-    nudge.
+    """The solver of `model` for a run to an orbit. Full waves march exactly; a start on the orbit is replaced by the nudge.
 
     Raises SceneError if the drive changes, as `prepare` does, and for a model without flow.
     """
@@ -122,8 +121,8 @@ def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = N
 
 
 def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[Closed]:
-    """The different orbits to which the motion of the scene returns most closely after about the `period` (transits), on its own
-    mesh. Raises NumericsError if there is none."""
+    """The orbits near the closest returns of the scene's motion after about `period` (transits), on the mesh of `solver`. Raises
+    NumericsError if there are none."""
     found: list[Closed] = []
     failed = NumericsError(f"{solver.model}: the run does not come back to its state after about {period:g} transits")
     for guess in _guesses(solver, tolerance, period):
@@ -148,8 +147,8 @@ def _guesses(solver: FlowingSolver, tolerance: float, near: float | None = None)
 
 
 def most_transits(scene: Scene, model: str) -> float:
-    """Length of a run (transits) after which no orbit is looked for any longer: enough for many cycles, if one is not expected to
-    take so long that the derivative of its motion takes minutes."""
+    """Longest run (transits) that searches for an orbit: many expected cycles, unless a cycle is so long that the derivative of
+    its motion would take minutes."""
     expected = outlook(scene, one_port_of(model)).period
     return max(MOST_TRANSITS, _CYCLES * expected) if expected <= _LONGEST_EXPECTED else MOST_TRANSITS
 

@@ -1,5 +1,4 @@
-"""What a scene leads to expect before it is run: whether steady sliding holds, how fast it is left or reached, and how long a
-cycle takes.
+"""Predicts, before a run of a scene, whether steady sliding is stable, how fast it is left or reached, and the period of a cycle.
 
 The period is the longer of two. At the onset of stick-slip it is 2 pi/omega_c. Far beyond, it is the time D/(k V) in which the
 drive restores, through the stiffness k, the stress D that an event releases. Friction falls by w = -V d mu_ss/dV for every e-fold
@@ -8,21 +7,20 @@ the drop:
 
     D = 2 w ln(1 + T v),     solved by iteration.
 
-It is right within a factor of two or so: it chooses how far to march before the first look at the motion.
+It is accurate within a factor of about two and sets the length of the first stretch of a run.
 
 `amplified_rounding`: whether a run from steady sliding is decided by its start or by rounding.
 
-Where steady sliding is unstable, a disturbance of psi grows as e^(sigma t), t in transits, sigma the leading root. The nudge that
-moves a smooth start comes late (its peak at t = 6) and leaves, carried back to t = 0,
+Where steady sliding is unstable, a disturbance of psi grows as e^(sigma t), t in transits, sigma the leading root. The nudge of a
+smooth start acts late (its peak is at t = 6); extrapolated back to t = 0 it is
 
     N = size int_0^inf e^(-sigma t - (t - 6)^2) dt = size (sqrt(pi)/2) e^-36 w(i (sigma/2 - 6)),
 
-w the Faddeeva function; a jump leaves its size. Rounding of psi acts from t = 0 on. The ratio of the two is the relative
-uncertainty of the amplitude with which the run leaves steady sliding. Divided by sigma, it is the uncertainty of the time at
-which it does.
+w the Faddeeva function; a jump is its size. Rounding of psi acts from t = 0 on. Their ratio is the relative uncertainty of the
+amplitude with which the run leaves steady sliding; divided by sigma, that of the time.
 
-`costly_steps`: what a step of V costs a model. One that marches equal time steps takes it from the end of a step on, and no grid
-resolves the front of its wave.
+`costly_steps`: loss of accuracy by a step of V. Models with equal time steps shift it to the end of a step, and no grid resolves
+the front of its wave.
 """
 
 import math
@@ -42,7 +40,7 @@ EXPECTED_ERROR = 1e-9
 
 
 LEFT_BY_ROUNDING = 40.0
-"""Growth times in which rounding alone leaves steady sliding."""
+"""Growth times after which rounding alone has destroyed steady sliding."""
 
 
 _NO_ECHO = 20.0
@@ -57,8 +55,8 @@ _ROUNDS = 50
 
 @dataclass(frozen=True)
 class Outlook:
-    """`rate`: at which a disturbance of steady sliding grows or (below 0) decays in the end, per transit; `period`: expected of
-    a cycle, in transits. `stable` is None if it is unknown, because the rate is 0 within rounding or V ends at 0."""
+    """`rate` (per transit): growth (> 0) or decay of disturbances of steady sliding; `period`: expected, in transits. `stable` is
+    None if unknown: the rate is 0 within rounding, or V ends at 0."""
 
     stable: bool | None
     rate: float
@@ -66,7 +64,7 @@ class Outlook:
 
 
 def is_stable(scene: Scene, model: str) -> bool | None:
-    """`stable` of the `outlook`, which costs three times as much."""
+    """`stable` of the `outlook`, in a third of its time."""
     from reduced.stability import scaled
     from reduced.stability.spectrum import certified
 
@@ -97,7 +95,7 @@ def outlook(scene: Scene, model: str) -> Outlook:
 
 
 def stress_released(scene: Scene) -> float:
-    """D, in normal stresses, of a scene with a constant drive and weakening friction; infinite if nothing loads it."""
+    """Stress drop D (normal stress) of a scene with a constant drive and weakening friction; infinite without loading."""
     weakening = -scene.velocity * friction_slopes(scene.law, scene.velocity).steady
     loading = scene.stiffness * scene.velocity / scene.transit  # per L/V*
     if loading == 0.0:
@@ -113,14 +111,14 @@ def stress_released(scene: Scene) -> float:
 
 @dataclass(frozen=True)
 class Amplified:
-    """Rounding over the start's own disturbance: `share` of the growing amplitude; `growth` per transit."""
+    """Effect of rounding: its `share` of the growing amplitude of the start's disturbance; `growth` per transit."""
 
     share: float
     growth: float
 
     @property
     def note(self) -> str:
-        """One line for the reader of a result."""
+        """One line for the user."""
         grows = f"steady sliding is unstable, disturbances grow at {self.growth:.3g} per transit"
         if self.share >= 1.0:
             return (
@@ -134,8 +132,8 @@ class Amplified:
 
 
 def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
-    """What amplified rounding does to a run of `scene` to `until` (transits); None if it stays below `tolerance`. `model` is
-    one with the one-port of the model that runs."""
+    """Effect of amplified rounding on a run of `scene` to `until` (transits); None if it stays below `tolerance`. `model` is one
+    with the one-port of the model that runs."""
     wanted = EXPECTED_ERROR if tolerance is None else tolerance
     slopes = friction_slopes(scene.law, scene.velocity)
     fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
@@ -160,7 +158,7 @@ def _rounding(scene: Scene) -> float:
 
 
 def _share(scene: Scene, growth: complex) -> float:
-    """Rounding over what the start leaves, both carried back to t = 0."""
+    """Rounding over the start's disturbance, both extrapolated back to t = 0."""
     start = scene.start
     if start.kind is StartKind.JUMP:
         left = abs(start.jump_size)
@@ -180,12 +178,12 @@ def _tail(x: complex) -> complex:
 
 
 _ON_A_STEP = 1e-6
-"""Of a step: nearer to its end than this, a step of V is on it."""
+"""Share of a time step; a step of V closer to its end than this coincides with it."""
 
 
 def costly_steps(solver: Solver) -> list[str]:
-    """A note on a full wave whose order a step of V lowers, by its place beside a time step or by its front; none if V has no
-    steps after the start, if the model takes them exactly, and for the leapfrog with steps that fall on the ends of its own."""
+    """A note if steps of V lower the order of a full wave, because they fall within time steps or by their fronts; none if V has
+    no steps after the start, if the model represents them exactly, and for a leapfrog with V's steps at the ends of its own."""
     jumps = _jumps(solver.scene.drive)
     late = _late(solver, jumps)
     if late or not jumps or "time" not in solver.settings:
@@ -197,7 +195,7 @@ def costly_steps(solver: Solver) -> list[str]:
 
 
 def _late(solver: Solver, jumps: list[float]) -> list[str]:
-    """A note on a solver that places one of these steps beside its time; none if all fall on the ends of steps of its own."""
+    """A note if `solver` shifts one of the `jumps` of V in time; none if all fall on the ends of its steps."""
     pieces = solver.transits_per_piece
     if solver.nodes[0] > 0.0 or math.isnan(pieces):  # it ends a step at every knot
         return []

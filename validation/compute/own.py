@@ -19,13 +19,13 @@ _HOUSE = ("fullwave", "reduced")
 
 
 def own_files() -> list[Path]:
-    """The files of families that were loaded: processes that are started later load them too."""
+    """The loaded files of families; processes that are started later load them too."""
     return list(_OWN)
 
 
 def load_families(path: Path) -> list[Family]:
-    """Run the Python file `path` and make every `Family` known that it declares as a variable (docs/extending.md); returns them.
-    A file that is loaded again replaces its own.
+    """Run the Python file `path` and register every `Family` that it declares as a variable (docs/extending.md); returns them. A
+    file that is loaded again replaces its families.
 
     Raises SceneError if the file cannot be run or declares none, for a name that is taken, and as `require_members`."""
     path, label = path.resolve(), f"--family = {str(path)!r}"
@@ -48,7 +48,7 @@ def load_families(path: Path) -> list[Family]:
 
 
 def own_family(model: str) -> dict[str, str]:
-    """File and digest of the family of `model`, if that is a user's own: attributes of a file of results."""
+    """Attributes of a file of results: file and digest of the family of `model`, if that is a user's own."""
     family = family_of(model)
     if family is None or family.module.partition(".")[0] in _HOUSE:
         return {}
@@ -64,13 +64,14 @@ def require_same_family(model: str, facts: Mapping[str, Any], label: str) -> Non
 
 
 def require_members(family: Family, label: str) -> None:
-    """Raises SceneError, in one line, if what makes the members of `family` is not there or lacks a method."""
-    told = f"{label}: family {family.name!r}"
+    """Raises SceneError, in one line, if the class or function that makes the members of `family` is missing or lacks a
+    method."""
+    text = f"{label}: family {family.name!r}"
     try:
         made = family.maker()
     except (ImportError, AttributeError, ValueError):
         hint = 'no such class or function; write f"{__name__}:Class"'
-        raise SceneError(f"{told}: made_by = {family.made_by!r}: {hint}") from None
+        raise SceneError(f"{text}: made_by = {family.made_by!r}: {hint}") from None
     if not isinstance(family, FullWave):
         return
     needed = {name for base in FieldSolver.__mro__ for name in vars(base) if not name.startswith("_")}
@@ -79,6 +80,6 @@ def require_members(family: Family, label: str) -> None:
     unfinished = getattr(made, "__abstractmethods__", ())
     absent = [name for name in sorted(needed) if name in unfinished or not callable(getattr(made, name, None))]
     if absent:
-        raise SceneError(f"{told}: class {made.__name__} lacks the methods {', '.join(absent)}")
+        raise SceneError(f"{text}: class {made.__name__} lacks the methods {', '.join(absent)}")
     if getattr(made, "family", family) is not family:
-        raise SceneError(f"{told}: {made.__name__}.family is another one: it must be the variable that declares the family")
+        raise SceneError(f"{text}: {made.__name__}.family is another one: it must be the variable that declares the family")

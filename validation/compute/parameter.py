@@ -1,4 +1,4 @@
-"""The parameter of a branch: any number of a scene, by a short name or by its key, with the range to be covered."""
+"""The parameter of a branch: any number of a scene, by short name or key, with its range."""
 
 import math
 import re
@@ -23,7 +23,7 @@ SHORT = {
     "interface.a": "a",
     "interface.b": "b",
 }
-"""Keys of a scene that have a short name."""
+"""Short name -> key of a scene."""
 
 Values: TypeAlias = str | tuple[str, float | str, float | str] | Mapping[str, tuple[float | str, float | str]]
 """A parameter with its range: "log10_r=-2.72:-2.30", ("log10_r", -2.72, -2.30) or {"log10_r": (-2.72, -2.30)}."""
@@ -47,7 +47,7 @@ class Over:
         return self.name.replace(".", "_")
 
     def written(self, value: float) -> float | str:
-        """A value as the scene's key takes it: with its unit, if both ends of the range had one."""
+        """A value for the scene's key, with its unit if both ends of the range had one."""
         return f"{value!r} {self.unit}" if self.unit else value
 
     @property
@@ -70,7 +70,7 @@ def range_text(values: Values | None) -> str | None:
 
 
 def scene_along(over: Over, value: float) -> Scene:
-    """The scene with this `value` of the parameter, with the tables to change it if one of its keys is the parameter."""
+    """The scene with this `value` of the parameter, with tables if the parameter is one of its keys."""
     name = next((key for key, short in SHORT.items() if short == over.name), over.name)
     with suppress(SceneError):
         return slipwave.read(over.base, {name: value})
@@ -80,7 +80,7 @@ def scene_along(over: Over, value: float) -> Scene:
 def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
     """The parameter of `--over KEY=FROM:TO`, or of another `option`, for a scene.
 
-    Raises SceneError if the text is not of that form, and if the scene cannot be read at one of both ends.
+    Raises SceneError if the text has another form, and if the scene cannot be read at one of the ends.
     """
 
     def require(holds: object, reason: str) -> None:
@@ -125,7 +125,7 @@ def _number(text: str) -> float:
 
 
 def _measured(name: str, key: str, base: Scene, text: str) -> tuple[float, str]:
-    """The value of a parameter given with a unit, and the SI unit of it; of a short name the number in the scene's own units."""
+    """Value and SI unit of a parameter given with a unit; for a short name the number in the scene's own units."""
     scene = slipwave.read(base, {key: text})
     if name in PARAMETERS:
         return _present(name, scene), ""
@@ -134,9 +134,9 @@ def _measured(name: str, key: str, base: Scene, text: str) -> tuple[float, str]:
 
 
 def _reader(name: str, base: Scene, ends: tuple[float, float], unit: str) -> Callable[[float], Scene]:
-    """The scene with a value of its key. A short name without a key in this scene, as epsilon of unlike slabs or in SI, changes
-    both slabs by the same factor. One with a key is read with it at both `ends`, so that an error names the key of a wrong value,
-    and set in the scene in between, which takes a hundredth of the time."""
+    """Function that gives the scene at a value of the parameter. A short name without a key in this scene, as epsilon of unlike
+    slabs or in SI, changes both slabs by the same factor. With a key, the scene is read at both `ends`, so that an error names
+    the key, and set in between, in a hundredth of the time."""
     if name not in PARAMETERS:
         return lambda value: slipwave.read(base, {name: f"{value!r} {unit}" if unit else value})
     key = next((key for key, short in SHORT.items() if short == name), "")
@@ -147,7 +147,7 @@ def _reader(name: str, base: Scene, ends: tuple[float, float], unit: str) -> Cal
 
 
 def has_key(base: Scene, key: str, name: str) -> bool:
-    """Whether the scene has the key of a parameter: then it can be read with the value that it has."""
+    """Whether the scene has the key of a parameter: whether it can be read again with its present value."""
     with suppress(SceneError):
         slipwave.read(base, {key: _present(name, base)})
         return True
@@ -155,7 +155,7 @@ def has_key(base: Scene, key: str, name: str) -> bool:
 
 
 def _present(name: str, base: Scene) -> float:
-    """The value of a parameter in a scene; 1 of those that scale one slab or a face."""
+    """The value of a parameter in a scene; 1 for ratios and values relative to a slab."""
     values = {"r": base.transit, "log10_r": math.log10(base.transit), "epsilon": base.upper.epsilon, "V": base.velocity}
     return values[name] if name in values else float(getattr(base.law, name, 1.0))
 

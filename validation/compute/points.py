@@ -1,4 +1,4 @@
-"""What is kept of orbits that are followed: the points of a branch, its special points, and those followed in two parameters."""
+"""Records of followed orbits: points of a branch, its special points, and points of a curve in two parameters."""
 
 from typing import Any, NamedTuple
 
@@ -14,7 +14,8 @@ SPECIAL_KINDS = {"HB": "Hopf", "LP": "fold", "PD": "period doubling", "NS": "tor
 
 
 class StopAt(NamedTuple):
-    """Where to stop: beyond a `period` (transits), after so many `points`, at the first special point of a `kind` (if any)."""
+    """Limits: stop beyond a `period` (transits), after a number of `points`, at the first special point of a `kind` (if
+    given)."""
 
     period: float = float("inf")
     points: int = 2000
@@ -23,7 +24,7 @@ class StopAt(NamedTuple):
 
 class BranchPoint(NamedTuple):
     """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, None
-    where they cannot be counted, and whether it is `stable`; None if multipliers cannot tell."""
+    where they cannot be counted, and whether it is `stable`, None if multipliers do not decide."""
 
     value: float
     period: float
@@ -37,7 +38,7 @@ class BranchPoint(NamedTuple):
 
 class SpecialPoint(NamedTuple):
     """A point of `kind` HB, LP, PD or NS with the figures of its orbit; `bracket`, the width in the parameter of the interval
-    that holds it; numbers of unstable multipliers (HB: of growing roots of steady sliding) before and after, None where they
+    that contains it; numbers of unstable multipliers (HB: of growing roots of steady sliding) before and after, None where they
     cannot be counted; `place`, the number of points of the branch before it."""
 
     kind: str
@@ -56,7 +57,7 @@ class SpecialPoint(NamedTuple):
 class CurvePoint(NamedTuple):
     """A special point at the values `first` and `second` of both parameters: figures of its orbit, the width of its `bracket` in
     the first parameter, numbers of unstable multipliers on both sides, None where they cannot be counted, and the multiplier that
-    passes."""
+    crosses the unit circle."""
 
     first: float
     second: float
@@ -86,12 +87,12 @@ def point_of(point: OrbitPoint) -> BranchPoint:
 
 
 def special_of(found: Special, place: int) -> SpecialPoint:
-    """The record of a special point after so many points."""
+    """The record of a special point after `place` points of the branch."""
     return SpecialPoint(found.kind, found.point.parameter, bracket=found.bracket, place=place, **_sides(found))
 
 
 def curve_point_of(one: OnCurve, share: float) -> CurvePoint:
-    """The record of a point of a curve, whose bracket is in units of this `share` of the first parameter."""
+    """The record of a point of a curve; `share`: unit of its bracket in the first parameter."""
     passing, bracket = one.special.multiplier, max(share * one.special.bracket, CLOSES_TO)
     sides = _sides(one.special)
     return CurvePoint(*one.parameters, bracket=bracket, multiplier_re=passing.real, multiplier_im=passing.imag, **sides)

@@ -22,7 +22,7 @@ PATIENCE = 2.0
 _LINE_INTERVAL = 10.0
 
 LONG = 60.0
-"""Seconds from which on a cheaper model is named."""
+"""Predicted run time (s) from which a cheaper model is recommended."""
 
 _SOON = 5.0  # seconds after which the rest of the run is extrapolated
 _DEAR = {"delay", "fd", "sbp", "fem", "dg"}
@@ -64,14 +64,14 @@ class _Meter:
         self._bar.update(self._task, completed=done)
 
     def close(self) -> None:
-        """Take the bar off the screen."""
+        """Remove the bar from the screen."""
         if self._bar is not None:
             self._bar.stop()
 
 
 @contextmanager
 def progress(label: str, total: float) -> Iterator[Callable[[float], None]]:
-    """A function that takes how much of `total` is done. What it showed is removed when the block ends."""
+    """Context with a function that is called with the part of `total` that is done. The bar is removed at the end."""
     meter = _Meter(label, total)
     try:
         yield meter
@@ -87,8 +87,8 @@ def error_without_echoes(scene: Scene) -> float:
 
 
 class LongRunAdvice:
-    """Takes how far a run of `solver` to `until` (transits) has come, for `report`; says once that it is long, and names the
-    cheaper model with its estimated error."""
+    """Progress of a run of `solver` to `until` (transits), passed on to `report`; logs once, if the run is long, the cheaper
+    model with its estimated error."""
 
     def __init__(self, solver: Solver, until: float, report: Callable[[float], None]) -> None:
         self._solver, self._until, self._report = solver, until, report
@@ -97,7 +97,7 @@ class LongRunAdvice:
         self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
 
     def __call__(self, done: float) -> None:
-        """The time `done` (transits) is reached."""
+        """Report the time `done` (transits)."""
         self._report(done)
         now = time.monotonic()
         began, start = self._first = self._first or (now, done)  # what came before may have been compilation

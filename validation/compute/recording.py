@@ -87,8 +87,8 @@ def kept_of(every: int | None, window: Window | None, scene: Scene) -> Kept:
 
 
 def time_between(path: Path | None, every: float | str | None, scene: Scene) -> float | None:
-    """The time between checkpoints in transits, if it is given; makes sure, before anything is computed, that checkpoints can be
-    kept as asked. Raises SceneError naming the option if not."""
+    """The time between checkpoints in transits, if given. Raises SceneError, naming the option, if checkpoints cannot be written
+    as requested."""
     if every is None:
         if path is not None:
             require_writable(path, (".npz",), "--checkpoint")
@@ -104,7 +104,7 @@ def time_between(path: Path | None, every: float | str | None, scene: Scene) -> 
 
 
 def how_to_resume(path: Path | None) -> str:
-    """How an interrupted run can be continued, for a message; `path` is where it was to keep checkpoints."""
+    """How an interrupted run can be continued, for a message; `path`: its checkpoint."""
     if path is None:
         return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"
     if path.exists():

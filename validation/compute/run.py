@@ -33,9 +33,9 @@ _EVERY = 1000.0  # transits between two checkpoints
 
 
 class Wanted(NamedTuple):
-    """What a run is asked to keep: the history of the `interface` and the last `fields`, as the scene's `record` says where None;
-    which samples of the history, and in which file during the run (default: a temporary one). `shortest` is the length (transits)
-    of the run that is known if its end is not. A `checkpoint` is written every so often (transits, default 1000)."""
+    """Requested records of a run: the history of the `interface` and the last `fields` (None: by the scene's `record`); which
+    samples of the history are `kept`, and their file during the run (default: temporary). `shortest`: least length (transits) of
+    a run of unknown end. A `checkpoint` is written every `checkpoint_every` transits (default 1000)."""
 
     interface: bool | None = None
     fields: bool | None = None
@@ -48,9 +48,8 @@ class Wanted(NamedTuple):
 
 @dataclass(frozen=True)
 class Records:
-    """What is kept of a run on its way: `watch` for events, the `envelope` that its figure shows, the figures of the stages of a
-    `protocol`, and, where asked for, the interface's history, the last fields, checkpoints and what observers `named` by the
-    scene give."""
+    """Records of a run: events by `watch`, the `envelope` for its figure, the stages of a `protocol`, and, if requested, the
+    interface's history, the last fields, checkpoints and the observers `named` by the scene."""
 
     watch: EventObserver
     envelope: Envelope
@@ -62,13 +61,13 @@ class Records:
 
     @property
     def observers(self) -> list[Observer]:
-        """The observers of the run besides `watch`."""
+        """The observers of the run except `watch`."""
         every = (self.envelope, self.protocol, self.history, *self.named.values())
         return [observer for observer in every if observer is not None]
 
     @property
     def marks(self) -> list[Mark]:
-        """What is done at certain times of the run: fields first, so that a checkpoint has them."""
+        """The marks of the run: fields first, so that a checkpoint contains them."""
         return [mark for mark in (self.fields, self.checkpoints) if mark is not None]
 
     def close(self) -> None:
@@ -78,7 +77,7 @@ class Records:
 
 
 def records_of(solver: Solver, until: float, wanted: Wanted) -> Records:
-    """What is `wanted` of a run of `solver` to `until` (transits). It goes on from its checkpoint if that exists.
+    """The `wanted` records of a run of `solver` to `until` (transits). The run continues from its checkpoint if that exists.
 
     Raises SceneError for fields of a model that has none and for a checkpoint of another run.
     """
@@ -146,8 +145,8 @@ class Until:
 
 
 def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
-    """So many cycles if they are given, else that of the scene, else until the motion is settled. `model` is one with the
-    one-port of the model that runs."""
+    """The length of a run: `cycles` if given, else that of the scene, else until settled. `model`: one with the one-port of the
+    model that runs."""
     if cycles is not None:
         return UntilCycles(cycles, outlook(scene, model))
     if scene.until is not None:
@@ -157,13 +156,13 @@ def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
 
 
 def require_counted(scene: Scene, cycles: int | None) -> None:
-    """Raises SceneError for a number of cycles that the scene does not count."""
+    """Raises SceneError if `cycles` are requested of a scene that records no events."""
     if cycles is not None and not scene.record:
         raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
 
 
 def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
-    """Length (transits) with which a run too short would have enough cycles: from those it has, else from what is expected;
+    """Length (transits) of a run with enough cycles, if this one is too short: from its cycles, else from the expected period;
     infinite if no run may be so long. `model` as for `length_of`."""
     if verdict is None or verdict.cycles or verdict.kind != "too short":
         return verdict.needed if verdict else math.nan
@@ -173,16 +172,16 @@ def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
 
 
 def second_half(solver: Solver, until: float) -> float:
-    """When the second half of a run to `until` (transits) begins; of what was run, if the run ended before."""
+    """Begin (transits) of the second half of a run to `until`, or of the run so far if it ended before."""
     return 0.5 * min(until, solver.time)
 
 
 @dataclass(frozen=True)
 class Run:
-    """The result of a run of `solver` to `until` (transits), where it `ended` for one of four reasons. `starts` counts slip
-    events, `verdict` is on the second half; both are None without a watch. `statistics` are of the second half's cycles, of none
-    if they do not represent the motion. `wall_s` is in seconds; `failed` is empty, or says what, where and when the numerics
-    failed or the user `stopped` it: the rest is then what was known by that time.
+    """The result of a run of `solver` to `until` (transits), where it `ended` for one of four reasons. `starts`: number of slip
+    events; `verdict` on the second half; both None if events are not recorded. `statistics`: of the second half's cycles, of none
+    if they do not represent the motion. `wall_s` in seconds; `failed`: what, where and when the numerics failed or the user
+    `stopped` the run, or empty: the rest is then what was computed before.
     """
 
     solver: Solver
@@ -200,7 +199,7 @@ class Run:
 
     @property
     def kind(self) -> Kind | None:
-        """The verdict's word; None if events were not watched."""
+        """The kind of the verdict; None if events were not recorded."""
         return self.verdict.kind if self.verdict else None
 
 
@@ -213,11 +212,9 @@ def simulate(
     marks: Sequence[Mark] = (),
 ) -> Run:
     """March `solver` to the end of `length` (a number: so many transits) with progress on stderr; statistics are those of the
-    run's second half.
-
-    `watch` is passed in if it has already seen the beginning of the run. A scene that records nothing is not watched for events.
-    A NumericsError of the solver and an interruption do not escape: they are kept in `failed`, beside what was computed before.
-    Raises SceneError if the run would take more than `most_seconds` (`slipwave.solve.follow`).
+    run's second half. `watch`: the event observer of a continued run. Without anything to record, events are not observed. A
+    NumericsError of the solver and an interruption are not raised but stored in `failed`, with what was computed before. Raises
+    SceneError if the run would take more than `most_seconds` (`slipwave.solve.follow`).
     """
     watch = watch or EventObserver(solver.scene, solver.nodes)
     wanted = Until(length) if isinstance(length, int | float) else length
@@ -233,8 +230,8 @@ def simulate(
 
 
 class _Marched:
-    """A run in stretches, judged at the end of each. `until` is the end of the last stretch begun (transits), `final` the state
-    there and `ended` the reason, both None if it was not reached."""
+    """A run in stretches, judged at the end of each. `until`: end of the last stretch begun (transits); `final`, the state there,
+    and `ended`, the reason, are None if it was not reached."""
 
     def __init__(self, solver: Solver, watch: EventObserver, watched: bool) -> None:
         self.solver, self.watch, self.watched = solver, watch, watched
@@ -244,7 +241,8 @@ class _Marched:
         self.ended: Ended | None = None
 
     def march(self, length: Length, observers: Sequence[Observer], marks: Sequence[Mark], most: float) -> None:
-        """To the end. Raises NumericsError where the solver fails, and SceneError if it would take more than `most` seconds."""
+        """March to the end of `length`. Raises NumericsError where the solver fails, and SceneError if it would take more than
+        `most` seconds."""
         work = Foresight(self.solver, 0.0, most)
         everyone = [*([self.watch] if self.watched else []), *observers, work]
         for end in length.ends(self.solver.time):
@@ -265,19 +263,19 @@ class _Marched:
         self.ended = "limit"
 
     def judged(self) -> JudgedHalf:
-        """The second half of what was run so far, and the verdict on it."""
+        """The second half of the run so far, and the verdict on it."""
         half = second_half(self.solver, self.until)
         cycles = self.watch.events(half)
         return JudgedHalf(2.0 * half, self._verdict(half, cycles) if self.watched else None, cycles)
 
     def _verdict(self, half: float, cycles: Events) -> MotionVerdict:
-        """On the second half of what was run, which begins at `half` (transits) and has these `cycles`."""
+        """Verdict on the second half of the run so far, from `half` (transits) on, with these `cycles`."""
         drive, end = self.solver.scene.drive, 2.0 * half
         slides = self.final is not None and slides_at(math.exp(self.final.ln_v), drive.at(end))
         return judge_motion(cycles, self.watch.judge(half).complete, drive.rests_from(half), slides, end)
 
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
-        """What is known of it."""
+        """The result so far."""
         solver, watch, judged = self.solver, self.watch, self._judged or self.judged()
         verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, self.until), judged.cycles
         if not (verdict and verdict.repeats):
@@ -310,9 +308,8 @@ def _of_protocol(verdict: MotionVerdict | None, drive: Drive, until: float) -> M
 
 
 def reconsidered(run: Run, model: str) -> Run:
-    """`run`, whose verdict is not that of a lasting motion if steady sliding is unstable: what decays is then a transient that
-    growing disturbances follow, and what still slides steadily has not had the time in which rounding alone would have left it.
-    `model` is one with the one-port of the model that ran."""
+    """`run` with a corrected verdict if steady sliding is unstable: a decay is then a transient before growth, and steady sliding
+    lasts only until rounding has grown. `model` is one with the one-port of the model that ran."""
     if run.kind not in ("steady", "decaying") or run.verdict is None or is_stable(run.solver.scene, model) is not False:
         return run
     if run.kind == "decaying":

@@ -1,5 +1,5 @@
-"""Processor time: that of this process and of those it started and waited for. Other work on the machine delays the answer and
-hardly changes it. Also the number of cores."""
+"""Processor time of this process and of the child processes it waited for, which hardly depends on other work of the machine;
+number of cores."""
 
 import os
 import resource

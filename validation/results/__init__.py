@@ -1,1 +1,1 @@
-"""What commands take and give back, each declared once: options as fields, quantities as columns, files by their result."""
+"""Options and results of commands, each declared once: options as fields, quantities as columns, files by their result."""

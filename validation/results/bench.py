@@ -1,4 +1,4 @@
-"""`slipwave.bench`: run time against error, every model that can do the scene, at several settings each."""
+"""`slipwave.bench`: run time against error of every model that can compute the scene, at several settings each."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ class BenchResult(Comparison):
         return rows
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
-        """A row for each run, and what they come to."""
+        """One row per run, and the conclusion."""
         rows = [
             [
                 row["model"],
@@ -83,7 +83,7 @@ class BenchResult(Comparison):
 def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
 
-    A model that cannot do the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input and where the
+    A model that fails on the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input and where the
     reference has no cycles; NumericsError, with all of them as its `result`, if solves of the interface failed.
     """
     scene = options.scene_of(source, options.until)
@@ -112,8 +112,8 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
 
 
 def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: float) -> Run:
-    """The delay system at a tight tolerance; for scenes it cannot do, the last full-wave family at its finest setting. All other
-    runs last as long as it does."""
+    """The delay system at a tight tolerance; for scenes it cannot compute, the last full-wave family at its finest setting. All
+    other runs last as long as it does."""
     delay = next((family for family, _ in trials if family.name == "delay"), None)
     family, setting = (delay, {"tolerance": _REFERENCE_TOLERANCE}) if delay is not None else trials[-1]
     return _timed(scene, family, setting, length_of(scene, one_port_of(family.example)), most)

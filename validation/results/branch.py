@@ -32,7 +32,7 @@ from validation.study.branch_figures import figure_of_branch
 from validation.study.drawing import Drawing, styled
 
 BRANCH_TOLERANCE, BRANCH_POINTS = 1e-6, 2000
-"""Where none are given."""
+"""Defaults of the options."""
 
 _LISTED = 12  # points in the table
 
@@ -65,11 +65,11 @@ class FollowedOptions(ModelOptions):
 
     @property
     def file(self) -> Path | None:
-        """Where points are written."""
+        """Path of the output file; that of `resume` by default."""
         return self.out or self.resume
 
     def completed(self, source: SceneSource, what: str, **defaults: Any) -> Self:
-        """With what a file of results holds, and the `defaults`, where nothing is given."""
+        """The options completed by those of a file of results, and by the `defaults`."""
         if self.file is not None:
             require("files", f"the file of a {what}")
         known = self.recalled(source, what)
@@ -118,7 +118,8 @@ class BranchOptions(FollowedOptions):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class FollowedResult(Result):
-    """What was `found`, the options of the call, run time in seconds, and where it can go on, if it can."""
+    """The branch or curve `found`, the options of the call, run time (s), and the `end` from which it can be continued, if
+    any."""
 
     found: Followed
     options: FollowedOptions
@@ -129,7 +130,7 @@ class FollowedResult(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The JSON of the command (users rely on its keys); `failed` is there only if the numerics failed or the user stopped
+        """The JSON of the command (users rely on its keys); `failed` exists only if the numerics failed or the user stopped
         it."""
         found = self.found
         result = {
@@ -146,7 +147,7 @@ class FollowedResult(Result):
     @property
     @abstractmethod
     def _rows(self) -> dict[str, Any]:
-        """What differs between branches and curves."""
+        """The entries that differ between branches and curves."""
 
     @property
     def origin(self) -> dict[str, Any]:
@@ -155,16 +156,16 @@ class FollowedResult(Result):
 
     @property
     def is_empty(self) -> bool:
-        """Whether no point is known."""
+        """Whether it has no points."""
         return not any(rows for _, rows in self.found.tables.values())
 
     def to_go_on(self, options: FollowedOptions) -> str:
-        """From the file that was kept."""
+        """How to continue from the file, for a message."""
         kept = f"--resume {options.file} goes on from there"
         return kept if options.file else "no file was kept: --out FILE.nc keeps one to go on from"
 
     def to_netcdf(self, path: str | Path) -> None:
-        """Write it and, where there is one, the point from which it can go on. Raises SceneError if the file cannot be
+        """Write the points and, if any, the end from which they can be continued. Raises SceneError if the file cannot be
         written."""
         if self.end is None:
             super().to_netcdf(path)
@@ -172,7 +173,7 @@ class FollowedResult(Result):
             write_followed(Path(path), self.found, self.end, not self.failed, self.origin)
 
     def _table(self, first: str, columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
-        """The scene, what was `first` said, the columns, and the time."""
+        """Lines of the scene, the line `first`, the columns, and the run time."""
         yield from header(self.found.over.base)
         yield from (f"note: {note}" for note in self.found.notes)
         yield f"model {self.found.model}: {first}"
@@ -198,7 +199,7 @@ class BranchResult(FollowedResult):
         return {"parameter": found.over.name, "points": points, "special": special}
 
     def _at(self, row: BranchPoint | SpecialPoint) -> dict[str, Any]:
-        """A point with the value of the parameter under its own name."""
+        """A point as a dictionary; the parameter's value has the parameter's name."""
         name, facts = self.found.over.name, row._asdict()
         kind = {"type": facts.pop("kind")} if "kind" in facts else {}
         facts.pop("place", None)
@@ -208,8 +209,8 @@ class BranchResult(FollowedResult):
 
     @cached_property
     def dataset(self) -> Dataset:
-        """The points by `point` and the special points by `special`, at their values of the parameter. The figures of points
-        are there under their plain names too, over an index of the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
+        """The points by `point` and the special points by `special`, at their values of the parameter. The figures of points also
+        have their plain names, indexed by the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
         from validation.compute.along import along
 
         found, scene = self.found, self.found.over.base
@@ -222,16 +223,16 @@ class BranchResult(FollowedResult):
 
     @property
     def points(self) -> list[PointOfBranch]:
-        """Those of the JSON; each can be given to `slipwave.orbit` in place of a scene."""
-        return [self._place(point, None) for point in self.found.shown]
+        """The points of the JSON; each can be given to `slipwave.orbit` as a scene."""
+        return [self._point_at(point, None) for point in self.found.shown]
 
     @property
     def special(self) -> list[PointOfBranch]:
         """The special points, likewise."""
         found = self.found
-        return [self._place(one, found.closed.get(k)) for k, one in enumerate(found.special) if found.over.holds(one.value)]
+        return [self._point_at(one, found.closed.get(k)) for k, one in enumerate(found.special) if found.over.holds(one.value)]
 
-    def _place(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
+    def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
         found = self.found
         return PointOfBranch(finite(self._at(point)), scene_along(found.over, point.value), found.model, closed, found.tolerance)
 
@@ -281,14 +282,14 @@ def printed_column(rows: Sequence[Any], name: str, digits: int = 7) -> list[str]
 
 
 def _telling(values: list[float]) -> int:
-    """Digits with which neighbours that differ are printed differently."""
+    """Digits that distinguish neighbours that differ."""
     pairs = [pair for pair in pairwise(values) if pair[0] != pair[1]]
     enough = (n for n in range(8, 17) if all(rounded(one, n) != rounded(other, n) for one, other in pairs))
     return next(enough, 17)
 
 
 def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], scene: Scene) -> dict[str, Any]:
-    """Columns of points as variables; `stable` is -1 where it is not decided."""
+    """Columns of points as variables; `stable` is -1 where undecided."""
     found: dict[str, Any] = {}
     for name, values in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
         if name in EVENTS:

@@ -1,5 +1,4 @@
-"""A command as a function of Python: its signature, the section of its docstring on options and the refusal of wrong arguments
-follow from its class of options."""
+"""A command as a Python function, whose signature, docstring and argument checks follow from its class of options."""
 
 import inspect
 import textwrap
@@ -18,8 +17,8 @@ _Answer = TypeVar("_Answer")
 def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
     """`compute` (source, options) as a function of a source and keywords; `__wrapped__` is `compute` itself.
 
-    Raises SceneError for arguments that it does not have and for those of another type than the options declare. If the result
-    says that something failed, raises NumericsError, or Stopped if the user stopped it; both hold the result."""
+    The function raises SceneError for unknown arguments and for wrong types. For a failed result it raises NumericsError, or
+    Stopped if the user stopped it, with the result as `result`."""
     kind: type[SceneOptions] = compute.__annotations__["options"]
     known = options_of(kind)
     first = inspect.signature(compute).parameters["source"]
@@ -53,7 +52,7 @@ def _kind(more: Mapping[str, Any]) -> Any:
 
 
 def _section(known: Mapping[str, Any]) -> str:
-    """The options in words."""
+    """The section of a docstring on the options."""
     lines = [f"{one.name}: {one.help}" for one in known.values() if one.is_in("python")]
     lines.append("changes: of the scene, as those of `slipwave.read_scene`")
     return "\n".join(

@@ -29,7 +29,7 @@ from validation.timing import warm
 
 _OVERLAY = "the overlay figure (default compare.png; with --json none)"
 _ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
-"""How the reference is drawn: what it covers shows between the dashes."""
+"""Line style of the reference: covered curves remain visible between the dashes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,16 +79,16 @@ class CompareResult(Comparison):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """As of every comparison; `data` are the figures of the record, if there is one."""
+        """As `Comparison`; `data`: the figures of the record, if there is one."""
         if self.motion is None:
             return super().summary
         return super().summary | {"data": dict(finite(facts_of_data(self.motion, self.scene)))}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
-        """A row for each model, and what they come to."""
+        """One row per model, and the conclusion."""
 
         def mean(row: Mapping[str, Any], name: str, digits: int) -> str:
-            """A cell, with a bar for motion that never repeats."""
+            """A cell, with a margin for motion that never repeats."""
             return barred(row[name]["mean"], row["margins"][name] if row["margins"] else 0.0, digits)
 
         names = ["model", "period", "std", "stress drop", "elastic drop", "v_max", "v_min", "error T", "error drop", "wall s"]
@@ -115,7 +115,7 @@ class CompareResult(Comparison):
 
     def plot(self) -> Drawing:
         """Stress and slip rate over one cycle, aligned on the date of the slip event, one style per model, the reference dashed
-        on top; a motion without cycles appears in the legend only. Beside a record: its cycles and residuals."""
+        on top; a motion without cycles appears in the legend only. With a record: its cycles and the residuals."""
         with styled():
             if self.motion is None:
                 return self._drawn()
@@ -136,8 +136,8 @@ class CompareResult(Comparison):
         above.set_ylabel("friction stress / normal stress")
         below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
         if not any(len(line.get_ydata()) for line in above.get_lines()):
-            told = nothing(self.reference) or "no run has cycles that represent its motion"
-            above.text(0.5, 0.5, told, ha="center", transform=above.transAxes)
+            text = nothing(self.reference) or "no run has cycles that represent its motion"
+            above.text(0.5, 0.5, text, ha="center", transform=above.transAxes)
         above.legend(fontsize="small")
         for axes, direction, name in ((above, "x", "time"), (above, "y", "stress"), (below, "y", "slip_rate")):
             second_axis(axes, direction, name, self.scene)
@@ -145,7 +145,7 @@ class CompareResult(Comparison):
 
 
 def _label(run: Run, shown: bool) -> str:
-    """A run in the legend, with the mean period that the table gives."""
+    """Legend of a run, with its mean period as in the table."""
     kind, period = run.kind or "events not watched", run.statistics.period.mean
     if shown:
         margin = run.statistics.margins.period
@@ -175,8 +175,8 @@ def compare(source: SceneSource, options: CompareOptions) -> CompareResult:
 
 
 def _measured(options: CompareOptions, scene: Scene) -> MeasuredMotion | None:
-    """The motion in the record, if one is given. Raises SceneError for options of a record without one, and for a drive that
-    changes: its motion has no cycles."""
+    """The motion in the record, if given. Raises SceneError for a record's options without a record, and for a drive that
+    changes, under which cycles are not comparable."""
     if options.data is None:
         without = [name for name in (*options.reading, "smooth") if getattr(options, name) is not None]
         if without:

@@ -1,4 +1,4 @@
-"""Several runs of a scene beside a reference: their rows, what they come to in one line, and their table."""
+"""Compares several runs of a scene with a reference: rows, a one-line conclusion, and their table."""
 
 import math
 from abc import abstractmethod
@@ -22,20 +22,20 @@ _Row: TypeAlias = Mapping[str, Any]
 _COLUMNS = (("difference", "value"), ("margin", "margin"))
 
 CLOSE = 0.05
-"""Relative distance in period and stress drop up to which a cheaper model is of use."""
+"""Largest relative distance in period and stress drop at which a cheaper model is recommended."""
 
 
 class Difference(NamedTuple):
-    """Relative to the reference's mean. `margin`: half the width of its 95 % interval, 0 if both motions are periodic, NaN if
-    there are too few cycles to tell."""
+    """Difference relative to the reference's mean. `margin`: half the width of its 95 % interval, 0 if both motions are periodic,
+    NaN for too few cycles."""
 
     value: float
     margin: float
 
 
 def differences(run: Run, reference: Run) -> dict[str, Difference]:
-    """Those of the mean period and stress drop: errors if both motions are periodic, else with margins, because motions that
-    never repeat agree only in their statistics. NaN where a run has none, or failed. A run does not differ from itself."""
+    """Differences of the mean period and stress drop: errors if both motions are periodic, else with margins, because motions
+    that never repeat agree only in their statistics. NaN where a run has none, or failed; 0 for the reference itself."""
     found = {}
     for name in ("period", "stress_drop"):
         ours, theirs = (getattr(one.statistics, name).mean for one in (run, reference))
@@ -52,7 +52,7 @@ def _relative_margin(run: Run, name: str) -> float:
 
 
 def in_json(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
-    """`error` by name, None where the difference is none; for motions that never repeat `difference` and its `margin`."""
+    """`error` by name, None for NaN; for motions that never repeat `difference` and its `margin` instead."""
     found = differences(run, reference)
     if run.kind == reference.kind == "periodic":
         return {"error": {name: one.value for name, one in found.items()}}
@@ -62,9 +62,9 @@ def in_json(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
 
 
 def conclusion(rows: Sequence[_Row]) -> str:
-    """Which model to use, by run time and distance in period and stress drop; empty if the rows cannot tell.
+    """Which model to use, by run time and distance in period and stress drop; empty if the rows do not decide.
 
-    `rows` are those of the JSON of `slipwave compare` and `bench`. Runs that failed and motions without cycles do not count.
+    `rows` are those of the JSON of `slipwave compare` and `bench`. Failed runs and motions without cycles are ignored.
     """
     counted = [row for row in rows if "failed" not in row and distances(row)]
     exact = _cheapest(row for row in counted if _exactness(row) is Exact.TO_TOLERANCE)
@@ -91,7 +91,7 @@ def conclusion(rows: Sequence[_Row]) -> str:
 
 
 def nothing(reference: Run) -> str:
-    """Why no model can be compared with the `reference`, and which length would do; empty if its cycles represent its motion."""
+    """Why no model can be compared with the `reference`, and which length suffices; empty if its cycles represent its motion."""
     if reference.failed or reference.verdict is None or reference.verdict.repeats:
         return ""
     model, longer = reference.solver.model, needed(reference.verdict, reference.solver.scene, one_port_of(reference.solver.model))
@@ -101,8 +101,8 @@ def nothing(reference: Run) -> str:
 
 
 def distances(row: _Row) -> dict[str, tuple[float, float | None]]:
-    """The relative distance of each mean from that of the reference with its margin: 0 for errors, None if it is unknown; none
-    for a row without cycles."""
+    """Name -> relative distance of the mean from the reference's, and its margin: 0 for errors, None if unknown; empty for a row
+    without cycles."""
     margins = row.get("margin", {})
     return {
         name: (value, margins.get(name) if "difference" in row else 0.0)
@@ -125,12 +125,12 @@ def _ratio(costly: _Row, cheap: _Row) -> str:
 
 
 def _largest(row: _Row) -> float:
-    """The larger of both distances, margins included: what it may be."""
+    """Upper bound of both distances, margins included."""
     return max(abs(value) + (margin or 0.0) for value, margin in distances(row).values())
 
 
 def _apart(row: _Row) -> str:
-    """What is known of a model's distance from the reference."""
+    """Text on a model's distance from the reference."""
     parts = (f"{_share(abs(value), margin)} in the {name.replace('_', ' ')}" for name, (value, margin) in distances(row).items())
     return f"{'off by' if 'difference' in row else 'with errors of'} {' and '.join(parts)}"
 
@@ -155,12 +155,12 @@ class Comparison(Result):
     @property
     @abstractmethod
     def rows(self) -> list[dict[str, Any]]:
-        """Every run's answer and its distances from the reference."""
+        """One row per run: its figures and its distances from the reference."""
 
     @property
     def summary(self) -> dict[str, Any]:
         """The JSON of the command (users rely on its keys), with relative errors against the reference; where one of the motions
-        never repeats they are None, and there are `difference` and `margin` instead."""
+        never repeats they are None, and `difference` and `margin` are given instead."""
         facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
         rows = finite(self.rows)
         facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(rows), "models": rows}
@@ -176,14 +176,14 @@ class Comparison(Result):
 
 
 def row_of(run: Run, figures: Mapping[str, Any], reference: Run) -> dict[str, Any]:
-    """A row: the model, `figures`, the distances from the reference, and what failed."""
+    """A row: model, `figures`, distances from the reference, and the failure, if any."""
     row = {"model": run.solver.model, "verdict": run.kind, **figures, **in_json(run, reference)}
     row |= {"failures": run.solver.failures, "wall_s": run.wall_s}
     return row | ({"failed": run.failed} if run.failed else {})
 
 
 def remarks(summary: _Row) -> list[str]:
-    """The lines below a table of models: what bars are, whose figures are missing and why, what failed, and the conclusion."""
+    """The lines below a table of models: meaning of margins, missing figures with the reason, failures, conclusion."""
     rows = summary["models"]
     failed = {row["model"]: f"failed: {row['failed']}" for row in rows if "failed" in row}
     wanders = any("difference" in row for row in rows)
@@ -209,7 +209,7 @@ def without_errors(rows: Sequence[_Row]) -> list[str]:
 
 
 def errors_of(row: _Row) -> list[str]:
-    """The cells of a model's errors in period and stress drop; with a bar where one of the motions never repeats."""
+    """The cells of a model's errors in period and stress drop, with margins where one of the motions never repeats."""
     known = distances(row)
     return [barred(*known[name]) if name in known else "-" for name in ("period", "stress_drop")]
 

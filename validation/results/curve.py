@@ -21,7 +21,7 @@ from validation.study.branch_figures import figure_of_curve
 from validation.study.drawing import Drawing, styled
 
 CURVE_POINTS = 100
-"""Where none are given."""
+"""Default of `most_points`."""
 
 _LISTED = 24  # points in the table
 _NEEDED = {"of": ("--of", "LP"), "over": ("--over", "log10_r=-2.72:-2.68"), "along": ("--and", "V=100:120")}
@@ -67,7 +67,7 @@ class CurveResult(FollowedResult):
         return {"type": found.kind, "parameters": [found.over.name, found.second.name], "points": points}
 
     def _at(self, point: CurvePoint) -> dict[str, Any]:
-        """A point with the values of both parameters under their own names."""
+        """A point as a dictionary; the values of both parameters have their names."""
         facts = {name: value for name, value in point._asdict().items() if not name.startswith("multiplier")}
         return {self.found.over.name: facts.pop("first"), self.found.second.name: facts.pop("second")} | facts
 

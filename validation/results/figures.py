@@ -1,5 +1,5 @@
-"""Figures of runs and orbits: the motion of the interface with axes in SI where the scene has units, a protocol as a laboratory
-draws it, and the return map."""
+"""Figures of runs and orbits: the motion of the interface with SI axes where the scene has units, a protocol over time and slip,
+and the return map."""
 
 from collections.abc import Sequence
 
@@ -32,13 +32,13 @@ def run_figure(run: Run, motion: Envelope, stages: Sequence[StageFigures] | None
             figure = motion_figure(scene, title, curve.time, curve.stress, curve.rate)
         if isinstance(run.solver, Leaping) and run.solver.skipped:
             share = run.solver.skipped / run.solver.time
-            told = f"leaps left out {share:.0%} of the run's transits: there the ranges of those before and after are joined"
-            figure.supxlabel(told, fontsize=8.5, color="#666666")
+            text = f"leaps left out {share:.0%} of the run's transits: there the ranges of those before and after are joined"
+            figure.supxlabel(text, fontsize=8.5, color="#666666")
         return figure
 
 
 def motion_figure(scene: Scene, title: str, time: Array, stress: Ranges, rate: Ranges) -> Drawing:
-    """Ranges of the stress and of the slip rate over time (transits). Call it inside `styled()`."""
+    """Draw ranges of the stress and of the slip rate over time (transits). Call it inside `styled()`."""
     figure = canvas(height=5.2)
     above, below = figure.subplots(2, 1, sharex=True)
     above.set(title=title, ylabel=_LABELS["stress"])
@@ -51,15 +51,15 @@ def motion_figure(scene: Scene, title: str, time: Array, stress: Ranges, rate: R
     return figure
 
 
-def band(axes: Axes, places: Array, ranges: Ranges) -> None:
-    """Ranges over `places`: a line where they are narrow."""
+def band(axes: Axes, positions: Array, ranges: Ranges) -> None:
+    """Draw ranges over `positions`: a line where they are narrow."""
     low, high = ranges
-    axes.fill_between(places, low, high, color="#a8a8a4", linewidth=0.0)
-    axes.plot(places, low, places, high, color="#111111", linewidth=0.9)
+    axes.fill_between(positions, low, high, color="#a8a8a4", linewidth=0.0)
+    axes.plot(positions, low, positions, high, color="#111111", linewidth=0.9)
 
 
 def second_axis(axes: Axes, direction: str, name: str, scene: Scene) -> None:
-    """The axis of a quantity in SI, opposite its own; nothing for a scene without units."""
+    """Add an axis in SI opposite that of a quantity; nothing for a scene without units."""
     size = si_factor(INTERFACE[stored_name(name)], scene)
     if size is None:
         return
@@ -71,7 +71,7 @@ def second_axis(axes: Axes, direction: str, name: str, scene: Scene) -> None:
 
 
 def protocol_figure(scene: Scene, model: str, motion: Envelope, stages: Sequence[StageFigures]) -> Drawing:
-    """The `motion` of a run. Grey lines mark the beginnings of the `stages`.
+    """Draw the `motion` of a run. Grey lines mark the beginnings of the `stages`.
 
     In s, um and Pa if the scene has units, else in L/V* and L. Call it inside `styled()`.
     """
@@ -81,7 +81,7 @@ def protocol_figure(scene: Scene, model: str, motion: Envelope, stages: Sequence
     begins = np.array([stage.start for stage in stages[1:]])
     figure = canvas(height=5.2)
     by_time, by_slip = figure.subplots(2, 1)
-    for axes, places, marks, ranges, label in (
+    for axes, positions, marks, ranges, label in (
         (by_time, second * scene.transit * curve.time, second * scene.transit * begins, curve.stress, f"time / {names[0]}"),
         (
             by_slip,
@@ -93,7 +93,7 @@ def protocol_figure(scene: Scene, model: str, motion: Envelope, stages: Sequence
     ):
         for mark in marks:
             axes.axvline(mark, color="#bbbbbb", linewidth=0.8)
-        band(axes, places, ranges)
+        band(axes, positions, ranges)
         axes.set(xlabel=label, ylabel="friction stress / normal stress")
         second_axis(axes, "y", "stress", scene)
     by_time.set_title(f"{scene.name}, {model}")
@@ -101,7 +101,7 @@ def protocol_figure(scene: Scene, model: str, motion: Envelope, stages: Sequence
 
 
 def return_map(run: Run) -> Drawing:
-    """One point for each cycle of the run's second half but the first, and the line on which cycles repeat: one point if they do,
+    """Draw one point per cycle of the run's second half but the first, and the line on which cycles repeat: one point if they do,
     as many as there are events in a period, a closed curve on a torus, a curve or a cloud if they are irregular.
 
     Raises SceneError for fewer than two cycles."""

@@ -1,4 +1,4 @@
-"""`slipwave.scenes`, `slipwave.models` and `slipwave.show`: what there is to compute, and by what."""
+"""`slipwave.scenes`, `slipwave.models` and `slipwave.show`: the scenes of the gallery, the models, and a scene as TOML."""
 
 from slipwave.input import SceneSource
 from slipwave.input.source import gallery_titles, to_toml
@@ -10,13 +10,13 @@ _UNCHANGED = SceneOptions()
 
 
 def scenes() -> dict[str, str]:
-    """The gallery: name and title of each scene."""
+    """Name -> title of each scene of the gallery."""
     return gallery_titles()
 
 
 @command
 def models(source: "SceneSource | None" = None, options: SceneOptions = _UNCHANGED) -> dict[str, str]:
-    """The models of this installation, cheapest first: name and what it is. With a scene, those that can compute it."""
+    """Name -> description of the models of this installation, cheapest first. With a scene, those that can compute it."""
     able = families() if source is None else honouring(options.scene_of(source))
     return {family.pattern: family.title for family in able}
 

@@ -1,4 +1,4 @@
-"""The options of a command, each declared once, as a field of a dataclass: type, default, help, and what it may be.
+"""The options of a command, each declared once, as a field of a dataclass: type, default, help, and allowed values.
 
 The Python function (`validation.results.command`), the command line (`validation.cli`), the attribute `options` of files and the
 refusal of wrong values follow from the field.
@@ -31,7 +31,7 @@ from validation.compute.own import load_families, require_same_family
 from validation.results.result import PointOfBranch
 
 log = logging.getLogger("slipwave")
-"""What is chosen for the user and how far long work has come, at level INFO; the command line prints it on stderr."""
+"""Automatic choices and the progress of long work, at level INFO; the command line prints it on stderr."""
 
 _WORDS = {bool: "True or False", int: "a whole number", float: "a number", str: "a text", NoneType: "None"}
 _WORDS[Path] = "a text, a path"
@@ -39,12 +39,11 @@ _KINDS: dict[Any, Any] = {bool: bool, int: numbers.Integral, float: numbers.Real
 
 
 class Declaration(TypedDict, total=False):
-    """What an option says besides type, default and help, where it is not the usual:
+    """Further properties of an option, where they are not the usual:
 
     `flag` on the command line (`--name`) and `metavar`; `positional` in Python; `only` in one of the two; `stored`: files of
-    results keep it, and a call that computes such a file again takes it; `least` and `most`, and what a value `must` be, in
-    words; `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a flag
-    `stands_for`."""
+    results store it, for a call that computes such a file again; `least` and `most`, and the text of what a value `must` be;
+    `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a flag `stands_for`."""
 
     flag: str
     metavar: str
@@ -65,7 +64,7 @@ def option(help: str, default: Any = None, /, **more: Unpack[Declaration]) -> An
 
 
 class Option(NamedTuple):
-    """An option as it was declared, with the type that its value has in Python."""
+    """A declared option, with the Python type of its value."""
 
     name: str
     hint: Any
@@ -75,12 +74,12 @@ class Option(NamedTuple):
 
     @property
     def flag(self) -> str:
-        """On the command line."""
+        """Its flag on the command line."""
         return self.more.get("flag") or f"--{self.name.replace('_', '-')}"
 
     @property
     def stored_as(self) -> str:
-        """Name in files."""
+        """Its name in files."""
         return self.flag.removeprefix("--").replace("-", "_")
 
     @property
@@ -88,12 +87,13 @@ class Option(NamedTuple):
         """Whether it must be given."""
         return self.default is MISSING
 
-    def is_in(self, place: Literal["python", "command line"]) -> bool:
-        """Whether it can be given there."""
-        return self.more.get("only", place) == place
+    def is_in(self, where: Literal["python", "command line"]) -> bool:
+        """Whether it can be given in Python, or on the command line."""
+        return self.more.get("only", where) == where
 
     def checked(self, value: Any) -> Any:
-        """`value` as one of Python (not numpy), paths as such. Raises SceneError for another type and a value out of range."""
+        """`value` converted from numpy, text to a path where declared. Raises SceneError for a wrong type and a value out of
+        range."""
         value = _plain(value, self.hint)
         if not _fits(value, self.hint):
             raise SceneError(f"{self.name} = {shorten(value)}: must be {listed(dict.fromkeys(_words(self.hint)))}")
@@ -124,7 +124,8 @@ class SceneOptions:
     changes: Mapping[str, Any] = field(default_factory=dict)
 
     def load_own(self) -> Self:
-        """Itself, when the user's own law and family are known. Raises SceneError for a file that cannot be run or gives none."""
+        """Load the user's own law and family; returns itself. Raises SceneError for a file that cannot be run or declares
+        none."""
         if self.law is not None:
             load_laws(self.law)
         if self.family is not None:
@@ -132,8 +133,8 @@ class SceneOptions:
         return self
 
     def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
-        """The scene of a call: `source` with `settings` and `changes` and, if given, another length. The log says what is
-        doubtful about it."""
+        """The scene of a call: `source` with `settings` and `changes` and, if given, another length. Doubts about it are
+        logged."""
         length = [] if until is None else [f"run.until={until}"]
         settings = [self.settings] if isinstance(self.settings, str) else self.settings
         given = read(source.scene if isinstance(source, PointOfBranch) else source, [*settings, *length])
@@ -157,7 +158,7 @@ class SceneOptions:
 
     @property
     def stored(self) -> dict[str, Any]:
-        """Those that a file of results keeps, by their names there."""
+        """Name in files -> value, of the options that a file of results stores."""
         return {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.more.get("stored")}
 
 
@@ -174,8 +175,8 @@ class ModelOptions(SceneOptions):
     )
 
     def recalled(self, source: SceneSource, command: str, without: Sequence[str] = ()) -> Self:
-        """With the model and the options (but those named) that a file of results of the same `command` holds, where none are
-        given. Raises SceneError for a file of another command."""
+        """The options completed by the model and the options (except `without`) of a file of results of the same `command`.
+        Raises SceneError for a file of another command."""
         if not is_stored(source):
             return self
         known = {one.stored_as: one for one in options_of(type(self)).values() if one.more.get("stored")}
@@ -199,7 +200,7 @@ class RunsOptions(SceneOptions):
 
 @dataclass(frozen=True, kw_only=True)
 class NumericalOptions(SceneOptions):
-    """Options of a model's own: cells, step and march of a full wave, and the relative error."""
+    """Numerical options of a model: cells, step and march of a full wave, and the relative error."""
 
     cells: int | None = option("full wave: cells per slab", stored=True)
     cfl: float | None = option(f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}", stored=True)
@@ -217,13 +218,13 @@ class NumericalOptions(SceneOptions):
 
     @property
     def numerical(self) -> Options:
-        """As `validation.compute.build` takes them."""
+        """The options for `validation.compute.build`."""
         return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
 
 
 @dataclass(frozen=True, kw_only=True)
 class RecordOptions(SceneOptions):
-    """How a measured record is read."""
+    """Options for reading a measured record."""
 
     columns: str | None = option("the record's columns in their order (_: not read)", metavar="time,disp,friction,_", stored=True)
     units: str | None = option("the units of these columns, in order or by name", metavar="s,um,1|time=ms", stored=True)
@@ -231,7 +232,7 @@ class RecordOptions(SceneOptions):
 
     @property
     def reading(self) -> dict[str, str | None]:
-        """As `validation.data.series.read_series` takes them."""
+        """The options for `validation.data.series.read_series`."""
         return {"columns": self.columns, "units": self.units, "missing": self.missing}
 
 
@@ -251,21 +252,21 @@ def _options_of(kind: Any) -> Mapping[str, Option]:
 
 
 def announced(model: str, why: str) -> str:
-    """`model`; the log says why `auto` chose it, if it did."""
+    """`model`; logs why `auto` chose it, if it did."""
     if why:
         log.info("model auto: %s (%s)", model, why)
     return model
 
 
 def _plain(value: Any, hint: Any) -> Any:
-    """A number of numpy as one of Python, and what can be read only once as a list."""
+    """Convert numpy numbers to Python's, and iterators to lists."""
     if get_origin(hint) is Iterable and isinstance(value, Iterable) and not isinstance(value, str | Mapping):
         return list(value)
     return value.item() if isinstance(value, np.generic) else value
 
 
 def _fits(value: Any, hint: Any) -> bool:
-    """Whether `value` is of the type that an annotation names."""
+    """Whether `value` is of the annotated type."""
     kind, parts = get_origin(hint), get_args(hint)
     if kind is tuple:
         pairs = isinstance(value, tuple | list) and len(value) == len(parts)
@@ -280,7 +281,7 @@ def _fits(value: Any, hint: Any) -> bool:
 
 
 def _words(hint: Any) -> Iterable[str]:
-    """What an annotation allows, in words."""
+    """The types of an annotation in words."""
     kind, parts = get_origin(hint), get_args(hint)
     if kind is tuple:
         yield f"({', '.join(' or '.join(_words(part)) for part in parts)})"

@@ -58,7 +58,7 @@ class OrbitOptions(ModelOptions):
 
     @property
     def is_default(self) -> bool:
-        """Whether nothing is asked for."""
+        """Whether no option is given."""
         return not (self.tol or self.near_period or self.others or self.cells or self.settings or self.changes)
 
 
@@ -98,7 +98,7 @@ class OrbitResult(Result):
             return motion_figure(scene, title, columns[TIME], (stress, stress), (rate, rate))
 
     def _motion(self) -> dict[str, Array]:
-        """The interface at the nodes of the pieces, each time once."""
+        """The interface's motion at the nodes of the pieces, without repeated times."""
         closed = self.found.found.closed
         pieces = closed.cycle.pieces
         times = pieces.time[:, None] + pieces.length[:, None] * closed.flow.nodes
@@ -113,7 +113,7 @@ class OrbitResult(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave orbit` (users rely on its keys); `si` is there only for scenes in SI."""
+        """The JSON of `slipwave orbit` (users rely on its keys); `si` exists only for scenes in SI."""
         done = self.found
         orbit, multipliers, scene = done.found.orbit, done.found.multipliers, done.scene
         result = {
@@ -185,7 +185,7 @@ def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
 
 
 def _period_there(point: PointOfBranch) -> float:
-    """The period of a point of a branch. Raises SceneError for one where the orbit has no size."""
+    """The period of a point of a branch. Raises SceneError for a Hopf point."""
     if point.get("type") == "HB":
         raise SceneError(
             "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
@@ -201,7 +201,7 @@ def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
 
 
 def _period(given: float | str | None, scene: Scene) -> float | None:
-    """In transits. Raises SceneError for what is no positive time."""
+    """The period in transits. Raises SceneError unless it is a positive time."""
     period = None if given is None else moment("near_period", given, scene)
     if period is None or period > 0.0:
         return period

@@ -1,4 +1,4 @@
-"""Where a result comes from: the global attributes of its file (docs/output-files.md), enough to compute it again."""
+"""Provenance of a result: the global attributes of its file (docs/output-files.md), enough to compute it again."""
 
 import datetime
 import json

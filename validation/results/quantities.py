@@ -1,6 +1,6 @@
-"""The quantities of results as variables of a Dataset (CF conventions): what they are, what 1 of them means, their size in SI.
+"""The quantities of results as variables of a Dataset (CF conventions): meaning, unit, size in SI.
 
-Values are dimensionless, as everywhere: `units` is "1" and `in_units_of` says of what. For a scene in SI each variable also
+Values are dimensionless, as everywhere: `units` is "1" and `in_units_of` names the unit. For a scene in SI each variable also
 states `si_factor` and `si_units`, and all but histories have a twin in SI, named as in the JSON (`period_s`, `stress_drop_Pa`).
 """
 
@@ -19,7 +19,7 @@ from validation.results.result import Dataset, leaves, new_dataset
 
 
 class Meaning(NamedTuple):
-    """What it is, and what 1 of it means: "transit", "normal stress", "V*", "L"; nothing for a pure number."""
+    """Meaning of a quantity, and its unit: "transit", "normal stress", "V*", "L"; empty for a pure number."""
 
     meaning: str
     unit: str = ""
@@ -70,7 +70,7 @@ _IN_WORDS |= {"error": "relative error of", "difference": "difference of", "marg
 
 
 def si_factor(quantity: Meaning, scene: Scene) -> float | None:
-    """The size of 1 in SI; None for a pure number and for scenes without units."""
+    """SI size of the unit; None for a pure number and for scenes without units."""
     return scene.units.size(quantity.unit, scene.transit) if scene.units and quantity.unit else None
 
 
@@ -99,7 +99,7 @@ def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
 
 
 def twins_in_si(name: str, values: ArrayLike, quantity: Meaning, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:
-    """The twin in SI by its name, with values and attributes; none for a pure number and for scenes without units."""
+    """Name -> values and attributes of the twin in SI; empty for a pure number and for scenes without units."""
     factor = si_factor(quantity, scene)
     if factor is None:
         return {}
@@ -136,8 +136,8 @@ def variables(
 
 
 def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:
-    """The rows of a summary on `scene` as variables over `dimension`: numbers and words by their dotted keys, NaN where there is
-    none."""
+    """The rows of a summary on `scene` as variables over `dimension`: numbers and words by their dotted keys, NaN where
+    missing."""
     flat = [dict(leaves(row)) for row in rows]
     names = dict.fromkeys(name for row in flat for name in row)
     columns = {name: _column([row.get(name) for row in flat]) for name in names}

@@ -1,4 +1,4 @@
-"""Why a run's motion is what it is, and what would change it, in words: from the stability of steady sliding."""
+"""Explains a run's motion, and what would change it, by the stability of steady sliding."""
 
 import math
 
@@ -14,8 +14,8 @@ PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
 
 
 def reasons(run: Run, model: str) -> list[str]:
-    """Lines on the verdict of a run whose motion does not repeat: why it slides steadily, decays, grows or has no cycles. `model`
-    is one with the one-port of the model that ran."""
+    """Lines on the verdict of a run whose motion does not repeat: why it slides steadily, decays, grows or has no cycles.
+    `model`: one with the one-port of the model that ran."""
     verdict, scene = run.verdict, run.solver.scene
     if verdict is None or verdict.kind in ("driven", "protocol", *REPEATING) or scene.drive.velocities[-1] == 0.0:
         return []
@@ -30,7 +30,7 @@ def reasons(run: Run, model: str) -> list[str]:
 
 
 def on_stability(scene: Scene, found: Stability) -> str:
-    """Whether steady sliding of `scene` is stable, and what would change that; `found` is its stability."""
+    """Text: whether steady sliding of `scene`, of stability `found`, is stable, and what would change that."""
     if not friction_slopes(scene.law, scene.velocity).weakening:
         known = scene.law._asdict()
         equal = " (a >= b)" if "a" in known and "b" in known and known["a"] >= known["b"] else ""
@@ -44,8 +44,8 @@ def on_stability(scene: Scene, found: Stability) -> str:
 
 
 def what_would_change(scene: Scene, found: Stability) -> str:
-    """The thickness or normal stress, or r or epsilon, beyond which steady sliding is no longer what it is; empty if there is
-    none, or if it is neutral."""
+    """Text: the thickness or normal stress, or r or epsilon, beyond which the stability changes; empty if there is none, or at
+    neutral stability."""
     physical = stability_in_si(scene, found)
     if physical is not None and scene.units is not None:
         slabs = "slabs" if scene.alike else f"an upper slab{_TOGETHER}"
@@ -64,7 +64,7 @@ def what_would_change(scene: Scene, found: Stability) -> str:
 
 
 def _is_beyond(distance: float, sign: int, stable: bool | None) -> bool:
-    """Whether the present value lies on its side of the limit: below it if stable, for a quantity that destabilises."""
+    """Whether the present value lies on the expected side of the limit: below it if stable, for a quantity that destabilises."""
     return math.isfinite(distance) and stable is not None and (sign * distance < 0.0) == stable
 
 
@@ -81,7 +81,7 @@ def engineering(value: float, unit: str) -> str:
 
 
 def power_of(value: float) -> int:
-    """The power of ten whose prefix suits a value that is not 0: 6 for 150e6."""
+    """Power of ten of the SI prefix for a nonzero value: 6 for 150e6."""
     return min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.3g}"))) / 3.0)))
 
 

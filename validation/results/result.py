@@ -1,6 +1,5 @@
-"""What every result has: the JSON of its command, a dataset, a figure, a table, and the files that the command writes.
-
-The tables of a summary are `Facts`: nested dictionaries and lists, as they are in the JSON.
+"""Base class of results: JSON of the command, dataset, figure, table, and output files. The tables of a summary are `Facts`:
+nested dictionaries and lists, as in the JSON.
 """
 
 import html
@@ -38,8 +37,8 @@ class Facts(dict[str, Any]):
 
 
 class PointOfBranch(Facts):
-    """A point of a branch: a table of its JSON that is also a source of the `scene` there, for `slipwave.orbit` and others.
-    `model` and `tolerance` are those of the branch, `closed` is the orbit of a special point that was computed just now."""
+    """A point of a branch: a table of its JSON that commands also take as a scene. `model` and `tolerance` are those of the
+    branch; `closed`: the orbit of a special point, if computed in this process."""
 
     scene: Scene
     model: str
@@ -59,7 +58,7 @@ def as_facts(value: Any) -> Any:
 
 
 def finite(value: Any) -> Any:
-    """`value` with None in place of NaN and infinity, which JSON does not know."""
+    """`value` with None for NaN and infinity, which JSON lacks."""
     if isinstance(value, dict):
         return {key: finite(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -68,7 +67,7 @@ def finite(value: Any) -> Any:
 
 
 def leaves(facts: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Every single value among `facts` with its dotted key."""
+    """Every single value in `facts` with its dotted key."""
     for key, value in facts.items():
         if isinstance(value, Mapping):
             yield from leaves(value, f"{above}{key}.")
@@ -77,7 +76,7 @@ def leaves(facts: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 
 
 def thinned(rows: Sequence[Row], most: int) -> list[Row]:
-    """At most `most` of the rows at equal distances, and the last one."""
+    """At most `most` of the rows, equally spaced, and the last one."""
     every = max(1, math.ceil(len(rows) / most))
     return [row for n, row in enumerate(rows) if n % every == 0 or n == len(rows) - 1]
 
@@ -96,10 +95,8 @@ def rounded(value: float | None, digits: int = 9) -> str:
 
 
 class Output(NamedTuple):
-    """A file that a command writes if its `flag` is given: the kinds that it may be, the `method` of the result that writes it,
-    and help.
-
-    `default`: written there without the flag, unless the command prints JSON; `key` of the JSON that names the file."""
+    """A file that a command writes if its `flag` is given: suffixes, the `method` of the result that writes it, and help.
+    `default`: path without the flag, unless the command prints JSON; `key`: key of the JSON for the path."""
 
     flag: str
     suffixes: tuple[str, ...]
@@ -111,7 +108,7 @@ class Output(NamedTuple):
 
     @property
     def name(self) -> str:
-        """As a name in Python."""
+        """The flag as a Python name."""
         return self.flag.removeprefix("--").replace("-", "_")
 
 
@@ -119,7 +116,8 @@ class Output(NamedTuple):
 class Result(ABC):
     """A result of a command: its JSON as a dictionary and its keys as attributes, an `xarray.Dataset`, a figure, a netCDF file.
 
-    `failed` says what failed, or is empty; `stopped` is true if the user stopped the work: the result is what was known then."""
+    `failed`: what failed, or empty; `stopped`: whether the user stopped the work. The result then holds what was computed
+    before."""
 
     OUTPUTS: ClassVar[tuple[Output, ...]] = ()
     failed: str = ""
@@ -133,19 +131,19 @@ class Result(ABC):
     @property
     @abstractmethod
     def dataset(self) -> Dataset:
-        """All arrays with coordinates and units; for a scene in SI also in SI. The attributes say where it comes from."""
+        """All arrays with coordinates and units, for a scene in SI also in SI; provenance as attributes."""
 
     @abstractmethod
     def plot(self) -> "Drawing":
-        """A figure of it, in the house style."""
+        """A figure of the result."""
 
     def lines(self, summary: Mapping[str, Any]) -> Iterable[str]:
-        """What the command prints; `summary` names the files that are written too."""
+        """The lines that the command prints; `summary` also names the written files."""
         return ()
 
     @classmethod
     def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
-        """The options in Python that files of these names (`Output.name`) need."""
+        """The Python options required by files of these names (`Output.name`)."""
         return {}
 
     @property
@@ -154,7 +152,7 @@ class Result(ABC):
         return False
 
     def to_go_on(self, options: Any) -> str:
-        """How to go on after an interruption."""
+        """How to continue after an interruption, for a message."""
         return ""
 
     def to_netcdf(self, path: str | Path) -> None:
@@ -171,7 +169,7 @@ class Result(ABC):
         """Remove temporary files."""
 
     def __getattr__(self, name: str) -> Any:
-        """What the JSON says by its key, tables as `Facts`."""
+        """Value of a key of the JSON, tables as `Facts`."""
         known = {} if name.startswith("_") or name == "summary" else self.summary
         if name not in known:
             raise AttributeError(
@@ -192,7 +190,7 @@ class Result(ABC):
 
 
 class Stopped(KeyboardInterrupt):
-    """The user stopped the work; `result` is what was known by then."""
+    """The user stopped the work; `result`: what was computed before."""
 
     def __init__(self, message: str, result: Any) -> None:
         super().__init__(message)
@@ -226,8 +224,8 @@ def save_drawing(path: str | Path, draw: "Callable[[], Drawing]") -> None:
 
 
 def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Every single value among `facts` that there is, as text with its dotted key, numbers to six digits; of lists of tables
-    their number, of special points what each is and where."""
+    """Every value in `facts` that is not None, as text with its dotted key, numbers to six digits; for lists of tables their
+    number, for special points kind and position."""
     for key, value in leaves(facts):
         if value is not None and key != "schema":
             yield key, f"{value:.6g}" if isinstance(value, float) else str(value)

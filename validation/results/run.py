@@ -101,14 +101,13 @@ class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
     window: Window | None = option(
         "keep only the history from A to B, in transits or as 10s:60s; in Python also a pair of them", metavar="A:B", stored=True
     )
-    lyapunov: bool = option("how fast motions close by part: the largest Lyapunov exponent, by a second march", False)
+    lyapunov: bool = option("largest Lyapunov exponent (second, perturbed run)", False)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class RunResult(Result):
-    """A run that is `done`, with what was kept of it on its way in `records`. `choice` is the grid that was chosen for a full
-    wave, `notes` are remarks on the numbers, `options` those of the call; `exponent`, if asked for, is the largest Lyapunov
-    exponent of the motion from the end on."""
+    """The run `done` and its `records`. `choice`: the grid chosen for a full wave; `notes` on the numbers; `options` of the call;
+    `exponent`: the largest Lyapunov exponent of the motion after the run, if requested."""
 
     done: Run
     records: Records
@@ -133,18 +132,18 @@ class RunResult(Result):
 
     @classmethod
     def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
-        """The history for a record, and for a netCDF file if its scene records it; the fields for theirs."""
+        """The history for a record, and for a netCDF file if its scene records it; the fields for their files."""
         out, record = files["out"], {"interface": True} if files["series"] else {}
         if out is None:
             return {"interface": False, "fields": files["fields"] is not None} | record
         return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {}) | record
 
     def to_go_on(self, options: Any) -> str:
-        """From its checkpoint."""
+        """How to continue from its checkpoint, for a message."""
         return how_to_resume(options.checkpoint)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
-        """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy ledger."""
+        """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy balance."""
         done, choice, scene = self.done, self.choice, self.done.solver.scene
         yield from header(scene)
         if choice is not None:  # the default grid tried no others
@@ -180,9 +179,9 @@ class RunResult(Result):
 
     @property
     def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave run` (users rely on its keys). `grid` is there only if the user did not choose its cells,
-        `protocol`, its stages, only if the drive changes, `lyapunov` only if it was asked for, `failed` only if the numerics
-        failed, `observed` only if the scene records observers by name."""
+        """The JSON of `slipwave run` (users rely on its keys). `grid` exists only if the user did not choose its cells,
+        `protocol`, the stages, only if the drive changes, `lyapunov` only if requested, `failed` only if the numerics failed,
+        `observed` only if the scene records observers by name."""
         done, found = self.done, self.done.statistics
         result: dict[str, Any] = {
             "schema": SCHEMA,
@@ -224,7 +223,7 @@ class RunResult(Result):
 
     @property
     def _spreads(self) -> dict[str, float]:
-        """The std of the cycles' figures, and of motion that never repeats the margins of their means."""
+        """Standard deviations of the cycles' figures and, for motion that never repeats, margins of their means."""
         found, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
         margins = {f"{name}_margin": getattr(found.margins, name) for name in found.spreads} if wanders else {}
         return {f"{name}_std": one.std for name, one in found.spreads.items()} | margins
@@ -236,7 +235,7 @@ class RunResult(Result):
 
     @cached_property
     def reasons(self) -> list[str]:
-        """Why the motion is what it is, and what would change it, in words."""
+        """Text on why the motion is what it is, and on what would change it."""
         if self.done.failed or self.done.verdict is None:
             return []
         if self.done.verdict.repeats:
@@ -252,7 +251,7 @@ class RunResult(Result):
 
     @property
     def energy(self) -> dict[str, float] | None:
-        """The energy ledger since t = 0 by name; None for models that keep none and for a run that failed."""
+        """Name -> entry of the energy balance since t = 0; None for models without one and for a failed run."""
         ledger = self.done.energy
         if ledger is None:
             return None
@@ -273,8 +272,8 @@ class RunResult(Result):
         write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
 
     def plot(self) -> "Drawing":
-        """Stress and slip rate over time, or of a protocol friction over time and slip; in a window if one was given. Some
-        thousand ranges are drawn, however long the run was."""
+        """Stress and slip rate over time, or for a protocol friction over time and slip; in the window, if given. Some thousand
+        ranges are drawn, whatever the length of the run."""
         from validation.results.figures import run_figure
 
         return run_figure(self.done, self.records.envelope, self.stages if self.records.protocol else None)
@@ -321,8 +320,8 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     """Run one model on a scene.
 
     Without `until` and `cycles` the scene gives the length, or the run ends when its motion is settled
-    (`validation.compute.length`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options hold
-    where none are given.
+    (`validation.compute.length`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options
+    apply where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
     numerics fail, with the result so far as its `result`.

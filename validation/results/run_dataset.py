@@ -40,8 +40,7 @@ if TYPE_CHECKING:
 def run_dataset(
     done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures] = (), history: HistoryFile | None = None
 ) -> Dataset:
-    """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history by `time`; all of it is in
-    memory."""
+    """The run with the attributes `facts`: cycles by `event`, stages by `stage`, the history by `time`; all in memory."""
     data = _figures(done, facts, stages)
     if history is None:
         return data
@@ -59,9 +58,8 @@ def write_run(
     history: HistoryFile | None,
     field: "Field | None" = None,
 ) -> None:
-    """Write the run to `path`, which is whole or absent; the history passes through memory in blocks.
-
-    Raises SceneError if the file, or the history before, could not be written.
+    """Write the run to `path`, which is whole or absent; the history is copied in blocks. Raises SceneError if the file, or the
+    history during the run, could not be written.
     """
     if history is not None and history.problem:
         raise SceneError(history.problem)
@@ -92,9 +90,8 @@ def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]
 
 
 def _cycles(done: Run, facts: Mapping[str, Any]) -> Dataset:
-    """The cycles of a run, if events were watched, and as attributes what is known of its events.
-
-    `multiplicity` is there only if the run is periodic, `rotation_number` only on a torus: a netCDF attribute cannot be empty.
+    """The cycles of a run, if events were recorded, with figures of its events as attributes. `multiplicity` exists only if the
+    run is periodic, `rotation_number` only on a torus: a netCDF attribute cannot be empty.
     """
     ended: dict[str, Any] = {"until_transits": done.until, "failures": done.solver.failures}
     ended |= {"complete": 0 if done.failed else 1, "failed": done.failed}

@@ -1,4 +1,4 @@
-"""`slipwave.stability`: is steady sliding stable, where does it lose stability, and how do small disturbances grow?"""
+"""`slipwave.stability`: stability of steady sliding, its critical values, and the growth of small disturbances."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -50,7 +50,7 @@ class StabilityOptions(SceneOptions):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class StabilityResult(Result):
-    """What was `found` on steady sliding of the `scene`."""
+    """The stability `found` of steady sliding of the `scene`."""
 
     scene: Scene
     found: Stability
@@ -80,12 +80,12 @@ class StabilityResult(Result):
 
     @property
     def reason(self) -> str:
-        """Whether steady sliding is stable and what would change that, in words."""
+        """Text: whether steady sliding is stable, and what would change that."""
         return on_stability(self.scene, self.found)
 
     @cached_property
     def physical(self) -> PhysicalStability | None:
-        """The same in SI, None for a scene without units."""
+        """The stability in SI, None for a scene without units."""
         return stability_in_si(self.scene, self.found)
 
     @cached_property
@@ -153,8 +153,8 @@ class StabilityResult(Result):
 
     @property
     def notes(self) -> list[str]:
-        """Remarks on the numbers: which V was taken on a ramp, why there is no verdict on a neutral root, what was not found and
-        what does not exist."""
+        """Notes on the numbers: the V of a ramp, the reason for no verdict on a neutral root, values not found and values that do
+        not exist."""
         notes, found = [], self.found
         if not self.scene.drive.is_constant:
             notes.append(
@@ -170,7 +170,7 @@ class StabilityResult(Result):
         return [*notes, *found.missing, *(self.physical.missing if self.physical else ()), *absent]
 
     def _absent(self) -> Iterator[str]:
-        """Why critical values do not exist, where nothing else says so."""
+        """Reasons for critical values that do not exist, if not stated elsewhere."""
         found = self.found
         if not friction_slopes(self.scene.law, self.scene.velocity).weakening:
             yield "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable"

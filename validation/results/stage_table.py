@@ -13,7 +13,7 @@ from validation.results.result import rounded
 
 
 def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:
-    """One dictionary for each stage, times in transits, stresses in units of the normal stress, slip in L; `si` is there only for
+    """One dictionary for each stage, times in transits, stresses in units of the normal stress, slip in L; `si` exists only for
     scenes with units."""
     return [asdict(stage) | _in_si(stage, scene) for stage in stages]
 
@@ -30,7 +30,7 @@ def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
 
 
 def stages_in_words(stages: Sequence[StageFigures]) -> str:
-    """How many stages there are, and what they are: "3 stages, all settled"."""
+    """Text on the number and state of the stages: "3 stages, all settled"."""
     states = [_state(stage) for stage in stages]
     counts = [f"{states.count(state)} {state}" for state in dict.fromkeys(states)]
     words = f"all {states[0]}" if len(counts) == 1 and len(states) > 1 else ", ".join(counts)
@@ -44,7 +44,7 @@ def _state(stage: StageFigures) -> str:
 
 
 def missing_in_words(stages: Sequence[StageFigures]) -> list[str]:
-    """Why a hold has no relaxation, or the slide after it no healing; a line for each."""
+    """One line for each hold without relaxation, or slide after it without healing, with the reason."""
     lines = []
     for before, stage in pairwise(stages):
         name = {"hold": "relaxation", "slide": "healing"}.get(stage.kind, "")

@@ -1,4 +1,4 @@
-"""A record beside the models' runs: the table of its cycles with their scatter, and its cycles over those of the models."""
+"""Compares a record with models' runs: a table of its cycles with their scatter, and its cycles over those of the models."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -16,16 +16,16 @@ from validation.results.result import aligned, rounded
 from validation.study.drawing import Axes, Drawing, canvas
 
 FIGURES_OF_CYCLES = ("period", "stress_drop", "v_max")
-"""What a record and a run are compared by."""
+"""The figures in which a record and a run are compared."""
 
-_APART = 0.02  # relative difference of friction's and elastic stress drop that is told
+_APART = 0.02  # relative difference of friction's and elastic stress drop that is noted
 _GRID = 600  # points of a half cycle
 _AROUND = 8.0  # durations of the fast slip that the right column shows on each side
 
 
 class Averaged(NamedTuple):
-    """Cycles over time since the event (transits): friction less its mean `level`, its standard deviation from cycle to cycle (0
-    for one), and the slip rate (V*)."""
+    """Cycles over time since the event (transits): friction minus its mean `level`, its standard deviation from cycle to cycle (0
+    for one cycle), and the slip rate (V*)."""
 
     time: Array
     friction: Array
@@ -35,8 +35,7 @@ class Averaged(NamedTuple):
 
 
 def facts_of_data(motion: MeasuredMotion, scene: Scene) -> dict[str, Any]:
-    """What a comparison says of the record: mean, standard deviation and number of its cycles' figures, and what smoothing does
-    to them."""
+    """Facts of the record: mean, standard deviation and number of its cycles' figures, and the effect of smoothing on them."""
     means = {name: _spread(getattr(motion.events, name)) for name in FIGURES_OF_CYCLES}
     values = {name: float(one["mean"]) for name, one in means.items()}
     deviations = {f"{name}_std": float(means[name]["std"]) for name in FIGURES_OF_CYCLES[:2]}
@@ -58,7 +57,7 @@ def distances_from_data(row: Mapping[str, Any], data: Mapping[str, Any]) -> dict
 
 
 def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
-    """The table of the record and the models, and what was done to find events in it."""
+    """Lines of the table of the record and the models, and of how events were detected in the record."""
     data = summary["data"]
     units = {name: shown_in(EVENTS[name].unit, scene) for name in FIGURES_OF_CYCLES}
     units["stress_drop"] = 1.0, "normal stress"
@@ -79,13 +78,13 @@ def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
     yield "+-: standard deviation from cycle to cycle; in brackets: the model's distance from the record's mean"
     smoothing = data["smoothing"]
     noise = f"noise of friction {data['noise']:.2g}" if data["noise"] else "no noise"
-    told = f"slip rate from {data['slip_rate_from']}; {noise}; smoothed by a parabola over {smoothing['samples']} samples"
-    yield told if smoothing["samples"] > 1 else told.rpartition(";")[0] + "; not smoothed"
+    text = f"slip rate from {data['slip_rate_from']}; {noise}; smoothed by a parabola over {smoothing['samples']} samples"
+    yield text if smoothing["samples"] > 1 else text.rpartition(";")[0] + "; not smoothed"
     yield from effect_in_words(smoothing, scene)
 
 
 def effect_in_words(smoothing: Mapping[str, Any], scene: Scene) -> Iterator[str]:
-    """What half the smoothing changes."""
+    """Text on the change by half the smoothing."""
     if smoothing["samples"] == 1:
         return
     if smoothing["apart"]:
@@ -101,7 +100,7 @@ def _barred(one: Mapping[str, Any], size: float) -> str:
 
 
 def averaged(motion: MeasuredMotion, most: float) -> Averaged:
-    """The record's cycles around their events, up to `most` transits on both sides, over a common time."""
+    """Average of the record's cycles around their events, up to `most` transits on both sides, over a common time."""
     reach = min(most, 0.5 * float(motion.events.period.min()))
     step = float(np.median(np.diff(motion.time)))
     half = np.unique(np.concatenate((np.linspace(0.0, reach, _GRID), np.geomspace(min(step, 0.1 * reach), reach, _GRID))))
@@ -116,8 +115,7 @@ def averaged(motion: MeasuredMotion, most: float) -> Averaged:
 
 
 def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
-    """A model's cycle, with one of its stresses as friction, at these times since its event; its second half is what precedes the
-    event."""
+    """A model's cycle, with one of its `stress`es as friction, at `time` since its event; its second half precedes the event."""
     phase = np.concatenate((cycle.time - cycle.period, cycle.time))
     friction = np.interp(time, phase, np.tile(stress, 2))
     rate = np.exp(np.interp(time, phase, np.tile(np.log(np.abs(cycle.slip_rate)), 2)))
@@ -126,8 +124,8 @@ def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
 
 
 def draw_with_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle | None]], scene: Scene) -> Drawing:
-    """Friction, residual and slip rate over the time since the event: the whole cycle, and the event alone. The record is black,
-    its scatter from cycle to cycle grey, a model's elastic stress dashed. Call it inside `styled()`."""
+    """Draw friction, residual and slip rate over the time since the event: the whole cycle, and the event alone. The record is
+    black, its scatter from cycle to cycle grey, a model's elastic stress dashed. Call it inside `styled()`."""
     shortest = min([float(motion.events.period.min()), *(cycle.period for _, cycle in cycles if cycle)])
     data = averaged(motion, 0.5 * shortest)
     (size, unit), (pace, speed) = shown_in("transit", scene), shown_in("V*", scene)
@@ -149,7 +147,7 @@ def draw_with_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle 
 
 
 def _draw_cycles(panels: Sequence[Axes], label: str, data: Averaged, sizes: tuple[float, float]) -> None:
-    """The record, and what scatters from cycle to cycle."""
+    """Draw the record and its scatter from cycle to cycle."""
     time = sizes[0] * data.time
     for axes, middle in zip(panels, (data.friction, 0.0 * data.friction), strict=False):
         axes.fill_between(time, middle - data.scatter, middle + data.scatter, color="#cccccc", linewidth=0.0)
@@ -158,7 +156,7 @@ def _draw_cycles(panels: Sequence[Axes], label: str, data: Averaged, sizes: tupl
 
 
 def _draw_model(panels: Sequence[Axes], model: str, cycle: OneCycle | None, data: Averaged, sizes: tuple[float, float]) -> None:
-    """A model's cycle, and what it leaves of the record."""
+    """Draw a model's cycle, and the residual of the record."""
     if cycle is None:
         panels[0].plot([], [], label=f"{model}: no cycles")
         return

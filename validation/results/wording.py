@@ -1,7 +1,6 @@
 """Scenes and statistics in words and rows, dimensionless and (where the scene has units) in SI.
 
-What a command prints first is the `header`: the scene in numbers, those of its slabs and faces, its units, and what is doubtful
-about them.
+Every command first prints the `header`: the scene, its slabs and faces in numbers, its units, and doubts about them.
 """
 
 import math
@@ -26,7 +25,7 @@ ENDED = {
     "settled": "the run ended here because its motion is settled; --until makes it longer",
     "limit": "the run ended here, before its motion was settled, because of its limit of work; --until makes it longer",
 }
-"""Why a run without a given length ended where it did."""
+"""Reason of the end of a run without a given length -> text."""
 
 _COUNTED = (*REPEATING, "settling", "too short")  # any other motion has swings, but no cycles of stick-slip
 
@@ -47,7 +46,7 @@ def orbit_rows(found: Orbit, scene: Scene) -> tuple[list[str], list[list[str]]]:
 def _with_units(
     columns: tuple[str, str], known: Mapping[str, tuple[float, float]], scene: Scene
 ) -> tuple[list[str], list[list[str]]]:
-    """Rows of (value, spread) of the five figures of a cycle."""
+    """Heading and rows of (value, spread) of the five figures of a cycle."""
     labels = {"period": "period [transits]", "v_max": "v_max [V*]", "v_min": "v_min [V*]"}
     facts = [(labels.get(name, name.replace("_", " ")), *pair) for name, pair in known.items()]
     period, spread = known["period"]
@@ -92,9 +91,9 @@ def exponent_in_words(found: Exponent) -> str:
     """A line with the largest Lyapunov exponent, and whether it differs from zero."""
     known = f"largest Lyapunov exponent {rounded(found.rate, 3)} +- {rounded(found.margin, 2)} per transit (95 %)"
     if abs(found.rate) <= found.margin:
-        return f"{known}: motions close by neither part nor join"
-    word = "part" if found.rate > 0.0 else "join"
-    return f"{known}: motions close by {word} by a factor e in {1.0 / abs(found.rate):.3g} transits"
+        return f"{known}: the exponent is zero within its error"
+    word = "diverge" if found.rate > 0.0 else "converge"
+    return f"{known}: nearby motions {word} by a factor e in {1.0 / abs(found.rate):.3g} transits"
 
 
 def events_in_words(count: int | None, verdict: MotionVerdict | None, needed: float = math.nan) -> str:
@@ -144,7 +143,8 @@ def _drive(drive: Drive) -> str:
 
 
 def _slab(slab: Slab, units: Units | None, alike: bool) -> list[str]:
-    """Its numbers, and in a scene with units the same in SI. The round trip of `alike` slabs is the transit, told once below."""
+    """Numbers of a slab, with SI values in a scene with units. The round trip of `alike` slabs is the transit, which is printed
+    below."""
     lines = [f"epsilon {rounded(slab.epsilon)}, r {rounded(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"]
     if units:
         lines.append(_in_si(slab, units, alike))
