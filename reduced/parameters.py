@@ -45,7 +45,7 @@ def _face(name: str) -> Callable[[Scene, float], Scene]:
     def change(slab: Slab, value: float) -> Slab:
         """The slab with this field of its face changed, if its kind of face has that field."""
         face: Any = slab.face
-        return dataclasses.replace(slab, face=dataclasses.replace(face, **{name: value})) if hasattr(face, name) else slab
+        return dataclasses.replace(slab, face=dataclasses.replace(face, **{name: value})) if name in vars(face) else slab
 
     return lambda scene, value: _both(scene, lambda slab: change(slab, value))
 

@@ -21,10 +21,6 @@ from slipwave.scene.units import IN_SI
 
 if TYPE_CHECKING:
     import meshio
-
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 

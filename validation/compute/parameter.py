@@ -157,7 +157,7 @@ def has_key(base: Scene, key: str, name: str) -> bool:
 def _present(name: str, base: Scene) -> float:
     """The value of a parameter in a scene; 1 for ratios and values relative to a slab."""
     values = {"r": base.transit, "log10_r": math.log10(base.transit), "epsilon": base.upper.epsilon, "V": base.velocity}
-    return values[name] if name in values else float(getattr(base.law, name, 1.0))
+    return values[name] if name in values else float(base.law._asdict().get(name, 1.0))
 
 
 def _positive(name: str, value: float) -> float:

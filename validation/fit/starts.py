@@ -46,18 +46,24 @@ def sticking_starts(free: Sequence[Free], first: Array, cycle: MeanCycle, scene_
             if word in place and steep > 0.0:
                 inner[place[word]] = _as_stiff(free, inner, place[word], steep, scene_of)
                 break
-        law = scene_of(inner).law
-        a, b = getattr(law, "a", 0.0), getattr(law, "b", 0.0)
+        a, b = _effects(scene_of(inner))
         share, weaker = ratio or (a / b if 0.0 < a < 0.9 * b else 0.7), cycle.drop / _LOGARITHM
         if "a" in place:
             inner[place["a"]] = np.log(weaker * share / (1.0 - share) if "b" in place else max(b - weaker, 0.1 * b))
         if "b" in place:
             inner[place["b"]] = np.log(weaker / (1.0 - share) if "a" in place else a + weaker)
         scene = scene_of(inner)
-        weaker = getattr(scene.law, "b", 0.0) - getattr(scene.law, "a", 0.0)
+        a, b = _effects(scene)
+        weaker = b - a
         if "memory_length" in place and weaker > 0.0:
             inner[place["memory_length"]] += np.log(kappa * weaker * scene.transit / scene.stiffness)
         yield inner
+
+
+def _effects(scene: Scene) -> tuple[float, float]:
+    """a and b of the scene's law; 0 where a law of the user's own has none."""
+    parameters = scene.law._asdict()
+    return parameters.get("a", 0.0), parameters.get("b", 0.0)
 
 
 def unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
@@ -65,7 +71,7 @@ def unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Arra
     stiffness."""
     place = {_word(one): k for k, one in enumerate(free) if one.is_positive}
     scene = scene_of(first)
-    a, b = getattr(scene.law, "a", 0.0), getattr(scene.law, "b", 0.0)
+    a, b = _effects(scene)
     for kappa in _BELOW:
         inner, weaker = first.copy(), scene.stiffness / scene.transit / kappa
         if "a" in place and b > weaker:
