@@ -8,11 +8,8 @@ import pytest
 import slipwave
 from validation.compute.build import build
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
-from validation.references.lsoda import PlainRun, plain_kelvin_voigt, right_hand_side, steady_start
-from validation.studies import cost_and_error
+from validation.references.lsoda import plain_kelvin_voigt, right_hand_side, steady_start
 from validation.studies.manufactured import GRIDS, climbed
-from validation.study import Outcome
-from validation.timing import Setting, TimedRun
 
 FAST = {("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")}
 
@@ -80,18 +77,3 @@ def test_it_is_nudged_as_the_scene_says_and_finds_the_period():
     run = plain_kelvin_voigt(slipwave.read("paper"), 2000.0, 1e-10)
     assert run.period == pytest.approx(KNOWN, rel=1e-7)  # 3e-8 was measured: the transient
     assert run.evaluations > 10_000
-
-
-def rival(off, tolerance=1e-10):
-    return PlainRun(tolerance, KNOWN * (1.0 + off), 3.0, 1)
-
-
-def ours(off, tolerance=1e-11):
-    return TimedRun(Setting("kelvin-voigt", tolerance=tolerance), 0.02, KNOWN * (1.0 + off), off, math.nan)
-
-
-def test_both_runs_of_the_race_are_judged_at_their_least_tolerance():
-    assert cost_and_error._agreement([rival(4.5e-8), rival(1e-3, 1e-8)]).outcome is Outcome.PASS
-    assert cost_and_error._agreement([rival(-1.5e-7), rival(0.0, 1e-8)]).outcome is Outcome.FAIL
-    assert cost_and_error._right([ours(0.9 * cost_and_error._OUR_ERROR), ours(1e-3, 1e-3)]).outcome is Outcome.PASS
-    assert cost_and_error._right([ours(-3.0 * cost_and_error._OUR_ERROR), ours(0.0, 1e-3)]).outcome is Outcome.FAIL

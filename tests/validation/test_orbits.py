@@ -84,14 +84,6 @@ def test_a_motion_without_events_is_no_cycle(amplitude, said):
         settle(Relaxing(0.2, amplitude=amplitude), most=500.0 if amplitude == 0.0 else MOST_TRANSITS)
 
 
-def test_one_cycle_starts_at_its_event():
-    cycle = one_cycle(settle(Relaxing(0.2)), before=5.0, after=2.0)
-    assert (cycle.time[0], cycle.time[-1]) == (pytest.approx(-5.0, abs=0.2), pytest.approx(PERIOD + 2.0, abs=0.2))
-    at_start = np.interp(0.0, cycle.time, np.log(cycle.slip_rate))
-    assert at_start == pytest.approx(math.log(50.0) + 2.0, abs=1e-3)
-    assert np.all(np.diff(cycle.time) > 0)
-
-
 def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid():
     solver = build("fd", slipwave.read("paper", ["start.kind=orbit"]), cells=24)
     watch = EventObserver(solver.scene, solver.nodes)

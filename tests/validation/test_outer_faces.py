@@ -9,7 +9,7 @@ import pytest
 import slipwave
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import stability_polynomial
-from reduced.stability import analyse, leading_roots
+from reduced.stability import leading_roots
 from reduced.stability.characteristic import characteristic
 from slipwave.errors import SceneError
 from slipwave.scene.slab import GripFace, MachineFace, ReflectingFace, Termination
@@ -79,11 +79,6 @@ class Bolt:
 @pytest.mark.parametrize("model", SPRUNG)
 def test_every_model_takes_a_face_that_it_has_never_heard_of(model):
     assert values(end(model, of(Bolt()))) == values(end(model, of(MACHINE)))
-
-
-def test_stability_takes_a_face_that_it_has_never_heard_of():
-    bolt, machine = analyse(of(Bolt())), analyse(of(MACHINE))
-    assert (bolt.log10_r_c, bolt.leading_roots) == (machine.log10_r_c, machine.leading_roots)
 
 
 def test_a_quasi_static_reduction_needs_a_spring():

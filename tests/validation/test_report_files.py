@@ -95,16 +95,6 @@ def test_every_verdict_and_number_is_a_case_of_junit(changing):
     assert [case.find("failure") for case in findings] == [None]
 
 
-def test_a_study_that_broke_is_an_error_of_junit_and_a_red_badge(fake, tmp_path):
-    fake.add("first", lambda budget: 1 / 0)
-    assert main(["report", "--out", str(tmp_path)]) == 3
-    ((case,),) = xml.parse(tmp_path / "junit.xml").getroot()
-    assert case.find("error").get("message").startswith("ZeroDivisionError")
-    badge = xml.parse(tmp_path / "badge.svg").getroot()
-    assert badge.get("aria-label") == "slipwave: 0 hold, 1 red"
-    assert badge[2].get("fill") == "#b3261e"
-
-
 @pytest.mark.parametrize(("verdicts", "fill"), [((), "#5f6368"), ((found(1e-9),), "#2e7d32"), ((found(1e-3),), "#b3261e")])
 def test_the_badge_is_green_only_if_something_holds(changing, verdicts, fill):
     changing.report(now=StudyResult("", verdicts=verdicts))
@@ -299,6 +289,10 @@ def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
     )
     assert last == f"slipwave: the report is red for 4 reasons: see {out / 'index.html'}"
     assert tally(out) == [2, 1, 2, 1]
+    (error,) = xml.parse(out / "junit.xml").getroot().iter("error")
+    assert error.get("message") == lines[3].removeprefix("third: failed: ")
+    badge = xml.parse(out / "badge.svg").getroot()
+    assert (badge.get("aria-label"), badge[2].get("fill")) == ("slipwave: 2 hold, 1 findings, 4 red", "#b3261e")
 
 
 def test_a_stored_failure_stays_red(fake, kept, tmp_path):
@@ -325,17 +319,13 @@ def test_a_stored_failure_stays_red(fake, kept, tmp_path):
         (0.0, 0.0, False),
     ],
 )
-def test_a_number_that_comes_or_goes_has_moved(fake, kept, tmp_path, before, now, moves):
+def test_a_number_that_comes_or_goes_has_moved(changing, before, now, moves):
     """By more than its tolerance, 1e-6 of the larger one; a baseline holds numbers that JSON lacks too."""
-    numbers = {"T": Number(before)}
-    fake.add("first", lambda budget: StudyResult("", numbers=numbers))
-    make_report(tmp_path)
-    baseline.take(tmp_path)
-    (tmp_path / "data/first/result.json").unlink()
-    numbers["T"] = Number(now)
-    assert main(["report", "--out", str(tmp_path)]) == 3 * moves
-    assert [change.name for change in read_report(tmp_path).changes.of(Word.MOVED)] == ["T"] * moves
-    assert (tmp_path / "baseline.patch").exists() == moves
+    changing.report(now=StudyResult("", numbers={"T": Number(before)}))
+    baseline.take(changing.out)
+    assert changing.report(now=StudyResult("", numbers={"T": Number(now)})) == 3 * moves
+    assert [change.name for change in changing.record().changes.of(Word.MOVED)] == ["T"] * moves
+    assert (changing.out / "baseline.patch").exists() == moves
 
 
 def test_the_page_tells_what_moved_since_the_baseline(fake, kept, tmp_path):

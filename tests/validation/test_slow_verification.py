@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from validation.report import store
 from validation.report.sources import sources_of
 from validation.studies import planted_faults, slow_verification, study_called
 from validation.studies.slow_verification import read_record, summarised
@@ -109,11 +108,3 @@ def test_a_fault_that_only_another_test_catches_is_red(fault_record):
         (Outcome.FAIL, "1 of 2", "in `slipwave`; survives: by-chance")
     ]
     assert (result.tables[0].emphasis, result.answer) == ((1,), "1 of 2 planted faults are caught.")
-
-
-def test_a_new_record_is_a_new_key(fault_record):
-    keys = [store.study_key(planted_faults, False)]
-    for faults in ([CAUGHT], [SURVIVES]):
-        fault_record.write_text(json.dumps({"faults": faults}))
-        keys.append(store.study_key(planted_faults, False))
-    assert len(set(keys)) == 3

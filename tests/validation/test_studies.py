@@ -13,7 +13,7 @@ import slipwave
 from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import fit_order
 from validation.references.lsoda import PlainRun
-from validation.studies import energy, scene_facts, slip_event, stability_attacks
+from validation.studies import cost_and_error, energy, scene_facts, slip_event, stability_attacks
 from validation.studies import period_against_delay as measured
 from validation.studies.cost_and_error import _race_factor
 from validation.studies.energy import LADDERS, history_of, ledger_order, residual_of
@@ -66,14 +66,21 @@ def test_the_time_of_a_run_is_the_least_of_its_repetitions(monkeypatch):
     assert time_final(Setting("block8"), fast, 5.0, repeats=2)[0] == 4.0
 
 
+def ours(seconds, off, error=1e-11):
+    return TimedRun(Setting("kelvin-voigt", tolerance=error), seconds, 70.73234499 * (1.0 + off), off, math.nan)
+
+
+def rival(seconds, off, tolerance=1e-10):
+    return PlainRun(tolerance, 70.732344990 * (1.0 + off), seconds, 1)
+
+
 @pytest.mark.parametrize(
     ("mine", "theirs", "words"), [(1e-9, -9e-9, "~{2 times} faster"), (2e-8, 0.0, "not reached"), (0.0, -2e-8, "not reached")]
 )
 def test_a_race_counts_the_fastest_runs_that_are_right(mine, theirs, words):
     """To 1e-8 of the known period, 70.73234499; the fastest runs of both are wrong."""
-    ours = [TimedRun(Setting("a"), s, 70.73234499 * (1.0 + off), 0.0, 0.0) for s, off in ((0.1, 1e-3), (3.0, mine), (4.0, mine))]
-    rivals = [PlainRun(1e-8, 70.73234499 * (1.0 + off), s, 1) for s, off in ((0.2, 1e-3), (6.0, theirs))]
-    assert words in _race_factor(ours, rivals)
+    runs = [ours(0.1, 1e-3), ours(3.0, mine), ours(4.0, mine)]
+    assert words in _race_factor(runs, [rival(0.2, 1e-3), rival(6.0, theirs)])
 
 
 def test_characteristics_notice_a_wrong_wave_speed_and_an_event_that_never_ends_is_red():
@@ -262,6 +269,11 @@ def cured(model, error):
 ADVISED = {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5, "dg:3": 2e-6}
 JUDGED = [
     (scene_facts._verdicts, (PAPER, in_si(7e-16)), 0), (scene_facts._verdicts, (PAPER, in_si(3e-15)), 1),
+    # of both runs of the race the one of the least tolerance is judged
+    *((cost_and_error._agreement, ([rival(3.0, off), rival(3.0, other, 1e-8)],), end) for off, other, end in
+      ((4.5e-8, 1e-3, "pass"), (-1.5e-7, 0.0, "fail"))),
+    *((cost_and_error._right, ([ours(0.02, share * cost_and_error._OUR_ERROR), ours(0.02, other, 1e-3)],), end)
+      for share, other, end in ((0.9, 1e-3, "pass"), (-3.0, 0.0, "fail"))),
     *((energy.ladder_verdicts, ledgers(*case), reds) for *case, reds in
       ((0.9e-13, 0.09, 0), (3e-13, -0.09, 1), (np.nan, 0.0, 1), (0.0, 0.3, 1), (0.0, -0.3, 1))),
     (energy.high_verdicts, closing(0.9), 0), (energy.high_verdicts, closing(3.0), 3),
