@@ -7,7 +7,7 @@ last one.
 import itertools
 import math
 import re
-from difflib import SequenceMatcher
+from difflib import unified_diff
 from pathlib import Path
 
 import pytest
@@ -42,17 +42,12 @@ _NUMBER = re.compile(r"([-−]?\b\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?|\bnan\b|
 
 
 def differences(expected, got):
-    """Where the lines differ: words must be equal, numbers close."""
+    """Where the words of the lines differ; if they are equal, the lines whose numbers are not close."""
     old, new = ([_NUMBER.sub("#", line) for line in lines] for lines in (expected, got))
-    found = []
-    for kind, first, end, new_first, new_end in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
-        pairs = itertools.zip_longest(expected[first:end], got[new_first:new_end], fillvalue="nothing")
-        found += [
-            f"line {count}: expected {one.strip()}\n  got {other.strip()}"
-            for count, (one, other) in enumerate(pairs, first + 1)
-            if kind != "equal" or not _close(one, other)
-        ]
-    return found
+    pairs = enumerate(zip(expected, got, strict=False), 1)
+    return [*unified_diff(old, new, lineterm="", n=0)] or [
+        f"line {count}: expected {one.strip()}\n  got {other.strip()}" for count, (one, other) in pairs if not _close(one, other)
+    ]
 
 
 def _close(one, other):

@@ -181,17 +181,11 @@ def test_yes_runs_it_all_the_same(words, tmp_path, monkeypatch, printed, refused
     assert json.loads(printed(*words, "--yes"))["until"] == 30.0
 
 
-@pytest.fixture
-def now(monkeypatch):
-    """The time, which passes only where a test says so."""
-    time = [100.0]
-    monkeypatch.setattr(module, "PATIENCE", 2.0)
-    monkeypatch.setattr(module.time, "monotonic", lambda: time[0])
-    return time
-
-
-def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(now, caplog):
+def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(monkeypatch, caplog):
     """At 40 of 200 after 11 s, 10 of which brought 20: 160 are left, at 2 a second."""
+    now = [100.0]
+    monkeypatch.setattr(module, "PATIENCE", 2.0)
+    monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
     caplog.set_level(logging.INFO, "slipwave")
     told = []
     with progress("run", 200.0) as report:

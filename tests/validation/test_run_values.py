@@ -69,22 +69,6 @@ def test_statistics_are_those_of_the_second_half(told):
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 
 
-def test_rows_of_events_are_those_of_the_recorded_motion(told):
-    _, data, _ = told
-    time, starts = data["time"].values, data["event_time"].values
-    assert np.diff(starts) == pytest.approx(data["period"].values[:-1], rel=1e-12)
-    for row, (start, period) in enumerate(zip(starts, data["period"].values, strict=True)):
-        cycle = (time >= start) & (time <= start + period)
-        assert data["v_max"].values[row] == pytest.approx(data["interface_slip_rate"].values[cycle].max(), rel=2e-2)
-        around = (time >= start - 8.0) & (time <= start + period + 8.0)  # a cycle may begin a little before its date
-        for name, recorded in (("stress_drop", "stress"), ("elastic_stress_drop", "elastic_stress")):
-            values = data[f"interface_{recorded}"].values
-            assert data[name].values[row] <= np.ptp(values[around]) * (1.0 + 1e-3)
-            assert data[name].values[row] >= np.ptp(values[cycle & (time <= start + 0.5 * period)]) * (1.0 - 2e-2)
-        lowest = data["interface_slip_rate"].values[cycle].min()
-        assert data["v_min"].values[row] == pytest.approx(lowest, rel=5e-2)
-
-
 def test_the_recorded_motion_obeys_the_equations(told):
     """psi' = r (e^-psi - v) and y' = eps (V - v) on the clock of transits, by differences between neighbouring samples; the
     friction law at every sample."""
