@@ -29,8 +29,8 @@ from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
 from validation.results.command import command
 from validation.results.options import ModelOptions, RecordOptions, log, option
-from validation.results.provenance import SCHEMA, provenance
-from validation.results.result import Dataset, Output, Result, aligned, finite, rounded
+from validation.results.provenance import provenance
+from validation.results.result import Dataset, Output, Result, aligned, rounded
 from validation.results.wording import header
 from validation.study.drawing import Drawing
 
@@ -105,38 +105,28 @@ class FitResult(Result):
         return found
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave fit`."""
-        names = self.problem.names
-        correlation = {
-            a: {b: float(x) for b, x in zip(names, row, strict=True)}
-            for a, row in zip(names, self.spread.correlation, strict=True)
+    def facts(self) -> dict[str, Any]:
+        """As `Result`."""
+        names, parameters, residual = self.problem.names, self.parameters, self._residual
+        rows = zip(names, self.spread.correlation.tolist(), strict=True)
+        return {
+            "scene": self.scene.name,
+            "model": self.model,
+            "data": [*map(_told, self.problem.records, self._friction)],
+            "parameters": parameters,
+            "determined": {name: row["determined"] for name, row in parameters.items()},
+            "correlation": {name: dict(zip(names, row, strict=True)) for name, row in rows},
+            "residual": {
+                "rms": float(np.sqrt(np.mean(residual**2))),
+                "largest": float(np.abs(residual).max()),
+                "over_noise": self.spread.noise,
+                "together": self.spread.together,
+                "samples": residual.size,
+            },
+            "evaluations": self.found.evaluations,
+            "wall_s": self.wall_s,
+            "notes": self.notes,
         }
-        samples = self._residual.size
-        return dict(
-            finite(
-                {
-                    "schema": SCHEMA,
-                    "scene": self.scene.name,
-                    "model": self.model,
-                    "data": [*map(_told, self.problem.records, self._friction)],
-                    "parameters": self.parameters,
-                    "determined": {name: row["determined"] for name, row in self.parameters.items()},
-                    "correlation": correlation,
-                    "residual": {
-                        "rms": float(np.sqrt(np.mean(self._residual**2))),
-                        "largest": float(np.abs(self._residual).max()),
-                        "over_noise": self.spread.noise,
-                        "together": self.spread.together,
-                        "samples": samples,
-                    },
-                    "evaluations": self.found.evaluations,
-                    "wall_s": self.wall_s,
-                    "notes": self.notes,
-                }
-                | ({"failed": self.failed} if self.failed else {})
-            )
-        )
 
     @property
     def notes(self) -> list[str]:
@@ -168,14 +158,7 @@ class FitResult(Result):
         yield f"model {self.model}: {size}, {self.wall_s:.3g} s"
         yield ""
         rows = [
-            [
-                key,
-                rounded(row["value"], 6),
-                rounded(row["low"], 6),
-                rounded(row["high"], 6),
-                row["unit"],
-                "" if row["determined"] else "no",
-            ]
+            [key, *(rounded(row[name], 6) for name in ("value", "low", "high")), row["unit"], "" if row["determined"] else "no"]
             for key, row in summary["parameters"].items()
         ]
         yield from aligned(["parameter", "value", "95 % from", "to", "unit", "determined"], rows)

@@ -10,8 +10,7 @@ from slipwave.errors import SceneError
 from slipwave.files import reason_of
 from slipwave.input.wording import nearest, shorten
 from validation.frozen.values import FrozenValue, frozen
-from validation.results.provenance import SCHEMA
-from validation.results.result import aligned
+from validation.results.result import SCHEMA, aligned
 
 DIGITS = 6
 """Digits that every row must agree to, where as many are certified."""

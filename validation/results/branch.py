@@ -24,7 +24,7 @@ from validation.compute.parameter import Values, over_range, range_text, scene_a
 from validation.compute.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 from validation.results.command import command
 from validation.results.options import ModelOptions, announced, option
-from validation.results.provenance import SCHEMA, provenance
+from validation.results.provenance import provenance
 from validation.results.quantities import EVENTS, variables
 from validation.results.result import Dataset, Output, PointOfBranch, Result, aligned, finite, new_dataset, rounded, thinned
 from validation.results.wording import header
@@ -129,12 +129,10 @@ class FollowedResult(Result):
     OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw it: .png, .pdf or .svg"),)
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of the command (users rely on its keys); `failed` exists only if the numerics failed or the user stopped
-        it."""
+    def facts(self) -> dict[str, Any]:
+        """As `Result`."""
         found = self.found
-        result = {
-            "schema": SCHEMA,
+        return {
             "scene": found.over.base.name,
             "model": found.model,
             "clock": "transit",
@@ -142,7 +140,6 @@ class FollowedResult(Result):
             "wall_s": self.wall_s,
             "notes": [*doubts(found.over.base), *found.notes],
         }
-        return dict(finite(result | ({"failed": self.failed} if self.failed else {})))
 
     @property
     @abstractmethod

@@ -22,7 +22,7 @@ from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
 from validation.results.figures import second_axis
 from validation.results.options import NumericalOptions, RecordOptions, RunsOptions, log, option
-from validation.results.result import Output, aligned, finite, rounded
+from validation.results.result import Output, aligned, rounded
 from validation.results.with_data import data_lines, distances_from_data, draw_with_data, facts_of_data
 from validation.study.drawing import Drawing, canvas, styled
 from validation.timing import warm
@@ -78,11 +78,9 @@ class CompareResult(Comparison):
         return [row | {"against_data": distances_from_data(row, data)} for row in rows]
 
     @property
-    def summary(self) -> dict[str, Any]:
+    def facts(self) -> dict[str, Any]:
         """As `Comparison`; `data`: the figures of the record, if there is one."""
-        if self.motion is None:
-            return super().summary
-        return super().summary | {"data": dict(finite(facts_of_data(self.motion, self.scene)))}
+        return super().facts | ({} if self.motion is None else {"data": facts_of_data(self.motion, self.scene)})
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """One row per model, and the conclusion."""

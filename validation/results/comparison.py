@@ -13,7 +13,7 @@ from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.compute.models import family_of, one_port_of
 from validation.compute.run import Run, needed
-from validation.results.provenance import SCHEMA, provenance
+from validation.results.provenance import provenance
 from validation.results.quantities import table_of
 from validation.results.result import Dataset, Result, finite, rounded
 
@@ -158,14 +158,14 @@ class Comparison(Result):
         """One row per run: its figures and its distances from the reference."""
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of the command (users rely on its keys), with relative errors against the reference; where one of the motions
-        never repeats they are None, and `difference` and `margin` are given instead."""
-        facts = {"schema": SCHEMA, "scene": self.scene.name, "until": self.reference.until}
+    def facts(self) -> dict[str, Any]:
+        """As `Result`, with relative errors against the reference; where one of the motions never repeats they are None, and
+        `difference` and `margin` are given instead."""
+        facts = {"scene": self.scene.name, "until": self.reference.until}
         rows = finite(self.rows)
         facts |= {"reference": self.reference.solver.model, "conclusion": conclusion(rows), "models": rows}
         notes = [*doubts(self.scene), *filter(None, [nothing(self.reference)])]
-        return dict(finite(facts | ({"notes": notes} if notes else {})))
+        return facts | ({"notes": notes} if notes else {})
 
     @cached_property
     def dataset(self) -> Dataset:

@@ -23,9 +23,9 @@ from validation.results.branch import tolerance_option
 from validation.results.command import command
 from validation.results.figures import motion_figure
 from validation.results.options import ModelOptions, announced, option
-from validation.results.provenance import SCHEMA, provenance
+from validation.results.provenance import provenance
 from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
-from validation.results.result import Dataset, Output, PointOfBranch, Result, aligned, finite, new_dataset, rounded
+from validation.results.result import Dataset, Output, PointOfBranch, Result, aligned, new_dataset, rounded
 from validation.results.wording import header, orbit_rows
 from validation.study.drawing import Drawing, styled
 
@@ -112,12 +112,11 @@ class OrbitResult(Result):
         return self.found.found.multipliers.values
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave orbit` (users rely on its keys); `si` exists only for scenes in SI."""
+    def facts(self) -> dict[str, Any]:
+        """As `Result`; `si` exists only for scenes in SI."""
         done = self.found
         orbit, multipliers, scene = done.found.orbit, done.found.multipliers, done.scene
-        result = {
-            "schema": SCHEMA,
+        result: dict[str, Any] = {
             "scene": scene.name,
             "model": done.flow.model,
             "clock": "transit",
@@ -133,7 +132,7 @@ class OrbitResult(Result):
             "wall_s": self.wall_s,
             "notes": [*doubts(scene), *done.notes],
         }
-        return dict(finite(result | cycle_in_si(orbit.values(), scene)))
+        return result | cycle_in_si(orbit.values(), scene)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, whether the orbit is stable, its figures with errors, and the largest multipliers."""

@@ -14,9 +14,7 @@ from slipwave.input.source import to_toml
 from slipwave.scene import Scene
 from slipwave.sources import commit
 from validation.compute.own import own_family
-
-SCHEMA = 1
-"""Version of the names in files and of the keys of the JSON of every command."""
+from validation.results.result import SCHEMA
 
 
 def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any]) -> dict[str, Any]:

@@ -26,6 +26,9 @@ else:  # xarray is loaded only when a dataset is made
 
 Row = TypeVar("Row")
 
+SCHEMA = 1
+"""Version of the names in files and of the keys of the JSON of every command."""
+
 
 class Facts(dict[str, Any]):
     """A table of a summary, whose keys are attributes too."""
@@ -125,8 +128,13 @@ class Result(ABC):
 
     @property
     @abstractmethod
+    def facts(self) -> dict[str, Any]:
+        """All figures by the keys of the command's JSON, on which users rely."""
+
+    @property
     def summary(self) -> dict[str, Any]:
-        """All figures by the keys of the command's JSON; None where there is no value."""
+        """The JSON of the command: the `facts`, None where there is no value, and what failed, if anything did."""
+        return dict(finite({"schema": SCHEMA} | self.facts | ({"failed": self.failed} if self.failed else {})))
 
     @property
     @abstractmethod

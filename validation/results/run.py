@@ -39,9 +39,9 @@ from validation.compute.run import (
 from validation.data.writing import write_series
 from validation.results.command import command
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
-from validation.results.provenance import SCHEMA, provenance
+from validation.results.provenance import provenance
 from validation.results.quantities import cycle_in_si
-from validation.results.result import Dataset, Output, Result, aligned, finite, rounded, save_drawing
+from validation.results.result import Dataset, Output, Result, aligned, rounded, save_drawing
 from validation.results.run_dataset import run_dataset, write_events, write_run
 from validation.results.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
 from validation.results.wording import (
@@ -178,13 +178,11 @@ class RunResult(Result):
         yield f"wall time {done.wall_s:.3g} s"
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave run` (users rely on its keys). `grid` exists only if the user did not choose its cells,
-        `protocol`, the stages, only if the drive changes, `lyapunov` only if requested, `failed` only if the numerics failed,
-        `observed` only if the scene records observers by name."""
+    def facts(self) -> dict[str, Any]:
+        """As `Result`. `grid` exists only if the user did not choose its cells, `protocol`, the stages, only if the drive changes,
+        `lyapunov` only if requested, `observed` only if the scene records observers by name."""
         done, found = self.done, self.done.statistics
         result: dict[str, Any] = {
-            "schema": SCHEMA,
             "scene": done.solver.scene.name,
             "model": done.solver.model,
             "until": done.until,
@@ -216,10 +214,9 @@ class RunResult(Result):
             "protocol": stage_results(self.stages, done.solver.scene) if self.stages else [],
             "lyapunov": self.exponent._asdict() if self.exponent else None,
             "observed": {name: one.figures() for name, one in self.records.named.items()},
-            "failed": done.failed,
             "notes": [*doubts(done.solver.scene), *self.notes],
         }
-        return dict(finite(result | {name: value for name, value in more.items() if value}))
+        return result | {name: value for name, value in more.items() if value}
 
     @property
     def _spreads(self) -> dict[str, float]:

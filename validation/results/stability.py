@@ -18,9 +18,9 @@ from slipwave.scene.doubts import doubts
 from validation.compute.models import one_port_of
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
-from validation.results.provenance import SCHEMA, provenance
+from validation.results.provenance import provenance
 from validation.results.reasons import on_stability
-from validation.results.result import Dataset, Result, aligned, finite, new_dataset, rounded
+from validation.results.result import Dataset, Result, aligned, new_dataset, rounded
 from validation.results.wording import header
 from validation.study.drawing import Drawing, styled, subplots
 
@@ -56,12 +56,10 @@ class StabilityResult(Result):
     found: Stability
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave stability` (users rely on its keys); frequencies and roots in 1/(L/V*), None where there is no
-        value."""
+    def facts(self) -> dict[str, Any]:
+        """As `Result`; frequencies and roots in 1/(L/V*)."""
         found = self.found
         result: dict[str, Any] = {
-            "schema": SCHEMA,
             "scene": self.scene.name,
             "model": found.model,
             **{name: getattr(found, name) for name in (*_CRITICAL, "velocity", "stable", "unstable_roots")},
@@ -71,7 +69,7 @@ class StabilityResult(Result):
         }
         if self.physical:
             result["si"] = {f"{name}_{unit}": getattr(self.physical, name) for name, unit in _PHYSICAL.items()}
-        return dict(finite(result))
+        return result
 
     @property
     def leading_roots(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":

@@ -20,8 +20,7 @@ from slipwave.files import FIGURES
 from slipwave.input import SceneSource
 from validation.results.command import command
 from validation.results.options import RunsOptions, option
-from validation.results.provenance import SCHEMA
-from validation.results.result import Dataset, Output, Result, aligned, finite, rounded
+from validation.results.result import Dataset, Output, Result, aligned, rounded
 from validation.study.drawing import Drawing
 from validation.sweep.axes import Axis, axis_of
 from validation.sweep.engine import STATUS
@@ -106,17 +105,17 @@ class SweepResult(Result):
         return {"points": self.plan.size, **{name: status.count(name) for name in STATUS}, "reasons": shown}
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave sweep`."""
+    def facts(self) -> dict[str, Any]:
+        """As `Result`."""
         plan, audit = self.plan, self.swept.audit
         axes = [
             {"key": axis.key, "from": axis.values[0], "to": axis.values[-1], "count": len(axis.values), "unit": axis.unit or None}
             for axis in plan.axes
         ]
-        found: dict[str, Any] = {"schema": SCHEMA, "scene": plan.base.name, "measure": plan.measure, "models": list(plan.models)}
+        found: dict[str, Any] = {"scene": plan.base.name, "measure": plan.measure, "models": list(plan.models)}
         found |= {"axes": axes, "folder": None if self.temporary else str(self.swept.store.folder)}
         if self.expected is not None:
-            return dict(finite(found | {"expected": self.expected._asdict()}))
+            return found | {"expected": self.expected._asdict()}
         found |= self._counts | {"regimes": self._regimes(), "wall_s": self.swept.wall_s, "computed_now": self.swept.computed}
         if audit is not None:
             found["audit"] = {
@@ -124,7 +123,7 @@ class SweepResult(Result):
                 "hidden": audit.hidden,
                 "share": audit.hidden / max(audit.divided, 1),
             }
-        return dict(finite(found | ({"failed": self.failed} if self.failed else {})))
+        return found
 
     def _regimes(self) -> list[dict[str, Any]]:
         """How many points of each model have each verdict."""

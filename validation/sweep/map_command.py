@@ -11,8 +11,7 @@ from slipwave.files import FIGURES
 from slipwave.input import SceneSource
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
-from validation.results.provenance import SCHEMA
-from validation.results.result import Dataset, Output, Result, aligned, finite, load_dataset, rounded
+from validation.results.result import Dataset, Output, Result, aligned, load_dataset, rounded
 from validation.study.drawing import Drawing
 from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import difference
@@ -57,14 +56,14 @@ class MapResult(Result):
         return self.data if self.differences is None else self.differences
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave map`: the axes; of a difference the share of the area with another regime, in per cent, and the
+    def facts(self) -> dict[str, Any]:
+        """The axes; of a difference the share of the area with another regime, in per cent, and the
         largest relative differences where both motions are periodic."""
         data = self.dataset
-        found: dict[str, Any] = {"schema": SCHEMA, "scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
+        found: dict[str, Any] = {"scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
         if self.differences is not None:
             found["differences"] = self.differences.attrs["differences"]
-        return dict(finite(found | {"boundaries": [line.name for line in self.boundaries]}))
+        return found | {"boundaries": [line.name for line in self.boundaries]}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """What is drawn, and the differences as a table."""

@@ -17,7 +17,6 @@ from validation.compute.own import load_families
 from validation.compute.progress import progress
 from validation.results.command import command
 from validation.results.options import ModelOptions
-from validation.results.provenance import SCHEMA
 from validation.results.result import Dataset, Output, Result, aligned
 from validation.study import EXACT, Outcome, Verdict, holding
 from validation.study.drawing import Drawing
@@ -65,8 +64,8 @@ class VerifyResult(Result):
     notes: tuple[str, ...] = ()
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """The JSON of `slipwave verify`."""
+    def facts(self) -> dict[str, Any]:
+        """As `Result`."""
         rows = [
             {"id": row.id, "claim": bare(row.claim), "evidence": row.evidence.value, "expected": bare(row.expected),
              "found": bare(row.ours), "size": row.size, "limit": row.limit, "outcome": row.outcome.value,
@@ -74,7 +73,7 @@ class VerifyResult(Result):
             for row in self.rows
         ]  # fmt: skip
         missed = sum(row.outcome is Outcome.FAIL for row in self.rows)
-        return {"schema": SCHEMA, "subject": self.subject, "rows": rows, "missed": missed, "notes": list(self.notes)}
+        return {"subject": self.subject, "rows": rows, "missed": missed, "notes": list(self.notes)}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """A line for each row, then how many hold."""
