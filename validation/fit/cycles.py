@@ -12,16 +12,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.impedance.reduce import reduction_of
-from reduced.ode.slabs import STAGES, ReducedSlabs
+from reduced.ode.slabs import ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
 from slipwave.step.collocation import radau
-from slipwave.step.sensitivity import port_sensitivity
 from validation.data.events import noise_of
-from validation.fit.forward import marched, sampled
+from validation.fit.forward import Reduced, marched, sampled
 from validation.fit.parameters import Variants, sizes
 
 BINS = 48
@@ -227,55 +225,35 @@ def _date(times: Array, friction: Array, top: int, bottom: int) -> float:
     return float(times[above] + share * (times[above + 1] - times[above]))
 
 
-class CycleOfReduction:
-    """The last of some cycles of an ODE reduction that a disturbance has set going: period, then friction in the bins. The
-    derivative is exact for the steps that the march took."""
-
-    is_cheap: bool = True
+class CycleOfReduction(Reduced):
+    """The last of some cycles of an ODE reduction that a disturbance has set going: period, then friction in the bins. Raises
+    NumericsError where the model does not stick and slip."""
 
     def __init__(self, variants: Variants, period: float, model: str, tolerance: float, phases: Array | None = None) -> None:
         """Around a `period` like this; bins whose samples have these mean `phases`, or their middles."""
-        self._variants, self._period, self._model, self._tolerance = variants, period, model, tolerance
-        self._last: tuple[Array, Scene, Pieces] | None = None
+        super().__init__(variants, model, tolerance)
+        self._period = period
         width = (1.0 - 2.0 * MARGIN) / BINS
         middles = MARGIN + width * (np.arange(BINS) + 0.5) if phases is None else phases
         self._phases = (middles[:, None] + width * _NODES).ravel()
 
-    def scene(self, inner: Array) -> Scene:
-        """As `Forward`."""
-        return self._variants.scene(inner)
-
-    def friction(self, inner: Array) -> Array:
-        """As `Forward`, after the period. Raises NumericsError where the model does not stick and slip."""
-        _, scene, pieces = self._marched(inner)
-        return self._cycle(scene, pieces, [])[0]
-
-    def slopes(self, inner: Array) -> Array:
-        """As `Forward`."""
-        _, scene, pieces = self._marched(inner)
-        found = port_sensitivity(self._slabs(scene), self._variants.beside(inner), pieces)
-        return np.column_stack(self._cycle(scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
-
     def motion(self, inner: Array, every: float) -> tuple[Array, Array]:
         """Times (s, or transits in a scene without units), `every` so long, and friction of the later half of the march."""
-        _, scene, pieces = self._marched(inner)
-        clock = sizes(scene)[0]
+        slabs, pieces = self._known(inner)
+        clock = sizes(slabs.scene)[0]
         times = np.arange(0.4 * pieces.time[-1] * clock, pieces.time[-1] * clock, every)
         return times, sampled(pieces, times / clock, [pieces.mu])[0]
 
-    def _marched(self, inner: Array) -> tuple[Array, Scene, Pieces]:
-        if self._last is None or not np.array_equal(self._last[0], inner):
-            scene = self.scene(inner)
-            for longer in _LONGER:
-                until = float(np.ceil(longer * (_SETTLED + 1.5) * self._period / sizes(scene)[0]))
-                pieces = marched(self._slabs(scene), until, self._tolerance)
-                events = self._falls(pieces)
-                if len(events) >= _SETTLED and self._is_settled(pieces, events[-3:]):
-                    break
-            if len(events) < _SETTLED:
-                raise NumericsError(f"{self._model}: no {_SETTLED} slip events in {pieces.time[-1]:.4g} transits")
-            self._last = inner.copy(), scene, pieces
-        return self._last
+    def _march(self, slabs: ReducedSlabs) -> Pieces:
+        for longer in _LONGER:
+            until = float(np.ceil(longer * (_SETTLED + 1.5) * self._period / sizes(slabs.scene)[0]))
+            pieces = marched(slabs, until, self._tolerance)
+            events = self._falls(pieces)
+            if len(events) >= _SETTLED and self._is_settled(pieces, events[-3:]):
+                break
+        if len(events) < _SETTLED:
+            raise NumericsError(f"{self._model}: no {_SETTLED} slip events in {pieces.time[-1]:.4g} transits")
+        return pieces
 
     def _is_settled(self, pieces: Pieces, three: Sequence[tuple[int, int]]) -> bool:
         """Whether the last two periods are the same."""
@@ -283,16 +261,13 @@ class CycleOfReduction:
         dates = [model_date(pieces, one, [slope])[0] for one in three]
         return abs(dates[2] - 2.0 * dates[1] + dates[0]) < _SAME_PERIOD * (dates[2] - dates[1])
 
-    def _slabs(self, scene: Scene) -> ReducedSlabs:
-        return ReducedSlabs(scene, lambda one: reduction_of(one, self._model), STAGES)
-
     def _falls(self, pieces: Pieces) -> list[tuple[int, int]]:
         """Events of the later half of a march, and those before that are as large."""
         late = pieces.mu[pieces.mu.shape[0] // 2 :]
         return falls(pieces.mu.ravel(), max(_FALL * float(np.ptp(late)), 1e-6))[:-1]
 
-    def _cycle(self, scene: Scene, pieces: Pieces, by: list[Array]) -> list[Array]:
-        """Period and friction of the last whole cycle, and their derivatives, where `by` (k, s) are those of mu."""
+    def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
+        """Period and friction of the last whole cycle, and their derivatives."""
         slope = slope_of(pieces)
         events = self._falls(pieces)[-2:]
         (begin, at_begin), (end, at_end) = (model_date(pieces, one, [slope, *by]) for one in events)

@@ -1,8 +1,8 @@
 """What a model says that a record would show, with its derivative by the free parameters."""
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Protocol
 
 import numpy as np
 
@@ -30,73 +30,90 @@ _SAME_TIME = 1e-6  # transits; a sample so far beyond the end of a piece is at i
 _SHIFT = 1e-4  # of differences of marches
 
 
-class Forward(Protocol):
-    """A model's friction over the free parameters."""
+class Forward(ABC):
+    """The friction of a `model` over the free parameters of `variants`."""
 
     is_cheap: bool
     """Whether many starts may be tried."""
 
+    def __init__(self, variants: Variants, model: str) -> None:
+        self._variants, self._model = variants, model
+
     def scene(self, inner: Array) -> Scene:
         """That of these values."""
+        return self._variants.scene(inner)
 
+    @abstractmethod
     def friction(self, inner: Array) -> Array:
         """At the times of the record. Raises NumericsError where the motion cannot be computed."""
 
+    @abstractmethod
     def slopes(self, inner: Array) -> Array:
         """Its derivative (samples, parameters)."""
 
 
-class OfReduction:
-    """Friction by an ODE reduction, in steps as long as its motion allows, whatever a transit is. The derivative is exact for the
-    steps that the march took."""
+class Reduced(Forward):
+    """By an ODE reduction, in steps as long as its motion allows, whatever a transit is. The derivative is exact for the steps
+    that the march took."""
 
     is_cheap: bool = True
 
-    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
-        self._variants, self._times, self._model, self._tolerance = variants, times, model, tolerance
+    def __init__(self, variants: Variants, model: str, tolerance: float) -> None:
+        super().__init__(variants, model)
+        self._tolerance = tolerance
         self._last: tuple[Array, ReducedSlabs, Pieces] | None = None
-
-    def scene(self, inner: Array) -> Scene:
-        """As `Forward`."""
-        return self._variants.scene(inner)
 
     def friction(self, inner: Array) -> Array:
         """As `Forward`."""
-        _, slabs, pieces = self._marched(inner)
-        return self._at_times(slabs.scene, pieces, [pieces.mu])[0]
+        slabs, pieces = self._known(inner)
+        return self._seen(slabs.scene, pieces, [])[0]
 
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
-        _, slabs, pieces = self._marched(inner)
+        slabs, pieces = self._known(inner)
         found = port_sensitivity(slabs, self._variants.beside(inner), pieces)
-        return np.column_stack(self._at_times(slabs.scene, pieces, [*np.moveaxis(found, 1, 0)]))
+        return np.column_stack(self._seen(slabs.scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
 
-    def _marched(self, inner: Array) -> tuple[Array, ReducedSlabs, Pieces]:
+    def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:
         if self._last is None or not np.array_equal(self._last[0], inner):
-            scene = self._variants.scene(inner)
-            slabs = ReducedSlabs(scene, lambda one: reduction_of(one, self._model), STAGES)
-            self._last = inner.copy(), slabs, marched(slabs, self._times[-1] / sizes(scene)[0], self._tolerance)
-        return self._last
+            slabs = ReducedSlabs(self.scene(inner), lambda one: reduction_of(one, self._model), STAGES)
+            self._last = inner.copy(), slabs, self._march(slabs)
+        return self._last[1:]
 
-    def _at_times(self, scene: Scene, pieces: Pieces, rows: Sequence[Array]) -> list[Array]:
-        """Nodal values (k, s) at the times of the record."""
+    @abstractmethod
+    def _march(self, slabs: ReducedSlabs) -> Pieces:
+        """The motion that is to be seen."""
+
+    @abstractmethod
+    def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
+        """What the record would show of it, and its derivatives, where `by` (k, s) are those of mu at the nodes."""
+
+
+class OfReduction(Reduced):
+    """Friction by an ODE reduction at the times of the record."""
+
+    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
+        super().__init__(variants, model, tolerance)
+        self._times = times
+
+    def _march(self, slabs: ReducedSlabs) -> Pieces:
+        return marched(slabs, self._times[-1] / sizes(slabs.scene)[0], self._tolerance)
+
+    def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
         times = np.clip(self._times / sizes(scene)[0], 0.0, pieces.time[-1] + pieces.length[-1])
-        return sampled(pieces, times, rows)
+        return sampled(pieces, times, [pieces.mu, *by])
 
 
-class OfSolver:
+class OfSolver(Forward):
     """Friction by any other model. The derivative of alike plain slabs' delay system is exact for the steps that the march took;
     that of others, and by a parameter that changes the transit, is a difference of marches."""
 
     is_cheap: bool = False
 
     def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
-        self._variants, self._times, self._model, self._tolerance = variants, times, model, tolerance
+        super().__init__(variants, model)
+        self._times, self._tolerance = times, tolerance
         self._last: tuple[Array, Array] | None = None
-
-    def scene(self, inner: Array) -> Scene:
-        """As `Forward`."""
-        return self._variants.scene(inner)
 
     def friction(self, inner: Array) -> Array:
         """As `Forward`."""

@@ -1,7 +1,7 @@
 """Nonlinear least squares with what the data say on each parameter: its interval, and whether they determine it at all."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -197,7 +197,10 @@ def intervals(problem: Problem, found: Solution) -> Intervals:
     scaled = found.slopes / np.where(lengths > 0.0, lengths, 1.0)
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
     weak = values <= _SINGULAR * values[0]
-    singular = [_direction(problem.names, row) for row in directions[weak]]
+    singular = [  # parameters that can change together without any effect
+        " with ".join(name for name, share in zip(problem.names, row, strict=True) if abs(share) > _NAMED)
+        for row in directions[weak]
+    ]
     singular += [name for name, length in zip(problem.names, lengths, strict=True) if length == 0.0]
     kept = directions[~weak]
     covariance = (kept.T / values[~weak] ** 2) @ kept / np.outer(*[np.where(lengths > 0.0, lengths, 1.0)] * 2)
@@ -216,11 +219,6 @@ def intervals(problem: Problem, found: Solution) -> Intervals:
 def without_ends(spread: Intervals) -> Intervals:
     """The same of values that are no minimum: the sum of squares around them says nothing of where the best values are."""
     return spread._replace(low=np.full_like(spread.low, math.nan), high=np.full_like(spread.high, math.nan), profiled=())
-
-
-def _direction(names: Sequence[str], row: Array) -> str:
-    """The parameters that can change together without any effect."""
-    return " with ".join(name for name, share in zip(names, row, strict=True) if abs(share) > _NAMED)
 
 
 def correlated_samples(residual: Array) -> float:

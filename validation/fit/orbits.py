@@ -15,12 +15,11 @@ from reduced.orbit.approach import guesses
 from reduced.orbit.closing import Closed, by_parameter, close, close_family
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import SAME, Array, Pieces
-from slipwave.scene import Scene
 from slipwave.step.flow import Flow
 from validation.compute.orbits import moving
 from validation.fit.cycles import falls, model_date, slope_of
 from validation.fit.folded import FoldedRecord
-from validation.fit.forward import sampled
+from validation.fit.forward import Forward, sampled
 from validation.fit.parameters import Variants, sizes
 
 SHIFT = np.array([2e-3, 2e-4])
@@ -44,14 +43,15 @@ class Anchor(NamedTuple):
     closed: Closed
 
 
-class CycleOfOrbit:
+class CycleOfOrbit(Forward):
     """The periodic orbit of a model next to the last one: its period, then its friction at the samples of a folded record. As a
     `Forward` it is a function of the parameters; `walk` goes along the coordinates in which it is smooth."""
 
     is_cheap: bool = False
 
     def __init__(self, variants: Variants, record: FoldedRecord, model: str) -> None:
-        self._variants, self.record, self._model = variants, record, model
+        super().__init__(variants, model)
+        self.record = record
         self.transit = sizes(variants.base)[0]
         if record.period > _MOST_TRANSITS * self.transit:
             raise SceneError(
@@ -60,10 +60,6 @@ class CycleOfOrbit:
             )
         self.anchor: Anchor | None = None
         self.leading, self.late = 0, 0.0
-
-    def scene(self, inner: Array) -> Scene:
-        """As `Forward`."""
-        return self._variants.scene(inner)
 
     def friction(self, inner: Array) -> Array:
         """As `Forward`. Raises NumericsError where no orbit is found."""

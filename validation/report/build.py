@@ -25,6 +25,8 @@ from validation.report.side_by_side import share_out
 from validation.studies import choose, study_called
 from validation.study import Budget, Study
 
+_DIED = "a process of the report died, killed or short of memory, before this study was done"
+
 
 class Task(NamedTuple):
     """A study to be run: its name and module, the folder and the key under which its result is stored."""
@@ -115,7 +117,7 @@ def _run(
     shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]
     if processes > 1 and len(shared) > 1:
         for task, result in share_out(perform, shared, processes, lambda task, share: tell(task.name, share)):
-            yield result or _unfinished(study_called(task.name))
+            yield result or store.Stored(task.name, study_called(task.name).QUESTION, 0.0, True, error=_DIED)
     else:
         timed = shared + timed
     yield from (perform(task, partial(tell, task.name)) for task in timed)
@@ -132,11 +134,6 @@ def perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
         where = traceback.extract_tb(error.__traceback__)[-1]
         message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
         return store.Stored(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=message)
-
-
-def _unfinished(study: Study) -> store.Stored:
-    error = "a process of the report died, killed or short of memory, before this study was done"
-    return store.Stored(study.NAME, study.QUESTION, 0.0, True, error=error)
 
 
 def _seconds(study: Study, quick: bool) -> float:

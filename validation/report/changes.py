@@ -1,6 +1,5 @@
 """What became of the numbers and verdicts of an earlier report."""
 
-import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Literal, TypeVar
@@ -24,13 +23,10 @@ def changes_since(before: Record, now: Record, since: str) -> Changes:
     whole = set() if now.quick else done
     every = [*_compared(before.numbers, now.numbers, whole)]
     every += _compared(before.verdicts, now.verdicts, whole) if before.verdicts else ()  # the baseline tells none
-    every = [_uncompared(change, "another scene of the same name") if change.study in other else change for change in every]
+    uncompared = {"word": Word.NOT_COMPARABLE, "why": "another scene of the same name"}
+    every = [change.model_copy(update=uncompared) if change.study in other else change for change in every]
     listed = sorted((change for change in every if change.word is not Word.SAME), key=lambda change: -change.over)
     return Changes(since=since, counts=dict(Counter(change.word for change in every)), listed=tuple(listed))
-
-
-def _uncompared(change: Change, why: str) -> Change:
-    return change.model_copy(update={"word": Word.NOT_COMPARABLE, "why": why})
 
 
 def _compared(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Iterator[Change]:
@@ -102,7 +98,7 @@ def change_lines(changes: Changes) -> Iterator[str]:
     counts = ", ".join(f"{changes.counts[word]} {word}" for word in Word if word in changes.counts)
     yield f"Since {changes.since}: {counts or 'nothing to compare'}."
     rows = [
-        [bare(f"{one.study}: {one.name}"), one.word, _shown(one.before), _shown(one.now), _bars(one)]
+        [bare(f"{one.study}: {one.name}"), one.word, _shown(one.before), _shown(one.now), f"{one.over:.2g}".replace("inf", "-")]
         for one in changes.listed
         if one.word is not Word.NOT_COMPARABLE
     ]
@@ -112,7 +108,3 @@ def change_lines(changes: Changes) -> Iterator[str]:
 
 def _shown(value: float | str | None) -> str:
     return rounded(value, 7) if isinstance(value, float | None) else value
-
-
-def _bars(change: Change) -> str:
-    return f"{change.over:.2g}" if math.isfinite(change.over) else "-"

@@ -48,14 +48,10 @@ class Asked:
         doubts = [
             f"{len(failed)} check{'s' if len(failed) > 1 else ''} of `{study.name}` failed"
             for study in self.studies
-            if (failed := _failed(study))
+            if (failed := [verdict for verdict in verdicts_of([study]) if verdict.outcome is Outcome.FAIL])
         ]
         doubts += [f"`{study.name}` did not finish" for study in self.studies if study.error]
         return f"{said} But: {'; '.join(doubts)}." if doubts else said
-
-
-def _failed(study: Stored) -> list[Verdict]:
-    return [verdict for verdict in verdicts_of([study]) if verdict.outcome is Outcome.FAIL]
 
 
 def ask(studies: Sequence[Stored], changed: str) -> list[Asked]:

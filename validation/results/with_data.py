@@ -62,7 +62,9 @@ def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
     units = {name: shown_in(EVENTS[name].unit, scene) for name in FIGURES_OF_CYCLES}
     units["stress_drop"] = 1.0, "normal stress"
     heading = ["", "cycles", *(f"{name.replace('_', ' ')} / ({unit})" for name, (_, unit) in units.items())]
-    rows = [[data["source"], f"{data['period']['n']}", *(_barred(data[name], units[name][0]) for name in FIGURES_OF_CYCLES)]]
+    spreads = [(data[name]["mean"], data[name]["std"], units[name][0]) for name in FIGURES_OF_CYCLES]
+    bars = [f"{mean * size:.5g} +- {rounded(None if std is None else std * size, 2)}" for mean, std, size in spreads]
+    rows = [[data["source"], f"{data['period']['n']}", *bars]]
     for row in summary["models"]:
         cells = []
         for name in FIGURES_OF_CYCLES:
@@ -93,10 +95,6 @@ def effect_in_words(smoothing: Mapping[str, Any], scene: Scene) -> Iterator[str]
         size, unit = shown_in("transit", scene)
         changes = ", ".join(f"{name.replace('_', ' ')} {100.0 * smoothing[name]:.2g} %" for name in FIGURES_OF_CYCLES)
         yield f"with half as many, dates of events move by at most {smoothing['dates'] * size:.2g} {unit}, means by: {changes}"
-
-
-def _barred(one: Mapping[str, Any], size: float) -> str:
-    return f"{one['mean'] * size:.5g} +- {rounded(None if one['std'] is None else one['std'] * size, 2)}"
 
 
 def averaged(motion: MeasuredMotion, most: float) -> Averaged:

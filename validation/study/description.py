@@ -62,17 +62,14 @@ def _sentences(panel: Panel) -> Iterator[str]:
         yield f"{one.name}{style}: {one.x.size} points, largest {_at(one, True)}, least {_at(one, False)}."
     if len(curves) > _LISTED:
         yield f"And {len(curves) - _LISTED} more."
-    functions = [one for one in curves if one.value is None and _is_function(one)][:_COMPARED]
+    rising = [one for one in curves if one.value is None and one.x.size > 1 and np.all(np.diff(one.x) > 0.0)]
+    functions = [one for one in rising if np.isfinite(one.y).all()][:_COMPARED]
     for one, other in combinations(functions, 2):
         places = meetings(one, other)
         if places.size:
             times = "once" if places.size == 1 else f"{places.size} times, first"
             yield f"{one.name} and {other.name} cross {times} at x = {places[0]:.4g}."
     yield from _ends(functions)
-
-
-def _is_function(one: Drawn) -> bool:
-    return bool(one.x.size > 1 and np.all(np.diff(one.x) > 0.0) and np.isfinite(one.y).all())
 
 
 def _ends(functions: Sequence[Drawn]) -> Iterator[str]:
