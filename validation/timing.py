@@ -1,7 +1,8 @@
 """The timer of all comparisons of run times: pieces of work that alternate in the same process, and the ratios of their times.
 
-Times are processor seconds (`validation.measure.timing`), taken after the compiled code is loaded. Errors are those of the mean
-over a run's last cycles, relative to given values.
+Times are processor seconds (`validation.measure.stopwatch`), taken after the compiled code is loaded. Errors are those of the
+mean over a run's last cycles, relative to given values. What is timed here is told by `validation.benchmark`, by
+`validation.wave_race` and by studies; none of these has a clock of its own.
 """
 
 import math
@@ -21,7 +22,7 @@ from slipwave.solve import Final, Solver, follow
 from validation.compute.build import build
 from validation.measure.cycle import watch
 from validation.measure.settle import estimate
-from validation.measure.timing import timed
+from validation.measure.stopwatch import timed
 
 _WARM_UP = 2.0  # transits
 UNLIKE_R = (0.0026, 0.0029)

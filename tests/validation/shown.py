@@ -9,7 +9,7 @@ import pytest
 from counterfeit import green, tapes_of
 
 from slipwave.input import source
-from validation.measure import timing
+from validation.measure import stopwatch
 from validation.report.sources import sources_of
 from validation.studies import study_called
 from validation.study import Budget, Evidence, Verdict
@@ -44,7 +44,7 @@ def quick(name):
     shares, scenes, study, tapes = list[float](), set[str](), study_called(name), tapes_of(name)
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
-        patch.setattr(timing, "_spent", lambda: 1e-3 * next(readings) ** 2)
+        patch.setattr(stopwatch, "_spent", lambda: 1e-3 * next(readings) ** 2)
         patch.setattr(source, "load_tables", watched(source.load_tables, scenes))
         for tape in tapes:
             tape.record(patch)

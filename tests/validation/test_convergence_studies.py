@@ -11,7 +11,7 @@ from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
 from slipwave.observe.statistics import Estimate
 from validation.compute.build import build
-from validation.measure import timing
+from validation.measure import stopwatch
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
 from validation.studies import grid_convergence
@@ -62,7 +62,7 @@ def test_two_delay_runs_differ_by_less_than_the_floor(exact):
 
 def test_a_run_that_is_remembered_reads_no_clock(monkeypatch):
     """Otherwise run times by a clock that counts its readings depend on what the process ran before."""
-    monkeypatch.setattr(timing, "_spent", lambda: pytest.fail("read"))
+    monkeypatch.setattr(stopwatch, "_spent", lambda: pytest.fail("read"))
     assert measure(build("fd", GENTLE.scene, cells=24), GENTLE)["period"].size
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from validation import benchmark, timing
 from validation.benchmark import last, main, ratios
-from validation.measure.timing import timed
+from validation.measure.stopwatch import timed
 from validation.timing import March, Race, Setting, in_turn
 from validation.wave_race import Entrant, fastest, race_ratios, raced, run_program
 from validation.wave_race import main as print_race

@@ -25,7 +25,7 @@ from slipwave.solve import Solver, follow
 from validation.measure.grid_ladders import Course, GridLadder
 from validation.measure.order_fit import TREND, Fit, asked, fit_dense
 from validation.measure.settle import SYMBOLS
-from validation.measure.timing import timed
+from validation.measure.stopwatch import timed
 
 OUTPUTS = {name: symbol for name, symbol in SYMBOLS.items() if name != "v_min"}
 """The outputs of every cycle whose order is fitted, and their symbols."""

@@ -17,7 +17,7 @@ from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.solve import Solver, follow
 from slipwave.solve.follow import Foresight
 from validation.measure.cycle import OneCycle, cut
-from validation.measure.timing import timed
+from validation.measure.stopwatch import timed
 
 SYMBOLS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
 """The figures of an orbit, and their symbols."""

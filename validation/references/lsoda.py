@@ -14,7 +14,7 @@ import numpy as np
 
 from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE
-from validation.measure.timing import timed
+from validation.measure.stopwatch import timed
 
 _APART = 10.0  # transits; crossings of V closer than this belong to the same slip event
 

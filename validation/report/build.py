@@ -12,7 +12,7 @@ from typing import NamedTuple, cast
 
 from slipwave.files import alone_in
 from validation.compute.progress import progress
-from validation.measure.timing import cores
+from validation.measure.stopwatch import cores
 from validation.report import baseline, store
 from validation.report.baseline import RedReport, red_lines
 from validation.report.changes import changes_since

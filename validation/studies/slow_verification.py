@@ -10,7 +10,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from slipwave.sources import ROOT
-from validation.measure.timing import cores
+from validation.measure.stopwatch import cores
 from validation.study import EXACT, SELF, Budget, Cell, Omission, StudyResult, Verdict, every, table
 
 NAME = "slow-verification"

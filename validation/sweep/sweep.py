@@ -23,7 +23,7 @@ from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.compute.models import parse, resolve
 from validation.compute.progress import progress
-from validation.measure.timing import cores
+from validation.measure.stopwatch import cores
 from validation.results.result import Dataset
 from validation.sweep import executors
 from validation.sweep.axes import Axis, whole_key
