@@ -179,8 +179,8 @@ class RunResult(Result):
 
     @property
     def facts(self) -> dict[str, Any]:
-        """As `Result`. `grid` exists only if the user did not choose its cells, `protocol`, the stages, only if the drive changes,
-        `lyapunov` only if requested, `observed` only if the scene records observers by name."""
+        """As `Result`. `grid` exists only if the user did not choose its cells, `protocol`, the stages, only if the drive
+        changes, `lyapunov` only if requested, `observed` only if the scene records observers by name."""
         done, found = self.done, self.done.statistics
         result: dict[str, Any] = {
             "scene": done.solver.scene.name,
