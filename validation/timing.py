@@ -91,13 +91,15 @@ class Race(NamedTuple):
 
 @dataclass(frozen=True)
 class TimedRun:
-    """One timed run: seconds, relative errors of period and stress drop (signed), period in transits."""
+    """One timed run: seconds, relative errors of period and stress drop (signed), period in transits, and half of what its last
+    cycles differ by."""
 
     setting: Setting
     seconds: float
     period: float
     period_error: float
     drop_error: float
+    spread: float = 0.0
 
 
 def in_turn(works: Mapping[Name, Work], rounds: int) -> list[dict[Name, float]]:
@@ -110,9 +112,9 @@ def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, f
     (names of `Orbit`)."""
     warm_up(setting, scene)
     runs = [timed(lambda: watch(solver_of(setting, scene), until)) for _ in range(repeats)]
-    orbit = estimate(runs[0][1].events()).values()
-    period, drop = (orbit[name] / exact[name] - 1.0 for name in ("period", "stress_drop"))
-    return TimedRun(setting, min(seconds for seconds, _ in runs), orbit["period"], period, drop)
+    orbit = estimate(runs[0][1].events())
+    period, drop = (orbit.values()[name] / exact[name] - 1.0 for name in ("period", "stress_drop"))
+    return TimedRun(setting, min(seconds for seconds, _ in runs), orbit.period.value, period, drop, orbit.period.error)
 
 
 def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """Verdicts that bound a size, and what a study may say when one fails."""
 
 import math
+import sys
 
 import pytest
 from shown import too_roomy
@@ -9,7 +10,7 @@ from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import Fit
 from validation.references.published import half_digit
 from validation.study import PAPER, WITNESS, Evidence, Outcome, StudyResult, Verdict, at_least, claim, every, holding, in_range
-from validation.study.known import as_known, of_order
+from validation.study.known import as_known, error_after, of_order, rounding
 from validation.study.names import with_names
 
 ORDER = Fit(3.91, 0.11, 1.0, 3.9, 1e-6, slice(0, 4), 0.99, 3.9, 0.1)
@@ -110,6 +111,13 @@ def test_no_study_answers_yes_beside_a_red_light():
 @pytest.mark.parametrize(("value", "half"), [(73.47, 0.005), (73.4721449443, 5e-11), (1.5e-07, 5e-9)])
 def test_half_of_the_last_digit(value, half):
     assert half_digit(value) == pytest.approx(half)
+
+
+def test_what_rounding_and_the_grid_before_leave():
+    """Sixteen roundings add up to four, of half an epsilon each, and to four times that at most; order 6 leaves a 64th on twice
+    the cells, and twice that is allowed."""
+    assert rounding(16.0) == pytest.approx(8.0 * sys.float_info.epsilon)
+    assert error_after("sbp:6", -1e-6, 24, 48) == pytest.approx(2e-6 / 64.0)
 
 
 @pytest.mark.parametrize(("evidence", "outcome"), [(Evidence.WITNESS, "fail"), (Evidence.EXACT, "pass")])

@@ -154,14 +154,14 @@ def test_which_code_is_common_is_read_from_the_imports():
 def beside(off, error=0.0, cycles=0):
     """Periods 80 and drops 0.2, the wave's period off by a share, both periods known to an error."""
     wave = (Estimate(80.0 * (1.0 + off), error), Estimate(0.2, 1e-3))
-    return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles)
+    return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles, orbits._ERRORS if cycles else 5e-10)
 
 
 @pytest.mark.parametrize(
     ("outcome", "case"),
     [
         ("pass", (4.5e-10,)),
-        ("fail", (-15e-10,)),
+        ("fail", (-5.5e-10,)),
         *(("fail", (off, 0.1, 50)) for off in (0.0, -0.0072)),
         ("pass", (0.0069, 0.1, 50)),
     ],

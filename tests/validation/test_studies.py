@@ -128,6 +128,12 @@ def test_onset_errors_fall_at_the_laws_power(onsets):
     assert {verdict.outcome for verdict in _onset_verdicts(onsets)} == {Outcome.PASS}
 
 
+def test_a_law_with_a_factor_one_per_cent_off_is_red(onsets):
+    law = onsets["block8"].law
+    wrong = {"block8": onsets["block8"]._replace(law=replace(law, coefficient=1.01 * law.coefficient))}
+    assert outcomes(_onset_verdicts(wrong)) == "fail"
+
+
 def test_the_cycles_error_does_not_fall():
     measured = [measure_cycle(slipwave.read("paper"), scale) for scale in (1.0, 0.5)]
     assert [one.errors["kelvin-voigt"] for one in measured] == pytest.approx([-0.0318, -0.0292], abs=2e-4)
@@ -227,7 +233,7 @@ def ledgers(residual, off):
 
 
 def closing(share):
-    sizes = {"rigid faces": share * 1e-13, "grips": share * 1e-13, "viscous": share * 2e-12}
+    sizes = {name: share * energy.closes_to("dg:7", 4, name) for name in energy.BOUNDARIES}
     return ({"dg:4": dict.fromkeys(sizes, 0.0), "dg:7": sizes},)
 
 
@@ -271,7 +277,7 @@ JUDGED = [
     *((cost_and_error._right, ([ours(0.02, share * cost_and_error._OUR_ERROR), ours(0.02, other, 1e-3)],), end)
       for share, other, end in ((0.9, 1e-3, "pass"), (-3.0, 0.0, "fail"))),
     *((energy.ladder_verdicts, ledgers(*case), reds) for *case, reds in
-      ((0.9e-13, 0.09, 0), (3e-13, -0.09, 1), (np.nan, 0.0, 1), (0.0, 0.3, 1), (0.0, -0.3, 1))),
+      ((2e-14, 0.09, 0), (6e-14, -0.09, 1), (np.nan, 0.0, 1), (0.0, 0.3, 1), (0.0, -0.3, 1))),
     (energy.high_verdicts, closing(0.9), 0), (energy.high_verdicts, closing(3.0), 3),
     (cost_verdicts, (COSTS,), "pass finding pass pass pass"),
     (keeps, ((1e-3, 0.1), [Point(*FIGURES), Point()]), "fail"), (keeps, ((1e-3, 0.1), [Point(*FIGURES)] * 2), "pass"),
@@ -292,10 +298,10 @@ JUDGED = [
        ({"mean": Estimate(74.0, 1.1)}, "finding"), ({"mean": Estimate(71.0, 0.6)}, "finding"))),
     (measured.thick, thick(0.98), "pass"), (measured.thick, thick(0.97), "fail"), (measured.thick, thick(1.03), "fail"),
     *((stability_attacks.limit_verdict, limits(*case), end) for *case, end in (
-      (1.0, 1.3, 1.039, "pass"), (0.961, 1.3, 1.0, "pass"), (1, 1.3, 1.12, "fail"), (0.88, 1.3, 1, "fail"),
+      (1.0, 1.3, 1.031, "pass"), (0.969, 1.3, 1.0, "pass"), (1, 1.3, 1.12, "fail"), (0.88, 1.3, 1, "fail"),
       (1, 0.88, 1, "fail"))),
     *((stability_attacks.medium_verdict, medium(*case), end) for *case, end in
-      ((19.0, 110.0, "pass"), (19.0, math.inf, "pass"), (60.0, math.inf, "fail"), (5.0, 33.0, "fail"))),
+      ((90.0, 110.0, "pass"), (90.0, math.inf, "pass"), (300.0, math.inf, "fail"), (5.0, 33.0, "fail"))),
     *((stability_attacks.state_verdict, (RATIOS | one,), end) for one, end in
       (({}, "pass"), ({"sbp:2": 2.785 * 1.009}, "pass"), ({"dg:4": 6.394 * 0.991}, "pass"), ({"fd": 9.0}, "fail"),
        ({"sbp:2": 2.785 * 0.97}, "fail"), ({"dg:4": 6.394 * 1.03}, "fail"))),
@@ -303,10 +309,10 @@ JUDGED = [
     (stability_attacks.stop_verdict, ({"fd": True, "dg:4": False},), "fail"),
     *((stability_attacks.advice_verdict, cured(model, share * limit), end) for model, limit in ADVISED.items()
       for share, end in ((0.95, "pass"), (3.0, "fail"))),
-    # noise gains nothing, and the leapfrog loses nothing
+    # noise gains nothing, and the leapfrog loses what friction takes: 1.60458e-6 in 1000 transits, known to 1.6e-3
     *((stability_attacks.noise_verdict, ({"fd": leapfrog, "dg:4": elements}, 1e3), end) for leapfrog, elements, end in
-      ((1.00028, 0.99, "pass"), (0.99972, 0.99, "pass"), (0.999, 0.9, "fail"), (1.001, 0.9, "fail"), (1.0, 1.001, "fail"),
-       (1.0, math.inf, "fail"), (math.nan, 0.9, "fail"))),
+      ((1.0 - 1.6025e-6, 0.99, "pass"), (1.0 - 1.6065e-6, 0.99, "pass"), (1.0, 0.9, "fail"), (1.0 - 1.61e-6, 0.9, "fail"),
+       (1.0 - 1.6045e-6, 1.001, "fail"), (1.0 - 1.6045e-6, math.inf, "fail"), (math.nan, 0.9, "fail"))),
 ]  # fmt: skip
 
 

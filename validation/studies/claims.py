@@ -41,7 +41,6 @@ RESTLESS = 1e-6
 """An orbit whose cycles still differ by more, relative, is not compared."""
 
 _VERY_SMALL, _ORDER_OF_TEN_PER_CENT = 1e-2, (0.1 / math.sqrt(10.0), 0.1 * math.sqrt(10.0))
-_DIGITS = 2e-10  # half the last digit is 5e-11
 _RIPPLES = 3e-4  # maxima between samples
 _CLOSES = 2e-6  # sixteen samples a piece
 _SHARE = 0.1  # power of the drop and of T ~ drop/(eps V)
@@ -307,13 +306,16 @@ def onset_claims() -> Iterator[Verdict]:
     ours = {"delay": onset.r_delay, "kelvin-voigt": onset.r_kelvin_voigt}
     places = {model: math.log10(r) for model, r in ours.items()}
     paper = reference()["paper"]["log10_r_c"]
-    off = max(abs(places[model] - reference()["hopf"][model]["log10_r"]) for model in ours)
+    known = {model: reference()["hopf"][model]["log10_r"] for model in ours}
+    off = {model: abs(places[model] - known[model]) for model in ours}
+    worst = max(ours, key=lambda model: off[model] / half_digit(known[model]))
     slow, fast = (abs(onset_at(v).r_kelvin_voigt / onset_at(v).r_delay - 1.0) for v in (1e3, 1e4))
     title = "P1 Delay system and ODE share ω_{c}; both r_{c} are close to 10^{-2.6996} at V = 100"
     both = minus(", ".join(f"{place:.7f}" for place in places.values()))
     away, digit = max(abs(place - paper) for place in places.values()), 2.0 * half_digit(paper)
     yield holding(title, PAPER, minus(f"{paper} ± {digit:.4f}"), both, away < digit, "log_{10} r_{c}").with_margin(away, digit)
-    yield claim(title, WITNESS, off, _DIGITS, "log_{10} r_{c} of AUTO and DDE-BIFTOOL, ten digits known")
+    where = f"log_{{10}} r_{{c}} of AUTO and DDE-BIFTOOL, one of the last digit known is allowed; shown: `{worst}`"
+    yield claim(title, WITNESS, off[worst], 2.0 * half_digit(known[worst]), where)
     yield from error_of_27(slow, fast)
 
 

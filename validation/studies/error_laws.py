@@ -176,10 +176,11 @@ def _onset_verdicts(onsets: Onsets) -> Iterator[Verdict]:
 
 
 def _next_term(model: str, onset: OnsetErrors) -> float:
-    """Allowed for the next term: 3e-5 to 2e-4 was measured at theta^2 = 1e-3, and 0.03 for the one law that is odd in theta; and
-    for the rounding of the ratio of two critical r, beside an error of 7e-13 with eight modes."""
-    theta = float(onset.theta[_FINER])
-    return (2.0 * theta if model == "quasidynamic" else 0.5 * theta**2) + _ROUNDING / abs(onset.law.at(theta))
+    """Twice the next term, as it shows at the paper's epsilon: from there it falls as theta^2, or theta for the one odd law. What
+    a wrong factor leaves does not fall. And the rounding of the ratio of two critical r, beside the error."""
+    here, theta = (float(onset.theta[index]) for index in (_HERE, _FINER))
+    fall = (theta / here) ** (1 if model == "quasidynamic" else 2)
+    return 2.0 * fall * abs(onset.ratio(_HERE) - 1.0) + _ROUNDING / abs(onset.law.at(theta))
 
 
 def _cycle_verdict(cycles: list[CycleErrors]) -> Verdict:

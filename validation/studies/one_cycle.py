@@ -19,6 +19,7 @@ from validation.measure.settle import SYMBOLS, WINDOW, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, memo, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, key, line, style_of, subplots
+from validation.study.known import OTHERS
 from validation.study.over_r import begun_at, scene_at
 from validation.study.text import minus, places, plain
 from validation.study.verdict import WITNESS, Verdict, claim
@@ -38,7 +39,6 @@ _CELLS, _CFL = 128, 0.5
 _TOLERANCE = 1e-10
 _MARGIN = 4.0  # transits shown on either side of a cycle
 _UNTIL, _LONGEST = 10000.0, 130.0
-_OURS = 9e-11  # beyond the digits of the others: the error of theirs
 _WAVE = 5e-4  # leapfrog with these cells
 
 
@@ -323,9 +323,9 @@ def cycle_verdicts(runs: dict[str, CycleRun]) -> Iterator[Verdict]:
 
 
 def _as_computed(model: str, ours: dict[str, float], known: dict[str, float]) -> Verdict:
-    """Every value may differ by half of the last known digit and by the error of our own orbit."""
+    """Every value may differ by half of the last known digit and by what others may be off beyond it."""
     off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
-    allowed = {name: half_digit(value) / abs(value) + _OURS for name, value in known.items()}
+    allowed = {name: half_digit(value) / abs(value) + OTHERS for name, value in known.items()}
     worst = max(known, key=lambda name: off[name] / allowed[name])
     whose = "The exact orbit" if model == "delay" else "Reduced models’ orbits"
     remark = f"`{model}`: {', '.join(map(SYMBOLS.__getitem__, known))}; shown: {SYMBOLS[worst]}, the worst beside its digits"

@@ -13,12 +13,13 @@ from validation.compute.followed import ends_of
 from validation.compute.parameter import over_range
 from validation.compute.points import CurvePoint, StopAt
 from validation.references.onset import onset_of
-from validation.references.published import reference
+from validation.references.published import half_digit, reference
 from validation.study import EXACT, PAPER, WITNESS, Budget, Figure, StudyResult, Table, Verdict, claim, in_range, stated, table
 from validation.study.drawing import WIDTH, Drawing, canvas, style_of
 from validation.study.known import JUST_BELOW
 from validation.study.over_r import scene_at
 from validation.study.text import plain
+from validation.study.verdict import ROUNDING
 
 NAME = "special-curves"
 QUESTION = "How do the points where orbits are born and change their stability depend on ε and V?"
@@ -40,8 +41,6 @@ _PLAN: dict[bool, tuple[tuple[str, str, tuple[float, float]], ...]] = {
 """By quick or full report: model, kind and the values of log10 V towards which its curve is followed."""
 
 _MOST = {True: 12, False: 24}
-_SAME = 1e-10  # meshes differ
-_KNOWN = 5e-9
 
 Key = tuple[str, str]
 
@@ -102,10 +101,10 @@ def curve_verdicts(found: dict[Key, list[CurvePoint]], again: float) -> Iterator
     end, known = found["delay", "LP"][-1], reference()["special"]["delay"]["first fold"]["log10_r"]
     title = "Only the products εV and rV matter: the fold at V is that at V = 100 with ε and r larger by V/100"
     remark = f"log_{{10}} r of the end of the delay system’s fold curve, V = {10.0**end.second:.1f}, against a branch of its own"
-    yield claim(title, EXACT, end.first + end.second - 2.0, _SAME, remark, near=again)
+    yield claim(title, EXACT, end.first + end.second - 2.0, ROUNDING, remark, near=again)
     here = _start(found["delay", "LP"]).first
     title = "The fold curve passes the known fold"
-    yield claim(title, WITNESS, here, _KNOWN, "log_{10} r at V = 100, lifted shooting", near=known)
+    yield claim(title, WITNESS, here, 2.0 * half_digit(known), "log_{10} r at V = 100, lifted shooting", near=known)
     folds = [(model, point) for (model, kind), points in found.items() if kind == "LP" for point in points]
     depths, speeds = [_below(*fold) for fold in folds], sorted(10.0**point.second for _, point in folds)
     low, high = speeds[0], speeds[-1]

@@ -13,12 +13,13 @@ from reduced.impedance.fit import exact_impedance
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate
+from validation.measure.settle import estimate
 from validation.references.onset import onset_of
 from validation.study import Budget, Figure, Number, Omission, StudyResult, memo, stated
 from validation.study.advice import AS_CHEAP, GOOD, costs_of_good_reductions
 from validation.study.compared import Sight, against, compared_table, relative_costs
 from validation.study.drawing import WIDTH, Drawing, line, ruled, style_of, subplots
-from validation.study.known import as_known, error_of
+from validation.study.known import ERRORS, OTHERS, as_known, error_after, error_of
 from validation.study.memo import cycle_of, own_orbit
 from validation.study.model_table import ModelTable
 from validation.study.over_r import begun_at, scene_at
@@ -55,11 +56,8 @@ _REPEATING = ("block12", "block8", "kelvin-voigt", "modal:1")
 _PRINTED = 1.0 - 70.73 / 73.5
 _HALF_DIGITS = 0.05 / 73.5 + 0.005 / 70.73
 _SHIFT, _SAMPLES = 0.2, 400  # of the line on which the impedance is sampled, per transit
-_FITTED = 5e-12
-_ERRORS = 4.0  # standard errors
-_KNOWN = 1e-10  # relative: the error of the other programs' periods
-_REPEATS, _REPEATED = 1e-6, 4000.0  # relative; transits of a run whose cycles repeat
-_WAVE_PERIOD, _WAVE_DROP = 1e-10, 1e-7  # relative
+_FITTED = 1e-12  # relative error of a rational fit
+_REPEATED = 4000.0  # transits of a run whose cycles repeat
 
 ByModel = Mapping[str, Sequence[Regime]]
 """model -> its regime at every r in turn."""
@@ -145,7 +143,8 @@ def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
         for symbol, name in (("T", "period"), ("drop", "drop"), ("v_max", "v_max"))
         for off in [error_beside_delay(orbits, model, log10_r, name)]
     }
-    found |= {f"{DAMPED} T at {x}": Number(figures.period.value, 1e-8) for x, figures in means[DAMPED].items() if figures}
+    damped = {x: figures.period for x, figures in means[DAMPED].items() if figures}
+    found |= {f"{DAMPED} T at {x}": stated(period.value, period.error) for x, period in damped.items()}
     known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error}
     return found | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
 
@@ -271,18 +270,17 @@ def parted(regimes: ByModel, grid: Sequence[float]) -> tuple[Runs, Runs]:
     return inside, {model: {x: one for x, one in by_r.items() if x not in SHOWN} for model, by_r in at.items()}
 
 
-def own_figures_of(model: str, log10_r: float) -> CycleFigures | None:
+def own_figures_of(model: str, log10_r: float, cells: int | None = None) -> CycleFigures | None:
     """The model's own orbit by Newton's method; None if it has none."""
     try:
-        return CycleFigures.of(memo.own_orbit(model, begun_at(log10_r), TOLERANCE).orbit)
+        return CycleFigures.of(memo.own_orbit(model, begun_at(log10_r), TOLERANCE, cells).orbit)
     except NumericsError:
         return None
 
 
 def mean_at(model: str, log10_r: float) -> CycleFigures:
-    """Means over the late cycles of a run."""
-    late = memo.late_cycles(model, scene_at(log10_r), _REPEATED)
-    return CycleFigures(*(Estimate(float(one.mean()), 0.0) for one in (late.period, late.stress_drop, late.v_max)))
+    """Means over the last cycles of a run."""
+    return CycleFigures.of(estimate(memo.late_cycles(model, scene_at(log10_r), _REPEATED)))
 
 
 def run_of_damped() -> CycleFigures:
@@ -319,6 +317,11 @@ def apart(one: CycleFigures | None, other: CycleFigures | None) -> float:
     return max(abs(one.period.value / other.period.value - 1.0), abs(one.drop.value / other.drop.value - 1.0))
 
 
+def within(one: CycleFigures | None, other: CycleFigures | None) -> float:
+    """How far the two may be apart by their errors."""
+    return max(error_of(getattr(one, name), getattr(other, name)) for name in _JUDGED) if one and other else math.nan
+
+
 def error_claims(orbits: Runs) -> Iterator[Verdict]:
     """What the errors of the orbits are at log10 r = -2.68, and that more modes reduce them."""
     for model, limit in TARGETS.items():
@@ -348,13 +351,14 @@ def mean_claims(means: Runs, ran: dict[str, CycleFigures]) -> Iterator[Verdict]:
         "Where no orbit is stable, the full wave, four and eight modes have the delay system’s mean period and mean stress drop"
     )
     where = f"the largest of {len(found)} differences, at {places(means['delay'])}"
-    yield claim(title, WITNESS, off, _ERRORS, where, unit="standard errors")
+    yield claim(title, WITNESS, off, ERRORS, where, unit="standard errors")
     first = min(means["delay"])
     differ = {model: apart(one, means[model][first]) for model, one in ran.items()}
-    worst = max(differ, key=differ.__getitem__)
+    limits = {model: within(one, means[model][first]) for model, one in ran.items()}
+    worst = max(differ, key=lambda model: differ[model] / limits[model])
     title = "Runs whose cycles repeat have the period and the stress drop of the model’s orbit"
     where = f"{', '.join(f'`{model}`' for model in differ)} at log_{{10}} r = {places([first])}; shown: `{worst}`"
-    yield claim(title, WITNESS, differ[worst], _REPEATS, where)
+    yield claim(title, WITNESS, differ[worst], limits[worst], where)
 
 
 def damped_claims(orbits: Runs, means: Runs, run: CycleFigures) -> Iterator[Verdict]:
@@ -370,16 +374,16 @@ def damped_claims(orbits: Runs, means: Runs, run: CycleFigures) -> Iterator[Verd
     yield in_range(title, WITNESS, SHORT, short, f"`{DAMPED}`, how much shorter, against the delay system’s means", ".0%")
     title = "A direct run of the quasi-dynamic model settles on the orbit that Newton’s method finds"
     orbit = known[RUN_AT]
-    limit = max(error_of(getattr(run, name), getattr(orbit, name)) for name in _JUDGED) if orbit else math.nan
-    yield claim(title, WITNESS, apart(run, orbit), limit, f"T and Δμ at log_{{10}} r = {places([RUN_AT])}")
+    yield claim(title, WITNESS, apart(run, orbit), within(run, orbit), f"T and Δμ at log_{{10}} r = {places([RUN_AT])}")
 
 
 def known_claims(periods: dict[str, Estimate]) -> Iterator[Verdict]:
     """Periods at log10 r = -2.68 against those of other programs, and of a fit against those of as many modes."""
-    yield as_known(periods, -2.68, _KNOWN)
-    fit, modes = (periods.get(model, Estimate(math.nan, 0.0)).value for model in ("fitted:4", "modal:4"))
+    yield as_known(periods, -2.68, OTHERS)
+    fit, modes = (periods.get(model, Estimate(math.nan, 0.0)) for model in ("fitted:4", "modal:4"))
     title = "A fit of the impedance of alike slabs has the orbit of as many exact modes"
-    yield claim(title, WITNESS, fit / modes, _KNOWN, "T of `fitted:4` and `modal:4` at log_{10} r = −2.68", near=1.0)
+    where = "T of `fitted:4` and `modal:4` at log_{10} r = −2.68"
+    yield claim(title, WITNESS, fit.value / modes.value, error_of(fit, modes), where, near=1.0)
 
 
 def fitted_modes(model: str) -> Verdict:
@@ -393,14 +397,14 @@ def fitted_modes(model: str) -> Verdict:
     known = reduction_of(scene_at(-2.68), model)
     reach = 2.0 * np.pi * (len(known.frequencies) + 0.5)
     s = np.asarray(_SHIFT + 1j * np.linspace(-reach, reach, _SAMPLES), dtype=np.complex128)
-    fit = cast(Any, interpolate).AAA(s, exact_impedance(scene_at(-2.68), s), rtol=1e-12)
+    fit = cast(Any, interpolate).AAA(s, exact_impedance(scene_at(-2.68), s), rtol=_FITTED)
     poles, residues = fit.poles(), fit.residues()
     modes = [(0.0, known.spring), *((w, 0.5 * residue) for w, residue in zip(known.frequencies, known.residues, strict=True))]
     nearest = [(int(np.argmin(np.abs(poles - 1j * w))), w, residue) for w, residue in modes]
     off = max(max(abs(poles[k] - 1j * w), abs(residues[k] / residue - 1.0)) for k, w, residue in nearest)
     title = "A rational fit of the exact impedance of alike slabs finds their modes"
     remark = f"poles (per transit) and residues of AAA against spring and modes of `{model}`, which knows them in closed form"
-    return claim(title, EXACT, float(off), _FITTED, remark)
+    return claim(title, EXACT, float(off), ERRORS * _FITTED, remark)
 
 
 def no_modes() -> Verdict:
@@ -413,9 +417,12 @@ def no_modes() -> Verdict:
 def wave_claims(orbits: Runs) -> Iterator[Verdict]:
     """The full wave's cycles against the delay system's orbits."""
     off = {name: max(abs(error_beside_delay(orbits, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
+    coarse = {WAVE: {x: own_figures_of(WAVE, x, CELLS - 1) for x in SHOWN}, "delay": orbits["delay"]}
+    left = {name: max(abs(error_beside_delay(coarse, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
+    limit = {name: error_after(WAVE, error, CELLS - 1, CELLS) for name, error in left.items()}
     where = f"`{WAVE}`, {CELLS} cells, propagated exactly in time, at {places(SHOWN)}"
-    yield claim("The full wave has the period of the delay system’s orbit", WITNESS, off["period"], _WAVE_PERIOD, where)
-    yield claim("The full wave has the stress drop of the delay system’s orbit", WITNESS, off["drop"], _WAVE_DROP, where)
+    yield claim("The full wave has the period of the delay system’s orbit", WITNESS, off["period"], limit["period"], where)
+    yield claim("The full wave has the stress drop of the delay system’s orbit", WITNESS, off["drop"], limit["drop"], where)
 
 
 def table_claims(table: ModelTable) -> Iterator[Verdict]:

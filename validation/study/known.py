@@ -1,9 +1,13 @@
 """Claims that several studies judge: periods that other programs know, the order of periods (P7)."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from slipwave.observe.statistics import Estimate
+from validation.compute.models import grid_of
 from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.references.published import half_digit, reference_orbit
 from validation.study import PAPER, WITNESS, Evidence, Verdict, claim, every, holding
@@ -12,6 +16,9 @@ from validation.study.text import minus, places
 ERRORS = 4.0
 """How many of its stated errors a figure may be off."""
 
+OTHERS = 1e-10
+"""How far periods of other programs may be off beyond half of the last digit that is known, relative: those of `block8` are."""
+
 JUST_BELOW = 0.01
 """A fold at most so far below the onset, relative, is "just below" it."""
 
@@ -19,6 +26,19 @@ JUST_BELOW = 0.01
 def error_of(*figures: Estimate) -> float:
     """How far figures may differ, relative: so many of the errors that they state."""
     return ERRORS * sum(figure.error / abs(figure.value) for figure in figures)
+
+
+def rounding(operations: float) -> float:
+    """How far the rounding errors of so many operations may add up, relative: they are as if drawn at random, so that their sum
+    grows with the square root of their number (Higham and Mary, SIAM J. Sci. Comput. 41, 2019), each at most half of eps."""
+    return ERRORS * 0.5 * float(np.finfo(float).eps) * math.sqrt(operations)
+
+
+def error_after(model: str, error: float, coarse: int, fine: int) -> float:
+    """How far the orbit of a grid of `fine` cells may be off after that `error` on `coarse` ones: twice what the declared order
+    leaves of it."""
+    family, number = grid_of(model)
+    return 2.0 * abs(error) * (coarse / fine) ** family.order_interface(number)
 
 
 def as_known(periods: Mapping[str, Estimate], log10_r: float, others: float = 0.0) -> Verdict:

@@ -56,10 +56,12 @@ AROUND = ((0.99, STEPS), (1.05, 2000))
 BEYOND = 1.25
 """Share of the limit at which a run has to stop."""
 
-_GROWN = 100.0
+GROWN = 100.0
+"""Noise that is so many times as large has grown: the one definition of every limit."""
+SHARPNESS = 1.01
+"""Ratio of a step that is stable to one that is not, where the search for a limit ends."""
 _LONG = 120.0  # transits
 _LOW, _HIGH = 0.8, 1.5
-_SHARPNESS = 1.01
 
 
 def few_cells(model: str) -> int:
@@ -111,7 +113,7 @@ def growth(model: str, scene: Scene, share: float, steps: int = STEPS) -> float:
 def limit_at(model: str, decade: float) -> float:
     """Largest share of the declared step, to 1 per cent, at which noise does not grow on friction of stiffness 10^decade Z."""
     scene = rubbing(decade)
-    return _largest(lambda share: growth(model, scene, share) < _GROWN)
+    return _largest(lambda share: growth(model, scene, share) < GROWN)
 
 
 def state_reach(model: str) -> float:
@@ -142,7 +144,7 @@ def _largest(stable: Callable[[float], bool]) -> float:
         return 0.0
     if stable(high):
         return high
-    while high / low > _SHARPNESS:
+    while high / low > SHARPNESS:
         middle = math.sqrt(low * high)
         low, high = (middle, high) if stable(middle) else (low, middle)
     return math.sqrt(low * high)

@@ -9,6 +9,7 @@ import numpy as np
 import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, RunStatistics, summarise
+from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Solver, follow
 from validation.compute.build import build, build_full_wave
@@ -152,9 +153,23 @@ def advised(model: str) -> Cure:
     return Cure(stopped, message, cells, math.inf)
 
 
+def locked() -> Scene:
+    """The slabs of the paper locked by friction: where hardly anything slides, a wave hardly changes the slip rate."""
+    return slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
+
+
+def noise_left(transits: float) -> Estimate:
+    """What friction leaves of the energy of waves in a locked slab after `transits`. A wave of velocity u makes slip at a rate of
+    4 Z u V/a, which takes a share 4 Z V/a of the energy in every transit; a/v is not constant, by that slip over V: the error."""
+    scene = locked()
+    share = 4.0 * scene.impedance * scene.velocity / scene.law.a
+    left = math.exp(-share * transits)
+    return Estimate(left, (1.0 - left) * share / scene.velocity)
+
+
 def locked_noise(model: str, transits: float) -> float:
     """Energy left of noise in a locked slab after `transits`, over its mean in the first ten; infinite if the run broke down."""
-    scene = slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
+    scene = locked()
     solver = build_full_wave(model, scene, cells=few_cells(model), cfl=1.0)
     solver.disturb(np.random.default_rng(1).standard_normal, stressed=False)
     try:
