@@ -60,8 +60,7 @@ def print_score(
 
 def print_scene(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
     """A scene as pure TOML; what else a file of results holds as comments."""
-    from slipwave.input.source import is_stored, to_toml
-    from slipwave.input.stored import read_stored
+    from slipwave.input.source import is_stored, read_stored, to_toml
     from slipwave.input.wording import one_line
     from validation.results.wording import header
 

@@ -21,19 +21,12 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     # numba and pydantic are imported only here, so that `import slipwave` stays light
     from slipwave.input.assemble import assemble_scene, validate
     from slipwave.input.overrides import apply_overrides
-    from slipwave.input.source import is_stored, load_tables, tables_of
-    from slipwave.input.stored import read_stored
-    from slipwave.input.wording import one_line
+    from slipwave.input.source import load_tables
     from slipwave.scene import Scene
 
     if isinstance(source, Scene) and not overrides:
         return source
-    if isinstance(source, Scene):
-        name, data = tables_of(source)
-    elif isinstance(source, str | Path) and is_stored(source):
-        name, data = one_line(Path(source).stem), read_stored(source).tables
-    else:
-        name, data = load_tables(source)
+    name, data = load_tables(source)
     data = apply_overrides(data, overrides) if overrides else data
     return assemble_scene(data, validate(data), name)
 

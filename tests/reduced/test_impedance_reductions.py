@@ -7,8 +7,7 @@ import pytest
 from one_port_scenes import EPSILON, EVERY, LOSSLESS, LOSSY, ROUND_TRIP, paper
 
 from reduced.impedance import check_passivity, impedance, poles_and_residues, taylor_poles
-from reduced.impedance.modes import spring_and_mass
-from reduced.impedance.reduce import reduction_of
+from reduced.impedance.reduce import reduction_of, spring_and_mass
 from slipwave.errors import SceneError
 from tests.one_port_by_hand import pair_impedance
 

@@ -10,7 +10,7 @@ import slipwave
 import slipwave as sw
 from slipwave.errors import SceneError
 from slipwave.family import features_of
-from slipwave.input.stored import read_stored
+from slipwave.input.source import read_stored
 from slipwave.solve import follow
 from validation.compute.build import build, build_all
 from validation.compute.models import FAMILIES, GRIDS, families, honouring, resolve

@@ -15,8 +15,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
 from slipwave.input import SceneSource, read
-from slipwave.input.source import is_stored
-from slipwave.input.stored import read_stored
+from slipwave.input.source import is_stored, read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import read_series

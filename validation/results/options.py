@@ -20,8 +20,7 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource, read, read_scene
-from slipwave.input.source import is_stored
-from slipwave.input.stored import read_stored, recall
+from slipwave.input.source import is_stored, read_stored, recall
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
