@@ -174,12 +174,6 @@ PLACES = {
         Place("grid_convergence.orbits:own_orbit", (part("orbit"),)),
         Place("grid_convergence.in_time:marches_of", tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact"))),
     ),
-    "cost-and-error": (
-        Place("cost_and_error:settle"),
-        Place("cost_and_error:time_run", (lambda one: part("period_error", change=displaced(1e-3))(part("period")(one)),)),
-        Place("cost_and_error:time_final"),
-        Place("cost_and_error:plain_kelvin_voigt", S),
-    ),
     "stability-boundaries": (
         Place("stability_boundaries:boundary", (each(part("second")),), 1),
         Place("stability_boundaries:critical_round_trip", S, 1),
@@ -189,19 +183,6 @@ PLACES = {
         Place("stability_boundaries:analyse", (part("log10_r_c"),), few=True),
     ),
     "slip-event": (Place("slip_event:_record", (part("field.upper.velocity"),)),),
-    "stability-attacks": (
-        Place("stability_attacks.limits:limit_at", (lambda value: 0.9 * value,)),
-        Place("stability_attacks.limits:around_the_limit", (lambda value: (value[0] + 100.0, value[1]),)),
-        Place("stability_attacks.limits:state_reach", (lambda value: 1.05 * value if np.isfinite(value) else 1.0,)),
-        Place("stability_attacks.limits:stops_beyond", S),
-        Place("stability_attacks.runs:attack", (each(part("error", change=displaced(1.0))),)),
-        Place("stability_attacks.runs:advised", (part("error", change=displaced(0.1)),)),
-        Place("stability_attacks.runs:locked_noise", (displaced(1.0),)),
-    ),
-    "energy": (
-        Place("energy:residual_of", (displaced(1e-3),)),
-        Place("energy:history_of", (part("entries", change=only("friction", scaled)),)),
-    ),
     "unlike-slabs": (Place("unlike_slabs:march_pair", (part("figures"),), 1), Place("unlike_slabs:costs")),
     "partial-reflection": (
         Place("partial_reflection:settled_cycle_of"),
@@ -235,7 +216,6 @@ PLACES = {
         Place("asymmetry_map:growing_roots", (lambda counts: counts[::-1],)),
         Place("asymmetry_map:model_regimes", (lambda found: np.roll(found, 2, axis=0),)),
     ),
-    "error-laws": (Place("error_laws:critical_round_trip", S, 1), Place("error_laws:measure_cycle")),
     "bifurcation": (
         Place("bifurcation:branch_of", (part("onset.parameter"),)),
         Place("bifurcation:wave_orbit", (part("wave"),)),
@@ -258,7 +238,6 @@ PLACES = {
         Place("special_curves:_fold_at", S),
     ),
     "period-doubling": (Place("period_doubling:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),),
-    "coverage": (Place("coverage:computation"),),
     "manufactured": (Place("manufactured:error_of_motion", (lambda error: 100.0 * error,), few=True),),
     "laboratory": (
         Place("laboratory:cycles_of_samples"),
@@ -278,7 +257,5 @@ PLACES = {
         Place("bias:corner_errors", (displaced(0.03),)),
         Place("bias:intervals_held", (lambda rows: [[not held for held in row] for row in rows],), unjudged=UNCOUNTED),
     ),
-    "planted-faults": (),
-    "slow-verification": (),
 }
-"""By study. Those without a place read records, and `test_slow_verification` and `test_slow_verification` counterfeit these."""
+"""By study: those whose quick run a test holds (`shown.quick`)."""

@@ -11,7 +11,6 @@ from reduced.impedance.reduce import reduction_of
 from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
-from validation.cli import main
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.drawn import draw_fit, values_in_words
 from validation.fit.forward import OfReduction, OfSolver, marched
@@ -20,6 +19,7 @@ from validation.fit.parameters import Schedule, Variants, free_parameters, sched
 from validation.fit.problem import problem_of
 from validation.fit.records import Experiment, followed, stick_slip, travelled
 
+Made = OfReduction | OfSolver | CycleOfReduction
 KEYS = ["interface.a", "interface.b", "interface.memory_length"]
 TRUTH = dict(zip(KEYS, (0.01, 0.015, 10e-6), strict=True))
 THIN = ["slab.thickness='20 cm'"]
@@ -44,15 +44,21 @@ def steps(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def assert_slopes(made: Made, inner: np.ndarray, step: float, parts: tuple[slice, ...] = (slice(None),)) -> None:
+    """By each parameter, relative to the largest value of a part of the rows."""
+    exact = made.slopes(inner)
+    for k, shift in enumerate(step * np.eye(inner.size)):
+        difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
+        for part in parts:
+            assert np.abs(exact[part, k] - difference[part]).max() < 1e-6 * np.abs(difference[part]).max(), k
+
+
 @pytest.mark.parametrize("model", ["quasidynamic", "block8"])
 def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model: str) -> None:
     words = [*KEYS, "interface.a_star", "interface.reference_velocity", "slab.thickness", "slab.shear_modulus"]
     words = words if model == "quasidynamic" else words[:5]  # a block rings: its phase is no smooth function of stiffness
     made, inner = of_model(model, words, np.linspace(0.1, 119.0, 400))
-    exact, step = made.slopes(inner), 1e-4
-    for k, shift in enumerate(step * np.eye(inner.size)):
-        difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
-        assert np.abs(exact[:, k] - difference).max() < 1e-6 * np.abs(difference).max(), words[k]
+    assert_slopes(made, inner, 1e-4)
 
 
 def test_the_derivative_of_the_delay_system_is_that_of_differences() -> None:
@@ -60,11 +66,7 @@ def test_the_derivative_of_the_delay_system_is_that_of_differences() -> None:
     schedule = Schedule((0.0, 1.0, 1.0, 3.0, 3.0), (1e-6, 1e-6, 1e-5, 1e-5, 1e-6))
     variants = Variants(scene, free_parameters(scene, words), schedule)
     made = OfSolver(variants, np.linspace(0.01, 5.0, 300), "delay", 1e-10)
-    inner, step = np.array([one.inner(one.start) for one in variants.free]), 1e-4
-    exact = made.slopes(inner)
-    for k, shift in enumerate(step * np.eye(inner.size)):
-        difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
-        assert np.abs(exact[:, k] - difference).max() < 1e-6 * np.abs(difference).max(), words[k]
+    assert_slopes(made, np.array([one.inner(one.start) for one in variants.free]), 1e-4)
 
 
 def test_known_parameters_lie_in_their_intervals(steps: Path) -> None:
@@ -148,12 +150,8 @@ def sticking(model: str = "quasidynamic") -> tuple[CycleOfReduction, np.ndarray]
 
 
 def test_the_derivative_of_a_cycle_is_that_of_differences() -> None:
-    made, inner = sticking()
-    exact, step = made.slopes(inner), 2e-5
-    for k, shift in enumerate(step * np.eye(inner.size)):
-        difference = (made.friction(inner + shift) - made.friction(inner - shift)) / (2.0 * step)
-        assert abs(exact[0, k] - difference[0]) < 1e-6 * abs(difference[0])
-        assert np.abs(exact[1:, k] - difference[1:]).max() < 1e-6 * np.abs(difference[1:]).max()
+    """Its first row is the period."""
+    assert_slopes(*sticking(), 2e-5, (slice(1), slice(1, None)))
 
 
 def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) -> None:
@@ -169,10 +167,7 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
         assert row["low"] < value < row["high"], key
         assert row["high"] - row["low"] < 0.03 * value, key
     assert found.summary["data"][0]["period"]["fitted"] == pytest.approx(35.7603, rel=1e-4)
-    upper, lower = found.plot().axes
-    assert lower.get_xlabel() == "time since the last slip event / mean period (35.76 s)"
-    assert upper.get_legend().get_texts()[0].get_text() == "mean cycle"
-    assert upper.get_lines()[0].get_xdata()[[0, -1]] == pytest.approx([0.03, 0.97], abs=1e-3)
+    assert found.plot().axes[0].get_lines()[0].get_xdata()[[0, -1]] == pytest.approx([0.03, 0.97], abs=1e-3)
     with pytest.raises(SceneError, match=r"period is 1\.19e\+06 transits: a fit with every wave takes 10000"):
         sw.fit(STICKING, "delay", data=[str(path)], free=KEYS)
     np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")
@@ -297,16 +292,6 @@ def test_a_slide_hold_slide_in_columns_of_its_own_is_fitted_with_its_own_drive(t
     found = sw.fit(scene, data=[str(path)], free=KEYS, **call)
     assert all(row["low"] < TRUTH[key] < row["high"] for key, row in found.summary["parameters"].items())
     assert any("the load point moves as in the file: 3 velocities" in note for note in found.notes)
-
-
-def test_the_command_line_writes_the_fit(steps: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    out, figure = tmp_path / "fit.nc", tmp_path / "fit.png"
-    words = ["fit", "velocity-steps", "--data", str(steps), "--free", ",".join(KEYS), "--set", *THIN]
-    assert main([*words, "--out", str(out), "--plot", str(figure)]) == 0
-    assert "interface.memory_length" in capsys.readouterr().out
-    assert figure.stat().st_size > 10_000
-    assert main(["show", str(out)]) == 0  # the scene with the best values
-    assert "memory_length = 1.00" in capsys.readouterr().out
 
 
 def test_a_figure_says_the_values_and_shows_holds_over_time() -> None:

@@ -12,7 +12,7 @@ import xarray
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import to_toml
-from slipwave.observe import EventObserver, Events, HistoryObserver, Pieces, judge_motion
+from slipwave.observe import Events, HistoryObserver, Pieces, judge_motion
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
 from tests.granite import GRANITE
@@ -153,36 +153,6 @@ def _pieces(until):
     return count
 
 
-class _Stop:
-    """An observer that stops the run like Ctrl-C when it has passed a time."""
-
-    def __init__(self, after):
-        self._after = after
-
-    def scan(self, pieces):
-        if pieces.time[-1] > self._after:
-            raise KeyboardInterrupt
-
-
-@pytest.mark.parametrize("share", [0.3, 0.9, 0.999])
-def test_a_run_continued_from_a_checkpoint_ends_where_it_would_have_ended(tmp_path, share):
-    length = UntilSettled(FAST, outlook(FAST, "delay"))
-    whole = simulate(build("delay", FAST, tolerance=1e-6), length)
-
-    def marked():
-        solver = build("delay", FAST, tolerance=1e-6)
-        watch = EventObserver(FAST, solver.nodes)
-        return solver, watch, Checkpoints(solver, {"events": watch}, tmp_path / "run.npz", math.inf, 10.0)
-
-    solver, watch, marks = marked()
-    assert simulate(solver, length, [_Stop(share * whole.until)], watch=watch, marks=[marks]).stopped
-    solver, watch, marks = marked()
-    marks.resume()
-    assert 0.0 < solver.time < share * whole.until + 10.0
-    rest = simulate(solver, length, watch=watch, marks=[marks])
-    assert (rest.until, rest.ended, rest.final, rest.verdict) == (whole.until, whole.ended, whole.final, whole.verdict)
-
-
 def test_a_checkpoint_that_is_due_at_the_end_of_a_stretch_is_saved_when_the_run_goes_on(tmp_path):
     solver = build("delay", FAST, tolerance=1e-6)
     marks = Checkpoints(solver, {}, tmp_path / "run.npz", 50.0, 50.0)
@@ -214,6 +184,15 @@ def test_without_a_length_the_motion_settles_in_the_shell_and_in_python(answer, 
     assert found["period"]["mean"] == pytest.approx(longer["period"]["mean"], rel=1e-3)
     assert slipwave.run(own, tol=1e-6).summary["period"] == found["period"]
     assert "the run ended here because its motion is settled" in printed("run", own, "--tol", "1e-6")
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9, 0.999])
+def test_a_run_continued_from_a_checkpoint_ends_where_it_would_have_ended(tmp_path, own, share):
+    marked = {"tol": 1e-6, "checkpoint": tmp_path / "run.npz", "checkpoint_every": 10.0}
+    whole = slipwave.run(own, tol=1e-6).summary
+    slipwave.run(own, until=share * whole["until"], **marked)
+    rest = slipwave.run(own, **marked).summary
+    assert rest | {"wall_s": 0.0} == whole | {"wall_s": 0.0}
 
 
 NODES = np.linspace(0.0, 1.0, 5)
