@@ -165,27 +165,21 @@ class Played(NamedTuple):
         return dict(json.loads(self.text))
 
 
-class Saving:
-    """A mark that saves checkpoints in a folder as soon as a time of `dates` is reached."""
+class At:
+    """A mark that does a deed as soon as a time of `dates` is reached; advances end there."""
 
-    def __init__(self, folder, dates):
-        self.folder, self.dates, self.act = folder, list(dates), lambda: None
+    def __init__(self, dates, deed=lambda: None):
+        self.dates, self.deed = list(dates), deed
 
     @property
     def due(self):
         """As `Mark`."""
         return self.dates[0] if self.dates else math.inf
 
-
-class Stops:
-    """A mark every so many transits that does nothing: advances end there."""
-
-    def __init__(self, every):
-        self.due, self.every = every, every
-
     def act(self):
         """As `Mark`."""
-        self.due += self.every
+        self.deed()
+        self.dates.pop(0)
 
 
 def built(row, begun=None, units=None):
@@ -200,22 +194,16 @@ def built(row, begun=None, units=None):
     return solver
 
 
-def play(solver, until, saving=None, chunk=math.inf, resume=None):
-    """Run `solver` to `until` (transits) as `slipwave run` does, in chunks of `chunk` transits, from the checkpoint `resume`."""
+def play(solver, until, folder=None, dates=(), chunk=math.inf, resume=None):
+    """Run `solver` to `until` (transits) as `slipwave run` does, in chunks of `chunk` transits, from the checkpoint `resume`;
+    checkpoints of some `dates` go into a `folder`."""
     begun = solver.state() if solver.scene.start.kind == "orbit" else None
     records = records_of(solver, until, Wanted())
     parts = {"events": records.watch, "envelope": records.envelope}
     if records.protocol is not None:
         parts["protocol"] = records.protocol
-    marks = [Stops(chunk)]
-    if saving is not None:
-
-        def act():
-            save_checkpoint(saving.folder / f"{len(saving.dates)}.npz", solver, parts)
-            saving.dates.pop(0)
-
-        saving.act = act
-        marks.append(saving)
+    saving = At(dates, lambda: save_checkpoint(folder / f"{len(saving.dates)}.npz", solver, parts))
+    marks = [At(np.arange(chunk, until, chunk) if math.isfinite(chunk) else ()), saving]
     if resume is not None:
         load_checkpoint(resume, solver, parts)
     done = simulate(solver, until, records.observers, watch=records.watch, marks=marks)

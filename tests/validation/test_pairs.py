@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 
 from slipwave.solve import follow
-from tests.validation.pairs import KNOTS, NAMES, Saving, built, pairs_of, pairwise_rows, play, rows_allowed, scene_of
+from tests.validation.pairs import KNOTS, NAMES, built, pairs_of, pairwise_rows, play, rows_allowed, scene_of
 from tests.validation.test_every_model_resumes import assert_same_bits
 from validation.compute.build import build
 
@@ -59,7 +59,7 @@ def assert_same(ours, theirs):
 @each(ROWS)
 def test_chunks_and_checkpoints_change_nothing(tmp_path, row):
     straight = whole(row)
-    chunked = play(built(row, straight.begun), UNTIL, Saving(tmp_path, checkpoints_of(row)), chunk=CHUNK)
+    chunked = play(built(row, straight.begun), UNTIL, tmp_path, checkpoints_of(row), chunk=CHUNK)
     assert_same(chunked, straight)
     assert [stage["kind"] for stage in straight.facts.get("protocol", [])] == KINDS[row[NAMES.index("drive")]]
     files = sorted(tmp_path.glob("*.npz"))
