@@ -79,13 +79,6 @@ def test_differences_of_motions_that_never_repeat_have_margins_and_are_no_errors
     assert beside["period"].margin == pytest.approx(1.2 * 0.05)
 
 
-def test_differences_of_periodic_motions_are_errors(runs):
-    shown = in_json(runs[1], runs[0])
-    periods = [run.statistics.period.mean for run in (runs[1], runs[0])]
-    assert set(shown) == {"error"}
-    assert shown["error"]["period"] == periods[0] / periods[1] - 1.0
-
-
 @pytest.mark.parametrize(
     ("margin", "cell"), [(0.0, "12.346"), (0.0234, "12.346 +- 0.023"), (30.0, "12 +- 30"), (math.nan, "12.346 +- ?")]
 )

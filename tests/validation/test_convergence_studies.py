@@ -15,7 +15,7 @@ from validation.measure import stopwatch
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
 from validation.studies import grid_convergence
-from validation.studies.grid_convergence import code_note, code_table, in_time, orbits, shared
+from validation.studies.grid_convergence import in_time, orbits, shared
 from validation.studies.grid_convergence.in_time import delay_reference, without_error_in_time
 from validation.study import Outcome
 
@@ -89,15 +89,6 @@ def test_high_orders_are_read_on_the_steepest_scene():
         assert in_space(ladder).course.scene is (STEEP if steep else ladder.course).scene
 
 
-@pytest.mark.parametrize(
-    ("model", "march"), [("dg:2", "exact"), ("sbp:4", "exact"), ("sbp:2", "explicit"), ("dg:1", "explicit"), ("fd", None)]
-)
-def test_which_march_has_no_error_in_time(model, march):
-    settings = without_error_in_time(model, GENTLE.scene, 24, cfl=None).settings
-    assert settings.get("time") == march
-    assert march != "exact" or settings["resolution"] == 1e-13
-
-
 def test_elements_of_degree_3_show_order_6_without_error_in_time():
     """With explicit steps the fitted order is 8, that of the steps."""
     climbed = climb(in_space(LADDERS["fem:3"]), delay_reference(GENTLE), without_error_in_time)
@@ -147,8 +138,6 @@ def test_which_code_is_common_is_read_from_the_imports():
     assert march <= set(shared("sbp", "dg"))
     assert not march & set(shared("fd", "dg"))
     assert shared("delay", "fem") == ()
-    assert len(code_table().rows) == 10
-    assert "no solver modules in common with any of them" in code_note()
 
 
 def beside(off, error=0.0, cycles=0):

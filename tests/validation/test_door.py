@@ -1,8 +1,6 @@
 """`import slipwave`: the same answers as the command line, as objects; errors that a program can catch."""
 
 import logging
-import tomllib
-from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -121,13 +119,3 @@ def test_points_of_a_branch_are_selected_by_its_parameter(turning):
     assert data.sel(log10_r=slice(values[4], values[2])).period.values.tolist() == periods[2:5].tolist()
     with pytest.raises(KeyError, match="the branch goes from"):
         data.sel(log10_r=-2.0)
-
-
-def test_the_names_of_the_door():
-    assert dir(sw) == sorted([*sw.__all__, "__version__"])
-    assert sw.__version__ == version("slipwave")
-    assert sw.scenes()["paper"].startswith("the paper's reference orbit")
-    assert {*sw.models()} > {*sw.models("grip")} > {"delay", "dg:P"}
-    assert sw.read_scene(tomllib.loads(sw.show("paper", log10_r=-2.5))).digest == sw.read("paper", ["log10_r=-2.5"]).digest
-    with pytest.raises(AttributeError, match="'slipwave' has no attribute 'runn'"):
-        sw.runn  # noqa: B018

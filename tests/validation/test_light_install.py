@@ -50,7 +50,6 @@ REFUSED = {
     "run run.nc": f"SCENE = 'run.nc': {NO_FILES}",
     "run paper --model fem:4": "model = 'fem:4': needs skfem: pip install 'slipwave[fem]'",
     "compare paper --models delay,fd": "--out = 'compare.png': needs matplotlib: pip install 'slipwave[plot]'",
-    "run paper --model fem:2": "model = 'fem:2': needs skfem: pip install 'slipwave[fem]'",
     "report --quick": f"the report: needs {' and '.join(name for extra in OF_THE_REPORT for name in EXTRAS[extra])}: "
     "pip install 'slipwave[report]'",
 }
