@@ -105,20 +105,18 @@ def test_one_click_shows_what_proves_a_number(opened, script):
     assert proof.locator("a[href^='#']").count() >= 1
 
 
-def test_one_click_shows_what_changed(opened):
-    page = opened(*WIDE)
+@pytest.mark.parametrize("script", [True, False])
+def test_one_click_shows_what_changed(opened, script):
+    """Without a script it leads to the answer, whose details must be unfolded by hand."""
+    page = opened(*WIDE, script=script)
     page.locator("header a[href='#changed']").click()
-    page.locator("#changed .caption").first.wait_for()
-    assert "Compared with" in page.locator("#changed .caption").first.inner_text()
-
-
-def test_without_a_script_the_click_leads_to_the_answer_of_the_question(opened):
-    """Only its details must be unfolded by hand."""
-    page = opened(*WIDE, script=False)
-    page.locator("header a[href='#changed']").click()
-    summary = page.locator("#changed > summary")
-    assert summary.is_visible()
-    assert 0 <= summary.bounding_box()["y"] < WIDE[1]
+    if script:
+        page.locator("#changed .caption").first.wait_for()
+        assert "Compared with" in page.locator("#changed .caption").first.inner_text()
+    else:
+        summary = page.locator("#changed > summary")
+        assert summary.is_visible()
+        assert 0 <= summary.bounding_box()["y"] < WIDE[1]
 
 
 def test_keys_alone_reach_everything(opened):

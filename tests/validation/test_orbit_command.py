@@ -158,15 +158,6 @@ def test_a_run_to_an_orbit_is_long_enough_for_its_cycles(monkeypatch, expected, 
     assert most_transits(sw.read("paper"), "delay") == most
 
 
-@pytest.mark.slow
-def test_an_orbit_of_an_si_sample_is_that_of_its_run():
-    """Steel on PMMA: cycles of 22,444 transits. The run's last ones, to 1e-6, are those of the orbit."""
-    found = sw.orbit("steel-on-pmma", tol=1e-6)
-    assert found.summary["stable"] is not False
-    assert found.summary["period"] == pytest.approx(22444.458, rel=1e-7)
-    assert found.summary["error_estimate"]["period"] < 1e-6 * found.summary["period"]
-
-
 def test_a_branch_of_long_periods_is_not_begun():
     """Granite blocks of 10 m: a cycle takes tens of thousands of transits, a branch of such orbits would take hours."""
     says = r"^block8: a run of 6000 .* not followed: their periods are [\d.]+e\+04 transits there, over 600, and .* dense "

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 import slipwave
 from tests.granite import GRANITE
@@ -50,11 +51,8 @@ def test_cycles_that_alternate_have_an_error_all_the_same():
 def sequence(memory, count, seed):
     """x_n = memory x_(n - 1) + a normal number, about 5."""
     drawn = np.random.default_rng(seed).normal(size=count)
-    values = np.empty(count)
-    values[0] = drawn[0] / np.sqrt(1.0 - memory**2)
-    for n in range(1, count):
-        values[n] = memory * values[n - 1] + drawn[n]
-    return 5.0 + values
+    drawn[0] /= np.sqrt(1.0 - memory**2)
+    return 5.0 + lfilter([1.0], [1.0, -memory], drawn)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8, -0.5])

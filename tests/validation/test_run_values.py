@@ -5,7 +5,6 @@ import json
 import math
 import re
 from contextlib import redirect_stdout
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,6 @@ from validation.compute.curve import Curve
 from validation.compute.models import families
 from validation.compute.parameter import Over
 from validation.compute.points import BranchPoint, CurvePoint
-from validation.compute.run import simulate
 from validation.results.branch import BranchOptions, BranchResult
 from validation.results.curve import CurveOptions, CurveResult
 
@@ -288,28 +286,6 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare():
     rows = found.summary["models"]
     assert [row["error"]["period"] for row in rows] == [0.0, None]
     assert_table(found, rows)
-    notes = {name: found.dataset[name].attrs for name in ("period_std", "error_period", "wall_s", "model")}
-    assert notes == {
-        "period_std": {"long_name": "period standard deviation; time to the next event", "units": "1", "in_units_of": "transit"},
-        "error_period": {"long_name": "relative error of period", "units": "1"},
-        "wall_s": {"long_name": "run time in seconds", "units": "s"},
-        "model": {"long_name": "model"},
-    }
-
-
-def test_an_interrupt_ends_a_bench_with_the_runs_before_it(monkeypatch):
-    chosen = [family for family in families() if family.name in ("block8", "kelvin-voigt", "quasidynamic")]
-    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
-    begun = []
-
-    def second_is_stopped(solver, *rest, **named):
-        begun.append(solver.model)
-        return replace(simulate(solver, *rest, **named), stopped=len(begun) == 3)  # the first is the reference
-
-    monkeypatch.setattr("validation.results.bench.simulate", second_is_stopped)
-    with pytest.raises(KeyboardInterrupt, match="interrupted; after 1 of") as caught:
-        sw.bench("paper", until=200, **{"drive.velocity": 2000})
-    assert (len(begun), len(caught.value.result.summary["models"])) == (3, 1)  # type: ignore[attr-defined]
 
 
 def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch):

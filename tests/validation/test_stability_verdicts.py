@@ -9,6 +9,7 @@ import pytest
 import slipwave
 from reduced import closed_forms
 from reduced.stability import Boundary, friction_slopes
+from tests.granite import GRANITE
 from validation.studies import stability_boundaries as verdicts
 from validation.studies.stability_boundaries import Curves
 from validation.study import Outcome
@@ -117,12 +118,9 @@ def test_a_root_on_the_axis_is_neutral_and_no_verdict(scene, model, share):
 
 def test_figures_that_do_not_exist_have_a_reason(answer):
     """Quasi-dynamic slabs on a machine whose onset lies beyond every thickness, and friction that strengthens."""
-    rock = {"density": 2700.0, "shear_modulus": "30 GPa", "thickness": 1.0}
     face = {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0}
-    units = {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6}
-    friction = {"law": "ageing", "a_star": 0.6, "a": 0.010, "b": 0.015}
-    scene = {"interface": friction | units, "slab": rock | {"face": face}, "drive": {"velocity": 1e6}}
-    found = slipwave.stability(scene, "quasidynamic").summary
+    changes = {"slab.thickness": 1.0, "slab.face": face, "drive.velocity": 1e6}
+    found = slipwave.stability(GRANITE, "quasidynamic", **changes).summary
     reach = "between 9.5e-07 and 1024 times the present one"
     assert (found["log10_r_c"], found["omega_c"], found["si"]["critical_thickness_m"]) == (None, None, None)
     assert found["epsilon_c"] > 0.0
