@@ -157,22 +157,6 @@ def test_mutants_of_statements_chains_and_decorators():
     assert (mutant.old, mutant.function) == ("property", "A.f")
 
 
-@pytest.mark.parametrize(
-    ("listed", "is_one"),
-    [
-        ({}, True),
-        ({"line": "TALL = "}, True),
-        ({"line": "WIDE = "}, False),
-        ({"what": "2 -> 3"}, False),
-        ({"file": "g.py"}, False),
-    ],
-)
-def test_an_equivalent_mutant_is_known_by_file_change_and_line(listed, is_one, tmp_path):
-    (tmp_path / "f.py").write_text("WIDE = 2\nTALL = 1\n")
-    (mutant,) = (one for one in mutants_of("f.py", (tmp_path / "f.py").read_text()) if one.what == "1 -> 2")
-    assert is_equivalent(mutant, [{"file": "f.py", "what": "1 -> 2"} | listed], tmp_path) == is_one
-
-
 @pytest.mark.parametrize("listed", EQUIVALENTS, ids=lambda one: f"{one['file']}: {one['what']}")
 def test_every_equivalent_is_a_mutant_of_the_program_as_it_is(listed):
     text = (ROOT / listed["file"]).read_text(encoding="utf-8")

@@ -13,12 +13,6 @@ from slipwave import read
 from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
-from slipwave.step.nodal import NOT_SMOOTH
-
-
-def halve(solver, times):
-    for _ in range(times):
-        solver._refine(NOT_SMOOTH)
 
 
 @pytest.mark.parametrize("back", [1.0, 1.02, 1.3, 1.875, 2.25, 2.5, 40.6])
@@ -91,14 +85,3 @@ def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):
     with pytest.raises(NumericsError, match=r"delay: more than 20 break points within a travel time at t = \d+"):
         follow(solver, 30.0)
     assert solver.time == pytest.approx(12.0, abs=0.02)
-
-
-@pytest.mark.parametrize("march", [DelayNetwork, DelayBreaks])
-@pytest.mark.parametrize(("name", "shortest_round_trip"), [("unlike", 1.0), ("layered", 0.5)])
-def test_a_step_is_halved_as_far_as_allowed_and_no_further(monkeypatch, march, name, shortest_round_trip):
-    """MAX_STEPS in a transit or, if that is shorter, in the shortest round trip through a layer."""
-    monkeypatch.setattr("reduced.delay.network.MAX_STEPS", 64)
-    solver = march(read(name))
-    with pytest.raises(NumericsError, match="cannot be resolved"):
-        halve(solver, 12)
-    assert 32 / shortest_round_trip < solver.steps <= 64 / shortest_round_trip

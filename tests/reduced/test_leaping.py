@@ -90,16 +90,6 @@ def test_one_observer_that_needs_every_transit_gets_them():
     assert leaping.skipped == 0
 
 
-@pytest.mark.parametrize("end", [40_000.0, 40_000.4, 40_001.0])
-def test_a_run_that_ends_in_a_stick_ends_where_it_should(end):
-    """Measured: 1.5e-7 in psi; up to 5.1e-5 in mu, which is that of a wave that comes 2e-3 transits early or late, 4e-8 of a
-    period."""
-    leaping, plain = (kind(granite(), tolerance=1e-6) for kind in (LeapingDelay, Delay))
-    found, known = follow(leaping, end), follow(plain, end)
-    assert leaping.skipped > 20_000
-    assert (found.psi, found.mu) == (pytest.approx(known.psi, abs=2e-6), pytest.approx(known.mu, abs=5e-4))
-
-
 @pytest.mark.parametrize(
     ("velocity", "leaps_again"),
     [
@@ -114,8 +104,8 @@ def test_no_leap_crosses_a_change_of_the_drive(velocity, leaps_again):
     """Nor one after which V is what it was."""
     scene = granite(velocity=velocity)
     leaping, plain = (kind(scene, tolerance=1e-6) for kind in (LeapingDelay, Delay))
-    _, seen, found = watched(leaping, 36_000.0)
-    known = follow(plain, 36_000.0)
+    _, seen, found = watched(leaping, 36_000.4)
+    known = follow(plain, 36_000.4)
     assert (found.psi, found.mu) == (pytest.approx(known.psi, abs=2e-6), pytest.approx(known.mu, abs=5e-4))
     pieces = seen.pieces
     begins, ends = pieces.time[1:], (pieces.time + pieces.length)[:-1]

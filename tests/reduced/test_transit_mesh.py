@@ -8,7 +8,6 @@ import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from reduced.delay.alike import Delay, transit_mesh
 from reduced.delay.break_points import DelayBreaks
-from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.system import delay_system
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
@@ -55,8 +54,3 @@ def test_a_ramp_of_other_slabs_is_followed_along_its_kinks(name):
     final = follow(solver, 80.0)
     witness = follow(DiscontinuousGalerkin(ramp, number=7, cells=24, time="explicit"), 80.0)
     assert (final.psi, final.ln_v) == (pytest.approx(witness.psi, abs=3e-9), pytest.approx(witness.ln_v, abs=3e-9))
-
-
-def test_knots_on_the_steps_need_no_following():
-    aligned = slipwave.read("unlike", ["drive.velocity=[[0.0, 100.0], [20.0, 100.0], [40.5, 200.0]]"])
-    assert type(delay_system(aligned)) is LeapingNetwork

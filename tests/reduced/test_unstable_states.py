@@ -94,7 +94,8 @@ def test_the_delay_system_refuses_what_its_steps_cannot_follow(settings):
     words = str(refusal.value)
     assert "disturbances grow at 3.471e+04 per transit" in words
     steps = int(words.split(" steps per transit, the largest number")[0].rsplit(" ", 1)[1])
-    assert 2048 < steps < 34711 / 3.15
+    most = 4096 / (0.4 if LAYERS in settings else 1.0)  # in the round trip of the thinner layer
+    assert most / 2 < steps < 1.01 * most < 34711 / 3.15
     assert f"by e^{34710.7438 / steps:.3g} in one of {steps} steps" in words
     assert "a step can follow at most e^3.15" in words
     assert "fd with 34711 cells or more" in words

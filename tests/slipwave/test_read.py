@@ -8,15 +8,11 @@ import pytest
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import gallery_names, gallery_titles
-from slipwave.scene.drive import Start, StartKind
+from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, StandardLinearViscosity
 
 INTERFACE = {"law": "ageing", "a_star": 0.369, "a": 0.0349, "b": 0.0489}
 PLAIN = {"interface": INTERFACE, "slab": {"epsilon": 2.8e-5, "r": 0.002}, "drive": {"velocity": 100}}
-
-
-def with_slab(**slab):
-    return PLAIN | {"slab": {"epsilon": 2.8e-5, "r": 0.002} | slab}
 
 
 def test_every_scene_of_the_gallery_reads_and_has_a_title():
@@ -52,36 +48,38 @@ def test_round_trip_of_a_slab_in_metres():
     assert rock.upper.epsilon == pytest.approx(2500 * speed * 1e-6 / 1e8, rel=1e-14)
 
 
+LAYERS = [{"fraction": 0.25, "impedance": 2}, {"fraction": 0.75, "impedance": 1}]
+
+
 @pytest.mark.parametrize(
-    ("face", "expected"),
+    ("slab", "part", "expected"),
     [
-        ({}, RigidFace()),
-        ({"kind": "rigid"}, RigidFace()),
-        ({"kind": "grip", "stiffness": 10, "impedance": 0}, GripFace(10.0, 0.0)),
-        ({"kind": "reflection", "coefficient": -1}, ReflectingFace(-1.0)),
-        ({"kind": "reflection", "coefficient": 1}, RigidFace()),
+        ({}, "face", RigidFace()),
+        ({"face": {}}, "face", RigidFace()),
+        ({"face": {"kind": "rigid"}}, "face", RigidFace()),
+        ({"face": {"kind": "grip", "stiffness": 10, "impedance": 0}}, "face", GripFace(10.0, 0.0)),
+        ({"face": {"kind": "reflection", "coefficient": -1}}, "face", ReflectingFace(-1.0)),
+        ({"face": {"kind": "reflection", "coefficient": 1}}, "face", RigidFace()),
+        ({"viscosity": {"kind": "kelvin-voigt", "time": 1e-5}}, "viscosity", KelvinVoigtViscosity(1e-5)),
+        ({"viscosity": {"kind": "standard-linear", "time": 1, "ratio": 0.5}}, "viscosity", StandardLinearViscosity(1.0, 0.5)),
+        ({"layers": LAYERS}, "layers", (Layer(0.25, 2.0), Layer(0.75, 1.0))),
     ],
 )
-def test_faces(face, expected):
-    assert slipwave.read(with_slab(face=face)).upper.face == expected
+def test_parts_of_a_slab(slab, part, expected):
+    assert getattr(slipwave.read(PLAIN | {"slab": PLAIN["slab"] | slab}).upper, part) == expected
 
 
-def test_viscosity_and_layers():
-    assert slipwave.read(with_slab(viscosity={"kind": "kelvin-voigt", "time": 1e-5})).upper.viscosity == KelvinVoigtViscosity(
-        1e-5
-    )
-    zener = slipwave.read(with_slab(viscosity={"kind": "standard-linear", "time": 1, "ratio": 0.5}))
-    assert zener.upper.viscosity == StandardLinearViscosity(1.0, 0.5)
-    layers = [{"fraction": 0.25, "impedance": 2}, {"fraction": 0.75, "impedance": 1}]
-    assert slipwave.read(with_slab(layers=layers)).upper.layers == (Layer(0.25, 2.0), Layer(0.75, 1.0))
-
-
-def test_ramps_and_starts():
-    ramp = slipwave.read(PLAIN | {"drive": {"velocity": [[0, 100], [10, 0.0], [20.5, 7]]}})
-    assert (ramp.velocity, ramp.drive.at(5.0), ramp.drive.at(15.25), ramp.drive.at(99.0)) == (100.0, 50.0, 3.5, 7.0)
-    assert slipwave.read(PLAIN | {"start": {"kind": "jump"}}).start == Start(StartKind.JUMP, 0.05)
-    assert slipwave.read(PLAIN | {"start": {"kind": "orbit", "size": 1}}).start.kind is StartKind.ORBIT
-    assert slipwave.read(PLAIN | {"run": {"until": 5, "record": ["events", "interface"]}}).record == {"events", "interface"}
+@pytest.mark.parametrize(
+    ("tables", "part", "expected"),
+    [
+        ({"drive": {"velocity": [[0, 100], [10, 0.0], [20.5, 7]]}}, "drive", Drive((0.0, 10.0, 20.5), (100.0, 0.0, 7.0))),
+        ({"start": {"kind": "jump"}}, "start", Start(StartKind.JUMP, 0.05)),
+        ({"start": {"kind": "orbit", "size": 1}}, "start", Start(StartKind.ORBIT, 1.0)),
+        ({"run": {"until": 5, "record": ["events", "interface"]}}, "record", {"events", "interface"}),
+    ],
+)
+def test_parts_of_a_scene(tables, part, expected):
+    assert getattr(slipwave.read(PLAIN | tables), part) == expected
 
 
 def test_a_file_is_the_same_as_its_dictionary(tmp_path):

@@ -5,14 +5,13 @@ import numpy as np
 from validation.measure.order_fit import fit_order, shortfall
 
 
-def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, scale=1.0, at_least=False, widest=0.5):
+def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, at_least=False):
     """Observed order over at least four levels (steps decreasing) within `tolerance` of the declared one, the finest error below
-    `absolute`; returns the fit."""
+    `absolute`."""
     errors, steps = np.abs(np.asarray(errors, dtype=float)), np.asarray(steps, dtype=float)
     assert errors.size >= 4, "an order needs four levels"
-    result = fit_order(1.0 / steps, errors, scale)
-    message = shortfall(result, declared, tolerance, at_least, widest)
+    result = fit_order(1.0 / steps, errors)
+    message = shortfall(result, declared, tolerance, at_least)
     assert not message, f"{message}; errors {[f'{error:.3e}' for error in errors]}"
     if absolute is not None:
         assert errors[-1] < absolute, f"finest error {errors[-1]:.3e} is not below {absolute:g}; {result}"
-    return result

@@ -28,7 +28,6 @@ def fine(model, course):
 def test_the_references_agree_below_the_floor(course, cycles):
     """In as many complete cycles as lie in the last three quarters of the course."""
     apart = errors(fine("dg:12", course), fine("fem:11", course))
-    print({name: f"{error:.1e}" for name, error in apart.items()})
     assert max(apart.values()) < course.floor
     assert fine("dg:12", course)["period"].size == fine("fem:11", course)["period"].size == cycles
 
@@ -45,9 +44,6 @@ QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:3", "fem:7", "dg:2", "dg:5", "dg:
 def test_every_output_reaches_the_declared_order(model):
     ladder = LADDERS[model]
     climbed = climb(ladder, fine("fem:11" if model.startswith("dg") else "dg:12", ladder.course), explicit)
-    for name in QUANTITIES:
-        print(f"{model} {name}: {climbed.fit(name)}, finest error {climbed.fit(name).finest_error:.1e}")
-    print(f"{model} together: {climbed.fit_together()}")
     assert climbed.shortfall() == []
 
 

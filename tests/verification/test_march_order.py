@@ -26,22 +26,21 @@ CELLS = {
 FINEST = {1: 2e-2, 2: 2e-3, 3: 5e-5, 4: 2e-6, 5: 1e-7, 6: 3e-8, 7: 5e-10}
 
 
+def require_order(kind, number, cells, order, tolerance=0.1, **given):
+    """Of the fields of a `kind` of grid; `given` to `assert_order`."""
+    errors = [standing_error(partial(kind, number=number, cells=n, time="explicit")) for n in cells]
+    assert_order(errors, 1 / np.array(cells), order, tolerance, **given)
+
+
 @pytest.mark.parametrize("degree", CELLS)
 def test_discontinuous_fields_are_of_order_degree_plus_one(degree):
-    errors = [
-        standing_error(partial(DiscontinuousGalerkin, number=degree, cells=cells, time="explicit")) for cells in CELLS[degree]
-    ]
-    fit = assert_order(errors, 1 / np.array(CELLS[degree]), GALERKIN.order_bulk(degree), 0.15, absolute=FINEST[degree])
-    print(f"dg:{degree} fields: {fit}")
+    require_order(DiscontinuousGalerkin, degree, CELLS[degree], GALERKIN.order_bulk(degree), 0.15, absolute=FINEST[degree])
 
 
 @pytest.mark.parametrize("degree", CELLS)
 def test_element_fields_are_of_the_odd_order(degree):
     """degree + 1 for odd degrees, degree for even ones: Galerkin for a first-order pair, measured and declared."""
-    errors = [standing_error(partial(FiniteElement, number=degree, cells=cells, time="explicit")) for cells in CELLS[degree]]
-    cells = 1 / np.array(CELLS[degree])
-    fit = assert_order(errors, cells, ELEMENTS.order_bulk(degree), 0.1, absolute=FINEST[degree], at_least=True)
-    print(f"fem:{degree} fields: {fit}")
+    require_order(FiniteElement, degree, CELLS[degree], ELEMENTS.order_bulk(degree), absolute=FINEST[degree], at_least=True)
 
 
 @pytest.mark.parametrize(
@@ -49,5 +48,4 @@ def test_element_fields_are_of_the_odd_order(degree):
     [(2, (48, 64, 96, 128), 2e-2), (4, (64, 96, 128, 192), 1e-5), (6, (64, 96, 128, 192, 256), 1e-8)],
 )
 def test_difference_fields_are_of_the_order_inside(order, cells, finest):
-    errors = [standing_error(partial(SummationByParts, number=order, cells=n, time="explicit")) for n in cells]
-    print(f"sbp:{order} fields: {assert_order(errors, 1 / np.array(cells), order, 0.1, absolute=finest, at_least=True)}")
+    require_order(SummationByParts, order, cells, order, absolute=finest, at_least=True)

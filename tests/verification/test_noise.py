@@ -72,7 +72,6 @@ def test_noise_in_a_locked_slab_never_gains_energy(model, looks, apart):
             solver.advance(look * apart)
         _, w, s, norm = fields(solver)
         energies.append(squared(norm, w, s))
-    print(f"{model}: {energies[-1] / energies[0]:.3g} of the energy left after {looks * apart:g} transits")
     assert (np.diff(energies) <= 1e-9 * energies[0]).all()
     assert energies[-1] < energies[0]
     assert solver.energy().radiated == 0.0
@@ -91,5 +90,4 @@ def test_noise_in_the_leapfrogs_locked_slab_comes_back_unchanged(transits):
         solver.advance(begin + transits)
     assert (solver.time - begin) % 1.0 == pytest.approx(0.0, abs=1e-9)
     drift = np.abs(solver.state()["upper.velocity"] - before).max()
-    print(f"fd: changed by {drift:.1e} after {transits} transits")
     assert drift < 1e-13 * transits
