@@ -1,32 +1,26 @@
-"""The exact march of a grid against the explicit one, which shares neither its steps nor its friction solve; and its own
-promises: the coupled step never gains energy, and fields inside a step are those of shorter steps."""
+"""The exact march of a grid against the explicit one, which shares neither its steps nor its friction solve; its own promises:
+the coupled step never gains energy, fields inside a step are those of shorter steps, steps end on breaks; and its refusals."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from grid_scenes import SCENES as OF_GRIDS
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
-from fullwave.lines import exact
+from fullwave.lines import exact, grid_slabs, march
 from fullwave.lines.system import GRIP, SCALARS, Viscous
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
+from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import follow
 from slipwave.threads import one_thread
 
-SCENES = {
-    "alike": ("paper", []),
-    "jump": ("paper", ["start.kind=jump", "start.size=0.05"]),
-    "regularised": ("regularised", []),
-    "unlike": ("unlike", []),
-    "irrational": ("unlike-irrational", []),
-    "layered": ("layered", []),
-    "grip": ("grip", []),
-    "machine": ("machine", []),
-    "reflection": ("reflection", []),
-    "standard linear": ("viscous", []),
-    "kelvin-voigt": ("paper", ['slab.viscosity={kind="kelvin-voigt", time=0.0002}']),
-}
+MANY = ("alike", "unlike", "grip", "machine", "absorbing", "layers", "kelvin-voigt", "standard-linear")
+SCENES = {name: OF_GRIDS[name] for name in MANY}
+SCENES |= {"jump": slipwave.read("paper", ["start.kind=jump", "start.size=0.05"]), "regularised": slipwave.read("regularised")}
 MEMBERS = {
     "dg:7": (DiscontinuousGalerkin, {"number": 7, "cells": 4}),
     "fem:4": (FiniteElement, {"number": 4, "cells": 6}),
@@ -36,8 +30,7 @@ MEMBERS = {
 
 def solver_of(member, name, **options):
     kind, grid = MEMBERS[member]
-    gallery, changes = SCENES[name]
-    return kind(slipwave.read(gallery, changes), **grid, **options)
+    return kind(SCENES[name], **grid, **options)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -191,3 +184,43 @@ def test_any_slip_rate_and_a_long_hold():
     before = np.abs(held.snapshot().upper.velocity).max()
     follow(held, 2000.0)
     assert np.abs(held.snapshot().upper.velocity).max() <= 1.01 * before
+
+
+FAR_RAMP = "drive.velocity=[[0.0, 100.0], [105.3, 100.0], [1211.17, 200.0]]"
+PAPER = slipwave.read("paper")
+
+
+@pytest.mark.parametrize("name", ["unlike", "unlike-irrational"])
+def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name):
+    """The longest step between two breaks is no round number, and a break is a thousand steps away. Measured: at most 1e-13."""
+    solver = DiscontinuousGalerkin(slipwave.read(name, [FAR_RAMP]), 5, 2, time="exact")
+    ends, shortest = [], np.inf
+    while solver.time < 1230.0:
+        pieces = solver.advance(1230.0)
+        ends.extend(pieces.time + pieces.length)
+        shortest = min(shortest, pieces.length.min())
+    travels = [0.5 * slab.round_trip / solver.scene.transit for slab in (solver.scene.upper, solver.scene.lower)]
+    for arrival in (knot + delay for knot in (105.3, 1211.17) for delay in (0.0, *travels)):
+        assert np.abs(np.array(ends) - arrival).min() < 2e-12
+    assert shortest > 0.01
+
+
+def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch):
+    monkeypatch.setattr(grid_slabs, "LEVELS", 3)
+    solver = DiscontinuousGalerkin(slipwave.read("paper", ["start.kind=jump", "start.size=3.0"]), 3, 2, time="exact")
+    with pytest.raises(
+        NumericsError, match=r"^dg:3: no step is short enough at t = 0 transits, v = .*, psi = [-.\d]+ \(scene 'paper'"
+    ):
+        follow(solver, 1.0)
+
+
+@pytest.mark.parametrize(("gallery", "about"), [("paper", 121), ("viscous", 60), ("unlike", 45), ("layered", 121)])
+def test_the_advised_number_of_cells_fits(gallery, about, monkeypatch):
+    monkeypatch.setattr(march, "ExactMarch", lambda *arguments: SimpleNamespace(nodes=None, bookkeeping=None))
+    scene = slipwave.read(gallery)
+    for asked in (10_000, about + about // 10):
+        with pytest.raises(SceneError) as refusal:
+            DiscontinuousGalerkin(scene, 7, asked, time="exact")
+        advised = int(str(refusal.value).partition("at most some ")[2].split()[0])
+        assert advised == pytest.approx(about, rel=0.12)
+        DiscontinuousGalerkin(scene, 7, advised, time="exact")

@@ -9,7 +9,7 @@ import pytest
 
 import slipwave
 from reduced.impedance import Jet
-from reduced.stability import boundary, characteristic, critical_epsilon, critical_round_trip, leading_roots, unstable_count
+from reduced.stability import characteristic, critical_epsilon, critical_round_trip, leading_roots, unstable_count
 from slipwave.solve import follow
 from validation.compute.build import build
 
@@ -34,14 +34,10 @@ class Steps:
         ("rock", "delay", 1e-7, 400.0, 1200, 1212),
         ("unlike", "delay", 1e-9, 1000.0, 4297, 7485),
         ("unlike-irrational", "delay", 1e-10, 400.0, 1328, 2592),
-        ("layered", "delay", 1e-9, 400.0, 2077, 3812),
         ("ramp", "delay", 1e-9, 1200.0, 9990, 14589),
         ("paper", "kelvin-voigt", 1e-9, 1000.0, 4870, 7033),
         ("paper", "block8", 1e-6, 1000.0, 650, 1065),
         ("paper", "modal:4", 1e-9, 1000.0, 6301, 10637),
-        ("paper", "quasidynamic", 1e-9, 400.0, 220, 292),
-        ("jump", "modal:2", 1e-9, 400.0, 4597, 5283),
-        ("paper-2.6", "kelvin-voigt", 1e-11, 1000.0, 12209, 14130),
         ("ramp", "kelvin-voigt", 1e-7, 1200.0, 3934, 5601),
     ],
 )
@@ -57,7 +53,6 @@ SEARCHES = {
     "critical epsilon": critical_epsilon,
     "leading roots": lambda scene, model: leading_roots(characteristic(scene, model)),
     "unstable roots": lambda scene, model: unstable_count(characteristic(scene, model)),
-    "boundary": lambda scene, model: boundary(scene, model, ("log10_r", "log10_epsilon"), ((-2.72, -2.68), (-4.56, -4.52))),
 }
 
 
@@ -65,21 +60,15 @@ SEARCHES = {
     ("search", "scene", "model", "evaluations"),
     [
         ("critical r", "paper", "delay", 9143),
-        ("critical r", "grip", "delay", 8027),
         ("critical r", "viscous", "delay", 26097),
         ("critical epsilon", "paper", "delay", 1063),
-        ("critical epsilon", "grip", "delay", 3324),
         ("leading roots", "paper", "delay", 18005),
         ("leading roots", "unlike-irrational", "delay", 18132),
-        ("leading roots", "layered", "delay", 18003),
         ("leading roots", "viscous", "delay", 18021),
-        ("leading roots", "machine", "delay", 18144),
-        ("leading roots", "rock", "delay", 18016),
         ("leading roots", "paper slab.r=1.6", "delay", 19498),
         ("leading roots", "paper slab.r=3", "delay", 21119),
         ("leading roots", "paper", "modal:2", 18327),
         ("unstable roots", "reflection", "delay", 308),
-        ("boundary", "paper", "kelvin-voigt", 211894),
     ],
 )
 def test_evaluations_are_as_many_as_measured(search, scene, model, evaluations, monkeypatch):

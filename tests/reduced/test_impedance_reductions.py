@@ -1,14 +1,26 @@
-"""Reductions as impedances: against the exact one-port, against their own closed forms, and passive."""
+"""The exact one-port and reductions as impedances: against independent and closed forms and one another; passive at every
+frequency, not only on a grid."""
 
 import math
 
 import numpy as np
 import pytest
-from one_port_scenes import EPSILON, EVERY, LOSSLESS, LOSSY, ROUND_TRIP, paper
+from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, LOSSY, ROUND_TRIP, paper, scene_of, slab
 
-from reduced.impedance import check_passivity, impedance, poles_and_residues, taylor_poles
-from reduced.impedance.reduce import reduction_of, spring_and_mass
+import reduced.impedance.fit as fit
+import slipwave
+from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, poles_and_residues, reduction_of, taylor_poles
+from reduced.impedance.of_reduction import dissipation, sign_frequencies
+from reduced.impedance.reduce import spring_and_mass
+from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
+from slipwave.scene.slab import (
+    GripFace,
+    KelvinVoigtViscosity,
+    MachineFace,
+    ReflectingFace,
+    StandardLinearViscosity,
+)
 from tests.one_port_by_hand import pair_impedance
 
 T = np.array([0.01 + 0.3j, 0.2 + 1j, 2.0j, 3 + 9j])
@@ -150,3 +162,121 @@ def test_a_fit_that_is_too_far_off_is_refused_with_place_and_size(monkeypatch, s
     else:
         assert fit.fit_scene(scene, "fitted:3", 3, 2.0 / 3.0).spring == 2.0 / 3.0
     fit.fit_scene.cache_clear()
+
+
+S = np.array([0.01 + 0.1j, 0.3 + 1j, 2.2j, -0.2 + 3j, 5 + 40j, 1e3 + 1j]) / ROUND_TRIP
+
+
+VARIED = [
+    slab(),
+    slab(layers=LAYERS),
+    slab(face=GripFace(2.0, 3.0)),
+    slab(face=GripFace(0.5, 0.3), layers=LAYERS),
+    slab(face=MachineFace(2.0, 0.5, 0.4), layers=LAYERS),
+    slab(face=MachineFace(0.0, 0.0, 0.7)),
+    slab(face=ReflectingFace(0.5), layers=LAYERS),
+    slab(face=ReflectingFace(-1.0)),
+    slab(viscosity=StandardLinearViscosity(3.0 * ROUND_TRIP, 0.5)),
+    slab(viscosity=KelvinVoigtViscosity(0.05 * ROUND_TRIP), face=GripFace(2.0, 3.0), layers=LAYERS),
+]
+
+
+@pytest.mark.parametrize("scene", [*EVERY.values(), *map(scene_of, VARIED)], ids=[*EVERY, *map(str, range(len(VARIED)))])
+def test_chained_sections_solve_the_wave_equation_in_both_slabs_in_series(scene):
+    assert impedance(scene, S[:-1]) == pytest.approx([pair_impedance(scene, s) for s in S[:-1]], rel=1e-11)
+
+
+def test_nothing_overflows_far_to_the_right():
+    far = np.array([1e4, 1e8 + 1e8j, 1e300]) / ROUND_TRIP
+    for scene in (paper(), EVERY["grip"], EVERY["layered"], EVERY["standard linear"]):
+        assert np.all(np.isfinite(impedance(scene, far)))
+        assert impedance(scene, far[2:]) == pytest.approx(scene.impedance, rel=1e-6)
+
+
+def admittance(scene, s):
+    p, q = pair_ratio(scene, Jet.variable(s))
+    return p / q
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_slope_is_the_derivative(name):
+    step = 1e-5 / ROUND_TRIP
+    central = (admittance(EVERY[name], S[:5] + step).value - admittance(EVERY[name], S[:5] - step).value) / (2 * step)
+    assert admittance(EVERY[name], S[:5]).slope == pytest.approx(central, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_every_scene_is_passive(name):
+    found = check_passivity(EVERY[name])
+    assert found.passive, found
+    assert (abs(found.worst) < 1e-9) == (name in LOSSLESS)
+
+
+GALLERY = ("grip", "reflection", "viscous", "paper", "unlike", "layered", "rock", "unlike-irrational", "slip-law", "regularised")
+SCENES = {**LOSSY, **{f"gallery {name}": slipwave.read(name) for name in GALLERY}}
+
+
+def scanned(model):
+    """Smallest Re Z/epsilon on a fine grid that knows nothing of the certificate, narrow around every resonance."""
+    widths = np.maximum(np.array([decay for _, _, decay, _ in model.modes]), 1e-9)
+    across = np.add.outer(np.linspace(-30.0, 30.0, 2001), np.zeros(widths.size)) * widths + np.array(model.frequencies)
+    omega = np.concatenate([np.linspace(0.0, 300.0, 30_001), np.geomspace(300.0, 1e6, 500), np.abs(across.ravel())])
+    return float(dissipation(model, omega).min())
+
+
+FITS = [("grip below", 9), ("grip below", 16)]
+"""That were active between the points of a grid."""
+FITS += [(name, 7) for name in ("grip", "standard linear", "kelvin-voigt solid", "gallery viscous", "gallery unlike")]
+EVERY_FIT = [pytest.param(name, count, marks=pytest.mark.slow) for name in SCENES for count in (1, 4, 8, 12, 18)]
+
+
+@pytest.mark.parametrize(("name", "count"), [*FITS, *EVERY_FIT])
+def test_a_fit_is_passive_at_every_frequency(name, count):
+    model = reduction_of(SCENES[name], f"fitted:{count}")
+    if not model.is_lossless:
+        assert dissipation(model, sign_frequencies(model)).min() >= 0.0
+        assert scanned(model) >= 0.0
+        assert min(model.decays, default=0.0) >= 0.0
+    assert check_passivity(SCENES[name], f"fitted:{count}").passive
+
+
+NARROW = Reduction("m", mass=0.01, damping=0.5, frequencies=(33.333333,), residues=(0.0,), decays=(1e-7,), offsets=(3e-5,))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "where"),
+    [
+        (Reduction("m", mass=1 / 12, frequencies=(6.0,), residues=(-0.1,)), None),
+        (Reduction("m", damping=-1e-3), None),
+        (NARROW, 33.333333),
+    ],
+    ids=["active mode", "active dashpot", "a resonance narrower than any grid"],
+)
+def test_an_active_reduction_is_seen(wrong, where, monkeypatch):
+    monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda scene, name: wrong)
+    found = check_passivity(paper(), "modal:1")
+    assert not found.passive
+    if where:
+        assert found.where.imag == pytest.approx(where, abs=1e-3)
+        assert dissipation(wrong, sign_frequencies(wrong)).min() < -0.1
+
+
+def test_where_a_sign_changes_is_exact():
+    """G = 1/2 - 0.3 s/(s^2 + s/5 + 4), of which Re G = 0 where ((4 - w^2)^2 + 0.04 w^2)/2 = 0.06 w^2."""
+    model = Reduction("modal:1", damping=0.5, frequencies=(2.0,), residues=(-0.3,), decays=(0.1,))
+    crossings = np.sqrt(np.roots([0.5, -4.0 + 0.02 - 0.06, 8.0]))
+    cuts = sign_frequencies(model)
+    assert np.abs(np.subtract.outer(crossings, cuts)).min(axis=1).max() < 1e-9
+    assert dissipation(model, crossings) == pytest.approx(np.zeros(2), abs=1e-12)
+
+
+def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch):
+    with pytest.raises(SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; .* is quasidynamic"):
+        reduction_of(LOSSY["grip"], "fitted:0")
+    bare = {"kind": "machine", "stiffness": 1e3, "impedance": 0.0, "mass": 0.0}
+    with pytest.raises(SceneError, match=r"model = 'fitted:2': no passive fit .* undamped, at a frequency that is fitted"):
+        reduction_of(slipwave.read("paper", {"slab.face": bare}), "fitted:2")
+    fit.fit_scene.cache_clear()
+    monkeypatch.setattr(fit, "_ROUNDS", 1)
+    with pytest.raises(SceneError, match=r"model = 'fitted:16': the fit is not passive at \d+\.?\d* rad.*; try another N"):
+        reduction_of(LOSSY["grip below"], "fitted:16")

@@ -9,7 +9,7 @@ import pytest
 
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import CycleSection, closest_returns
-from reduced.orbit.closing import by_parameter, close, close_family
+from reduced.orbit.closing import close, close_family
 from reduced.orbit.figures import amplitude, cycle_figures, repeats_sooner
 from reduced.orbit.multipliers import floquet, multipliers
 from slipwave import read_scene
@@ -21,21 +21,6 @@ from tests.orbit_by_hand import SHRINKS, SUBCRITICAL, SUPERCRITICAL, TURN, FlowB
 
 UNSTABLE, STABLE = 0.2, 0.8
 """|w|^2 of the two orbits of the subcritical oscillator at p = -0.16."""
-
-
-def test_derivatives_by_period_and_parameter():
-    """On the orbit the end moves with (1 + c s) i w; a change of the parameter lets |w| grow and turns the angle."""
-    s, osc = 0.2, SUBCRITICAL
-    flow, period = FlowByHand(osc, osc.g(s)), osc.period(s)
-    x, y = start = osc.state(s)
-    cycle, turned = flow.march(start, period), np.array([-y, x])
-    np.testing.assert_allclose(flow.velocity(cycle), (1.0 + 0.3 * s) * turned, rtol=0.0, atol=1e-8)
-    moved = by_parameter(lambda p: replace(flow, parameter=p), cycle, osc.g(s))
-    # |w| = sqrt(s) + x with x' = -2 s g' x + sqrt(s), angle' = 1 + 2 c sqrt(s) x
-    rate, size = -2.0 * s * osc.slope(s), math.sqrt(s)
-    grown = size * math.expm1(rate * period) / rate
-    angle = 2.0 * 0.3 * size * (grown - size * period) / rate
-    np.testing.assert_allclose(moved, grown * start / size + angle * turned, rtol=1e-5)
 
 
 def test_an_orbit_of_a_family_on_a_plane():

@@ -1,5 +1,5 @@
-"""Orbits of the delay system and of reductions against independent programs, by second methods
-against themselves."""
+"""Orbits of the delay system and of reductions, their special points and onsets, against independent programs (AUTO-07p,
+DDE-BIFTOOL) started nearby, and by second methods against themselves."""
 
 import dataclasses
 import math
@@ -9,9 +9,12 @@ from functools import lru_cache
 import numpy as np
 import pytest
 
+from reduced.continuation.branch import follow_branch
+from reduced.continuation.point import FlowFamily
+from reduced.continuation.start import from_orbit, metric_for, onsets
 from reduced.delay.network import DelayNetwork
 from reduced.impedance import reduction_of
-from reduced.ode.slabs import ReducedModel
+from reduced.ode.slabs import LONGEST, STAGES, ReducedModel, ReducedSlabs
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
@@ -19,6 +22,7 @@ from reduced.orbit.figures import cycle_figures, repeats_sooner
 from reduced.orbit.multipliers import floquet
 from slipwave import read
 from slipwave.errors import NumericsError
+from slipwave.step.port_flow import flow_near
 from tests.differences import largest
 
 REFERENCE = {
@@ -35,12 +39,17 @@ REFERENCE = {
 """AUTO-07p and shooting for the reductions, lifted shooting for the delay system; all digits shown are converged."""
 
 
+def scene_at(log10_r):
+    return read("paper", {"slab.log10_r": log10_r})
+
+
+def run_of(model, log10_r):
+    scene = scene_at(log10_r)
+    return DelayNetwork(scene, tolerance=1e-6) if model == "delay" else ReducedModel(scene, reduction_of(scene, model), 1e-6)
+
+
 def guessed(model, log10_r, tolerance=1e-9):
-    scene = read("paper", {"slab.log10_r": log10_r})
-    if model == "delay":
-        return approach(DelayNetwork(scene, tolerance=1e-6), 1e-6)
-    solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
-    return approach(solver, tolerance)
+    return approach(run_of(model, log10_r), 1e-6 if model == "delay" else tolerance)
 
 
 @lru_cache
@@ -60,13 +69,7 @@ def test_a_settled_run_is_near_its_orbit():
 
 def returns(model, log10_r, near=None):
     """Orbits from the run's closest returns, those of Newton's failures left out."""
-    scene = read("paper", {"slab.log10_r": log10_r})
-    if model == "delay":
-        found = guesses(DelayNetwork(scene, tolerance=1e-6), 1e-6, near=near)
-    else:
-        solver = ReducedModel(scene, reduction_of(scene, model), 1e-6)
-        found = guesses(solver, 1e-9, near=near)
-    for guess in found:
+    for guess in guesses(run_of(model, log10_r), 1e-6 if model == "delay" else 1e-9, near=near):
         with suppress(NumericsError):
             yield close(*guess[:3]), guess.cycles
 
@@ -99,9 +102,8 @@ def test_no_orbit_near_a_run():
     """On the stable side of the onset, and after too short a run."""
     with pytest.raises(NumericsError, match=r"delay: .*(returns to steady sliding|no orbit near it).*'paper'"):
         guessed("delay", -2.72)
-    scene = read("paper")
     with pytest.raises(NumericsError, match=r"a run of 300 transits made \d+ cycles in its second half: no orbit near it"):
-        approach(DelayNetwork(scene, tolerance=1e-6), 1e-6, most=300.0)
+        approach(run_of("delay", -2.68), 1e-6, most=300.0)
 
 
 @pytest.mark.parametrize(("model", "log10_r"), REFERENCE)
@@ -143,3 +145,30 @@ def test_a_run_that_creeps_past_a_lost_orbit_is_followed_on():
     (by continuation from -2.68); the first guess leads nowhere. On the mesh of a run to 1e-6: 2e-7 was measured."""
     one, _ = next(returns("delay", -2.675))
     assert one.cycle.period == pytest.approx(74.93244964, abs=2e-6)
+
+
+def test_the_torus_of_kelvin_voigt():
+    """From beyond it, where nothing stable is near: an orbit that was found along the branch. The paper reads 10^-2.468."""
+    state, period = np.array([-0.0255313, 0.0472059, 0.0722975, -2.1407318]), 81.90486
+    slabs = ReducedSlabs(scene_at(-2.466), lambda other: reduction_of(other, "kelvin-voigt"), STAGES)
+    flow, metric = flow_near(slabs, state, period, 1e-8, LONGEST), metric_for(-2.72, -2.3)
+    family = FlowFamily(flow, scene_at)
+    point = from_orbit(family, close(flow, state, period), -2.466, -3.0, metric)
+    steps = follow_branch(family, point, metric, lambda q: True, 1e-7)
+    torus = next(special for _, step in zip(range(60), steps, strict=False) for special in step.special)
+    assert (torus.kind, torus.unstable_before, torus.unstable_after) == ("NS", 2, 0)
+    assert torus.point.parameter == pytest.approx(-2.469026250, abs=1e-9)
+    assert torus.point.closed.cycle.period == pytest.approx(81.900881030, abs=1e-6)
+    assert torus.bracket < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("model", "log10_r", "period"), [("delay", -2.6995497159, 49.66818383), ("kelvin-voigt", -2.69954994745, 49.66821032)]
+)
+def test_onsets_in_any_parameter_are_one(model, log10_r, period):
+    """At the critical r the onset in epsilon is at the paper's value, and that in V too, with one period."""
+    for key, low, high, known in (("slab.epsilon", 1e-5, 1e-4, 2.8e-5), ("drive.velocity", 50.0, 300.0, 100.0)):
+        (onset,) = onsets(lambda p, key=key: read("paper", {"slab.log10_r": log10_r, key: p}), low, high, model)
+        assert (onset.parameter, onset.period) == (pytest.approx(known, rel=1e-7), pytest.approx(period, rel=1e-7))
+        assert sorted((onset.unstable_below, onset.unstable_above)) == [0, 2]
+    assert onsets(scene_at, -2.8, -2.7, "delay") == []

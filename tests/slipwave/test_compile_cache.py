@@ -149,23 +149,3 @@ def test_a_file_edited_since_the_process_began_keeps_its_functions_off_the_disk(
     monkeypatch.setattr(compile_cache, "STARTED", 0.0)
     assert [ask(), ask()] == [(ANSWER, 0)] * 2
     assert list(folder.iterdir()) == []
-
-
-FACTOR = 2.0
-
-
-def own(x):
-    return FACTOR * x
-
-
-def ask_own():
-    fresh = njit(own)
-    return fresh(3.0), sum(fresh.stats.cache_hits.values())
-
-
-def test_a_function_of_the_users_is_kept_until_what_it_names_changes(monkeypatch):
-    assert [ask_own(), ask_own()] == [(6.0, 0), (6.0, 1)]
-    monkeypatch.setitem(globals(), "FACTOR", 4.0)
-    assert [ask_own(), ask_own()] == [(12.0, 0), (12.0, 1)]
-    monkeypatch.setattr(own, "__module__", "nowhere")
-    assert [ask_own(), ask_own()] == [(12.0, 0)] * 2

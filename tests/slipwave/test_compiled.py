@@ -78,7 +78,6 @@ EDITS = {
     ],
     "overloaded inlined dispatched": [("slipwave/friction/ageing.py", "law.a_star + law.a * z", "law.a_star - law.a * z")],
 }
-Answers = dict[str, tuple[float, int]]
 
 
 def start(law, folder):

@@ -12,9 +12,7 @@ from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.impedance import reduction_of
 from reduced.ode.slabs import ReducedModel
-from reduced.orbit.closing import close
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from tests.differences import difference, largest
 from tests.reduced.reduction_equations import EVERY_TERM
@@ -96,24 +94,6 @@ def test_another_scene_has_the_same_mesh_and_states(kind, name):
     ours = flow.of(other).march(state, 4.0)
     assert largest(ours.end - direct.march(state, 4.0).end) < 1e-9
     assert ours.pieces.length.size == flow.march(state, 4.0).pieces.length.size
-
-
-def test_a_finer_mesh_has_more_steps_and_a_smaller_error():
-    """On the orbit of a settled run at log10 r = -2.68, whose period AUTO-07p gives."""
-    scene = slipwave.read("paper")
-    solver = ReducedModel(scene, reduction_of(scene, "block12"))
-    observer = EventObserver(scene, solver.nodes)
-    follow(solver, 2000.0, [observer])
-    period = float(observer.events(1000.0).period[-1])
-    flow, state = solver.flow(period, 1e-9)
-    coarse, state = flow.remeshed(flow.march(state, period), 0.2)
-    first = close(coarse, state, period).cycle
-    fine, state = coarse.remeshed(first, 1.5)
-    second = close(fine, state, first.period).cycle
-    assert second.pieces.time.size == pytest.approx(1.5 * first.pieces.time.size, rel=0.15)
-    assert abs(second.period - 77.868569398) < 0.1 * abs(first.period - 77.868569398)
-    assert fine.roughness(second, 1e-9) < 0.3 * coarse.roughness(first, 1e-9)
-    assert second.pieces.time[-1] + second.pieces.length[-1] == pytest.approx(second.period, rel=1e-14)
 
 
 def test_a_motion_that_cannot_be_followed():
