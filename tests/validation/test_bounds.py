@@ -116,7 +116,7 @@ def test_half_of_the_last_digit(value, half):
 def test_what_rounding_and_the_grid_before_leave():
     """Sixteen roundings add up to four, of half an epsilon each, and to four times that at most; order 6 leaves a 64th on twice
     the cells, and twice that is allowed."""
-    assert rounding(16.0) == pytest.approx(8.0 * sys.float_info.epsilon)
+    assert rounding(16.0) / sys.float_info.epsilon == pytest.approx(8.0)
     assert error_after("sbp:6", -1e-6, 24, 48) == pytest.approx(2e-6 / 64.0)
 
 
