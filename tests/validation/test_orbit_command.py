@@ -21,8 +21,6 @@ from validation.compute.at_scene import Primary
 from validation.compute.orbits import OrbitFound, most_transits
 from validation.references.published import half_digit, reference, reference_orbit
 
-ODE = ("--model", "kelvin-voigt")
-
 
 @pytest.mark.parametrize(
     ("model", "log10_r", "stable", "leading"),

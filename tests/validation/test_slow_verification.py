@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -12,8 +11,6 @@ from validation.studies import planted_faults, slow_verification, study_called
 from validation.studies.slow_verification import read_record, summarised
 from validation.study import Budget, Outcome
 from validation.study.text import cell
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import pytest
 from shown import outcomes
 
 from slipwave.observe.statistics import Estimate
-from validation.compute.points import BranchPoint, CurvePoint
+from validation.compute.points import CurvePoint
 from validation.studies import bifurcation as claims
 from validation.studies import period_doubling as doubling
 from validation.studies import special_curves
@@ -28,7 +28,7 @@ from validation.studies.snaking.measured import (
 )
 from validation.study import Outcome
 from validation.study.memo import own_orbit
-from validation.study.over_r import branch_of, parts, scene_at, unaccounted
+from validation.study.over_r import branch_of, scene_at, unaccounted
 
 
 def run(periods, settled=True):
@@ -139,15 +139,6 @@ def test_the_index_counts_what_no_point_explains():
     assert claims.index([made("delay", fold, torus, points=missed)]).outcome is Outcome.FAIL
     wrong = special("PD", -2.6, 0, 2)
     assert unaccounted(made("delay", wrong, points=(point(-2.7, 0), wrong.point))) == 1
-
-
-def test_parts_share_their_ends():
-    corners = [BranchPoint(float(n), *[0.0] * 5, unstable, None) for n, unstable in enumerate((1, 1, 0, 0, 2, 1))]
-    assert [(stable, [corner.value for corner in part]) for stable, part in parts(corners)] == [
-        (False, [0.0, 1.0, 2.0]),
-        (True, [2.0, 3.0, 4.0]),
-        (False, [4.0, 5.0]),
-    ]
 
 
 def test_coexisting_orbits_are_all_found():

@@ -30,7 +30,6 @@ from validation.sweep.refine import fill, refine, regime_numbers
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
 
-ROOT = Path(__file__).parents[2]
 DISC = "tests.validation.sweep_measures:disc"
 
 

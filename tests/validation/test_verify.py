@@ -69,7 +69,6 @@ ORDER = "Every full-wave family reaches its order in space in every output, from
 AGREES = "psi converges to that of the delay system"
 LIMIT = "The step limit does not move with the stiffness of friction"
 CALM = "Noise stays at 0.99 of the limit and grows at 1.05, for all slabs and faces"
-RELAXES = "Fast relaxation of ψ limits the step at the real stability limit of the time stepping"
 
 
 @pytest.mark.parametrize(
