@@ -81,7 +81,7 @@ def report(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print report.json, and nothing else, on stdout")] = False,
 ) -> None:
-    """Run the studies; write the page and the files beside it."""
+    """Run the studies; write the page and its files."""
     from validation.report.baseline import RedReport
     from validation.report.build import make_report
     from validation.report.changes import change_lines

@@ -61,13 +61,13 @@ def sheet(field: Field) -> "meshio.Mesh":
     import meshio
 
     position, velocity, stress = profile(field)
-    moments, places = field.time.size, position.size
-    points = np.zeros((moments * places, 3))
-    points[:, 0] = np.repeat(field.time, places)
+    moments, depths = field.time.size, position.size
+    points = np.zeros((moments * depths, 3))
+    points[:, 0] = np.repeat(field.time, depths)
     points[:, 1] = np.tile(position, moments)
     thick = np.flatnonzero(np.diff(position) > 0.0)
-    corner = (np.arange(moments - 1)[:, None] * places + thick).ravel()
-    quads = np.column_stack((corner, corner + places, corner + places + 1, corner + 1))
+    corner = (np.arange(moments - 1)[:, None] * depths + thick).ravel()
+    quads = np.column_stack((corner, corner + depths, corner + depths + 1, corner + 1))
     values = {"velocity": velocity.ravel(), "stress": stress.ravel()}
     return meshio.Mesh(points, [("quad", quads)], point_data=values | _in_si(field, time=points[:, 0], **values))
 

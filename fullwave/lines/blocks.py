@@ -75,8 +75,8 @@ class Chain(NamedTuple):
 def chain_of(blocks: list[Block]) -> Chain:
     """`blocks` joined: values within 1e-12 of the thickness belong to one node."""
     depth = np.concatenate([block.depth for block in blocks])
-    places, node, values = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
-    return Chain(tuple(blocks), places, node, values)
+    depths, node, values = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
+    return Chain(tuple(blocks), depths, node, values)
 
 
 def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:

@@ -147,4 +147,4 @@ def _nearest(family: FlowFamily, point: OrbitPoint, kind: str) -> Special:
         found = [one for one in specials_between(family, left, right, METRIC) if one.kind == kind]
         if found:
             return min(found, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
-    raise NumericsError(f"no {kind} was found beside an orbit of period {point.closed.cycle.period:.6g}")
+    raise NumericsError(f"no {kind} was found near an orbit of period {point.closed.cycle.period:.6g}")

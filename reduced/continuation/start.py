@@ -106,7 +106,7 @@ def _displaced(
     along = np.append(shape - (shape @ branch) / (branch @ branch) * branch, [0.0, 0.0])
     point = point_near(family, np.append(state, [period, closed.parameter]), along, metric)
     if difference_of_halves(point) < _ALIKE * amplitude:
-        raise NumericsError(f"no orbit of twice the period was found beside parameter = {closed.parameter:.10g}")
+        raise NumericsError(f"no orbit of twice the period was found near parameter = {closed.parameter:.10g}")
     return family, point
 
 

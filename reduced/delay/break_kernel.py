@@ -130,16 +130,16 @@ def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot
             broken = broken or abs(jump) > ends.jump or abs(slope) * ends.longest > ends.kink
         if not broken:
             continue
-        arrival, place = start + ends.travel[layer], counts[WAITING]
-        while place > 0 and arrivals[place - 1] > arrival:
-            place -= 1
-        if place > 0 and arrival - arrivals[place - 1] < SHORTEST:
+        arrival, slot = start + ends.travel[layer], counts[WAITING]
+        while slot > 0 and arrivals[slot - 1] > arrival:
+            slot -= 1
+        if slot > 0 and arrival - arrivals[slot - 1] < SHORTEST:
             continue
-        if place < counts[WAITING] and arrivals[place] - arrival < SHORTEST:
+        if slot < counts[WAITING] and arrivals[slot] - arrival < SHORTEST:
             continue
-        for k in range(counts[WAITING], place, -1):
+        for k in range(counts[WAITING], slot, -1):
             arrivals[k] = arrivals[k - 1]
-        arrivals[place] = arrival
+        arrivals[slot] = arrival
         counts[WAITING] += 1
         counts[FOLLOWED] += 1
 
@@ -181,8 +181,8 @@ def march_breaks(
         leave_behind(history, start + SHORTEST)
         left = history.arrivals[0] - start if history.counts[WAITING] else math.inf
         length = left / math.ceil(left / longest - _SAME) if left < 64.0 * longest else longest
-        room = history.arrivals.size - history.counts[WAITING] >= ends.travel.size
-        if not (look_back(nodes, ends, lines.network, history, slot, start, length) and room):
+        has_space = history.arrivals.size - history.counts[WAITING] >= ends.travel.size
+        if not (look_back(nodes, ends, lines.network, history, slot, start, length) and has_space):
             return n, total, TOO_MANY
         set_tops(nodes, ends, physics.rule, lines.network, length)
         begin[1], lengths[0] = length, length

@@ -101,9 +101,9 @@ def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, l
     own[:, moving, moving] = -1.0
     by_rate[:, :, spring] = -epsilon * reduction.spring * moved[:, :]
     modes = np.arange(count)
-    for place, part in ((2 + modes, from_tau), (2 + count + modes, from_p)):
-        own[:, place, 2 + modes] = part[:, :, -1]
-        own[:, place, 2 + count + modes] = -omega2 * np.einsum("lni,li->ln", part, moved)
+    for row, part in ((2 + modes, from_tau), (2 + count + modes, from_p)):
+        own[:, row, 2 + modes] = part[:, :, -1]
+        own[:, row, 2 + count + modes] = -omega2 * np.einsum("lni,li->ln", part, moved)
     own[:, 2 + modes, 2 + modes] -= 1.0
     by_rate[:, :, tau] = -epsilon * forced[:, :, -1].swapaxes(1, 2)
     slipped = omega2 * np.einsum("lj,lnjm->lmn", moved, forced)

@@ -192,6 +192,6 @@ def _sampling(basis: Basis, points: Array) -> Sampling:
 
 def _integrals(basis: Basis, points: Array) -> Array:
     """Rows that integrate the interpolating polynomial from 0 to `points` of [0, 1]."""
-    places, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
-    inner = 0.5 * (1.0 + places)
+    abscissae, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
+    inner = 0.5 * (1.0 + abscissae)
     return np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in points])

@@ -104,11 +104,11 @@ def _misfit(columns: Array, basis: Array) -> float:
 def _change(figure: Array, rho: float, terms: int) -> tuple[float, float]:
     """Relative change of the amplitude over all cycles, fitted as linear together with linear changes of the phase and of the
     mean; and its standard error."""
-    place, basis = np.linspace(-0.5, 0.5, figure.size), _basis(figure.size, rho, terms)
+    ramp, basis = np.linspace(-0.5, 0.5, figure.size), _basis(figure.size, rho, terms)
     found = np.linalg.lstsq(basis, figure, rcond=None)[0]
     order = np.arange(1, terms + 1)
     ahead = np.concatenate(([0.0], order * found[1 + terms :], -order * found[1 : 1 + terms]))
-    whole = np.column_stack([place * (basis[:, 1:] @ found[1:]), place * (basis @ ahead), place, basis])
+    whole = np.column_stack([ramp * (basis[:, 1:] @ found[1:]), ramp * (basis @ ahead), ramp, basis])
     left = figure - whole @ np.linalg.lstsq(whole, figure, rcond=None)[0]
     variance = left @ left / max(figure.size - whole.shape[1], 1)
     spread = np.linalg.pinv(whole.T @ whole)

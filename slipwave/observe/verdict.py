@@ -37,7 +37,7 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.torus import MANY, MOST_HARMONICS, rotation
 
 LAGS = 8
-_LEFT = 0.1  # of the variance, beside a parabola
+_LEFT = 0.1  # share of the variance left by a parabola
 _SURE = 5.0  # standard errors of the line through differences of cycles
 _LATE = 0.2  # of the change, in the later half
 _NONE = 1e-13  # rounding of a logarithm, and more than the sum of squares of many
@@ -82,10 +82,10 @@ def straight_line(values: Array) -> tuple[float, float, float]:
     """The straight line through `values` (n,), by least squares: its change from the first to the last, the standard error of
     that change, and the share of the variance that it explains."""
     n = values.size
-    place = np.linspace(-0.5, 0.5, n)
-    change = float(place @ values / (place @ place))
-    left = values - values.mean() - change * place
-    error = float(np.sqrt(left @ left / max(n - 2, 1) / (place @ place)))
+    ramp = np.linspace(-0.5, 0.5, n)
+    change = float(ramp @ values / (ramp @ ramp))
+    left = values - values.mean() - change * ramp
+    error = float(np.sqrt(left @ left / max(n - 2, 1) / (ramp @ ramp)))
     variance = float(np.sum((values - values.mean()) ** 2))
     return change, error, 1.0 - float(left @ left) / variance if variance > 0.0 else 0.0
 

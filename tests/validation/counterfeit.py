@@ -178,7 +178,7 @@ PLACES = {
         Place("stability_boundaries:boundary", (each(part("second")),), 1),
         Place("stability_boundaries:critical_round_trip", S, 1),
         Place("stability_boundaries:_gaps"),
-        Place("stability_boundaries:_beside"),
+        Place("stability_boundaries:_on_both_sides"),
         Place("stability_boundaries:taylor"),
         Place("stability_boundaries:analyse", (part("log10_r_c"),), few=True),
     ),

@@ -75,18 +75,18 @@ def test_a_scheme_short_of_its_order_is_red(exact, displaced, changes, red):
     assert red or found.fit_together().order == pytest.approx(4.0, abs=0.02)
 
 
-@pytest.mark.parametrize("course", [GENTLE, ROUGH, STEEP], ids=["gentle", "rough", "steep"])
-def test_the_reference_of_errors_in_space_is_right_to_1e_12(course):
+@pytest.mark.parametrize("run", [GENTLE, ROUGH, STEEP], ids=["gentle", "rough", "steep"])
+def test_the_reference_of_errors_in_space_is_right_to_1e_12(run):
     """Against steps half as long and other nodes; measured: at most 1e-13."""
-    other = measure(Delay(course.scene, nodes=9, steps=96, tolerance=1e-13), course)
-    assert max(errors(delay_reference(course), other).values()) < 1e-12
-    assert in_space(replace(LADDERS["dg:7"], course=course)).course.floor >= 5e-12
+    other = measure(Delay(run.scene, nodes=9, steps=96, tolerance=1e-13), run)
+    assert max(errors(delay_reference(run), other).values()) < 1e-12
+    assert in_space(replace(LADDERS["dg:7"], run=run)).run.floor >= 5e-12
 
 
 def test_high_orders_are_read_on_the_steepest_scene():
     for model, ladder in LADDERS.items():
         steep = model in {"fem:6", "fem:7", "dg:6", "dg:7"}
-        assert in_space(ladder).course.scene is (STEEP if steep else ladder.course).scene
+        assert in_space(ladder).run.scene is (STEEP if steep else ladder.run).scene
 
 
 def test_elements_of_degree_3_show_order_6_without_error_in_time():
@@ -143,7 +143,7 @@ def test_which_code_is_common_is_read_from_the_imports():
 def beside(off, error=0.0, cycles=0):
     """Periods 80 and drops 0.2, the wave's period off by a share, both periods known to an error."""
     wave = (Estimate(80.0 * (1.0 + off), error), Estimate(0.2, 1e-3))
-    return orbits.Beside(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles, orbits._ERRORS if cycles else 5e-10)
+    return orbits.OnBoth(-2.5, wave, (Estimate(80.0, error), Estimate(0.2, 1e-3)), cycles, orbits._ERRORS if cycles else 5e-10)
 
 
 @pytest.mark.parametrize(

@@ -73,7 +73,7 @@ def test_an_orbit_is_that_of_the_run_and_its_derivative_that_of_differences(foll
 def test_over_the_period_no_orbit_turns_back(followed: CycleOfOrbit) -> None:
     """Over a parameter the period locks to round trips; over the period the parameter's slope swings twofold within a transit."""
     followed.friction(np.log([0.0349, 0.0489]))
-    rest = followed.anchor.place[1:]
+    rest = followed.anchor.coordinates[1:]
     leading = [followed.walk(np.append(late, rest)).closed.parameter for late in np.arange(0.0, 2.1, 0.1)]
     slopes = np.abs(np.diff(leading)) / 0.1
     assert (np.diff(leading) * np.diff(leading)[0] > 0.0).all()
@@ -87,7 +87,7 @@ def test_what_does_not_repeat_or_is_of_another_model_has_no_interval(tmp_path: P
         sw.fit("paper", "delay", data=[settling], free=["a", "b"], settings=["interface.a=0.034"])
     assert refused.value.result.parameters["interface.a"]["value"] == pytest.approx(0.034, rel=0.03)
     late = times + np.sin(times / 150.0)
-    with pytest.raises(SceneError, match="transits beside equal cycles"):
+    with pytest.raises(SceneError, match="transits off equal cycles"):
         folded("late", late, friction, 1.0)
     bent = written(tmp_path / "bent.csv", times, 0.3 + 1.1 * (friction - 0.3))
     with pytest.raises(NumericsError, match="no orbit of the model is the record's"):

@@ -10,7 +10,7 @@ from slipwave.observe.statistics import Estimate
 from validation.studies import study_called
 from validation.studies import which_model as measured
 from validation.studies.one_cycle import at_r
-from validation.studies.which_model import error_beside_delay, omissions
+from validation.studies.which_model import error_against_delay, omissions
 from validation.study import Outcome
 from validation.study.model_table import words_of
 from validation.study.regimes import CycleFigures
@@ -25,14 +25,14 @@ def figures(period, drop, period_error=0.0, drop_error=0.0):
 def test_an_error_with_its_own_error():
     """A quotient of 1.1 whose parts are known to 3 and 4 thousandths is known to 5 thousandths of itself."""
     runs = {"delay": {-2.5: figures(100.0, 0.3, 0.4)}, "modal:8": {-2.5: figures(110.0, 0.3, 0.33)}}
-    found = error_beside_delay(runs, "modal:8", -2.5, "period")
+    found = error_against_delay(runs, "modal:8", -2.5, "period")
     assert (found.value, found.error) == (pytest.approx(0.1, rel=1e-12), pytest.approx(1.1 * 0.005, rel=1e-12))
-    assert error_beside_delay(runs, "modal:8", -2.5, "drop") == Estimate(0.0, 0.0)
+    assert error_against_delay(runs, "modal:8", -2.5, "drop") == Estimate(0.0, 0.0)
 
 
 def test_a_model_that_found_no_orbit_has_no_error():
     runs = {"delay": {-2.6: figures(80.0, 0.2)}, "block8": {-2.6: None}}
-    assert math.isnan(error_beside_delay(runs, "block8", -2.6, "period").value)
+    assert math.isnan(error_against_delay(runs, "block8", -2.6, "period").value)
     every = {model: {-2.6: figures(80.0, 0.2)} for model in ("delay", *measured.MODELS)}
     assert omissions(every) == ()
     assert omissions(every | {"block8": {-2.6: None}})[0].why == "`block8` at −2.6."

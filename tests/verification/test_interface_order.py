@@ -27,16 +27,16 @@ FINE = {"dg:12": 12, "fem:11": 14}
 
 
 @cache
-def fine(model, course):
-    return measure(build(model, course.scene, cells=FINE[model]), course)
+def fine(model, run):
+    return measure(build(model, run.scene, cells=FINE[model]), run)
 
 
-@pytest.mark.parametrize(("course", "cycles"), [(GENTLE, 10), (ROUGH, 20)], ids=["gentle", "rough"])
-def test_the_references_agree_below_the_floor(course, cycles):
-    """In as many complete cycles as lie in the last three quarters of the course."""
-    apart = errors(fine("dg:12", course), fine("fem:11", course))
-    assert max(apart.values()) < course.floor
-    assert fine("dg:12", course)["period"].size == fine("fem:11", course)["period"].size == cycles
+@pytest.mark.parametrize(("run", "cycles"), [(GENTLE, 10), (ROUGH, 20)], ids=["gentle", "rough"])
+def test_the_references_agree_below_the_floor(run, cycles):
+    """In as many complete cycles as lie in the last three quarters of the run."""
+    apart = errors(fine("dg:12", run), fine("fem:11", run))
+    assert max(apart.values()) < run.floor
+    assert fine("dg:12", run)["period"].size == fine("fem:11", run)["period"].size == cycles
 
 
 def explicit(model, scene, **options):
@@ -50,7 +50,7 @@ QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:3", "fem:7", "dg:2", "dg:5", "dg:
 @pytest.mark.parametrize("model", [pytest.param(m, marks=() if m in QUICK else pytest.mark.slow) for m in LADDERS])
 def test_every_output_reaches_the_declared_order(model):
     ladder = LADDERS[model]
-    climbed = climb(ladder, fine("fem:11" if model.startswith("dg") else "dg:12", ladder.course), explicit)
+    climbed = climb(ladder, fine("fem:11" if model.startswith("dg") else "dg:12", ladder.run), explicit)
     assert climbed.shortfall() == []
 
 

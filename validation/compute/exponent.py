@@ -1,4 +1,4 @@
-"""The largest Lyapunov exponent of the motion at the end of a run, from a second solver beside the one that ran."""
+"""The largest Lyapunov exponent of the motion at the end of a run, from a second, perturbed run."""
 
 import math
 
@@ -38,5 +38,5 @@ def exponent_of(done: Run, numerical: Options, most_seconds: float) -> Exponent:
     twin = prepare(solver.model, scene, True, **numerical).solver
     period = float(done.events.period[-1]) if done.events.period.size else outlook(scene, one_port_of(solver.model)).period
     cycle = period if math.isfinite(period) else 1.0
-    with progress(f"{scene.name}, {solver.model}, beside a second motion", float(TRANSIENT + INTERVALS)) as report:
+    with progress(f"{scene.name}, {solver.model}, and a perturbed run", float(TRANSIENT + INTERVALS)) as report:
         return largest_exponent(solver, twin, cycle, report, most_seconds=most_seconds)

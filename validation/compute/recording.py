@@ -50,7 +50,7 @@ def history_for(solver: Solver, until: float, kept: Kept, samples: Path | None, 
     """The observer of the interface's history in a run to `until` (transits).
 
     The samples that are `kept` are in the file `samples`, or in a temporary one, until it is closed. With a `checkpoint` they are
-    in a file beside that, which stays for runs that go on.
+    in a file in its folder, which stays for continued runs.
     """
     path = checkpoint.with_name(f"{checkpoint.name}.samples") if checkpoint else samples or _temporary_samples()
     history = HistoryFile(solver.scene.law, solver.nodes, path, until, stays=checkpoint is not None, kept=kept)

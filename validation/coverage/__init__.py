@@ -1,1 +1,2 @@
-"""How often the errors that this program states hold the truth: kinds of them, and the record of many computations."""
+"""Coverage of the errors that this program states: how often they contain the truth, by kind, and the record of many
+computations."""

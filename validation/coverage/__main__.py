@@ -11,7 +11,7 @@ from validation.results.result import aligned
 
 
 def main(words: list[str]) -> None:
-    """Do what the words ask for."""
+    """Run the command line `words`."""
     if words[0] == "--record":
         return make_record(words[1:] or KINDS)
     kind, count = words

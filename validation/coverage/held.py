@@ -1,4 +1,4 @@
-"""Stated errors beside true ones, and how often they hold these."""
+"""Stated errors, true errors, and how often the former contain the latter."""
 
 from collections.abc import Iterable
 from itertools import groupby
@@ -19,8 +19,8 @@ class Held(NamedTuple):
 
 
 class Coverage(NamedTuple):
-    """How a kind of `figure` fares: how `many` bars there are, the `share` that hold the truth with its 95 % interval (Wilson),
-    and how many times larger than the error a bar is, in the median."""
+    """Coverage of a kind of `figure`: the number of bars (`many`), the `share` that contain the truth with its 95 % interval
+    (Wilson), and `width`, the median ratio of bar to error."""
 
     figure: str
     many: int

@@ -1,4 +1,4 @@
-"""Kinds of stated errors of motions that never repeat, each held against a much longer run that goes on from there."""
+"""Kinds of stated errors of motions that never repeat, each compared with a much longer continuation of the run."""
 
 import math
 
@@ -25,7 +25,8 @@ _TIMES = 3  # as many intervals in that of an exponent
 
 
 def irregular_motion(random: np.random.Generator) -> tuple[Solver, float]:
-    """A solver past its transient, in a motion that never repeats, and its mean period. Raises NumericsError in one that does."""
+    """A solver past its transient, in a motion that never repeats, and its mean period. Raises NumericsError if the motion
+    repeats."""
     model = str(random.choice(["delay", "kelvin-voigt", "modal:2"]))
     solver = build(model, random_scene("alike", model, random, _BEYOND), tolerance=_TOLERANCE)
     period = watch(solver, 2.0 * _TRANSIENT).events(_TRANSIENT).period
@@ -34,14 +35,14 @@ def irregular_motion(random: np.random.Generator) -> tuple[Solver, float]:
 
 
 def require_irregular(periods: Array) -> None:
-    """Raises NumericsError for cycles that repeat after some number of them, and for too few to tell."""
+    """Raises NumericsError for cycles that repeat after some number of them, and for too few to decide."""
     repeats = [np.ptp(periods[lag:] - periods[:-lag]) < _LEAST_SPREAD * periods.mean() for lag in range(1, periods.size // 2)]
     if periods.size < _FEWEST or any(repeats):
         raise NumericsError("the motion repeats")
 
 
 def irregular_means(random: np.random.Generator) -> list[Held]:
-    """Means over the first cycles of a run, with the margins that it states, beside those over all later ones."""
+    """Means over the first cycles of a run, with their stated margins, compared with those over all later cycles."""
     solver, period = irregular_motion(random)
     cycles, begin = round(math.exp(random.uniform(*np.log(_CYCLES)))), solver.time
     events = watch(solver, begin + (cycles + _LONG) * period).events(begin)
@@ -50,7 +51,7 @@ def irregular_means(random: np.random.Generator) -> list[Held]:
 
 
 def held_means(events: Events, count: int) -> list[Held]:
-    """Of the first `count` cycles the means, each beside that over the others."""
+    """Means over the first `count` cycles, compared with those over the others."""
     first, rest = (summarise(Events(*(column[part] for column in events)), False) for part in (slice(count), slice(count, None)))
     certain = 1.0 / math.sqrt(1.0 + first.cycles / rest.cycles)
     return [
@@ -60,7 +61,7 @@ def held_means(events: Events, count: int) -> list[Held]:
 
 
 def exponents(random: np.random.Generator) -> list[Held]:
-    """The largest Lyapunov exponent, with its margin, beside that of a longer run from there; times the period."""
+    """The largest Lyapunov exponent times the period, with its margin, compared with that of a longer continuation."""
     solver, period = irregular_motion(random)
     twin = build(solver.model, solver.scene, tolerance=_TOLERANCE)
     found, truth = (largest_exponent(solver, twin, period, intervals=count) for count in (INTERVALS, _TIMES * INTERVALS))

@@ -1,4 +1,4 @@
-"""Kinds of stated errors: random scenes of known truth; how many of them are recorded and repeated, and their record."""
+"""Kinds of stated errors, measured on random scenes of known truth, and the record of these measurements."""
 
 import ast
 import hashlib
@@ -27,13 +27,13 @@ _AT_ONCE = 10  # computations between two writings
 _REPEATED = 10  # computations by which what an earlier definition found is confirmed
 
 Record: TypeAlias = dict[str, list[list[Held]]]
-"""By kind: its computations, in order."""
+"""Kind -> its computations, in order."""
 
 
 class Kind(NamedTuple):
-    """A kind of stated error: whose `bar`, the `truth` it is held against, the `evidence` that this is, how one computation is
-    `measure`d, how many are `recorded`, and how many of them a report `repeated`ly makes. An irregular motion is not `exact`ly
-    repeated on another machine."""
+    """A kind of stated error: whose `bar`, the `truth` it is compared with, the kind of `evidence`, the function that `measure`s
+    it, the numbers of computations `recorded` and `repeated` by a report. `exact`: whether they repeat exactly on another
+    machine, as irregular motions do not."""
 
     bar: str
     truth: str
@@ -57,13 +57,12 @@ KINDS = {
 """Kinds by name."""
 
 LEFT_OUT = {("chosen grids", 50)}
-"""Computations that are not made: this one had not ended after 90 s of processor time, on hundreds of cells. What it would say is
-not known."""
+"""Computations left out: this one had not ended after 90 s of processor time, on hundreds of cells; its result is unknown."""
 
 
 def computation(kind: str, number: int) -> list[Held]:
-    """Computation `number` of a kind: the same whenever it is repeated. Empty where there is nothing to be held: no orbit, or a
-    motion of another sort; and if it is LEFT_OUT."""
+    """Computation `number` of a kind, the same whenever it is repeated. Empty if there is no stated error (no orbit, another kind
+    of motion), and if it is LEFT_OUT."""
     if (kind, number) in LEFT_OUT:
         return []
     try:
@@ -73,8 +72,8 @@ def computation(kind: str, number: int) -> list[Held]:
 
 
 def definition(kind: str) -> str:
-    """Digest of what is computed: the program text of the random scenes and of the file that measures this kind, but for their
-    imports, so that a thing that moves elsewhere changes nothing. Another record is of something else."""
+    """Digest of the definition of a kind: the program text of the random scenes and of the file that measures it, without
+    imports. A record with another digest is not valid."""
     measured = ROOT.joinpath(*KINDS[kind].measure.__module__.split(".")).with_suffix(".py")
     said = [statement for path in (Path(scenes.__file__), measured) for statement in statements(path)]
     return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16]
@@ -90,7 +89,7 @@ def statements(path: Path) -> Iterator[str]:
 
 
 def known_computations(path: Path = RECORD) -> Record:
-    """What was recorded by the present definitions, of every kind."""
+    """The computations recorded with the present definitions, of every kind."""
     return {kind: found if known == definition(kind) else [] for kind, (known, found) in _stored(path).items()}
 
 
@@ -104,8 +103,8 @@ def _stored(path: Path) -> dict[str, tuple[str, list[list[Held]]]]:
 
 
 def _confirmed(kind: str, path: Path) -> list[list[Held]]:
-    """What is stored of a kind, if it is of its definition, or if some of it, drawn by the new definition and computed again, is
-    the same in every digit: then what changed is only how it is said."""
+    """The stored computations of a kind, if they have its present definition, or if some of them, repeated with the new
+    definition, agree in every digit: then only the wording of the program changed."""
     known, found = _stored(path)[kind]
     repeated = 0 if known == definition(kind) else min(_REPEATED, len(found))
     drawn = np.random.default_rng(int(definition(kind), 16)).choice(len(found), repeated, replace=False).tolist()
@@ -113,7 +112,7 @@ def _confirmed(kind: str, path: Path) -> list[list[Held]]:
 
 
 def store_computations(kind: str, found: list[list[Held]], path: Path = RECORD) -> None:
-    """A line for each computation of this kind; other kinds stay as they are."""
+    """Write a line for each computation of this kind; other kinds are unchanged."""
     every = _stored(path) | {kind: (definition(kind), found)}
     lines = {kind: (known, ",\n".join(map(_line, found))) for kind, (known, found) in every.items()}
     kinds = [f'"{kind}": {{"definition": "{known}", "computations": [\n{text}\n]}}' for kind, (known, text) in lines.items()]
@@ -126,7 +125,7 @@ def _line(computed: list[Held]) -> str:
 
 
 def make_record(kinds: Iterable[str], path: Path = RECORD) -> None:
-    """Compute what the record lacks of some kinds, and store it time and again."""
+    """Compute the missing computations of some kinds, and store them in batches."""
     for kind in kinds:
         found, wanted = _confirmed(kind, path), KINDS[kind].recorded
         while len(found) < wanted:

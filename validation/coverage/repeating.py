@@ -1,4 +1,4 @@
-"""Kinds of stated errors of motions that repeat, each with a truth to hold them against."""
+"""Kinds of stated errors of motions that repeat, each with a truth to compare with."""
 
 import math
 from dataclasses import replace
@@ -20,7 +20,7 @@ from validation.measure.order_fit import richardson
 from validation.measure.settle import settle
 
 WITNESS = "dg:9"
-"""The model that knows the truth of viscous slabs."""
+"""The reference model for viscous slabs."""
 
 _FINER = 3.0
 _DEFAULT, _LOOSEST, _TIGHTEST = 1e-8, 1e-4, 1e-10  # tolerances of orbits; four in ten have the default
@@ -38,7 +38,7 @@ _GRIDS = {
 
 
 def of_orbit(model: str, scene: Scene, random: np.random.Generator) -> list[Held]:
-    """Figures of an orbit to a random tolerance, beside those of a much finer mesh."""
+    """Figures of an orbit to a random tolerance, compared with those on a much finer mesh."""
     tolerance = _DEFAULT if random.random() < 0.4 else 10.0 ** random.uniform(math.log10(_TIGHTEST), math.log10(_LOOSEST))
     found = find_orbit(model, scene, tolerance).found
     truth = _by_finer_mesh(found.closed)
@@ -60,7 +60,7 @@ def any_orbit(random: np.random.Generator) -> list[Held]:
 
 
 def _grid_scene(model: str, random: np.random.Generator) -> tuple[str, Scene]:
-    """A scene for a grid and the model that knows its truth."""
+    """A scene for a grid, and its reference model."""
     kind = str(random.choice(["alike", "unlike", "layered", "grip", "viscous"]))
     viscous = kind == "viscous"
     return WITNESS if viscous else "delay", random_scene(kind, model if viscous else "auto", random)
@@ -80,7 +80,8 @@ def chosen_grid(random: np.random.Generator) -> list[Held]:
 
 
 def default_grid(random: np.random.Generator) -> list[Held]:
-    """The same on a default grid; a warning that has no number, because a coarser grid finds other cycles, states no error."""
+    """As `chosen_grid` on a default grid; a warning without a number, because a coarser grid has other cycles, states no
+    error."""
     model = str(random.choice([*_GRIDS, "dg:7"]))
     known, scene = _grid_scene(model, random)
     solver = prepare(model, scene).solver
@@ -92,8 +93,8 @@ def default_grid(random: np.random.Generator) -> list[Held]:
 
 
 def steps(random: np.random.Generator) -> list[Held]:
-    """The cycle on which a run of a model without a grid in space settles, beside the orbit. Its tolerance is the error that
-    a run states of a cycle; to this comes how much its cycles still differ."""
+    """The cycle on which a run of a model without a grid settles, compared with the orbit. The stated error of a cycle is the
+    run's tolerance plus the remaining difference of its cycles."""
     kind = str(random.choice(["alike", "unlike", "layered", "grip"]))
     model = str(random.choice(["delay", "kelvin-voigt", "block8", "modal:2"] if kind == "alike" else ["delay"]))
     scene, tolerance = random_scene(kind, model, random), 10.0 ** random.uniform(-9.0, -4.0)

@@ -29,11 +29,11 @@ SLABS: dict[str, Part] = {
     },
     "viscous": lambda random: {"viscosity": {"kind": "kelvin-voigt", "time": 10.0 ** random.uniform(-6.0, -4.7)}},
 }
-"""Slabs: what a random one has beside impedance and round trip."""
+"""Kind of slabs -> keys of a random slab other than impedance and round trip."""
 
 
 def random_scene(kind: str, model: str, random: np.random.Generator, beyond: tuple[float, float] = _BEYOND) -> Scene:
-    """A scene of one of the SLABS of slabs, a little beyond where steady sliding of `model` loses its stability."""
+    """A scene with a kind of SLABS, a little beyond the loss of stability of steady sliding of `model`."""
     a, transit = 0.0349 * 10.0 ** random.uniform(-0.1, 0.1), 0.002
     slab = {"epsilon": 2.8e-5 * 10.0 ** random.uniform(-0.3, 0.3), "r": transit} | SLABS[kind](random)
     ratio = random.choice([0.5, 0.75, 1.5, 2.0, 3.0]) if random.random() < 0.7 else random.uniform(0.5, 2.0)

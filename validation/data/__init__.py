@@ -1,1 +1,1 @@
-"""What others measured: their records as named columns, and the slip events in them."""
+"""Measured records: their columns by name, and the slip events in them."""

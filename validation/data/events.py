@@ -1,9 +1,7 @@
-"""Slip events in a record, found by the detector that finds them in runs (`slipwave.observe.EventObserver`).
-
-The record's friction takes the place of the elastic stress, its slip rate that of the interface's. Noise is no motion: a fall
-counts only if it is larger than the range of pure noise of the record's size. The rate and the extrema are those of a local
-parabola over some samples (Savitzky and Golay), because noise in friction makes drops too large and rates meaningless. What this
-smoothing does to dates, drops and rates is measured by halving it.
+"""Slip events in a record, by the detector of runs (`slipwave.observe.EventObserver`), with the record's friction as elastic
+stress and its slip rate as that of the interface. A fall counts only if it is larger than the range of pure noise in as many
+samples. The rate and the extrema are those of a local parabola over some samples (Savitzky and Golay), because noise in friction
+makes drops too large and rates meaningless. The effect of this smoothing on dates, drops and rates is measured by halving it.
 """
 
 import math
@@ -26,8 +24,8 @@ _LEAST_RATE = 1e-6  # of V, for the detector: noise makes a slow rate negative
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Samples of the local parabola (1: none), and by how much the figures change if it takes half as many: dates (transits), and
-    the others relative to themselves; NaN where there are no events to compare. `apart` is the change in the number of events."""
+    """Samples of the local parabola (1: none), and the change of the figures with half as many: dates (transits), the others
+    relative; NaN without events to compare. `apart`: the change in the number of events."""
 
     samples: int
     dates: float = math.nan
@@ -39,7 +37,7 @@ class Smoothing:
 
 @dataclass(frozen=True)
 class MeasuredMotion:
-    """A record of `source` in the units of a scene: time (transits), friction and slip rate (V*, `rate_from` says of what), both
+    """A record of `source` in the units of a scene: time (transits), friction and slip rate (V*; `rate_from`: its source), both
     smoothed, the dates of its slip events, its complete cycles, its `noise` (of friction, standard deviation)."""
 
     source: str
@@ -69,17 +67,16 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     found = _seen(own, scene, friction, floor, chosen)
     if found.dates.size < 2 or not found.events.time.size:
         count = {0: "no slip event", 1: "one slip event only"}.get(found.dates.size, "no complete cycle between slip events")
-        told = f": no fall of friction exceeds the range of noise, {floor:.2g} (smooth = N samples lessens it)"
-        more = told if floor and not found.dates.size else "; a comparison of cycles needs two or more"
+        text = f": no fall of friction exceeds the range of noise, {floor:.2g} (smooth = N samples lessens it)"
+        more = text if floor and not found.dates.size else "; a comparison of cycles needs two or more"
         raise SceneError(f"{series.source!r}: {count}{more}")
     half = _seen(own, scene, friction, floor, max(1, chosen // 2))
     return replace(found, noise=noise, smoothing=_effect(found, half, chosen))
 
 
 def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:
-    """Standard deviation of what differs from sample to sample: by the median distance of samples from the straight line between
-    their neighbours, which slip events leave as it is; 0 for a record without noise, where it is below the share `quiet` of the
-    range."""
+    """Standard deviation of the noise, from the median distance of samples from the straight line between their neighbours, on
+    which slip events have no influence; 0 if it is below the share `quiet` of the range."""
     if time.size < 3:
         return 0.0
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
@@ -89,7 +86,7 @@ def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:
 
 
 def smoothed(values: Array, samples: int, slope: bool = False) -> Array:
-    """A local parabola over so many samples, or its slope per sample; `values` themselves over fewer than 3."""
+    """Values (n,) of a local parabola over `samples` samples, or its slope per sample; `values` themselves for fewer than 3."""
     if samples < 3:
         return np.gradient(values) if slope else values
     from scipy.signal import savgol_filter
@@ -98,7 +95,7 @@ def smoothed(values: Array, samples: int, slope: bool = False) -> Array:
 
 
 def _seen(own: Series, scene: Scene, friction: Array, floor: float, samples: int) -> MeasuredMotion:
-    """The motion, smoothed over so many samples."""
+    """The motion, smoothed over `samples` samples."""
     rate, rate_from = _slip_rate(own, scene, friction, samples)
     level = smoothed(friction, samples)
     observer = EventObserver(scene, _NODES, floor * min(1.0, 1.5 / math.sqrt(samples)))  # what a parabola leaves of white noise
@@ -109,14 +106,14 @@ def _seen(own: Series, scene: Scene, friction: Array, floor: float, samples: int
 
 
 def _pieces(time: Array, z: Array, friction: Array) -> Pieces:
-    """Straight lines between samples."""
+    """Pieces that are straight lines between samples."""
     lines = [np.column_stack((0.5 * (values[1:] + values[:-1]), values[1:])) for values in (z, friction)]
     return Pieces(time[:-1], np.diff(time), lines[0], np.zeros_like(lines[0]), lines[1], lines[1])
 
 
 def _slip_rate(own: Series, scene: Scene, friction: Array, samples: int) -> tuple[Array, str]:
-    """The slip rate (V*) of a record, and where it is from: its own column, the slope of slip, or of what the load point's
-    displacement leaves of it if the stiffness is the scene's."""
+    """The slip rate (V*) of a record, and its source: its own column, the slope of slip, or the slope of the load point's
+    displacement minus the elastic one, by the scene's stiffness."""
     if "slip_rate" in own:
         return smoothed(own["slip_rate"], samples), "slip_rate"
     pace = scene.transit * smoothed(own["time"], samples, slope=True)  # L/V* per sample
@@ -130,7 +127,7 @@ def _slip_rate(own: Series, scene: Scene, friction: Array, samples: int) -> tupl
 
 
 def _chosen(own: Series, scene: Scene, friction: Array, floor: float) -> int:
-    """A quarter of the samples in the median fall of friction; none where there is no noise, or no event."""
+    """Samples of the parabola: a quarter of those in the median fall of friction; 1 without noise or events."""
     first = _seen(own, scene, friction, floor, 1)
     if floor == 0.0 or not first.events.time.size:
         return 1

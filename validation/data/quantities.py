@@ -1,4 +1,4 @@
-"""The quantities that a record may hold: the names that columns of them have, their units in SI and in a scene's own units."""
+"""The quantities of a record: names of their columns, units in SI and in a scene's own units."""
 
 import re
 from typing import NamedTuple
@@ -52,7 +52,7 @@ MEASURED = {
     "normal_stress": Measured("Pa", "normal stress", ("sigma", "sigma_n", "normal", "sn"), _STRESSES),
     "state": Measured("s", "L/V*", ("theta", "state_variable"), "s, L/V*"),
 }
-"""By the name that its column has here; the names are compared in small letters, with _ for all else, in any order of words."""
+"""Name of its column here -> quantity. Names are compared in lower case, with _ for other characters, in any order of words."""
 
 _FILLERS = ("of", "the", "coefficient", "coeff", "coef", "eff", "effective")
 _GREEK = {"μ": "mu", "τ": "tau", "σ": "sigma", "δ": "delta"}
@@ -80,7 +80,7 @@ class Heading(NamedTuple):
 
 
 def _words(name: str) -> frozenset[str]:
-    """What a name says, whatever the order of its words."""
+    """The words of a name, regardless of order."""
     return frozenset(name.split("_")).difference(_FILLERS)
 
 
@@ -88,7 +88,7 @@ _NAMES = {_words(name): key for key, one in MEASURED.items() for name in (key, *
 
 
 def heading(text: str) -> Heading:
-    """What the heading of a column says: as in "Time [s]", "tau(MPa)", "mu", "disp_um", "log10 slip rate [m/s]"."""
+    """Quantity and unit of the heading of a column, as in "Time [s]", "tau(MPa)", "mu", "disp_um", "log10 slip rate [m/s]"."""
     text = text.strip().strip("\"'").strip()
     found = _IN_BRACKETS.fullmatch(text)
     name, unit = (_plain(found[1]), found[2].strip()) if found else (_plain(text), None)
@@ -109,8 +109,8 @@ def _plain(text: str) -> str:
 
 def _cuts(text: str) -> list[tuple[str, str]]:
     """`text` cut in two at each separator, the longest beginning first."""
-    places = [found.span() for found in re.finditer(r"\s*[_/, ]\s*", text)]
-    return [(_plain(text[:begin]), text[end:].replace("_per_", "/").replace("_", " ")) for begin, end in reversed(places)]
+    spans = [found.span() for found in re.finditer(r"\s*[_/, ]\s*", text)]
+    return [(_plain(text[:begin]), text[end:].replace("_per_", "/").replace("_", " ")) for begin, end in reversed(spans)]
 
 
 def _ending_in_unit(parts: tuple[str, str]) -> Heading | None:
@@ -149,7 +149,7 @@ def _size(written: str, key: str) -> Unit | None:
 
 
 def name_of_quantity(text: str, where: str) -> str:
-    """The key of MEASURED that a user's word names. Raises SceneError, which begins with `where`, if there is none."""
+    """The key of MEASURED named by a user's word. Raises SceneError, which begins with `where`, if there is none."""
     found = heading(text).quantity
     if not found:
         raise SceneError(f"{where}: {shorten(text)} is no quantity of a record: {choices(MEASURED, text)}")
@@ -157,7 +157,7 @@ def name_of_quantity(text: str, where: str) -> str:
 
 
 def unit_sizes(scene: Scene) -> dict[str, float]:
-    """The size in SI of each unit of a scene's own, 1 for a scene without SI."""
+    """SI size of each unit of a scene, 1 for a scene without SI."""
     known = scene.units
     if known is None:
         return dict.fromkeys((one.own for one in MEASURED.values()), 1.0)

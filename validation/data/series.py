@@ -1,4 +1,4 @@
-"""A record of time that somebody measured, or that a run wrote, as named columns: read from CSV or columns of text.
+"""Reads a time record, measured or written by a run, from CSV or columns of text, as named columns.
 
 The names and units of columns are in a heading (`validation.data.quantities`), or are given. Lines that begin with # or % are
 comments. Numbers without any unit are in SI, or, for a scene without SI, in its own units.
@@ -25,7 +25,7 @@ from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, n
 Array = NDArray[np.float64]
 
 UNREAD = "not read"
-"""How the note on columns without a known name begins."""
+"""Beginning of the note on columns without a known name."""
 
 _COMMENTS = ("#", "%")
 _SKIP = ("", "_", "-")
@@ -36,8 +36,8 @@ _BEFORE = 20  # lines, than all of which a last one that does not end is shorter
 
 @dataclass(frozen=True)
 class Series:
-    """A record by the names of MEASURED, arrays of equal length, time rising. `is_own`: in the units of a scene (transits, L, V*,
-    normal stress) and not in SI; None if no column had a unit. `notes` say how the file was read."""
+    """A record: columns by the names of MEASURED, arrays of equal length, time rising. `is_own`: in the units of a scene
+    (transits, L, V*, normal stress) instead of SI; None if no column had a unit. `notes`: how the file was read."""
 
     source: str
     columns: Mapping[str, Array]
@@ -51,7 +51,7 @@ class Series:
         return len(next(iter(self.columns.values())))
 
     def __getitem__(self, name: str) -> Array:
-        """A column. Raises SceneError naming the columns that there are, if it is missing."""
+        """A column. Raises SceneError, naming the existing columns, if it is missing."""
         if name not in self.columns:
             there = f"the columns read are {', '.join(self.columns)}"
             raise SceneError(f"{self.source!r}: has no column {name}; {there}; --columns names them in order")
@@ -80,11 +80,11 @@ class Series:
 
 
 class _Text(NamedTuple):
-    """A file's lines of numbers with their numbers in the file, what stands between columns (None: blanks), and the cells of the
-    heading and of units below it."""
+    """A file's lines of numbers with their line `numbers`, the separator `between` columns (None: blanks), and the cells of the
+    heading and of the units below it."""
 
     lines: list[str]
-    places: list[int]
+    numbers: list[int]
     between: str | None
     cells: list[str]
     units: list[str]
@@ -92,8 +92,8 @@ class _Text(NamedTuple):
 
 def read_series(path: Path | str, columns: str | None = None, units: str | None = None, missing: str | None = None) -> Series:
     """Read a record. `columns` are the quantities in the order of the file ("time,stress,_", _ for one that is not read), `units`
-    those of its columns in this order, or pairs ("s,MPa" or "time=s,stress=MPa"); both go before what the file says. Lines with
-    one of the words or numbers in `missing` ("nan,-999") in a column that is read are left out.
+    those of its columns in this order, or pairs ("s,MPa" or "time=s,stress=MPa"); both override the file. Lines with one of the
+    words or numbers in `missing` ("nan,-999") in a column that is read are left out.
 
     Raises SceneError: a file that cannot be read or is empty, no heading and no `columns`, no column of time, a cell that is no
     finite number or far from all others (which line), a time that falls (which line), a unit that is not known.
@@ -103,22 +103,22 @@ def read_series(path: Path | str, columns: str | None = None, units: str | None 
     headings = _headings(label, text, columns)
     chosen = _chosen(label, headings, text)
     given = _given_units(label, units, [*headings.values()])
-    found = {key: unit_of(given.get(key, headings[place].unit), key, f"{label!r}, column {key}") for key, place in chosen.items()}
+    found = {key: unit_of(given.get(key, headings[index].unit), key, f"{label!r}, column {key}") for key, index in chosen.items()}
     text, gaps = _without_missing(text, list(chosen.values()), missing)
     values = _numbers(label, text, list(chosen.values()))
-    for (key, place), column in zip(chosen.items(), values.T, strict=True):
+    for (key, index), column in zip(chosen.items(), values.T, strict=True):
         if key in _ONE_RANGE:
-            _require_no_mark(f"{label!r}, column {place + 1}", key, column, text.places)
+            _require_no_mark(f"{label!r}, column {index + 1}", key, column, text.numbers)
     _require_units_of_one_kind(label, found)
     series = {key: _converted(column, found[key]) for (key, column) in zip(chosen, values.T, strict=True)}
-    series, dropped = _rising(label, series, text.places)
+    series, dropped = _rising(label, series, text.numbers)
     measured = {key: unit for key, unit in found.items() if MEASURED[key].unit}
     is_own = None if not any(measured.values()) else any(unit.is_own for unit in measured.values() if unit)
-    return Series(label, series, is_own, [*_told(headings, chosen, measured, text), *gaps, *dropped])
+    return Series(label, series, is_own, [*_notes_on(headings, chosen, measured, text), *gaps, *dropped])
 
 
 def _lines_of(path: Path) -> list[str]:
-    """The lines of a file in UTF-8, UTF-16 or Latin-1. Raises SceneError if it cannot be read or holds nothing."""
+    """The lines of a file in UTF-8, UTF-16 or Latin-1. Raises SceneError if it cannot be read or is empty."""
     try:
         raw = path.read_bytes()
     except (OSError, ValueError) as error:
@@ -138,7 +138,7 @@ def _lines_of(path: Path) -> list[str]:
 
 
 def _parted(label: str, lines: list[str]) -> _Text:
-    """The numbers of a file apart from its heading, which may be a comment; a second heading line may hold the units."""
+    """Split a file into heading, which may be a comment, units, which may be a second heading line, and lines of numbers."""
     rows = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith(_COMMENTS)]
     first = next((k for k, (_, line) in enumerate(rows) if _has_numbers(line)), None)
     if first is None:
@@ -157,7 +157,7 @@ def _parted(label: str, lines: list[str]) -> _Text:
 
 
 def _has_numbers(line: str) -> bool:
-    """Whether a line's cells are numbers, but for one or the other."""
+    """Whether most of a line's cells are numbers."""
     cells = [cell for cell in _cells(line, _between(line)) if cell]
     return sum(map(_is_number, cells)) > len(cells) / 2
 
@@ -190,7 +190,7 @@ def _words(line: str, between: str | None, width: int) -> list[str]:
 
 
 def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading]:
-    """What each column is, by its place: as `columns` say, or the heading of the file."""
+    """Index of a column -> its heading, from `columns` or from the file."""
     names = text.cells if columns is None else [word.strip() for word in columns.split(",")]
     width = len(_cells(text.lines[0], text.between))
     if not names:
@@ -201,24 +201,24 @@ def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading
         for word in names:
             if word not in _SKIP:
                 name_of_quantity(word, "--columns")
-    found = {place: heading(name) for place, name in enumerate(names)}
+    found = {index: heading(name) for index, name in enumerate(names)}
     below = dict(enumerate(text.units)) if columns is None else {}
-    found = {place: Heading(one.quantity, below.get(place, one.unit) or one.unit) for place, one in found.items()}
-    plain = {re.sub("_2$", "", name.strip().lower()): place for place, name in enumerate(names)}
+    found = {index: Heading(one.quantity, below.get(index, one.unit) or one.unit) for index, one in found.items()}
+    plain = {re.sub("_2$", "", name.strip().lower()): index for index, name in enumerate(names)}
     if SEAS.keys() <= plain.keys() and not any(one.unit for one in found.values()):
         found |= {plain[name]: Heading(found[plain[name]].quantity, unit) for name, unit in SEAS.items()}
     return found
 
 
 def _chosen(label: str, headings: Mapping[int, Heading], text: _Text) -> dict[str, int]:
-    """The place of each quantity that there is. Raises SceneError if two columns are the same quantity, and if none is time."""
+    """Quantity -> index of its column. Raises SceneError if two columns are the same quantity, and if none is time."""
     found: dict[str, int] = {}
-    for place, one in headings.items():
+    for index, one in headings.items():
         if one.quantity in found:
-            places = f"columns {found[one.quantity] + 1} and {place + 1}"
-            raise SceneError(f"{label!r}: {places} are both {one.quantity}: --columns says which is which (_: not read)")
+            both = f"columns {found[one.quantity] + 1} and {index + 1}"
+            raise SceneError(f"{label!r}: {both} are both {one.quantity}: --columns says which is which (_: not read)")
         if one.quantity:
-            found[one.quantity] = place
+            found[one.quantity] = index
     if "time" not in found:
         there = ", ".join(text.cells) or "none named"
         raise SceneError(
@@ -247,15 +247,15 @@ def _require_units_of_one_kind(label: str, units: Mapping[str, Unit | None]) -> 
         raise SceneError(f"{label!r}: {own} in the units of a scene, the rest in SI: must be all of one kind")
 
 
-def _without_missing(text: _Text, places: Sequence[int], missing: str | None) -> tuple[_Text, list[str]]:
-    """The lines without a mark of a missing value, and a note of how many there were."""
+def _without_missing(text: _Text, indices: Sequence[int], missing: str | None) -> tuple[_Text, list[str]]:
+    """The lines without a mark of a missing value, and a note on the number of omitted lines."""
     if missing is None:
         return text, []
     marks = {_as_mark(mark) for mark in missing.split(",")}
     rows = (_cells(line, text.between) for line in text.lines)
-    kept = [not any(_as_mark(row[place]) in marks for place in places if place < len(row)) for row in rows]
-    lines, numbers = [*compress(text.lines, kept)], [*compress(text.places, kept)]
-    return text._replace(lines=lines, places=numbers), [f"{len(kept) - len(lines)} lines with {missing} left out"]
+    kept = [not any(_as_mark(row[index]) in marks for index in indices if index < len(row)) for row in rows]
+    lines, numbers = [*compress(text.lines, kept)], [*compress(text.numbers, kept)]
+    return text._replace(lines=lines, numbers=numbers), [f"{len(kept) - len(lines)} lines with {missing} left out"]
 
 
 def _as_mark(cell: str) -> str:
@@ -263,36 +263,37 @@ def _as_mark(cell: str) -> str:
     return f"{float(cell.replace(',', '.')):g}" if _is_number(cell) else cell.strip().lower()
 
 
-def _require_no_mark(where: str, key: str, values: Array, places: Sequence[int]) -> None:
-    """Raises SceneError if one number, far outside the range of all others, is in a few lines: it marks what was not measured."""
+def _require_no_mark(where: str, key: str, values: Array, numbers: Sequence[int]) -> None:
+    """Raises SceneError if one number far outside the range of all others occurs in a few lines: it probably marks missing
+    values."""
     for end in (values.min(), values.max()):
         others = values[values != end]
         low, high = (others.min(), others.max()) if others.size >= 0.9 * values.size > 9.0 else (end, end)
         if max(low - end, end - high) > _FAR * (high - low) > 0.0:
-            told = f"line {places[int(np.argmax(values == end))]}: {key} is {end:g}, all others are from {low:g} to {high:g}"
-            raise SceneError(f"{where}, {told}: if it stands for a missing value, --missing={end:g} leaves such lines out")
+            which = f"line {numbers[int(np.argmax(values == end))]}: {key} is {end:g}, all others are from {low:g} to {high:g}"
+            raise SceneError(f"{where}, {which}: if it stands for a missing value, --missing={end:g} leaves such lines out")
 
 
-def _numbers(label: str, text: _Text, places: list[int]) -> Array:
-    """The columns at these places, of shape (samples, columns). Raises SceneError naming the first line with a cell that is no
+def _numbers(label: str, text: _Text, indices: list[int]) -> Array:
+    """The columns with these indices, of shape (samples, columns). Raises SceneError naming the first line with a cell that is no
     finite number."""
     lines = [line.replace(",", ".") for line in text.lines] if text.between == ";" else text.lines
     try:
-        found = np.loadtxt(lines, delimiter=text.between, usecols=places, ndmin=2, comments=None, quotechar='"')
+        found = np.loadtxt(lines, delimiter=text.between, usecols=indices, ndmin=2, comments=None, quotechar='"')
     except ValueError:
         found = np.full((1, 1), math.nan)
     if np.isfinite(found).all():
         if len(found) < 2:
             raise SceneError(f"{label!r}: has {len(found)} line of numbers; a record has 2 or more")
         return np.asarray(found, dtype=float)
-    for number, line in zip(text.places, lines, strict=True):
+    for number, line in zip(text.numbers, lines, strict=True):
         cells = _cells(line, text.between)
-        for place in places:
-            cell = cells[place] if place < len(cells) else ""
+        for index in indices:
+            cell = cells[index] if index < len(cells) else ""
             if not (_is_number(cell) and math.isfinite(float(cell.replace(",", ".")))):
-                told = f"is {shorten(cell)}: must be a finite number" if cell else "is missing"
+                which = f"is {shorten(cell)}: must be a finite number" if cell else "is missing"
                 way = " (--missing=nan leaves such lines out)" if cell.lower() == "nan" else ""
-                raise SceneError(f"{label!r}, line {number}: column {place + 1} {told}{way}")
+                raise SceneError(f"{label!r}, line {number}: column {index + 1} {which}{way}")
     raise SceneError(f"{label!r}: cannot be read as columns of numbers")
 
 
@@ -302,14 +303,14 @@ def _converted(column: Array, unit: Unit | None) -> Array:
     return np.asarray((10.0**column if unit.is_log else column) * unit.size)
 
 
-def _rising(label: str, columns: dict[str, Array], places: Sequence[int]) -> tuple[dict[str, Array], list[str]]:
-    """The columns without lines that are written twice, and with other samples at one time spread evenly, over the record or up
-    to the next time; notes of these. Raises SceneError where time falls."""
+def _rising(label: str, columns: dict[str, Array], numbers: Sequence[int]) -> tuple[dict[str, Array], list[str]]:
+    """The columns without repeated lines, and with several samples at one time spread evenly up to the next time; notes on these.
+    Raises SceneError where time falls."""
     steps = np.diff(columns["time"])
     if (steps < 0.0).any():
         at = int(np.argmax(steps < 0.0)) + 1
         before, after = columns["time"][at - 1 : at + 1]
-        raise SceneError(f"{label!r}, line {places[at]}: time falls from {before:.9g} to {after:.9g}: must rise")
+        raise SceneError(f"{label!r}, line {numbers[at]}: time falls from {before:.9g} to {after:.9g}: must rise")
     if not steps.any():
         raise SceneError(f"{label!r}: time is {columns['time'][0]:g} in every line: must rise")
     new = np.concatenate(([True], np.any([np.diff(values) != 0.0 for values in columns.values()], axis=0)))
@@ -319,22 +320,22 @@ def _rising(label: str, columns: dict[str, Array], places: Sequence[int]) -> tup
     if ticks.size < new.sum():
         index = np.arange(new.sum())
         even = np.polyval(np.polyfit(index, columns["time"], 1), index)
-        room = np.minimum(np.diff(ticks, append=np.inf), np.median(np.diff(ticks)))
-        spread = columns["time"] + (index - np.repeat(first, counts)) * np.repeat(room / counts, counts)
+        gap = np.minimum(np.diff(ticks, append=np.inf), np.median(np.diff(ticks)))
+        spread = columns["time"] + (index - np.repeat(first, counts)) * np.repeat(gap / counts, counts)
         columns["time"] = np.asarray(even if np.ptp(columns["time"] - even) < 1.5 * np.diff(ticks).max() else spread)
         notes.append(f"{new.sum() - ticks.size} samples at the time of the one before: taken as spread evenly")
     return columns, notes
 
 
-def _told(
+def _notes_on(
     headings: Mapping[int, Heading], chosen: Mapping[str, int], units: Mapping[str, Unit | None], text: _Text
 ) -> Iterable[str]:
-    """How the columns were read, in words."""
-    parts = [f"{key} from column {place + 1}" for key, place in chosen.items()]
+    """Notes on how the columns were read."""
+    parts = [f"{key} from column {index + 1}" for key, index in chosen.items()]
     yield f"read {', '.join(parts)}"
     bare = [key for key, unit in units.items() if unit is None]
     if bare:
         yield f"{', '.join(bare)} without a unit: taken as SI, or as the units of a scene without SI (--units says others)"
-    left = [text.cells[place] for place, one in headings.items() if not one.quantity and place < len(text.cells)]
+    left = [text.cells[index] for index, one in headings.items() if not one.quantity and index < len(text.cells)]
     if left:
         yield f"{UNREAD}: {', '.join(left)}"

@@ -14,8 +14,8 @@ from validation.data.quantities import MEASURED, unit_sizes
 
 def as_record(parts: Iterable[Mapping[str, Array]], scene: Scene) -> Iterator[dict[str, Array]]:
     """The interface's history in its own units (`slipwave.observe.history.named_columns`, a part at a time) as columns of
-    MEASURED, in SI if the scene is. Load-point displacement and slip are counted from the first sample on; slip is what the
-    elastic stress leaves of the load point's displacement, y' = stiffness (V - v)."""
+    MEASURED, in SI if the scene is. Load-point displacement and slip are counted from the first sample on; slip is the load
+    point's displacement minus the elastic one, from y' = stiffness (V - v)."""
     sizes, begin = unit_sizes(scene), None
     for part in parts:
         load = scene.transit * scene.drive.travel(part["time"])

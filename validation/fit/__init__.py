@@ -1,1 +1,1 @@
-"""Data in, parameters with intervals out: least squares of a model's friction against measured records."""
+"""Fits parameters, with intervals, by least squares of a model's friction against measured records."""

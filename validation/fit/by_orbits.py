@@ -20,13 +20,13 @@ _FAR, _MUCH = 1.2, 2.0  # times the noise: a residual that no noise explains; no
 
 
 class OrbitCoordinates:
-    """The residuals of a record over the coordinates (period, date of the first event, parameters beside the leading one,
-    nuisances), as `Problem`."""
+    """`Problem` of a record in the coordinates (period, date of the first event, parameters other than the leading one,
+    nuisances)."""
 
     fineness = 1e-9
 
     def __init__(self, model: CycleOfOrbit, low: Array, high: Array, shapes: Array) -> None:
-        """`low` and `high` (m,) bound the parameters; `shapes` (n, k) is what the nuisances add to friction."""
+        """`low` and `high` (m,): bounds of the parameters; `shapes` (n, k): derivatives of friction by the nuisances."""
         self.model, self._shapes, self._low, self._high = model, shapes, low, high
         rest, count = np.arange(low.size) != model.leading, shapes.shape[1]
         free = np.full(count, np.inf)
@@ -35,23 +35,23 @@ class OrbitCoordinates:
         self.names = ["period", "date", *map(str, range(low.size - 1 + count))]
         self.large = np.ones(len(self.names))
 
-    def orbit(self, place: Array) -> Anchor:
-        """That of the coordinates. Raises NumericsError where the leading parameter would pass its bounds."""
-        count = self.model.anchor.place.size if self.model.anchor else 0
-        found = self.model.walk(np.insert(place[2 : count + 1], 0, place[0]))
+    def orbit(self, coordinates: Array) -> Anchor:
+        """The orbit at the coordinates. Raises NumericsError where the leading parameter would pass its bounds."""
+        count = self.model.anchor.coordinates.size if self.model.anchor else 0
+        found = self.model.walk(np.insert(coordinates[2 : count + 1], 0, coordinates[0]))
         if not self._low[self.model.leading] < found.closed.parameter < self._high[self.model.leading]:
             raise NumericsError("the leading parameter passes its bounds")
         return found
 
-    def residual(self, place: Array) -> Array:
+    def residual(self, coordinates: Array) -> Array:
         """As `Problem`."""
-        found, record = self.orbit(place), self.model.record
-        own = place[place.size - self._shapes.shape[1] :]
-        return (self.model.seen(found, float(place[1])) + self._shapes @ own - record.friction) / record.noise
+        found, record = self.orbit(coordinates), self.model.record
+        own = coordinates[coordinates.size - self._shapes.shape[1] :]
+        return (self.model.seen(found, float(coordinates[1])) + self._shapes @ own - record.friction) / record.noise
 
-    def slopes(self, place: Array) -> Array:
+    def slopes(self, coordinates: Array) -> Array:
         """As `Problem`."""
-        found, late = self.orbit(place), float(place[1])
+        found, late = self.orbit(coordinates), float(coordinates[1])
         by, _ = self.model.differences(found, late)
         moved = [self.model.seen(found, late + sign * SHIFT[0]) for sign in (1.0, -1.0)]
         return (
@@ -62,7 +62,7 @@ class OrbitCoordinates:
 
 @dataclass
 class _InParameters(Best):
-    """Also keeps the `best` values as parameters, of the orbit that the `model` came to."""
+    """`Best` in the coordinates, which also keeps the `best` values as parameters, those of the orbit of the `model`."""
 
     best: Best | None = None
     model: CycleOfOrbit | None = None
@@ -78,8 +78,8 @@ class _InParameters(Best):
 def fitted_orbit(
     model: CycleOfOrbit, bounds: tuple[Array, Array], shapes: Array, starts: Iterable[Array], best: Best
 ) -> Solution:
-    """The orbit nearest to the record, from the first of `starts` that leads to one as near as its noise allows, or the best,
-    over the parameters, whose `bounds` are given, then nuisances, which add `shapes` (n, k) to friction.
+    """Fit the orbit to the record from the first of `starts` that leads to a residual as small as the noise, else from the best.
+    Unknowns: parameters within `bounds`, then nuisances, with derivatives `shapes` (n, k) of friction.
 
     Raises NumericsError if no start leads to an orbit."""
     keys, reasons = bounds[0].size, []
@@ -92,7 +92,7 @@ def fitted_orbit(
                 *(x / model.transit for x in (model.period(begun), model.record.period)),
             )
             coordinates = OrbitCoordinates(model, *bounds, shapes)
-            first = np.concatenate([[0.0, 0.0], begun.place[1:], start[keys:]])
+            first = np.concatenate([[0.0, 0.0], begun.coordinates[1:], start[keys:]])
             one = minimise(coordinates, [first], _InParameters(first, best=best, model=model, keys=keys))
             there = coordinates.orbit(one.inner)
         except NumericsError as reason:
@@ -112,7 +112,7 @@ def fitted_orbit(
 
 
 def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, evaluations: int) -> Solution:
-    """A solution over coordinates, whose derivative is `by`, as one over parameters, with the date of events at its best."""
+    """A solution in coordinates, with derivative `by`, converted to parameters, with the best date of events."""
     known = model.anchor
     assert known is not None
     _, change = model.differences(known, model.late)
@@ -124,9 +124,9 @@ def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, e
     if far > _FAR and (far > _MUCH or alike < _ALIKE):
         failed = f"no orbit of the model is the record's: the best leaves {far:.3g} times the noise, and no interval holds for it"
     elif far > _LITTLE and alike > max(_ALIKE, 5.0 / one.residual.size**0.5):
-        told = f"what is left correlates by {alike:.2g} within {_LAGS} samples"
+        text = f"what is left correlates by {alike:.2g} within {_LAGS} samples"
         failed = (
-            f"cycles of the record differ by more than noise ({told}), no interval holds: take a part that repeats (--window)"
+            f"cycles of the record differ by more than noise ({text}), no interval holds: take a part that repeats (--window)"
         )
     elif is_decided(known.closed) and count_unstable(known.closed):
         failed = "the orbit nearest to the record is unstable: no sample would stay on it"
@@ -135,12 +135,12 @@ def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, e
 
 
 def _far(one: Solution) -> float:
-    """The residual over the noise."""
+    """Ratio of the residual to the noise."""
     return float(np.sqrt(np.mean(one.residual**2)))
 
 
 def _likeness(residual: Array) -> float:
-    """The largest correlation in size of a `residual` with itself, some samples later."""
+    """The largest modulus of the autocorrelation of a `residual` over some lags."""
     square = float(residual @ residual)
     lags = range(1, min(_LAGS, residual.size // 2) + 1)
     return max(abs(float(residual[lag:] @ residual[:-lag])) for lag in lags) / max(square, 1e-300)

@@ -73,7 +73,7 @@ class FitOptions(RecordOptions, ModelOptions):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class FitResult(Result):
-    """The best values of a `problem`, as far as they are known."""
+    """The best values of a `problem` so far."""
 
     OUTPUTS: ClassVar = (
         Output("--out", (".nc",), "to_netcdf", "keep records, fitted friction and parameters: .nc"),
@@ -91,7 +91,7 @@ class FitResult(Result):
 
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """By key: value, the ends of the 95 % interval, unit, whether the data determine it, and where the fit began."""
+        """Key -> value, ends of the 95 % interval, unit, whether the data determine it, and start value."""
         found = {}
         free = dict(enumerate(self.problem.free))
         for k, name in enumerate(self.problem.names):
@@ -111,7 +111,7 @@ class FitResult(Result):
         return {
             "scene": self.scene.name,
             "model": self.model,
-            "data": [*map(_told, self.problem.records, self._friction)],
+            "data": [*map(_facts_of, self.problem.records, self._friction)],
             "parameters": parameters,
             "determined": {name: row["determined"] for name, row in parameters.items()},
             "correlation": {name: dict(zip(names, row, strict=True)) for name, row in rows},
@@ -139,10 +139,8 @@ class FitResult(Result):
         if self.spread.profiled:
             notes.append(f"the interval of {' and '.join(self.spread.profiled)} is by profile: the derivative's is another")
         if self.spread.noise > _ASTRAY and self.problem.noise:
-            told = (
-                "a part of the record (--window) or the model is not what the other is, or the fit ended beside its best values"
-            )
-            notes.append(f"the residual is {self.spread.noise:.1f} times the noise, and the intervals do not know why: {told}")
+            cause = "a part of the record (--window) or the model is not what the other is, or the fit ended off its best values"
+            notes.append(f"the residual is {self.spread.noise:.1f} times the noise, and the intervals do not know why: {cause}")
         together = self.spread.together
         if together > 2.0:
             wider = f"the intervals are {together**0.5:.1f} times as wide as those of white noise"
@@ -174,7 +172,7 @@ class FitResult(Result):
 
     @cached_property
     def _residual(self) -> Array:
-        """Of the friction, measured minus fitted."""
+        """Residual of the friction, measured minus fitted."""
         pairs = zip(self.problem.records, self._friction, strict=True)
         return np.concatenate([(one.friction - fitted)[one.shown] for one, fitted in pairs])
 
@@ -217,7 +215,8 @@ class FitResult(Result):
 
 @command
 def fit(source: SceneSource, options: FitOptions) -> FitResult:
-    """Parameters of a scene from measured friction, by least squares, with 95 % intervals and what the data do not determine.
+    """Parameters of a scene from measured friction, by least squares, with 95 % intervals and a list of what the data do not
+    determine.
 
     Raises SceneError for wrong input; NumericsError, with the best values as its `result`, if there is no minimum, a parameter
     ends at a bound, or the data do not determine one.
@@ -276,7 +275,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
 
 
 def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
-    """Where a model that is dear begins: the best values of a cheap one, or its own starts where there are none."""
+    """Starts of an expensive model: the best values of a cheap one, or its own starts where there are none."""
     try:
         found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
     except NumericsError as error:
@@ -291,8 +290,8 @@ def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     yield found.inner
 
 
-def _told(one: Experiment, fitted: Array) -> dict[str, Any]:
-    """A record in the JSON; of stick-slip the period, measured and fitted."""
+def _facts_of(one: Experiment, fitted: Array) -> dict[str, Any]:
+    """JSON of a record; for stick-slip the period, measured and fitted."""
     facts: dict[str, Any] = {"file": one.name, "samples": one.times[one.shown].size}
     if one.cycle is None:
         return facts

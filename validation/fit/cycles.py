@@ -1,8 +1,8 @@
 """Stick-slip records: the period and the shape of the mean cycle by its phase, measured and of a model.
 
 Late waveforms are not compared: cycles drift apart, and waves ring differently in each. An event is dated where friction falls
-through the middle between its maximum and its minimum. Phases close to events are left out: a sample there says more of the
-recording than of friction.
+through the middle between its maximum and its minimum. Phases close to events are left out: samples there depend on the recording
+more than on friction.
 """
 
 from collections.abc import Sequence
@@ -24,27 +24,27 @@ from validation.fit.parameters import Variants, sizes
 
 BINS = 48
 MARGIN = 0.02
-"""Share of a cycle on either side of an event that is left out."""
+"""Share of a cycle that is left out on either side of an event."""
 
 _NODES, _WEIGHTS = (part / 2.0 for part in np.polynomial.legendre.leggauss(3))  # of a bin, at which a model is asked
 _FEWEST = 12  # bins that have samples
 _ALIKE = 5  # cycles, that say what is settled
 _STANDS_OUT = 4.0  # standard errors, beyond which cycles differ by more than noise
 _FALL = 0.4  # of the range of friction: a smaller fall is no event
-_ABOVE = 8.0  # times the noise: the smallest fall that can be told from it
+_ABOVE = 8.0  # times the noise: the smallest fall that is distinguished from it
 _BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
 _SETTLED = 7  # events; the last cycle of so many is taken
 _LONGER = (1.0, 2.5, 6.0, 15.0)  # times the expected length of a march
 _BISECTIONS = 60
 _SAME_PERIOD = 1e-5  # relative difference of two in a row with which the motion has settled
 DISTURBED = 1.0
-"""Of psi, at the start of a march that is to stick and slip."""
+"""Jump of psi at the start of a march that is to stick and slip."""
 
 
 class MeanCycle(NamedTuple):
-    """The `period` (s or transits) and mean friction in bins, whose samples have the mean `phases`; the standard errors of each
-    alone; `events`, `drop`, and what was taken out: a `drift`, and `early` cycles, in which the motion settles. `together`
-    (bins + 1, k): what one standard deviation of each error does that they have in common, first to the period."""
+    """The `period` (s or transits) and mean friction in bins, whose samples have the mean `phases`; their independent standard
+    errors; number of `events`, mean `drop`; what was removed: a `drift`, and the number of `early` cycles, in which the motion
+    settles. `together` (bins + 1, k): effect of one standard deviation of each common error, first on the period."""
 
     period: float
     period_error: float
@@ -59,7 +59,8 @@ class MeanCycle(NamedTuple):
 
 
 def falls(values: Array, least: float) -> list[tuple[int, int]]:
-    """(maximum, minimum) of every fall by at least `least` that a rise by as much follows; the last one may lack it."""
+    """(maximum, minimum) indices of every fall by at least `least` that is followed by a rise of that size; the last fall needs
+    none."""
     found, top, bottom, is_falling = [], 0, 0, False
     for k, value in enumerate(values.tolist()):
         if not is_falling:
@@ -75,7 +76,7 @@ def falls(values: Array, least: float) -> list[tuple[int, int]]:
 
 
 def dated_events(name: str, times: Array, friction: Array) -> tuple[list[tuple[int, int]], Array]:
-    """(maximum, minimum) of every slip event of a record, and their dates. Raises SceneError for fewer than three."""
+    """(maximum, minimum) indices of every slip event of a record, and their dates. Raises SceneError for fewer than three."""
     noise, size, events = noise_of(times, friction), float(np.ptp(friction)), []
     for together in sorted({max(1, times.size // blocks) for blocks in (times.size, *_BLOCKS)}):
         means = friction[: times.size // together * together].reshape(-1, together).mean(axis=1)
@@ -94,9 +95,8 @@ def dated_events(name: str, times: Array, friction: Array) -> tuple[list[tuple[i
 
 
 def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
-    """Of a record, without first cycles that are yet to settle and a drift from cycle to cycle that stands out.
-
-    Raises SceneError if it has no three slip events."""
+    """The mean cycle of a record, without unsettled first cycles and without a significant drift from cycle to cycle. Raises
+    SceneError for fewer than three slip events."""
     noise, (events, dates) = noise_of(times, friction), dated_events(name, times, friction)
     early = _unsettled(np.diff(dates), _date_errors(times, friction, events, noise))
     events, dates = events[early:], dates[early:]
@@ -106,16 +106,16 @@ def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
     where = (times[inside] - dates[which[inside]]) / periods[which[inside]]
     bins = np.floor((where - MARGIN) / (1.0 - 2.0 * MARGIN) * BINS).astype(int)
     shown = (bins >= 0) & (bins < BINS)
-    place = which[inside][shown] * BINS + bins[shown]
+    index = which[inside][shown] * BINS + bins[shown]
 
     def total(values: Array) -> Array:
-        """Of the samples in each bin of each cycle (cycles, BINS)."""
-        return np.asarray(np.bincount(place, values, periods.size * BINS).reshape(-1, BINS)[:, there], dtype=float)
+        """Sums over the samples in each bin of each cycle (cycles, BINS)."""
+        return np.asarray(np.bincount(index, values, periods.size * BINS).reshape(-1, BINS)[:, there], dtype=float)
 
     there = np.isin(np.arange(BINS), bins)
     if there.sum() < _FEWEST:
         raise SceneError(f"{name!r}: too few samples: a fit of stick-slip needs one in each of {_FEWEST} parts of the mean cycle")
-    counts = total(np.ones(place.size))
+    counts = total(np.ones(index.size))
     with np.errstate(invalid="ignore"):
         rows, at = total(friction[inside][shown]) / counts, total(where[shown]) / counts
     phases = np.nanmean(at, axis=0)
@@ -143,8 +143,8 @@ def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
 
 
 def _unsettled(periods: Array, errors: Array) -> int:
-    """How many of the first cycles, half of them at most, come closer and closer to those after them and yet differ by more than
-    these among themselves, and than dates are wrong: in them the motion settles."""
+    """Number of first cycles, at most half, in which the motion settles: they approach the later ones monotonically and still
+    differ by more than these among themselves and by more than the errors of dates."""
     for k in range(min(periods.size // 2, periods.size - _ALIKE), 0, -1):
         scatter = max(float(np.std(periods[k:], ddof=1)), float(np.sqrt(2.0 * np.mean(errors**2))))
         away = np.abs(periods[:k] - np.median(periods[k:]))
@@ -154,8 +154,8 @@ def _unsettled(periods: Array, errors: Array) -> int:
 
 
 def _level(rows: Array, phases: Array, moved: float) -> tuple[Array, float]:
-    """Rows of cycles without the straight line of their means, and what it changes from the first to the last; 0 if that does
-    not stand out of their scatter and of what the error of a date has `moved`."""
+    """Rows of cycles without the linear trend of their means, and its change from the first to the last cycle; 0 if that is not
+    significant against their scatter and the effect `moved` of the error of a date."""
     count = np.arange(len(rows)) - 0.5 * (len(rows) - 1)
     means = np.nanmean(rows - np.nanmean(rows, axis=0), axis=1)
     slope = float(count @ means / (count @ count))
@@ -167,8 +167,8 @@ def _level(rows: Array, phases: Array, moved: float) -> tuple[Array, float]:
 
 
 def _scatter(away: Array, counts: Array, noise: float) -> tuple[Array, float]:
-    """Standard errors of the mean in each bin, and that of its level, from how cycles lie `away` from it: those of noise, but for
-    what stands out."""
+    """Standard errors of the mean in each bin, and of its level, from the deviations `away` of cycles: those of noise, or larger
+    where the scatter is significantly larger."""
     white = max(noise, 1e-9) ** 2 / np.maximum(counts, 1.0)
     cycles, seen = len(away), np.isfinite(away)
     level = np.nanmean(away, axis=1)
@@ -182,7 +182,7 @@ def _scatter(away: Array, counts: Array, noise: float) -> tuple[Array, float]:
 
 
 def _date_errors(times: Array, friction: Array, events: list[tuple[int, int]], noise: float) -> Array:
-    """Standard deviations of the dates of events: a fall between two samples is anywhere between them."""
+    """Standard deviations of the dates of events: a fall between two samples is uniformly distributed between them."""
     above = np.array([_above(friction, *one) for one in events])
     gap, fall = times[above + 1] - times[above], friction[above] - friction[above + 1]
     drop = np.array([friction[a] - friction[b] for a, b in events])
@@ -190,8 +190,8 @@ def _date_errors(times: Array, friction: Array, events: list[tuple[int, int]], n
 
 
 def _leaning(times: Array, friction: Array, events: list[tuple[int, int]], dates: Array) -> float:
-    """By how much all dates are early or late: a fall between two samples is on average in their middle, but friction that
-    falls slowly before leads to an earlier date."""
+    """Common bias of all dates: a fall between two samples is on average in their middle, but friction that falls slowly before
+    gives an earlier date."""
     above = np.array([_above(friction, *one) for one in events])
     drop = np.array([friction[a] - friction[b] for a, b in events])
     share = np.minimum((friction[above] - friction[above + 1]) / drop, 1.0)
@@ -199,8 +199,9 @@ def _leaning(times: Array, friction: Array, events: list[tuple[int, int]], dates
 
 
 def _dating(dates: Array, errors: Array, leaning: float, times: Array, slope: Array, phases: Array) -> tuple[float, Array]:
-    """The standard error of the period, of cycles that differ by more than dates are wrong; and what the errors of dates do to
-    period and friction, whose `slope` is by time: (bins + 1, 2) for a shift of all events, and for cycles that seem too long."""
+    """The standard error of the period from cycles that differ by more than the errors of dates; and the effects (bins + 1, 2) of
+    these errors on period and friction, with `slope` in time: by a shift of all events, and by apparent cycles that are too
+    long."""
     periods, count = np.diff(dates), dates.size - 1
     turns = np.arange(dates.size) * float(periods.mean() / np.median(np.diff(times)))
     alike = abs(np.exp(2j * np.pi * turns).mean()) ** 2 * dates.size  # events that meet the clock's ticks alike are wrong alike
@@ -218,7 +219,7 @@ def _above(friction: Array, top: int, bottom: int) -> int:
 
 
 def _date(times: Array, friction: Array, top: int, bottom: int) -> float:
-    """Where friction falls last through the middle between its maximum and its minimum."""
+    """Time at which friction last falls through the middle between its maximum and its minimum."""
     middle = 0.5 * (friction[top] + friction[bottom])
     above = _above(friction, top, bottom)
     share = (friction[above] - middle) / (friction[above] - friction[above + 1])
@@ -230,7 +231,7 @@ class CycleOfReduction(Reduced):
     NumericsError where the model does not stick and slip."""
 
     def __init__(self, variants: Variants, period: float, model: str, tolerance: float, phases: Array | None = None) -> None:
-        """Around a `period` like this; bins whose samples have these mean `phases`, or their middles."""
+        """`period`: expected; `phases`: mean phases of the samples in the bins, by default their middles."""
         super().__init__(variants, model, tolerance)
         self._period = period
         width = (1.0 - 2.0 * MARGIN) / BINS
@@ -238,7 +239,7 @@ class CycleOfReduction(Reduced):
         self._phases = (middles[:, None] + width * _NODES).ravel()
 
     def motion(self, inner: Array, every: float) -> tuple[Array, Array]:
-        """Times (s, or transits in a scene without units), `every` so long, and friction of the later half of the march."""
+        """Times (s, or transits in a scene without units) at intervals `every`, and friction, of the later half of the march."""
         slabs, pieces = self._known(inner)
         clock = sizes(slabs.scene)[0]
         times = np.arange(0.4 * pieces.time[-1] * clock, pieces.time[-1] * clock, every)
@@ -262,7 +263,7 @@ class CycleOfReduction(Reduced):
         return abs(dates[2] - 2.0 * dates[1] + dates[0]) < _SAME_PERIOD * (dates[2] - dates[1])
 
     def _falls(self, pieces: Pieces) -> list[tuple[int, int]]:
-        """Events of the later half of a march, and those before that are as large."""
+        """Events of the later half of a march, and earlier ones that are as large."""
         late = pieces.mu[pieces.mu.shape[0] // 2 :]
         return falls(pieces.mu.ravel(), max(_FALL * float(np.ptp(late)), 1e-6))[:-1]
 
@@ -290,7 +291,8 @@ def _binned(values: Array) -> Array:
 
 
 def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tuple[float, list[float]]:
-    """Date (transits) of an event between two nodes, and its derivatives by what `rows` after the slope are derivatives by."""
+    """Date (transits) of an event between two nodes, and its derivatives by the parameters of `rows`, which begin with the
+    slope."""
     stages, mu, slope = pieces.z.shape[1], pieces.mu.ravel(), rows[0]
     ends = [_extreme(slope, node // stages) for node in event]
     levels = [0.5 * sum(_value(one[piece], share) for piece, share in ends) for one in (pieces.mu, *rows[1:])]
@@ -302,14 +304,14 @@ def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tup
 
 
 def _extreme(slope: Array, piece: int) -> tuple[int, float]:
-    """The piece, `piece` or one beside it, and the place in it where the slope passes zero."""
-    beside = [k for k in (piece, piece + 1, piece - 1) if 0 <= k < len(slope)]
-    there = next((k for k in beside if _value(slope[k], 0.0) * slope[k, -1] <= 0.0), None)
+    """The piece, `piece` or a neighbour, and the point of it in [0, 1] where the slope passes zero."""
+    near = [k for k in (piece, piece + 1, piece - 1) if 0 <= k < len(slope)]
+    there = next((k for k in near if _value(slope[k], 0.0) * slope[k, -1] <= 0.0), None)
     return (piece, 1.0) if there is None else _root(slope, there)  # a wave's front makes a corner between two pieces
 
 
 def _root(rows: Array, piece: int) -> tuple[int, float]:
-    """The piece and the place in it where its polynomial, of values `rows` at its nodes, passes zero."""
+    """The piece and the point of it in [0, 1] where its polynomial, of nodal values `rows`, passes zero."""
     low, high, sign = 0.0, 1.0, np.sign(_value(rows[piece], 0.0))
     for _ in range(_BISECTIONS):
         half = 0.5 * (low + high)
@@ -323,10 +325,10 @@ def _basis(stages: int) -> Basis:
 
 
 def _value(row: Array, share: float) -> float:
-    """Of the polynomial of a piece."""
+    """Value of the polynomial of a piece."""
     return float((interpolation_matrix(_basis(row.size), np.array([share])) @ row)[0])
 
 
 def disturbed(variants: Variants) -> Variants:
-    """The same scenes with a jump of psi at the start, which sets them going."""
+    """The same scenes with a jump of psi at the start, which makes them stick and slip."""
     return replace(variants, start=Start(StartKind.JUMP, DISTURBED))

@@ -54,7 +54,8 @@ def draw_fit(
 
 
 def _along(record: Experiment, is_si: bool) -> tuple[Array, str]:
-    """What a record is drawn over, with its name: a hold is a point on the way of the load point."""
+    """Abscissa of a record's figure, and its name: displacement of the load point, or time where it rests (a hold would be one
+    point)."""
     if record.cycle is not None:
         return record.times[record.shown] / record.cycle.period, _phase(record.cycle.period, is_si)
     if 0.0 in record.schedule.velocities:
@@ -68,18 +69,18 @@ def _phase(period: float, is_si: bool) -> str:
 
 
 def values_in_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:
-    """The best values with half the width of their 95 % intervals, some in a line."""
-    said = [_said(key, row) for key, row in parameters.items()]
+    """Text of the best values with half the width of their 95 % intervals."""
+    said = [_in_words(key, row) for key, row in parameters.items()]
     lines = [",   ".join(said[k : k + _IN_A_LINE]) for k in range(0, len(said), _IN_A_LINE)]
     return "\n".join(lines) + "   (95 %)"
 
 
-def _said(key: str, row: Mapping[str, Any]) -> str:
+def _in_words(key: str, row: Mapping[str, Any]) -> str:
     word, value, unit = key.rpartition(".")[2], row["value"], row["unit"]
     label = _LABELS.get(word, word.replace("_", " "))
     power = 3 * math.floor(math.log10(abs(value)) / 3.0) if unit and value else 0
     size = 10.0 ** (power if power in _PREFIXES else 0)
     half = 0.5 * (row["high"] - row["low"]) / size
-    told = barred(value / size, half).replace("+-", "±") if row["determined"] else f"{value / size:.3g}, not determined"
+    text = barred(value / size, half).replace("+-", "±") if row["determined"] else f"{value / size:.3g}, not determined"
     unit = f" {_PREFIXES.get(power, '')}{unit}" if unit else ""
-    return f"{label} = ({told}){unit}" if unit and row["determined"] else f"{label} = {told}{unit}"
+    return f"{label} = ({text}){unit}" if unit and row["determined"] else f"{label} = {text}{unit}"

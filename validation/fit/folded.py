@@ -1,4 +1,4 @@
-"""All samples of a record of equal cycles, in the order of their phase."""
+"""All samples of a record of equal cycles, sorted by phase."""
 
 from typing import NamedTuple
 
@@ -9,9 +9,9 @@ from slipwave.observe.pieces import Array
 from validation.data.events import noise_of
 from validation.fit.cycles import MARGIN, dated_events
 
-_ASTRAY = 0.1  # transits by which dates may lie beside those of equal cycles, beyond the interval of two samples
+_ASTRAY = 0.1  # transits by which dates may differ from those of equal cycles, beyond the interval of two samples
 MOST = 20_000
-"""Samples that count; of more, one in so many is taken."""
+"""Most samples used; longer records are thinned."""
 
 _TRIALS = 161  # periods, of which the one whose samples lie closest is taken
 
@@ -28,20 +28,20 @@ class FoldedRecord(NamedTuple):
 
     @property
     def since(self) -> Array:
-        """The last event (n,)."""
+        """Times (n,) since the last event."""
         return self.times - self.period * self.cycle
 
 
 def folded(name: str, times: Array, friction: Array, transit: float) -> FoldedRecord:
-    """The samples of whole cycles that lie away from events, in the order of their phase. Raises SceneError for a record whose
-    cycles are not equal."""
+    """The samples of whole cycles away from events, sorted by phase. Raises SceneError for a record whose cycles are not
+    equal."""
     dates = dated_events(name, times, friction)[1]
     count = np.arange(dates.size)
     period, first = np.polyfit(count, dates, 1)
     astray, step = float(np.std(dates - first - period * count)), float(np.median(np.diff(times)))
     if astray > step + _ASTRAY * transit:
         raise SceneError(
-            f"{name!r}: slip events lie {astray / transit:.3g} transits beside equal cycles; every wave can be fitted only to a "
+            f"{name!r}: slip events lie {astray / transit:.3g} transits off equal cycles; every wave can be fitted only to a "
             "motion that repeats: choose a part that does (--window), or a model without waves (quasidynamic)"
         )
     cycle = np.floor((times - first) / period)
@@ -51,7 +51,7 @@ def folded(name: str, times: Array, friction: Array, transit: float) -> FoldedRe
     since, cycle, values = times[chosen] - first, cycle[chosen], friction[chosen]
 
     def noise(longer: float) -> float:
-        """Of the samples in the order of their phase, if the period is so much longer."""
+        """Noise of the samples sorted by phase, for a period `longer` by this."""
         late = since - cycle * (period + longer)
         order = np.argsort(late, kind="stable")
         return noise_of(late[order], values[order])

@@ -1,4 +1,4 @@
-"""What a model says that a record would show, with its derivative by the free parameters."""
+"""Predicts a record by a model, with its derivative by the free parameters."""
 
 import math
 from abc import ABC, abstractmethod
@@ -40,16 +40,16 @@ class Forward(ABC):
         self._variants, self._model = variants, model
 
     def scene(self, inner: Array) -> Scene:
-        """That of these values."""
+        """The scene with these parameter values."""
         return self._variants.scene(inner)
 
     @abstractmethod
     def friction(self, inner: Array) -> Array:
-        """At the times of the record. Raises NumericsError where the motion cannot be computed."""
+        """Friction at the times of the record. Raises NumericsError where the motion cannot be computed."""
 
     @abstractmethod
     def slopes(self, inner: Array) -> Array:
-        """Its derivative (samples, parameters)."""
+        """Derivative of `friction` (samples, parameters)."""
 
 
 class Reduced(Forward):
@@ -71,7 +71,7 @@ class Reduced(Forward):
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
         slabs, pieces = self._known(inner)
-        found = port_sensitivity(slabs, self._variants.beside(inner), pieces)
+        found = port_sensitivity(slabs, self._variants.neighbours(inner), pieces)
         return np.column_stack(self._seen(slabs.scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
 
     def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:
@@ -105,8 +105,8 @@ class OfReduction(Reduced):
 
 
 class OfSolver(Forward):
-    """Friction by any other model. The derivative of alike plain slabs' delay system is exact for the steps that the march took;
-    that of others, and by a parameter that changes the transit, is a difference of marches."""
+    """Friction by any other model. For alike plain slabs' delay system the derivative is exact for the steps of the march; for
+    other models, and for parameters that change the transit, it is a difference of marches."""
 
     is_cheap: bool = False
 
@@ -125,7 +125,7 @@ class OfSolver(Forward):
         """As `Forward`."""
         scene = self.scene(inner)
         if self._model == DELAY.name and scene.alike and scene.upper.is_plain:
-            sides = self._variants.beside(inner)
+            sides = self._variants.neighbours(inner)
             if all(abs(clock - 1.0) < SAME for _, clocks, _ in sides for clock in clocks):
                 parts = delay_sensitivity(scene, sides, self._times[-1] / sizes(scene)[0], self._tolerance)
                 return self._along(inner, ((pieces, [*np.moveaxis(found, 1, 0)]) for pieces, found in parts))
@@ -157,7 +157,7 @@ def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator
 
 
 def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
-    """Each of some nodal values (k, s) at `times` (transits)."""
+    """Values of each of `rows`, nodal values (k, s), at `times` (transits)."""
     found: list[Array] = []
     basis = lagrange_basis(radau(pieces.z.shape[1]).nodes)
     for k in range(0, len(rows), 4):
@@ -167,7 +167,7 @@ def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
 
 
 def marched(slabs: ReducedSlabs, until: float, tolerance: float) -> Pieces:
-    """The pieces of a march from the start to `until` (transits). Raises NumericsError if it cannot be done."""
+    """The pieces of a march from the start to `until` (transits). Raises NumericsError if it fails or takes too many steps."""
     more = max(0, math.floor(math.log2(until / (_LONGEST * _FEWEST_STEPS))))
     longest = min(until, math.ldexp(_LONGEST, more))
     solver = PortMarch(slabs, tolerance, longest, min(_FIRST, until), slabs.reduction.name, levels=LEVELS + more)

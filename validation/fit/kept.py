@@ -1,4 +1,4 @@
-"""The best values of a fit in a file, which is whole or as it was: a fit that is killed goes on from there."""
+"""Checkpoint of a fit: a file of its best values, written whole, from which a killed fit continues."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ _SHOWN = 3
 
 @dataclass
 class KeptBest(Best):
-    """The best values so far, also in the file `path` if there is one, with the `facts` of the fit that they belong to."""
+    """The best values so far, also written to the file `path`, if given, with the `facts` of their fit."""
 
     path: Path | None = None
     facts: Mapping[str, Any] | None = None
@@ -36,14 +36,14 @@ class KeptBest(Best):
 
 
 def facts_of_fit(scene_digest: str, files: Sequence[str], settings: Mapping[str, Any]) -> dict[str, Any]:
-    """What must be the same for a fit to go on: the scene, every file's contents, and the settings."""
+    """Facts that must agree for a fit to continue: the scene, every file's contents, and the settings."""
     contents = {f"contents of {name}": hashlib.sha256(Path(name).read_bytes()).hexdigest()[:12] for name in files}
     return {"scene": scene_digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}
 
 
 def recalled_best(path: Path | None, first: Array, facts: Mapping[str, Any]) -> KeptBest:
-    """The best values that the file holds, `first` if there is none. Raises SceneError for a file that cannot be written, is
-    damaged, or belongs to another fit, saying what differs."""
+    """The best values in the file, `first` if there is none. Raises SceneError for a file that cannot be written, is damaged, or
+    belongs to another fit, naming the differences."""
     if path is not None:
         require_writable(path, (".json",), "--checkpoint")
     if path is None or not path.exists():
@@ -55,6 +55,8 @@ def recalled_best(path: Path | None, first: Array, facts: Mapping[str, Any]) -> 
         raise SceneError(f"--checkpoint = {str(path)!r}: is no checkpoint of a fit; remove it, or name another") from None
     other = [key for key in {**there, **facts} if there.get(key) != facts.get(key)]
     if other or inner.shape != first.shape:
-        told = "; ".join(f"{key}: {there.get(key, 'not there')}, now {facts.get(key, 'not there')}" for key in other[:_SHOWN])
-        raise SceneError(f"--checkpoint = {str(path)!r}: belongs to another fit ({told}); remove it, or name another")
+        differences = "; ".join(
+            f"{key}: {there.get(key, 'not there')}, now {facts.get(key, 'not there')}" for key in other[:_SHOWN]
+        )
+        raise SceneError(f"--checkpoint = {str(path)!r}: belongs to another fit ({differences}); remove it, or name another")
     return KeptBest(inner, evaluations=evaluations, path=path, facts=facts)

@@ -1,4 +1,4 @@
-"""Nonlinear least squares with what the data say on each parameter: its interval, and whether they determine it at all."""
+"""Nonlinear least squares with an interval for each parameter, and whether the data determine it."""
 
 import math
 from collections.abc import Iterable
@@ -29,21 +29,21 @@ class Problem(Protocol):
     low: Array
     high: Array
     large: Array
-    """Half width of an interval that says nothing of a parameter; NaN: as large as its value."""
+    """Half width of an interval beyond which a parameter counts as undetermined; NaN: its value."""
 
     fineness: float
     """Relative change of the sum of squares, and of the parameters, below which a descent ends."""
 
     def residual(self, inner: Array) -> Array:
-        """(n,); NumericsError where it cannot be computed."""
+        """Residual (n,). Raises NumericsError where it cannot be computed."""
 
     def slopes(self, inner: Array) -> Array:
-        """Its derivative (n, m)."""
+        """Derivative of the residual (n, m)."""
 
 
 class Solution(NamedTuple):
     """Best `inner` values with their `residual` (n,) and its derivative `slopes` (n, m); `evaluations`; `failed`: why this is no
-    minimum, or nothing."""
+    minimum, or empty."""
 
     inner: Array
     residual: Array
@@ -59,14 +59,14 @@ class Solution(NamedTuple):
 
 @dataclass
 class Best:
-    """The best values so far, kept if the work is interrupted."""
+    """The best values so far, available after an interruption."""
 
     inner: Array
     cost: float = math.inf
     evaluations: int = 0
 
     def see(self, inner: Array, residual: Array) -> None:
-        """Keep these values if they are better."""
+        """Store these values if they are better."""
         self.evaluations += 1
         cost = float(residual @ residual)
         if cost < self.cost:
@@ -74,8 +74,8 @@ class Best:
 
 
 def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float = 0.0, most: int = 60) -> Solution:
-    """The lowest minimum from several `starts`: from the first and, if its residual is far above the `noise`, a few steps from
-    the others and all from the best of these. Raises NumericsError if no start can be computed."""
+    """The lowest minimum from several `starts`: descend from the first and, if its residual is far above the `noise`, take a few
+    steps from each other start and descend from the best of these. Raises NumericsError if no start can be computed."""
     tried: list[optimize.OptimizeResult] = []
     reasons: list[str] = []
     for start in starts:
@@ -96,7 +96,7 @@ def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float
 
 
 def _descend(problem: Problem, start: Array, best: Best, most: int) -> optimize.OptimizeResult:
-    """From one start; NumericsError if it cannot be computed. Later steps that cannot are shortened."""
+    """Descend from one start; NumericsError if its residual cannot be computed. Later steps at which it cannot are shortened."""
     inside = np.clip(start, problem.low, problem.high)
     samples = problem.residual(inside).size
 
@@ -114,8 +114,8 @@ def _descend(problem: Problem, start: Array, best: Best, most: int) -> optimize.
 
 
 def profiled(problem: Problem, found: Solution, spread: "Intervals") -> "Intervals":
-    """The same intervals, but where the sum of squares does not rise along one as its derivative says: there each end is where it
-    has risen as much with all other parameters at their best."""
+    """The intervals, corrected where the sum of squares does not rise along one as the derivative predicts: there each end is at
+    the predicted rise with all other parameters at their best values (profile)."""
     low, high, notes = spread.low.copy(), spread.high.copy(), []
     for k in np.flatnonzero(np.isfinite(spread.high) & spread.determined):
         half = spread.high[k] - found.inner[k]
@@ -128,7 +128,7 @@ def profiled(problem: Problem, found: Solution, spread: "Intervals") -> "Interva
 
 
 def _crossing(problem: Problem, found: Solution, way: Array, k: int, rise: float) -> float:
-    """How much of `way` from the minimum lets the sum of squares rise by `rise`; 1 where that is as good as true."""
+    """Share of the step `way` from the minimum at which the sum of squares has risen by `rise`; 1 if nearly so."""
     share, inner = 1.0, found.inner + way
     for trial in range(_PROFILE):
         if not ((inner > problem.low) & (inner < problem.high)).all():
@@ -171,8 +171,8 @@ def _others_best(problem: Problem, inner: Array, k: int) -> Array:
 
 class Intervals(NamedTuple):
     """Per parameter: half width of the interval of `CONFIDENCE` in `inner` values, `low` and `high`, whether it is `determined`;
-    their `correlation`; the standard deviation of the `noise`, the number of samples that fluctuate together, and `singular`
-    directions in words; `covariance` for a noise of 1, the `rise` of the sum of squares at the ends, and the parameters whose
+    their `correlation`; the standard deviation of the `noise`, the number of samples that fluctuate `together`, and texts of
+    `singular` directions; `covariance` for a noise of 1, the `rise` of the sum of squares at the ends, and the parameters whose
     ends are `profiled`."""
 
     low: Array
@@ -188,7 +188,7 @@ class Intervals(NamedTuple):
 
 
 def intervals(problem: Problem, found: Solution) -> Intervals:
-    """From the derivative: t quantile times standard errors, which are wider where residuals fluctuate together."""
+    """Intervals from the derivative: t quantile times standard errors, which are wider for correlated residuals."""
     n, m = found.slopes.shape
     degrees = max(n - m, 1)
     noise = math.sqrt(found.cost / degrees)
@@ -217,13 +217,13 @@ def intervals(problem: Problem, found: Solution) -> Intervals:
 
 
 def without_ends(spread: Intervals) -> Intervals:
-    """The same of values that are no minimum: the sum of squares around them says nothing of where the best values are."""
+    """The intervals of values that are no minimum: all undetermined."""
     return spread._replace(low=np.full_like(spread.low, math.nan), high=np.full_like(spread.high, math.nan), profiled=())
 
 
 def correlated_samples(residual: Array) -> float:
-    """How many neighbouring samples fluctuate together: 1 for white noise, 1 + 2 times the sum of the correlations that stand out
-    of those of white noise."""
+    """Number of neighbouring samples that fluctuate together: 1 + 2 times the sum of the autocorrelations that are significant
+    against white noise, for which it is 1."""
     n, square = residual.size, float(residual @ residual)
     if n < 50 or square == 0.0:
         return 1.0
@@ -238,7 +238,7 @@ def correlated_samples(residual: Array) -> float:
 
 def at_bounds(problem: Problem, inner: Array) -> list[str]:
     """Names of the parameters that end at a bound."""
-    room = _AT_BOUND * (problem.high - problem.low)
-    ends = (inner - problem.low < room) | (problem.high - inner < room)
+    margin = _AT_BOUND * (problem.high - problem.low)
+    ends = (inner - problem.low < margin) | (problem.high - inner < margin)
     finite = np.isfinite(problem.low) & np.isfinite(problem.high)
     return [name for name, end, known in zip(problem.names, ends, finite, strict=True) if end and known]

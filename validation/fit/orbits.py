@@ -1,9 +1,9 @@
 """The periodic orbit of a model as a function of its period and of all parameters but one.
 
-The period of a motion with waves locks to their round trips. Over a parameter it goes in steps, and at each the orbits turn back
-and come again, so that several coexist (`reduced.continuation`): a sum of squares over parameters has a minimum on every step.
-Over the period itself the orbits do not turn back. So the period, which a record gives at once, is a coordinate here in place of
-one parameter, the `leading` one, which follows from it. Over these coordinates friction is smooth.
+The period of a motion with waves locks to their round trips. As a function of a parameter it has steps, with folds at each, so
+that several orbits coexist (`reduced.continuation`): a sum of squares over parameters has a minimum on every step. As functions
+of the period the orbits have no folds. Therefore the period, which a record gives directly, is a coordinate here instead of one
+parameter, the `leading` one, which follows from it. Friction is smooth in these coordinates.
 """
 
 from dataclasses import replace
@@ -23,10 +23,10 @@ from validation.fit.forward import Forward, sampled
 from validation.fit.parameters import Variants, sizes
 
 SHIFT = np.array([2e-3, 2e-4])
-"""Of differences of orbits: transits of period, logarithms of parameters."""
+"""Steps of differences of orbits: transits of period, logarithms of parameters."""
 
 _STRIDE = (0.5, 0.02, 0.1)  # the longest step from orbit to orbit: the same, and the leading parameter
-_SHORTEST = 1e-3  # of a way, a step
+_SHORTEST = 1e-3  # share of the way, a step
 _ACCURACY = 1e-6  # relative, of the orbits' figures
 _CLOSES_TO = 1e-9
 _MOST_TRANSITS = 1e4  # of a period
@@ -36,16 +36,16 @@ _LEAST_SLOPE = 1e-6  # d ln period/d ln parameter, below which it has no effect
 
 
 class Anchor(NamedTuple):
-    """An orbit that is known: its `place` (difference of its period from the record's in transits, then the parameters beside the
-    leading one), `closed` with the leading parameter."""
+    """A known orbit: its `coordinates` (its period minus the record's in transits, then the parameters except the leading one),
+    and `closed`, with the leading parameter."""
 
-    place: Array
+    coordinates: Array
     closed: Closed
 
 
 class CycleOfOrbit(Forward):
     """The periodic orbit of a model next to the last one: its period, then its friction at the samples of a folded record. As a
-    `Forward` it is a function of the parameters; `walk` goes along the coordinates in which it is smooth."""
+    `Forward` it is a function of the parameters; `walk` moves in the coordinates in which it is smooth."""
 
     is_cheap: bool = False
 
@@ -63,11 +63,11 @@ class CycleOfOrbit(Forward):
 
     def friction(self, inner: Array) -> Array:
         """As `Forward`. Raises NumericsError where no orbit is found."""
-        place, known = np.delete(inner, self.leading), self._begun(inner)
+        coordinates, known = np.delete(inner, self.leading), self._begun(inner)
         if not np.array_equal(inner, self.inner(known)):
             flow = known.closed.flow.of(self.scene(inner))
             closed = close(flow, known.closed.cycle.start, known.closed.cycle.period, _CLOSES_TO)
-            known = Anchor(np.append(self._late_by(closed), place), replace(closed, parameter=float(inner[self.leading])))
+            known = Anchor(np.append(self._late_by(closed), coordinates), replace(closed, parameter=float(inner[self.leading])))
             self.anchor = known
         return np.append(self.period(known), self.seen(known, self.late))
 
@@ -79,8 +79,8 @@ class CycleOfOrbit(Forward):
         return np.asarray(np.vstack([first, by]) @ np.linalg.inv(change))
 
     def begin(self, inner: Array) -> Anchor:
-        """The orbit that a march from steady sliding at these parameters leads to, or at others of the leading one, if its period
-        is then more like the record's. Raises NumericsError if there is none."""
+        """The orbit that a march from steady sliding leads to, at these parameters or, if its period is then closer to the
+        record's, at another leading one. Raises NumericsError if there is none."""
         closed = self._marched(inner)
         slopes = self._period_slopes(closed, inner)
         if self.anchor is None:
@@ -99,8 +99,8 @@ class CycleOfOrbit(Forward):
                 continue
             change = (self._late_by(closed) - late) / (other - inner)[self.leading]
             slope, inner = change if change * slope > 0.0 else slope, other
-        place = np.append(self._late_by(closed), np.delete(inner, self.leading))
-        self.anchor = Anchor(place, replace(closed, parameter=float(inner[self.leading])))
+        coordinates = np.append(self._late_by(closed), np.delete(inner, self.leading))
+        self.anchor = Anchor(coordinates, replace(closed, parameter=float(inner[self.leading])))
         return self.anchor
 
     def _marched(self, inner: Array) -> Closed:
@@ -113,17 +113,17 @@ class CycleOfOrbit(Forward):
                 failed = reason
         raise failed
 
-    def walk(self, place: Array) -> Anchor:
-        """The orbit at other coordinates, by orbits on the way from the last one. Raises NumericsError where the way ends."""
+    def walk(self, coordinates: Array) -> Anchor:
+        """The orbit at other coordinates, by continuation from the last one. Raises NumericsError where that ends."""
         assert self.anchor is not None
-        longest = np.append(_STRIDE[0], np.full(place.size - 1, _STRIDE[1]))
+        longest = np.append(_STRIDE[0], np.full(coordinates.size - 1, _STRIDE[1]))
         shorter = 1.0
-        while not np.array_equal(self.anchor.place, place):
-            way = place - self.anchor.place
+        while not np.array_equal(self.anchor.coordinates, coordinates):
+            way = coordinates - self.anchor.coordinates
             share = min(1.0, shorter / float(np.max(np.abs(way) / longest)))
-            to = place if share == 1.0 else self.anchor.place + share * way
+            to = coordinates if share == 1.0 else self.anchor.coordinates + share * way
             try:
-                self.anchor = self.beside(self.anchor, to)
+                self.anchor = self.near(self.anchor, to)
             except NumericsError:
                 shorter *= 0.5
                 if shorter < _SHORTEST:
@@ -131,36 +131,36 @@ class CycleOfOrbit(Forward):
         return self.anchor
 
     def stay(self, known: Anchor, late: float) -> None:
-        """Go on from this orbit, whose events come so `late` (transits)."""
+        """Continue from this orbit, whose events are `late` by this time (transits)."""
         self.anchor, self.late = known, late
 
-    def beside(self, known: Anchor, place: Array) -> Anchor:
-        """The orbit at coordinates next to a known one. Raises NumericsError if there is none."""
+    def near(self, known: Anchor, coordinates: Array) -> Anchor:
+        """The orbit at `coordinates` near a known one. Raises NumericsError if there is none."""
         closed, flow = known.closed, known.closed.flow
 
         def flow_at(leading: float) -> Flow:
             if abs(leading - closed.parameter) > _STRIDE[2]:
                 raise NumericsError(f"{self._model}: no orbit next to a period of {closed.cycle.period:.6g} transits")
-            return flow.of(self.scene(np.insert(place[1:], self.leading, leading)))
+            return flow.of(self.scene(np.insert(coordinates[1:], self.leading, leading)))
 
         weights = np.zeros(flow.size + 2)
         weights[-2] = 1.0
         clock = sizes(flow_at(closed.parameter).scene)[0]
-        period = (self.record.period + place[0] * self.transit) / clock
+        period = (self.record.period + coordinates[0] * self.transit) / clock
         neighbour = closed if closed.drift.size else None
         found = close_family(flow_at, closed.cycle.start, period, closed.parameter, weights, _CLOSES_TO, neighbour)
-        return Anchor(place, found)
+        return Anchor(coordinates, found)
 
     def inner(self, known: Anchor) -> Array:
-        """The parameters of an orbit."""
-        return np.insert(known.place[1:], self.leading, known.closed.parameter)
+        """The parameters of a known orbit."""
+        return np.insert(known.coordinates[1:], self.leading, known.closed.parameter)
 
     def period(self, known: Anchor) -> float:
-        """Of an orbit, as the record's."""
-        return self.record.period + float(known.place[0]) * self.transit
+        """The period of a known orbit, in the record's unit."""
+        return self.record.period + float(known.coordinates[0]) * self.transit
 
     def seen(self, known: Anchor, late: float) -> Array:
-        """Friction at the samples, if the model's event comes so `late` (transits) after the record's first."""
+        """Friction at the samples, if the model's event is `late` (transits) after the record's first."""
         cycle, (times, count, *_) = known.closed.cycle, self.record
         clock = sizes(known.closed.flow.scene)[0]
         twice = Pieces.joined([cycle.pieces, cycle.pieces._replace(time=cycle.pieces.time + cycle.period)])
@@ -172,12 +172,12 @@ class CycleOfOrbit(Forward):
 
     def differences(self, known: Anchor, late: float) -> tuple[Array, Array]:
         """Derivatives by the coordinates of friction at the samples (n, m), and of the parameters (m, m)."""
-        shifts = np.diag(np.append(SHIFT[0], np.full(known.place.size - 1, SHIFT[1])))
-        pairs = [[self.beside(known, known.place + sign * shift) for sign in (1.0, -1.0)] for shift in shifts]
+        shifts = np.diag(np.append(SHIFT[0], np.full(known.coordinates.size - 1, SHIFT[1])))
+        pairs = [[self.near(known, known.coordinates + sign * shift) for sign in (1.0, -1.0)] for shift in shifts]
         widths = 2.0 * np.diag(shifts)
         by = [(self.seen(a, late) - self.seen(b, late)) / width for (a, b), width in zip(pairs, widths, strict=True)]
         leading = [(a.closed.parameter - b.closed.parameter) / width for (a, b), width in zip(pairs, widths, strict=True)]
-        return np.column_stack(by), np.insert(np.eye(known.place.size)[1:], self.leading, leading, axis=0)
+        return np.column_stack(by), np.insert(np.eye(known.coordinates.size)[1:], self.leading, leading, axis=0)
 
     def _begun(self, inner: Array) -> Anchor:
         return self.anchor or self.begin(inner)

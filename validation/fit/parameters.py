@@ -1,4 +1,4 @@
-"""The keys of a scene that a fit may change, as numbers that least squares can move freely."""
+"""The keys of a scene that a fit changes, as unbounded numbers for least squares."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -21,15 +21,15 @@ from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.step.sensitivity import Sides
 
 NUISANCES = ("level", "drift")
-"""What may be free besides keys: a constant that is added to the friction of each record, and its slope over the record."""
+"""Further free parameters: a constant added to the friction of each record, and its slope over the record."""
 
 _STEP = 1e-5  # of differences of laws and tables
 _REACH = 1e4  # a positive parameter may become so much larger or smaller than at its start
 
 
 class Free(NamedTuple):
-    """A free parameter: its dotted `key`, the `start` value in `unit` (of SI, or a pure number), the least and the largest. Its
-    logarithm is fitted if it `is_positive`. A scene takes it with its unit if it `is_measured`."""
+    """A free parameter: its dotted `key`, the `start` value in `unit` (of SI, or a pure number), the least and the largest.
+    `is_positive`: its logarithm is fitted. `is_measured`: the scene takes it with its unit."""
 
     key: str
     start: float
@@ -40,15 +40,15 @@ class Free(NamedTuple):
     is_measured: bool
 
     def inner(self, value: float) -> float:
-        """As least squares moves it."""
+        """The value as least squares varies it."""
         return math.log(value) if self.is_positive else value
 
     def value(self, inner: float) -> float:
-        """In its unit."""
+        """The inverse of `inner`: the value in its unit."""
         return math.exp(inner) if self.is_positive else inner
 
     def setting(self, inner: float) -> float | str:
-        """As a scene takes it."""
+        """The value for the scene's key."""
         value = float(self.value(inner))
         return f"{value!r} {self.unit}" if self.is_measured else value
 
@@ -67,8 +67,8 @@ class Schedule(NamedTuple):
 
 @dataclass(frozen=True)
 class Variants:
-    """The scenes that differ from `base` in the values of `free`, under one `schedule`, from a `start` of its own or, if there is
-    none, steady sliding (or the jump that the base starts with)."""
+    """The scenes that differ from `base` in the values of `free`, under one `schedule`, with `start` or, if None, from steady
+    sliding (or the jump of the base)."""
 
     base: Scene
     free: tuple[Free, ...]
@@ -76,7 +76,7 @@ class Variants:
     start: Start | None = None
 
     def scene(self, inner: Array) -> Scene:
-        """That of these values, with no nudge."""
+        """The scene with these values, without nudge."""
         found = read(self.base, {one.key: one.setting(x) for one, x in zip(self.free, inner, strict=True)})
         clock, pace = sizes(found)
         times, velocities = (
@@ -85,7 +85,7 @@ class Variants:
         own = found.start if found.start.kind is StartKind.JUMP else Start(size=0.0)
         return replace(found, drive=Drive(times, velocities), start=self.start or own, record=frozenset({"events"}))
 
-    def beside(self, inner: Array) -> list[Sides]:
+    def neighbours(self, inner: Array) -> list[Sides]:
         """The scenes on either side of each parameter."""
         clock, found = sizes(self.scene(inner))[0], []
         for shift in _STEP * np.eye(len(self.free)):
@@ -108,8 +108,8 @@ def schedule_of(scene: Scene) -> Schedule:
 
 
 def free_parameters(scene: Scene, words: Sequence[str]) -> tuple[Free, ...]:
-    """Those that `words` name, nuisances left out. Raises SceneError for a key that the scene does not have or that is no
-    number, and for one that is given twice."""
+    """The free keys among `words`, without nuisances. Raises SceneError for a key that the scene lacks or that is no number, and
+    for a repeated key."""
     _, data = tables_of(scene)
     known = validate(data)
     keys = [full_key(word.split("."), "free", data) for word in words if word not in NUISANCES]
@@ -149,5 +149,5 @@ def _unit(value: float, allowed: Numbers) -> str:
 
 
 def started(free: Sequence[Free], values: Mapping[str, float]) -> tuple[Free, ...]:
-    """The same parameters from other start values."""
+    """The same parameters with other start values."""
     return tuple(one._replace(start=values.get(one.key, one.start)) for one in free)

@@ -1,4 +1,4 @@
-"""The residuals of a model over all records, as least squares takes them."""
+"""The residuals of a model over all records, for least squares."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from validation.fit.records import FINEST, Experiment
 from validation.fit.starts import other_starts, sticking_starts, unstable_starts
 
 RINGING = ("kelvin-voigt", "modal")
-"""Reductions that swing on while they stick."""
+"""Reductions that oscillate during stick."""
 
 
 @dataclass
@@ -49,7 +49,7 @@ class FrictionProblem:
         self._shapes = [self._columns(k) for k in range(len(self.records))]
 
     def _columns(self, k: int) -> Array:
-        """What 1 of each nuisance adds to record `k` (samples, nuisances)."""
+        """Derivatives of record `k` by the nuisances (samples, nuisances)."""
         one = self.records[k]
         along = (one.travel - one.travel.mean()) / max(float(np.ptp(one.travel)), 1e-300)
         is_friction = np.ones(one.travel.size)
@@ -58,12 +58,12 @@ class FrictionProblem:
         return np.column_stack([kinds[name] * (own == k) for own, name in self.own] or [np.empty((one.travel.size, 0))])
 
     def friction(self, inner: Array) -> list[Array]:
-        """Of the model, for each record."""
+        """Friction of the model for each record."""
         keys, own = inner[: len(self.free)], inner[len(self.free) :]
         return [model.friction(keys) + shape @ own for model, shape in zip(self.models, self._shapes, strict=True)]
 
     def residual(self, inner: Array) -> Array:
-        """Of the model minus what was measured, over the noise of each record."""
+        """Friction of the model minus the measured one, over the noise of each record."""
         pairs = zip(self.friction(inner), self.records, strict=True)
         return np.concatenate([one.weighed(friction - one.friction) for friction, one in pairs])
 
@@ -80,11 +80,11 @@ class FrictionProblem:
 
     @property
     def noise(self) -> float:
-        """The residual of a model that is right; 0 where the records have no noise."""
+        """The residual of a correct model; 0 if the records have no noise."""
         return float(any(np.ndim(one.weight) or one.weight != 1.0 for one in self.records))
 
     def starts(self) -> Iterator[Array]:
-        """The scene's values, then others."""
+        """Start values: the scene's, then others."""
         first, low, high = (part[: len(self.free)] for part in (self.first, self.low, self.high))
         cycle = next((one.cycle for one in self.records if one.cycle), None)
         scene_of = self.models[0].scene
@@ -96,7 +96,7 @@ class FrictionProblem:
             yield np.append(inside, self._levels(inside))
 
     def _levels(self, inner: Array) -> Array:
-        """Nuisances of the start: means of what the scene's own steady friction leaves."""
+        """Start values of the nuisances: mean residuals of the scene's steady friction."""
         scene = self.models[0].scene(inner)
         return np.array(
             [
@@ -109,7 +109,8 @@ class FrictionProblem:
 def problem_of(
     scene: Scene, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Experiment], model: str, tolerance: float
 ) -> FrictionProblem:
-    """The problem of fitting `records` by `model`. Raises SceneError for an unknown model and one that cannot do the scene."""
+    """The problem of fitting `records` by `model`. Raises SceneError for an unknown model and one that cannot compute the
+    scene."""
     family, _, number, _ = requested(model, scene, tolerance=tolerance)
     kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
     name = family.called(family.default if number is None else number)
@@ -128,7 +129,7 @@ def problem_of(
 
 
 def _with_waves(scene: Scene, free: tuple[Free, ...], words: Sequence[str], record: Experiment, model: str) -> FrictionProblem:
-    """The problem of a record of stick-slip with all samples of its cycles, in the order of their phase."""
+    """The problem of a record of stick-slip with all samples of its cycles, sorted by phase."""
     assert record.samples is not None
     cycles = folded(record.name, *record.samples, sizes(scene)[0])
     cycles = cycles._replace(noise=max(cycles.noise, FINEST * float(np.ptp(cycles.friction))))

@@ -1,4 +1,4 @@
-"""Measured records as a fit takes them: friction at times, and how the load point moved."""
+"""Measured records for a fit: friction over time, and the motion of the load point."""
 
 import math
 import re
@@ -27,16 +27,15 @@ _LEAST = 8  # samples
 _GAUGE = 1e-7  # of the range of a displacement, the least noise that it is taken to have
 _WRITTEN = 0.3  # of the values of a column that are multiples of its last digit
 FINEST = 1e-4
-"""Of the range of friction: the least noise that a record is taken to have."""
+"""Least assumed noise of a record, as a share of the range of friction."""
 
 
 class Experiment(NamedTuple):
     """`friction` at `times` since the start of the scene (s, or transits in a scene without units), the `schedule` of the load
-    point, its displacement `travel` at these times (m, or L), and `notes` on how they were found. Residuals count with `weight`.
-
-    With `cycle` it is the mean cycle of stick-slip: in place of the first sample its period, then friction in its bins; `samples`
-    are the times and friction that it is the mean of. `together` (samples, k) is what one standard deviation of each error does
-    that samples have in common."""
+    point, its displacement `travel` at these times (m, or L), and `notes` on how they were determined. Residuals are multiplied
+    by `weight`. With `cycle` it is the mean cycle of stick-slip: the first sample is its period, then friction in its bins;
+    `samples`: the averaged times and friction. `together` (samples, k): effect of one standard deviation of each error common to
+    the samples."""
 
     name: str
     times: Array
@@ -55,7 +54,7 @@ class Experiment(NamedTuple):
         return slice(1 if self.cycle else 0, None)
 
     def weighed(self, values: Array) -> Array:
-        """`values` (samples, ...) over the noise, so that of an error in common no more is left than of noise."""
+        """`values` (samples, ...) over the noise, with common errors reduced to the size of noise."""
         own = np.reshape(self.weight, (-1, *[1] * (values.ndim - 1))) * values
         if self.together is None:
             return np.asarray(own)
@@ -64,8 +63,8 @@ class Experiment(NamedTuple):
 
 
 def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Experiment:
-    """The record of a file, driven as in the scene or, where that has one velocity, as the file's load point moved; of samples,
-    those in the `window` "BEGIN:END" of the file's clock.
+    """The record of a file, driven as in the scene or, if that has one velocity, by the file's load point; only samples in the
+    `window` "BEGIN:END" of the file's clock.
 
     Raises SceneError for a file without friction, and without time or displacement of the load point."""
     if series.is_own is False and scene.units is None:
@@ -84,10 +83,10 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
             notes.append("the load point moves backwards: its sign was changed")
         found = followed(times, moved)
         if found.velocities[0] <= 0.0 or min(found.velocities) < 0.0:
-            told = "begins at rest" if found.velocities[0] == 0.0 else "turns back"
-            raise SceneError(f"{series.source!r}: the load point {told}; a fit begins in steady sliding: cut the file")
+            fault = "begins at rest" if found.velocities[0] == 0.0 else "turns back"
+            raise SceneError(f"{series.source!r}: the load point {fault}; a fit begins in steady sliding: cut the file")
         times, known = times - times[0], found._replace(times=tuple(t - times[0] for t in found.times))
-        notes.append(f"the load point moves as in the file: {_told(known)}")
+        notes.append(f"the load point moves as in the file: {_in_words(known)}")
     if times[0] < 0.0 or times[0] > known.times[-1] > 0.0:
         notes.append(f"the file's clock begins at {times[0]:g}: its first sample is taken for the start of drive.velocity")
         times = times - times[0]
@@ -120,7 +119,7 @@ def _is_bare(text: str) -> bool:
 
 
 def _inside(series: Series, window: str | None) -> slice:
-    """The samples of a `window` of the file's clock (s, or transits). Raises SceneError for one that holds too few."""
+    """The samples of a `window` of the file's clock (s, or transits). Raises SceneError for too few samples."""
     times, unit = series["time"], "s"
     if times.size < _LEAST:
         raise SceneError(f"{series.source!r}: has {times.size} samples: a fit needs {_LEAST}")
@@ -147,13 +146,13 @@ def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, not
     cycle = mean_cycle(name, times, friction)
     values, errors = (np.append(a, b) for a, b in ((cycle.period, cycle.friction), (cycle.period_error, cycle.friction_error)))
     where = np.append(0.0, cycle.phases) * cycle.period
-    told = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
+    text = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
     if cycle.drift:
-        told += f"; its drift by {cycle.drift:.3g} was taken out, and the level at the middle counts (--free level)"
+        text += f"; its drift by {cycle.drift:.3g} was taken out, and the level at the middle counts (--free level)"
     if cycle.early:
-        told += f"; {cycle.early} cycles before them are left out: in these the motion settles"
+        text += f"; {cycle.early} cycles before them are left out: in these the motion settles"
     travel = where * schedule.velocities[0]
-    notes = [*notes, told]
+    notes = [*notes, text]
     return Experiment(name, where, values, travel, schedule, tuple(notes), 1.0 / errors, cycle, (times, friction), cycle.together)
 
 
@@ -163,7 +162,7 @@ def travelled(schedule: Schedule, times: Array) -> Array:
 
 
 def followed(times: Array, moved: Array) -> Schedule:
-    """The velocity of a load point that `moved`, in steps: straight lines as few as the noise allows, which meet."""
+    """The piecewise constant velocity of a load point that `moved`: as few connected straight lines as the noise allows."""
     noise = max(noise_of(times, moved, _GAUGE), _rounding(moved), _GAUGE * float(np.ptp(moved)))
     cuts = _merged(times, moved, _cuts(times, moved, noise), noise)
     parts = [(a, b, np.polyfit(times[a : b + 1], moved[a : b + 1], 1)) for a, b in pairwise(cuts)]
@@ -181,7 +180,7 @@ def followed(times: Array, moved: Array) -> Schedule:
 
 
 def _rounding(moved: Array) -> float:
-    """Standard deviation of the error of a record that is written in whole steps, or with few decimals; 0 for one that is not."""
+    """Standard deviation of the rounding error of a record with discrete values or few decimals; 0 without visible rounding."""
     values = np.unique(moved)
     if values.size < 2:
         return 0.0
@@ -197,7 +196,7 @@ def _rounding(moved: Array) -> float:
 
 
 def _is_corner(times: Array, three: Sequence[tuple[int, int, Array]]) -> bool:
-    """Whether the middle one of three parts is between two samples, where the lines beside it meet: a step, seen by samples."""
+    """Whether the middle of three parts lies between two samples and its adjacent lines meet there: a step between samples."""
     (_, _, before), (begin, end, _), (_, _, after) = three
     if end - begin > 1 or before[0] == after[0]:
         return False
@@ -245,7 +244,7 @@ def _merged(times: Array, moved: Array, cuts: list[int], noise: float) -> list[i
     return cuts
 
 
-def _told(schedule: Schedule) -> str:
+def _in_words(schedule: Schedule) -> str:
     paces = [schedule.velocities[0], *schedule.velocities[2::2]]
     shown = ", ".join(f"{pace:.4g}" for pace in paces[:6])
     return f"{len(schedule.times) // 2} velocities, {shown}{', ...' if len(paces) > 6 else ''}"

@@ -1,4 +1,4 @@
-"""Where a fit begins: the scene's values, and others for a scene whose values are far away."""
+"""Start values of a fit, for scenes whose values are far from the best ones."""
 
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
@@ -28,7 +28,7 @@ _RATIOS = (None, 0.6, 0.8)  # a/b; None: the scene's, if it can stick and slip
 
 
 def other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:
-    """With another memory length; with other a and b."""
+    """Start values with another memory length, and with other a and b."""
     for group, factor in _FACTORS:
         moves = [one.is_positive and _word(one) in _GROUPS[group] for one in free]
         if any(moves):
@@ -36,27 +36,27 @@ def other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:
 
 
 def sticking_starts(free: Sequence[Free], first: Array, cycle: MeanCycle, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
-    """Values of those that are free with which steady sliding is unstable, friction falls by about as much as in the mean cycle
-    and, if the spring is free, friction rises before an event as the load point pulls."""
-    place = {_word(one): k for k, one in enumerate(free) if one.is_positive}
+    """Start values at which steady sliding is unstable, friction falls by about as much as in the mean cycle and, if the spring
+    is free, rises before an event at the measured rate."""
+    index = {_word(one): k for k, one in enumerate(free) if one.is_positive}
     steep = float(np.polyfit(np.arange(cycle.friction.size // 3) * cycle.period / cycle.friction.size, *_middle(cycle))[0])
     for kappa, ratio in product(_KAPPAS, _RATIOS):
         inner = first.copy()
         for word in _SPRINGS:
-            if word in place and steep > 0.0:
-                inner[place[word]] = _as_stiff(free, inner, place[word], steep, scene_of)
+            if word in index and steep > 0.0:
+                inner[index[word]] = _as_stiff(free, inner, index[word], steep, scene_of)
                 break
         a, b = _effects(scene_of(inner))
         share, weaker = ratio or (a / b if 0.0 < a < 0.9 * b else 0.7), cycle.drop / _LOGARITHM
-        if "a" in place:
-            inner[place["a"]] = np.log(weaker * share / (1.0 - share) if "b" in place else max(b - weaker, 0.1 * b))
-        if "b" in place:
-            inner[place["b"]] = np.log(weaker / (1.0 - share) if "a" in place else a + weaker)
+        if "a" in index:
+            inner[index["a"]] = np.log(weaker * share / (1.0 - share) if "b" in index else max(b - weaker, 0.1 * b))
+        if "b" in index:
+            inner[index["b"]] = np.log(weaker / (1.0 - share) if "a" in index else a + weaker)
         scene = scene_of(inner)
         a, b = _effects(scene)
         weaker = b - a
-        if "memory_length" in place and weaker > 0.0:
-            inner[place["memory_length"]] += np.log(kappa * weaker * scene.transit / scene.stiffness)
+        if "memory_length" in index and weaker > 0.0:
+            inner[index["memory_length"]] += np.log(kappa * weaker * scene.transit / scene.stiffness)
         yield inner
 
 
@@ -67,19 +67,19 @@ def _effects(scene: Scene) -> tuple[float, float]:
 
 
 def unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
-    """The first values, but for one of a, b and L, with which steady sliding is unstable: a spring of some shares of the critical
-    stiffness."""
-    place = {_word(one): k for k, one in enumerate(free) if one.is_positive}
+    """The first values with one of a, b and L changed, so that steady sliding is unstable: the stiffness is one of some shares of
+    the critical one."""
+    index = {_word(one): k for k, one in enumerate(free) if one.is_positive}
     scene = scene_of(first)
     a, b = _effects(scene)
     for kappa in _BELOW:
         inner, weaker = first.copy(), scene.stiffness / scene.transit / kappa
-        if "a" in place and b > weaker:
-            inner[place["a"]] = np.log(b - weaker)
-        elif "b" in place:
-            inner[place["b"]] = np.log(a + weaker)
-        elif "memory_length" in place and b > a:
-            inner[place["memory_length"]] += np.log((b - a) / weaker)
+        if "a" in index and b > weaker:
+            inner[index["a"]] = np.log(b - weaker)
+        elif "b" in index:
+            inner[index["b"]] = np.log(a + weaker)
+        elif "memory_length" in index and b > a:
+            inner[index["memory_length"]] += np.log((b - a) / weaker)
         else:
             return
         yield inner
@@ -91,7 +91,7 @@ def _middle(cycle: MeanCycle) -> tuple[Array, int]:
 
 
 def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of: Callable[[Array], Scene]) -> float:
-    """The k-th, with which a locked interface loads at `steep`; as it is where none does."""
+    """The k-th value at which a locked interface is loaded at the rate `steep`; unchanged if there is none."""
 
     def short(x: float) -> float:
         scene = scene_of(np.where(np.arange(inner.size) == k, x, inner))

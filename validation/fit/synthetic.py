@@ -1,4 +1,4 @@
-"""Velocity steps of known parameters, made to a share of waves: what studies fit."""
+"""Synthetic velocity steps of known parameters, for studies of fits."""
 
 import numpy as np
 
@@ -26,7 +26,8 @@ _SAMPLES = 200
 
 def stepped_scene(share: float, kappa: float) -> Scene:
     """Slabs whose transit is `share` of the time of slip by L at the faster velocity, and whose stiffness is `kappa` times the
-    critical one of a quasi-static spring, (b - a) sigma/L. Only these two numbers count; the slabs' material is made to them."""
+    critical one of a quasi-static spring, (b - a) sigma/L. Only these two numbers matter; the slabs' material follows from
+    them."""
     a, b, length = TRUTH.values()
     modulus = 2.0 * _THICKNESS * kappa * (b - a) * _STRESS / length
     density = modulus * (share * length / FAST / (2.0 * _THICKNESS)) ** 2
@@ -54,11 +55,11 @@ def problem_for(scene: Scene, model: str, record: Experiment, *more: str) -> Fri
 
 
 def truth_of(problem: FrictionProblem) -> Array:
-    """The scene's own values, as least squares moves them."""
+    """The scene's own values, as least squares varies them."""
     return np.array([one.inner(one.start) for one in problem.free])
 
 
 def true_friction(problem: FrictionProblem) -> Array:
-    """What the problem's own model shows at them."""
+    """Friction of the problem's own model at the true values."""
     made: Forward = problem.models[0]
     return made.friction(truth_of(problem))

@@ -1,1 +1,2 @@
-"""The frozen benchmark (docs/benchmark.md): values with certified bars, how they are computed again, and how others' compare."""
+"""The frozen benchmark (docs/benchmark.md): values with certified error bars, their computation, and the comparison of others'
+values."""

@@ -1,4 +1,4 @@
-"""`slipwave.score`: somebody's numbers against the frozen benchmark, row by row."""
+"""`slipwave.score`: compares a user's numbers with the frozen benchmark, row by row."""
 
 import csv
 import math
@@ -17,14 +17,14 @@ DIGITS = 6
 
 
 class Scored(NamedTuple):
-    """A value of theirs beside the frozen one."""
+    """A user's value and the frozen one."""
 
     known: FrozenValue
     theirs: float
 
     @property
     def apart(self) -> float:
-        """Their value less the frozen one."""
+        """The user's value minus the frozen one."""
         return self.theirs - self.known.value
 
     @property
@@ -46,7 +46,7 @@ class Scored(NamedTuple):
 
 
 class Score(NamedTuple):
-    """The rows that both have, the names that are in one file only, and the digits asked for."""
+    """The rows in both files, the names in one file only, and the requested digits."""
 
     scored: list[Scored]
     missing: list[str]
@@ -55,7 +55,7 @@ class Score(NamedTuple):
 
     @property
     def failed(self) -> list[str]:
-        """What does not agree: rows with too few digits, and rows that the benchmark does not have."""
+        """Failures: rows with too few digits, and rows that the benchmark lacks."""
         return [one.known.id for one in self.scored if not one.passes(self.asked)] + self.unknown
 
     @property
@@ -78,7 +78,7 @@ class Score(NamedTuple):
         return {"schema": SCHEMA, "digits_asked": self.asked, "rows": rows, **rest}
 
     def lines(self) -> Iterator[str]:
-        """A row for each value, then what is in one file only, and the sum."""
+        """A row for each value, then the names in one file only, and the total."""
         rows = [
             [
                 one.known.id,
@@ -94,8 +94,8 @@ class Score(NamedTuple):
         yield ""
         if self.unknown:
             guesses = [(name, nearest(name, list(frozen()))) for name in self.unknown]
-            told = [f"{shorten(name)}{f' (did you mean {guess}?)' if guess else ''}" for name, guess in guesses]
-            yield f"not in the benchmark: {', '.join(told)}"
+            names = [f"{shorten(name)}{f' (did you mean {guess}?)' if guess else ''}" for name, guess in guesses]
+            yield f"not in the benchmark: {', '.join(names)}"
         if self.missing:
             yield f"missing, not judged: {', '.join(self.missing)}"
         good = sum(one.passes(self.asked) for one in self.scored)
@@ -106,7 +106,7 @@ class Score(NamedTuple):
 def score(theirs: str | Path, digits: int = DIGITS) -> Score:
     """Compare the values of a CSV file with columns `id` and `value` with the frozen ones, row by row.
 
-    Raises SceneError if it cannot be read, lacks a column, says a value twice or in words, or has no row of the benchmark."""
+    Raises SceneError if it cannot be read, lacks a column, has a repeated or non-numeric value, or no row of the benchmark."""
     if not 1 <= digits <= 15:
         raise SceneError(f"digits = {digits}: must be from 1 to 15")
     known, found = frozen(), _read(Path(theirs))

@@ -1,4 +1,4 @@
-"""The values of the frozen benchmark, each by two programs, and the file that holds them.
+"""The values of the frozen benchmark, each computed by two programs, and their file.
 
 `python -m validation.frozen.values` computes them again (one to two minutes) and writes both copies of the file.
 """
@@ -29,18 +29,18 @@ FILE = Path(__file__).with_name("benchmark.csv")
 PAGE, SECOND = ROOT / "docs" / "benchmark" / "benchmark.csv", ROOT / "docs" / "benchmark" / "second_program.py"
 _KINDS = (("fold", "LP", 5), ("torus", "NS", 4), ("doubling", "PD", 2))
 POINTS = {f"{name}.{k + 1}": (kind, k) for name, kind, count in _KINDS for k in range(count)}
-"""Special points by name: their kind, and which of it along the branch. With the onset they are twelve."""
+"""Name of a special point -> its kind, and its number among these along the branch. With the onset they are twelve."""
 
 STARTS: dict[str, tuple[tuple[str, ...], tuple[float, ...]]] = {
     "smooth": ((), (6.0, 8.0, 12.0, 20.0, 40.0, 100.0, 400.0)),
     "jump": (("start.kind=jump", "start.size=0.05"), (20.0, 100.0, 400.0)),
     "irregular": (("slab.log10_r=-2.3",), (20.0, 100.0, 400.0)),
 }
-"""By name: what differs from the paper's scene, and the times (transits) at which psi is given."""
+"""Name of a start -> changes of the paper's scene, and the times (transits) at which psi is given."""
 
 _LONGEST, _TOLERANCE, _TIGHT = 87.95, 1e-9, 1e-12
 _FACTOR, _ROUNDING = 3.0, 1e-12
-"""A bar is so many times the distance of the two programs, and no less than so much of the value."""
+"""A bar is this factor times the difference of the two programs, but at least this share of the value."""
 _MESHES = ((6, 14), (8, 16))  # panels in a transit and degree of the second program: for orbits, for starts
 _COLUMNS = ("id", "value", "bar", "unit", "quantity", "computed_by")
 
@@ -57,7 +57,7 @@ class FrozenValue(NamedTuple):
 
     @property
     def digits(self) -> int:
-        """Significant digits that the bar leaves certain."""
+        """Number of significant digits certified by the bar."""
         return max(0, math.floor(-math.log10(self.bar / abs(self.value))))
 
 
@@ -69,14 +69,14 @@ def frozen() -> dict[str, FrozenValue]:
 
 
 def second_program() -> Any:
-    """The program of docs/benchmark, which shares nothing with this one. Raises SceneError where there is no checkout."""
+    """The program of docs/benchmark, which shares no code with this one. Raises SceneError outside a checkout."""
     if not SECOND.is_file():
         raise SceneError(f"{SECOND}: not there; the benchmark is computed again in a checkout only")
     return run_file(SECOND, "second_program", "the second program")
 
 
 def psi_of(start: str) -> Iterator[tuple[str, float]]:
-    """psi of our delay system after a start, by name."""
+    """(name, psi) of our delay system after a start."""
     changes, times = STARTS[start]
     solver = build("delay", slipwave.read("paper", changes), tolerance=_TIGHT)
     for time in times:
@@ -114,7 +114,7 @@ def ours() -> Iterator[tuple[str, float]]:
 
 
 def seconds() -> Iterator[tuple[str, float]]:
-    """The same by the second program. Newton's method begins at our orbits, which decide what it finds and not where it lies."""
+    """The same by the second program. Newton's method starts from our orbits, which select the orbit but not its values."""
     other = second_program()
     mesh = other.Mesh(*_MESHES[0])
     near = own_orbit("delay", scene_at(-2.68), 1e-11).closed
@@ -132,7 +132,8 @@ def seconds() -> Iterator[tuple[str, float]]:
 
 
 def _as_start(other: Any, mesh: Any, closed: Closed) -> Any:
-    """An orbit of ours where psi falls through the value at which the second program begins: g of the transit before, and psi."""
+    """One of our orbits as start of the second program, where psi falls through its initial value: g of the transit before, and
+    psi."""
     cycle, basis = closed.cycle, lagrange_basis(closed.flow.nodes)
     law, scene = closed.flow.scene.law, closed.flow.scene
     fine = np.linspace(0.0, cycle.period, 20001)[1:]

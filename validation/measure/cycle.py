@@ -35,7 +35,7 @@ def cut(law: Law, samples: Array, date: float, period: float, before: float = 0.
 
 
 def watch(solver: Solver, until: float, *others: Observer) -> EventObserver:
-    """March `solver` to `until` (transits), with `others` that observe it; the observer returned holds the slip events. Raises
+    """March `solver` to `until` (transits), observed by `others` too; returns the observer of the slip events. Raises
     NumericsError as `follow`."""
     observer = EventObserver(solver.scene, solver.nodes)
     follow(solver, until, [observer, *others])
@@ -43,9 +43,8 @@ def watch(solver: Solver, until: float, *others: Observer) -> EventObserver:
 
 
 class CycleObserver:
-    """Keeps the last complete cycle and the present one: memory O(cycle).
-
-    Pass it to `follow`. It detects events itself, with the detector that every run uses.
+    """Observer that keeps the last complete cycle and the present one: memory O(cycle). It detects events itself, by the detector
+    of every run.
     """
 
     def __init__(self, solver: Solver) -> None:
@@ -62,7 +61,8 @@ class CycleObserver:
             self._forget()
 
     def _forget(self) -> None:
-        """Drop all before the last complete cycle, which begins at the third last date: the latest event may not be over."""
+        """Drop everything before the last complete cycle, which begins at the third last date, because the latest event may not
+        be over."""
         dates = self._watch.dates()
         if dates.size >= 3:
             self._history.forget(float(dates[-3]))
@@ -77,7 +77,7 @@ class CycleObserver:
 
 
 def ripple_period(cycle: OneCycle) -> float:
-    """Mean time (transits) between maxima of mu within _RIPPLES, the maxima placed by parabolas through three samples.
+    """Mean time (transits) between maxima of mu within _RIPPLES, located by parabolas through three samples.
 
     Raises ValueError if there are fewer than three maxima.
     """
@@ -87,8 +87,8 @@ def ripple_period(cycle: OneCycle) -> float:
     peak = np.flatnonzero((ripple[1:-1] > ripple[:-2]) & (ripple[1:-1] >= ripple[2:]) & (ripple[1:-1] > 0.3 * ripple.max())) + 1
     if peak.size < 3:
         raise ValueError(f"{peak.size} ripples between {_RIPPLES[0]} and {_RIPPLES[1]} transits")
-    places = np.array([_vertex(time[k - 1 : k + 2], ripple[k - 1 : k + 2]) for k in peak])
-    return float((places[-1] - places[0]) / (places.size - 1))
+    maxima = np.array([_vertex(time[k - 1 : k + 2], ripple[k - 1 : k + 2]) for k in peak])
+    return float((maxima[-1] - maxima[0]) / (maxima.size - 1))
 
 
 def _vertex(x: np.ndarray, y: np.ndarray) -> float:

@@ -1,4 +1,4 @@
-"""Growth or decay of a small disturbance, read off a run."""
+"""Growth rate of a small disturbance, measured in a run."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""An exact solution with waves, friction and state: the interface's motion is given, and the drive that causes it follows.
+"""An exact solution with waves, friction and state: the interface's motion is prescribed, and the drive follows.
 
 The state is prescribed, psi = psi_ss + `depth` e^(-x^2), x = (t~ - `centre`)/`width` (Kozdon, Dunham and Nordstrom, J. Sci.
 Comput. 50, 2012, prescribe rate and state). The ageing law gives the slip rate, v = e^-psi - psi'/r, friction the stress mu. No
@@ -32,16 +32,16 @@ UNTIL = 10.0
 """Transits: the pulse, and twice the time that its waves take to the far face of the thicker slab and back."""
 
 RATIO = 3
-"""Of the round trips of unlike slabs."""
+"""Ratio of the round trips of unlike slabs."""
 
 BEGIN = 2.0
-"""Transits, from which solutions are compared: it is steady sliding before."""
+"""Transits from which solutions are compared; before, there is steady sliding."""
 
 _DEPTH, _CENTRE, _WIDTH = -1.2, 4.5, 0.6  # of the state, which falls as in a slip event; transits
 
 
 class GivenMotion(NamedTuple):
-    """The given motion, and what decides the drive: a and b of the ageing law, V_0 of steady sliding before, one `transit`
+    """The given motion, and the parameters of the drive: a and b of the ageing law, V_0 of steady sliding before, one `transit`
     on the friction clock, both impedances, and whether the lower slab's round trip is `RATIO` transits (else one)."""
 
     depth: float
@@ -58,7 +58,7 @@ class GivenMotion(NamedTuple):
 
 @inlined
 def _state(motion: GivenMotion, time: float) -> tuple[float, float]:
-    """psi less its steady value, and its change per transit."""
+    """psi minus its steady value, and its change per transit."""
     x = (time - motion.centre) / motion.width
     fallen = motion.depth * math.exp(-x * x)
     return fallen, -2.0 * x / motion.width * fallen
@@ -66,7 +66,7 @@ def _state(motion: GivenMotion, time: float) -> tuple[float, float]:
 
 @inlined
 def _rate_and_stress(motion: GivenMotion, time: float) -> tuple[float, float]:
-    """v and mu less their steady values."""
+    """v and mu minus their steady values."""
     psi, change = _state(motion, time)
     v = motion.velocity * math.exp(-psi) - change / motion.transit
     return v - motion.velocity, motion.a * math.log(v / motion.velocity) + motion.b * psi
@@ -131,7 +131,7 @@ def exact_motion(scene: Scene, times: Array) -> Array:
 
 def error_of_motion(solver: Solver) -> float:
     """Root mean square, over the time from `BEGIN`, of the differences of z, psi and mu from the exact ones, each relative to its
-    range; at the nodes of the pieces, where a solver gives values, so that no polynomial between them counts."""
+    range; at the nodes of the pieces, so that interpolation does not enter."""
     history = HistoryObserver(solver.scene.law, solver.nodes, BEGIN)
     follow(solver, UNTIL, [history], leaps=False)
     pieces = history.pieces().part(history.pieces().time > BEGIN)

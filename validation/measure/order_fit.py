@@ -18,7 +18,7 @@ _ASYMPTOTIC = 0.15
 FEWEST = 4
 FEWEST_DENSE = 6
 _NEAR, _MOST, TREND = 0.5, 0.5, 0.1
-"""How far the fit may lie below the order that its trend leads to; the least share of that closed; how well that is known."""
+"""Most by which the fit may lie below the order to which its trend leads; least share of that which is closed; its accuracy."""
 WITHIN = 0.1  # of the declared order
 WIDEST = 0.5  # half-width beyond which a fit proves nothing
 
@@ -29,8 +29,8 @@ class Fit:
 
     `half_width` is that of the 95 % confidence interval of the order (Student, n - 2 degrees of freedom), `finest` the order of
     the two finest used levels alone, `finest_error` the smallest error used, `r_squared` the share of the variance explained.
-    `limit` is the order at h = 0 that the trend of the local orders leads to, from error ~ constant h^order e^(b h) with
-    h = 1/cells; its interval is infinite with fewer than four levels.
+    `limit` is the order at h = 0 to which the trend of the local orders leads, from error ~ constant h^order e^(b h) with h =
+    1/cells; its interval is infinite with fewer than four levels.
     """
 
     order: float
@@ -48,8 +48,8 @@ class Fit:
         return f"order {self.order:.3f} +- {self.half_width:.3f} (95 %), {quality}"
 
     def leads_to(self, declared: float) -> bool:
-        """Whether the local orders rise to `declared` as grids become finer: the first orders of a scheme lie below its own, and
-        grids too fine to run would be needed to show it. Most of what the fit lacks must be closed, and closely known."""
+        """Whether the local orders rise to `declared` with finer grids, although grids too fine to run would be needed to reach
+        it: most of the deficit must be closed by the trend, which must be known accurately."""
         closed = self.limit - self.order > _MOST * (declared - self.order)
         return self.order > declared - _NEAR and closed and self.limit_half_width < TREND and abs(self.limit - declared) < TREND
 
@@ -148,7 +148,7 @@ def shortfall(result: Fit, declared: float, tolerance: float = WITHIN, at_least:
 
 
 def asked(order: float, declared: float, allowed: float, above: bool) -> tuple[str, float]:
-    """(what is asked of an order, in words; how far it lies from that); one `above` the declared is none."""
+    """(text of the required order; distance from it); an order `above` the declared one has distance 0."""
     if above:
         return f"{math.floor(100.0 * (declared - allowed)) / 100.0:.2f} or more", max(0.0, declared - order)
     return f"{declared:g} ± {allowed:.2f}", abs(order - declared)

@@ -9,7 +9,7 @@ three times finer than a grid whose error is 100 %. The last is the last one who
 `validation.measure.order_fit.fit_dense` drops coarse ones where the errors do not follow a power law yet.
 
 All outputs together must show the promised order within a confidence interval. A single output scatters more; its fitted order
-may lie below the promised one by no more than the course's `slack`.
+may lie below the promised one by no more than the run's `slack`.
 """
 
 from collections.abc import Callable
@@ -22,7 +22,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.solve import Solver, follow
-from validation.measure.grid_ladders import Course, GridLadder
+from validation.measure.grid_ladders import GridLadder, LadderRun
 from validation.measure.order_fit import TREND, Fit, asked, fit_dense
 from validation.measure.settle import SYMBOLS
 from validation.measure.stopwatch import timed
@@ -41,26 +41,26 @@ RESOLVED = 3.0
 _WORTH_REPEATING = 0.01  # seconds
 
 Measured: TypeAlias = dict[str, Array]
-"""By quantity: one entry per complete cycle; for the state (256, 3): z, psi, mu."""
+"""Quantity -> one entry per complete cycle; for the state (256, 3): z, psi, mu."""
 Maker: TypeAlias = Callable[..., Solver]
 """As `validation.compute.build.build`."""
 
 
-def measure(solver: Solver, course: Course) -> Measured:
-    """Run `solver` over the `course`."""
-    return _marching(solver, course)()
+def measure(solver: Solver, run: LadderRun) -> Measured:
+    """Run `solver` over the `run`."""
+    return _marching(solver, run)()
 
 
-def _marching(solver: Solver, course: Course) -> Callable[[], Measured]:
-    """The march of `solver` over the `course` with its event detection, to be timed or not."""
+def _marching(solver: Solver, run: LadderRun) -> Callable[[], Measured]:
+    """Function that marches `solver` over the `run` and detects its events."""
     events = EventObserver(solver.scene, solver.nodes)
-    last = np.linspace(course.until - course.window, course.until, _MOMENTS, endpoint=False)
+    last = np.linspace(run.until - run.window, run.until, _MOMENTS, endpoint=False)
     history = HistoryObserver(solver.scene.law, solver.nodes, last[0], last[-1])
 
     def march() -> Measured:
         """March, and detect the events."""
-        follow(solver, course.until, [events, history])
-        cycles = events.events(_FIRST_QUARTER * course.until)
+        follow(solver, run.until, [events, history])
+        cycles = events.events(_FIRST_QUARTER * run.until)
         return {name: getattr(cycles, name) for name in OUTPUTS} | {"state": history.at(last)[1:4].T}
 
     return march
@@ -82,7 +82,7 @@ def _mean_square(values: Array) -> float:
 
 @dataclass(frozen=True)
 class Climb:
-    """What a climb measured: cells, processor seconds, and errors by quantity, one entry per grid."""
+    """Result of a climb: cells, processor seconds, and errors by quantity, one entry per grid."""
 
     ladder: GridLadder
     cells: Array
@@ -98,12 +98,12 @@ class Climb:
 
     def fit(self, name: str) -> Fit:
         """The order of one quantity; ValueError where fewer than four levels can be used."""
-        return fit_dense(self.cells, self.errors[name], self.resolved, self.ladder.course.floor)
+        return fit_dense(self.cells, self.errors[name], self.resolved, self.ladder.run.floor)
 
     def fit_together(self) -> Fit:
-        """The order of the geometric mean of all errors, over the levels where each is above the floor: scatters least."""
+        """The order of the geometric mean of all errors, over the levels where each is above the floor; it scatters least."""
         every = np.array(list(self.errors.values()))
-        every = every[:, : int(np.cumprod((every > self.ladder.course.floor).all(axis=0)).sum())]
+        every = every[:, : int(np.cumprod((every > self.ladder.run.floor).all(axis=0)).sum())]
         return fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), self.resolved)
 
     @property
@@ -128,15 +128,15 @@ class Climb:
         if self.lost:
             return [f"together: {self.lost}"]
         fits = {name: self.fit(name) for name in self.errors}
-        complaints = {name: self._misses(found, 0.0, self.ladder.course.slack) for name, found in fits.items()}
+        complaints = {name: self._misses(found, 0.0, self.ladder.run.slack) for name, found in fits.items()}
         together = self.fit_together()
         complaints["together"] = self._misses(together, together.half_width, ALMOST) or self._unknown(together)
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
 
     @property
-    def beside(self) -> tuple[str, float, float]:
-        """(what is asked of the order of all outputs together, how far that is missed, how much is allowed); of a scheme whose
-        local orders only rise to the promised one, the order to which they lead."""
+    def against_promise(self) -> tuple[str, float, float]:
+        """(text of the required order of all outputs together, distance from it, allowed distance); for a scheme whose local
+        orders rise to the promised one, of the order to which they lead."""
         found = self.fit_together()
         order, allowed = found.order, max(found.half_width, ALMOST)
         if order + allowed < self._promised and found.leads_to(self._promised):
@@ -168,18 +168,18 @@ class Climb:
 
 
 def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
-    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to run are left out. A march
-    before the first one is not timed: it may have to compile."""
+    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to run are left out. A first
+    march, which may compile, is not timed."""
     rows = list[tuple[int, float, dict[str, float]]]()
     for cells in ladder.levels():
         try:
             if not rows:
-                _marching(build(ladder.model, ladder.course.scene, cells=cells, cfl=ladder.cfl), ladder.course)()
+                _marching(build(ladder.model, ladder.run.scene, cells=cells, cfl=ladder.cfl), ladder.run)()
             seconds, found = _timed(build, ladder, cells)
         except (NumericsError, SceneError):
             continue
         rows.append((cells, seconds, errors(found, reference)))
-        if rows[-1][2]["state"] < ladder.course.floor:
+        if rows[-1][2]["state"] < ladder.run.floor:
             break
     return Climb(
         ladder,
@@ -190,10 +190,10 @@ def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
 
 
 def _timed(build: Maker, ladder: GridLadder, cells: int) -> tuple[float, Measured]:
-    """(processor seconds of the march, what it gave); short runs are repeated and the fastest counts."""
+    """(processor seconds of the march, its result); short runs are repeated and the fastest counts."""
     best, spent = np.inf, 0.0
     while spent < _WORTH_REPEATING:
-        solver = build(ladder.model, ladder.course.scene, cells=cells, cfl=ladder.cfl)
-        taken, found = timed(_marching(solver, ladder.course))
+        solver = build(ladder.model, ladder.run.scene, cells=cells, cfl=ladder.cfl)
+        taken, found = timed(_marching(solver, ladder.run))
         best, spent = min(best, taken), spent + taken
     return best, found

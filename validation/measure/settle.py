@@ -1,8 +1,8 @@
-"""Settle a model on its periodic orbit by running it until its cycles stop changing, and say how well that worked.
+"""Settles a model on its periodic orbit by running it until its cycles stop changing, with an error estimate.
 
-A run converges at the rate of the orbit's largest Floquet multiplier and then stays at the solver's own jitter. The value is
-the mean over the last few cycles, the error half of (largest - smallest) among them. It estimates what is left of the transient,
-not the solver's discretisation error.
+A run converges at the rate of the orbit's largest Floquet multiplier and then stays at the solver's own jitter. The value is the
+mean over the last few cycles, the error half of (largest - smallest) among them. It estimates the remaining transient, not the
+discretisation error.
 """
 
 from collections.abc import Callable
@@ -50,17 +50,15 @@ class Settled:
 
 
 class NoCycle(ArithmeticError):
-    """The run made too few slip events for an orbit, or came back to steady sliding."""
+    """The run has too few slip events for an orbit, or returned to steady sliding."""
 
 
 def settle(
     solver: Solver, tolerance: float = 1e-9, most: float = MOST_TRANSITS, progress: Callable[[float], None] | None = None
 ) -> Settled:
     """March `solver` (from its start) until `WINDOW` cycles in a row agree to `tolerance`, relative, in period, drops and rates,
-    or no longer come closer from stretch to stretch (the solver's own jitter), or `most` transits are over.
-
-    Raises NoCycle if fewer than WINDOW cycles were completed or if the run came back to steady sliding, NumericsError where the
-    solver fails.
+    or stop converging from stretch to stretch (the solver's own jitter), or `most` transits are over. Raises NoCycle for fewer
+    than WINDOW cycles, or if the run returned to steady sliding, NumericsError where the solver fails.
     """
     observer = EventObserver(solver.scene, solver.nodes)
     seconds, (events, history) = timed(lambda: _march_until_settled(solver, observer, tolerance, most, progress))
@@ -92,7 +90,7 @@ def _finished(history: list[float], tolerance: float) -> bool:
 
 
 def _stalled(history: list[float]) -> bool:
-    """The best of the last stretches is no better than half of the best before."""
+    """Whether the best of the last stretches is no better than half of the best before."""
     return len(history) > 2 * _STALLED and min(history[-_STALLED:]) > 0.5 * min(history[:-_STALLED])
 
 
@@ -115,8 +113,8 @@ def estimate(events: Events) -> Orbit:
 
 
 def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> OneCycle:
-    """A cycle of the next two periods, from `before` transits ahead of its event to `after` transits past its end. The solver is
-    put back where it was."""
+    """A cycle of the next two periods, from `before` transits ahead of its event to `after` transits past its end. The solver's
+    state is restored."""
     solver, observer, period = settled.solver, deepcopy(settled.observer), settled.orbit.period.value
     begin, here = solver.time, solver.state()
     history = HistoryObserver(solver.scene.law, solver.nodes)

@@ -1,1 +1,1 @@
-"""What models are compared with: published numbers, LSODA, closed forms of the onset."""
+"""References for models: published numbers, LSODA, closed forms of the onset."""

@@ -1,7 +1,7 @@
 """The paper's Kelvin-Voigt system as one would write it without this package: ten lines of Python, integrated by scipy's LSODA.
 
-It is a rival in run time and an independent witness of the numbers. It shares no code with the solvers: neither the law nor the
-integrator nor the event detection.
+A competitor in run time and an independent check of the numbers: it shares no code with the solvers (law, integrator, event
+detection).
 """
 
 import math
@@ -21,7 +21,7 @@ _APART = 10.0  # transits; crossings of V closer than this belong to the same sl
 
 @dataclass(frozen=True)
 class PlainRun:
-    """Period of the last cycle (transits), processor time in seconds and how often the right-hand side was evaluated."""
+    """Period of the last cycle (transits), processor time (s) and number of evaluations of the right-hand side."""
 
     tolerance: float
     period: float

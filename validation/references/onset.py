@@ -1,4 +1,4 @@
-"""Onset of stick-slip of alike plain slabs from the paper's closed forms, as the studies quote it: no solver is involved.
+"""Onset of stick-slip of alike plain slabs from the paper's closed forms, for the studies, without a solver.
 
 Rates and times on the friction clock L/V*; V in V*. The formulas themselves are those of `reduced.closed_forms`.
 """
@@ -26,7 +26,8 @@ class CriticalValues(NamedTuple):
 
 
 def onset_of(law: Ageing, epsilon: float, velocity: float) -> CriticalValues:
-    """Those of the ageing law at steady sliding with rate `velocity`, from F_v = a/V, G_phi = V, F_ss' = (a - b)/V of (16)."""
+    """Critical values of the ageing law at steady sliding with rate `velocity`, from F_v = a/V, G_phi = V, F_ss' = (a - b)/V of
+    (16)."""
     slopes = FrictionSlopes(law.a / velocity, velocity, (law.a - law.b) / velocity)
     forms = (closed_forms.quasistatic_r, closed_forms.delay_r, closed_forms.kelvin_voigt_r, closed_forms.quasidynamic_r)
     return CriticalValues(slopes.omega_c, *(form(slopes, epsilon) for form in forms))

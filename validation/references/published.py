@@ -1,4 +1,4 @@
-"""Reference numbers of the project: values from programs that share nothing with this one, and those of the paper."""
+"""Reference numbers of the project: values from programs that share no code with this one, and those of the paper."""
 
 import json
 from decimal import Decimal
@@ -30,5 +30,5 @@ def reference_orbit(model: str, log10_r: float) -> dict[str, float]:
 
 
 def half_digit(value: float) -> float:
-    """Half a unit in the last decimal place of a number as it is written: 0.005 for 73.47."""
+    """Half a unit in the last written decimal of a number: 0.005 for 73.47."""
     return 0.5 * 10.0 ** int(Decimal(repr(value)).as_tuple().exponent)

@@ -24,7 +24,7 @@ _TIME = re.compile(r"~\{([^{}]*)\}")
 
 
 def read_table(path: Path = TABLE) -> ModelTable:
-    """A table of models as it is stored."""
+    """Read a stored table of models."""
     return TypeAdapter(ModelTable).validate_json(path.read_bytes())
 
 
@@ -43,9 +43,9 @@ _KEY = (
 
 
 def _rows(table: ModelTable) -> Iterator[str]:
-    heads = [_html(f"{table.parameter} = {table.columns[0].title}"), *(column.title for column in table.columns[1:])]
-    yield f"| model | {' | '.join(heads)} | {' | '.join(f'cost at {title}' for title in table.costed)} | |"
-    yield "|---" * (len(heads) + len(table.costed) + 2) + "|"
+    headings = [_html(f"{table.parameter} = {table.columns[0].title}"), *(column.title for column in table.columns[1:])]
+    yield f"| model | {' | '.join(headings)} | {' | '.join(f'cost at {title}' for title in table.costed)} | |"
+    yield "|---" * (len(headings) + len(table.costed) + 2) + "|"
     for row in table.rows:
         costs = ("–" if cost is None else f"{cost:.2g}" for cost in row.costs)
         advice = _html(f"{row.advice}: {row.why}" if row.why else row.advice)
@@ -58,7 +58,7 @@ def _shown(cell: ModelCell) -> str:
 
 
 def _html(words: str) -> str:
-    """The small markup as HTML, which Markdown takes; run times as they are."""
+    """Convert the small markup to HTML, for Markdown; run times unchanged."""
     return markup(_TIME.sub(r"\1", words))
 
 
@@ -72,7 +72,7 @@ def with_block(page: str, block: str) -> str:
 
 
 def take_answer(out: Path) -> None:
-    """Take the table of the report in `out` as that of the baseline, and rewrite the pages."""
+    """Copy the table of the report in `out` to the baseline, and rewrite the pages."""
     record = json.loads((out / "data" / _STUDY / "result.json").read_bytes())
     TABLE.parent.mkdir(parents=True, exist_ok=True)
     texts = {TABLE: json.dumps(record["model_tables"][0], indent=1, ensure_ascii=False) + "\n"}

@@ -1,4 +1,4 @@
-"""The committed baseline, the numbers of an earlier full report: what has moved since, and what else makes a report red.
+"""The committed baseline, the numbers of an earlier full report: changes since, and other reasons that make a report red.
 
 python -m validation.report.baseline reports        # take the numbers of reports/ as the new baseline
 """
@@ -20,11 +20,11 @@ from validation.study.text import bare
 
 FOLDER = ROOT / "reports" / "baseline"
 LEFT = (Word.GONE, Word.MOVED, Word.BETTER, Word.WORSE)
-"""What became of a number that left its baseline."""
+"""The words of a number that left its baseline."""
 
 
 class RedReport(NumericsError):
-    """The report is whole, on `page`, but red: `lines` has one line for each reason."""
+    """The report was written, to `page`, but is red: `lines` has one line for each reason."""
 
     def __init__(self, lines: list[str], page: Path) -> None:
         super().__init__(f"the report is red for {len(lines)} reason{'s' if len(lines) > 1 else ''}: see {page}")
@@ -43,8 +43,8 @@ def as_report(now: Record) -> Record:
 
 
 def red_lines(report: Record, red: tuple[Word, ...]) -> list[str]:
-    """One line for each study that failed, verdict that fails and change under one of the words `red`: which it is, what was
-    expected and what was found."""
+    """One line for each failed study, failed verdict and change under one of the words `red`: its name, what was expected and
+    what was found."""
     lines = []
     for study in report.studies:
         lines += [f"{study.name}: failed: {study.error}"] if study.error else []
@@ -63,14 +63,14 @@ def reason(verdict: VerdictRecord) -> str:
 
 
 def line_of(change: Change) -> str:
-    """A change as a line of its own."""
+    """A change in one line."""
     before, now = (f"{value:.9g}" if isinstance(value, float) else value or "none" for value in (change.before, change.now))
     bar = f" ± {change.bar:.1e}" if change.bar else ""
     return f"{change.study}: {change.name}: expected {before}{bar}, found {now}"
 
 
 def patch_of(report: Record) -> str:
-    """A patch for `git apply` by which the baseline takes the numbers that left it, and in a full report those that are new."""
+    """A patch for `git apply` that updates the numbers that left the baseline and, from a full report, adds new ones."""
     taken = (*LEFT, *(() if report.quick else (Word.NEW,)))
     changes = [change for change in report.changes.of(*taken) if change.kind == "number"]
     now = {number.id: number for number in report.numbers}
@@ -82,15 +82,15 @@ def patch_of(report: Record) -> str:
         for change in changes:
             if change.study == study:
                 numbers.pop(change.name, None) if change.now is None else numbers.update({change.name: _kept(now[change.id])})
-        place = f"reports/baseline/{path.name}"
+        file = f"reports/baseline/{path.name}"
         parts += difflib.unified_diff(
-            before.splitlines(True), _text(numbers).splitlines(True), f"a/{place}" if before else "/dev/null", f"b/{place}"
+            before.splitlines(True), _text(numbers).splitlines(True), f"a/{file}" if before else "/dev/null", f"b/{file}"
         )
     return "".join(parts)
 
 
 def _kept(number: NumberRecord) -> dict[str, Any]:
-    """What the baseline keeps of a number."""
+    """The entry of a number in the baseline."""
     kept: dict[str, Any] = jsonable({"value": number.value, "tolerance": number.tolerance})
     return kept
 

@@ -29,7 +29,7 @@ _DIED = "a process of the report died, killed or short of memory, before this st
 
 
 class Task(NamedTuple):
-    """A study to be run: its name and module, the folder and the key under which its result is stored."""
+    """A study to be run: name, module, and the folder and key of its stored result."""
 
     name: str
     module: str
@@ -45,13 +45,13 @@ def make_report(
     processes: int | None = None,
     against: Record | None = None,
 ) -> Path:
-    """Write out/index.html and the files beside it, computing what is not already stored under out/data; returns the page's path.
+    """Write out/index.html and its accompanying files, computing only what is not stored under out/data; returns the page's path.
 
-    Studies run side by side in `processes` (default: one for each core); those that measure run time (`TIMED`) run alone at the
-    end. A study that fails is shown as failed and the others go on. Once all is written, RedReport (a NumericsError) is
-    raised if a study or a verdict fails, or a number left its baseline; with `against`, an earlier report that takes the place of
-    the baseline, if a number or a verdict is worse than there. An interrupted report resumes: finished studies are stored
-    whole. Raises SceneError for an unknown name in `only`, and while another process writes a report to `out`.
+    Studies run in parallel in `processes` (default: one per core); those that measure run time (`TIMED`) run alone at the end. A
+    failed study is shown as failed and the others continue. After writing, RedReport (a NumericsError) is raised if a study or a
+    verdict fails, or a number left its baseline; with `against`, an earlier report that replaces the baseline, if a number or a
+    verdict is worse than there. An interrupted report resumes: finished studies are stored whole. Raises SceneError for an
+    unknown name in `only`, and while another process writes a report to `out`.
     """
     asked = choose(only)
     studies = [study_called(name) for name in choose(None)]
@@ -78,7 +78,7 @@ def make_report(
 
 
 def _write(out: Path, results: list[store.Stored], quick: bool, against: Record | None) -> Path:
-    """The page and the files beside it; RedReport at the end."""
+    """Write the page and its files; raises RedReport at the end."""
     facts = machine_facts()
     bare = record_of(results, facts, quick, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
     kept = baseline.as_report(bare)
@@ -99,7 +99,7 @@ def _write(out: Path, results: list[store.Stored], quick: bool, against: Record 
 
 
 def _called(report: Record) -> str:
-    """A report by its version, commit and time."""
+    """Text that identifies a report by version, commit and time."""
     return f"slipwave {report.versions.get('slipwave', '?')}, {report.digests.get('commit', '?')}, of {report.times.written}"
 
 
@@ -110,8 +110,8 @@ def _task(study: Study, folder: Path, quick: bool) -> Task:
 def _run(
     studies: list[Study], tasks: dict[str, Task], processes: int, tell: Callable[[str, float], None]
 ) -> Iterator[store.Stored]:
-    """Results as studies end. The longest studies begin first, several at a time; those that measure run time run alone at the
-    end."""
+    """Yield results as studies end. The longest studies begin first, several at a time; those that measure run time run alone at
+    the end."""
     longest_first = sorted(studies, key=lambda study: -_seconds(study, tasks[study.NAME].quick))
     timed = [tasks[study.NAME] for study in longest_first if getattr(study, "TIMED", False)]
     shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]
@@ -124,7 +124,7 @@ def _run(
 
 
 def perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
-    """Run a study and store its result; any exception ends this study only and becomes a result that says so."""
+    """Run a study and store its result; any exception becomes the result of this study."""
     study = cast(Study, import_module(task.module))
     began = time.perf_counter()
     try:
@@ -141,6 +141,6 @@ def _seconds(study: Study, quick: bool) -> float:
 
 
 def _say(stored: store.Stored) -> None:
-    """One line for a study that is done."""
+    """Log one line for a finished study."""
     state = "failed" if stored.error else f"{stored.wall_seconds:6.1f} s" if stored.fresh else "  stored"
     print(f"{stored.name:24} {state}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""What became of the numbers and verdicts of an earlier report."""
+"""Compares the numbers and verdicts of a report with an earlier one."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -12,11 +12,11 @@ from validation.study.text import bare
 One = TypeVar("One", NumberRecord, VerdictRecord)
 
 _OF_LIMIT = 0.1
-"""What a verdict found has changed when it moves by more than this share of what is allowed."""
+"""Share of a verdict's limit by which its value must move to count as changed."""
 
 
 def changes_since(before: Record, now: Record, since: str) -> Changes:
-    """Every number and verdict of the studies that are done now, in `before` and now; `since` says which report `before` is."""
+    """Every number and verdict of the present studies, in `before` and now; `since` identifies `before`."""
     done = {study.name for study in now.studies if not study.error}
     scenes = {study.name: study.scenes for study in before.studies}
     other = {study.name for study in now.studies if scenes.get(study.name, study.scenes) != study.scenes}
@@ -30,7 +30,7 @@ def changes_since(before: Record, now: Record, since: str) -> Changes:
 
 
 def _compared(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Iterator[Change]:
-    """What became of each; only of the studies that are `whole` can anything be gone."""
+    """The change of each; an entry can be gone only if its study is `whole`."""
     old: dict[str, One] = {one.id: one for one in before}
     new: dict[str, One] = {one.id: one for one in now}
     for name in dict.fromkeys([*new, *old]):
@@ -61,7 +61,7 @@ def _number(before: NumberRecord, now: NumberRecord) -> Change:
 
 
 def _verdict(before: VerdictRecord, now: VerdictRecord) -> Change:
-    """By the outcome, if that changed: a finding is no failure. Otherwise by the error that it found."""
+    """Change by the outcome, if that changed (a finding is no failure), otherwise by the measured error."""
     if before.outcome is not now.outcome:
         word = {before.outcome: Word.BETTER, now.outcome: Word.WORSE}.get(Outcome.FAIL, Word.MOVED)
         return _change(now, (before.outcome.value, now.outcome.value), 0.0, word)
@@ -94,7 +94,7 @@ def _change(
 
 
 def change_lines(changes: Changes) -> Iterator[str]:
-    """How many of each word, and every change that is listed, as printed lines."""
+    """Printed lines: the number of changes by word, and every listed change."""
     counts = ", ".join(f"{changes.counts[word]} {word}" for word in Word if word in changes.counts)
     yield f"Since {changes.since}: {counts or 'nothing to compare'}."
     rows = [

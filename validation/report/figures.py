@@ -36,7 +36,7 @@ def of_paper_in(studies: Sequence[Stored]) -> list[OfPaper]:
 
 
 def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Environment":
-    """The environment, in which `figure.html.j2` knows the filter `inline` and the figures' colours by night."""
+    """The environment with the filter `inline` and the figures' dark colours for `figure.html.j2`."""
     from markupsafe import Markup
 
     def element(picture: Picture) -> Any:
@@ -58,7 +58,7 @@ def packed(picture: Picture) -> str:
 
 
 def _plotting() -> str:
-    """uPlot, whose first line is an address, and what opens it."""
+    """The scripts: uPlot, without its first line, an address, and our code that uses it."""
     library = (_HERE / "uplot" / "uPlot.iife.min.js").read_text(encoding="utf-8")
     assert library.startswith("/*!")
     return (

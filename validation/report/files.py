@@ -1,4 +1,4 @@
-"""The files beside the page: report.json, junit.xml for continuous integration, badge.svg, and every table as CSV."""
+"""The accompanying files of the page: report.json, junit.xml for continuous integration, badge.svg, and every table as CSV."""
 
 import csv
 import html
@@ -24,8 +24,8 @@ _LETTER = 6.6  # width of a letter of the badge
 
 
 def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) -> None:
-    """Write every file beside out/index.html, each whole or not at all. `red` are the words of a change that makes a report red;
-    without a `patch` for the baseline none is left."""
+    """Write every accompanying file of out/index.html, each whole or not at all. `red`: words of changes that make a report red;
+    an empty `patch` removes an old one."""
     texts = {table.csv: csv_of(table.columns, table.rows) for table in report.tables}
     texts |= {one.csv: _text_of_rows(_lines(cell_records(one.table))) for one in report.model_tables}
     texts |= {"junit.xml": junit_of(report, red), "badge.svg": badge_of(report, red), NAME: text_of(report)}
@@ -60,7 +60,7 @@ def _text_of_rows(rows: Iterable[Iterable[Cell]]) -> str:
 
 
 def _headings(columns: Iterable[ColumnRecord]) -> Iterator[str]:
-    """A heading that came before gets that of the last column of its own as its first words."""
+    """Yield headings; a repeated heading is prefixed by the last unique one."""
     named = [bare(f"{column.title} [{column.unit}]" if column.unit else column.title) for column in columns]
     often, seen, owner = Counter(named), Counter[str](), ""
     for name in named:
@@ -100,8 +100,7 @@ def _case(suite: xml.Element, study: str, name: str) -> xml.Element:
 
 
 def _compared(report: Record, study: str) -> Iterator[tuple[str, Change | None]]:
-    """Every number of a study with what became of it, if that is anything, and those that are gone; verdicts got better or
-    worse."""
+    """Every number of a study with its change, if any, and those that are gone; and verdicts that got better or worse."""
     changes = {change.id: change for change in report.changes.listed if change.study == study}
     for number in report.numbers:
         if number.study == study:
@@ -114,7 +113,7 @@ def _legal(words: str) -> str:
 
 
 def badge_of(report: Record, red: tuple[Word, ...]) -> str:
-    """What holds in one small picture: green only if something holds and nothing is red."""
+    """The outcomes as a badge (SVG): green only if something holds and nothing is red."""
     count = report.outcomes
     bad = count["fail"] + count["broken"] + len(report.changes.of(*red))
     parts = [f"{count['pass']} hold", f"{count['finding']} findings" if count["finding"] else "", f"{bad} red" if bad else ""]

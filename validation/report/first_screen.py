@@ -25,12 +25,12 @@ def starts(table: ModelTable) -> set[str]:
 
 
 def usual(table: ModelTable) -> int:
-    """The place that is shown first where one is shown at a time: the first at which costs are measured."""
+    """Index of the column that is shown first where one is shown at a time: the first with measured costs."""
     return next((n for n, column in enumerate(table.columns) if column.title in table.costed), 0)
 
 
 def cost_at(table: ModelTable, row: ModelRow, column: ModelColumn) -> float | None:
-    """The model's cost at the place nearest to this one where costs are measured."""
+    """The model's cost in the nearest column with measured costs."""
     measured = {other.title: abs(other.log10_r - column.log10_r) for other in table.columns if other.title in table.costed}
     costs = dict(zip(table.costed, row.costs, strict=True))
     return costs[min(measured, key=lambda title: measured[title])] if measured else None
@@ -40,7 +40,7 @@ def joined(table: ModelTable, row: ModelRow, symbol: str) -> Iterator[dict[str, 
     """Cells of a row as they are shown; neighbours without numbers and of one regime, in one group, are one."""
 
     def kind(pair: tuple[ModelColumn, ModelCell]) -> tuple[str, ...]:
-        """What neighbours that are joined share."""
+        """Key that joined neighbours have in common."""
         column, cell = pair
         return (column.group, cell.regime) if symbol not in cell.figures else (column.group, cell.regime, column.title)
 
@@ -51,14 +51,14 @@ def joined(table: ModelTable, row: ModelRow, symbol: str) -> Iterator[dict[str, 
 
 
 def shown(table: ModelTable, row: ModelRow, column: ModelColumn, cell: ModelCell, symbol: str) -> dict[str, Any]:
-    """What a cell says, its shade, its regime beside numbers if that is wrong, and the anchor of what proves it."""
+    """Text of a cell, its shade, its regime if that is wrong, and the anchor of its evidence."""
     regime = cell.regime if symbol in cell.figures and not cell.right else ""
-    told = {"words": words_of(cell, symbol), "shade": shade_of(cell, symbol), "regime": regime}
-    return told | {"anchor": anchor(table, row, column)}
+    facts = {"words": words_of(cell, symbol), "shade": shade_of(cell, symbol), "regime": regime}
+    return facts | {"anchor": anchor(table, row, column)}
 
 
 def anchor(table: ModelTable, row: ModelRow, column: ModelColumn) -> str:
-    """Name of the row that proves a cell: models.table.model.place."""
+    """Id of the row with the evidence of a cell: models.table.model.column."""
     return f"models.{table.name}.{row.model}.{column.title}".replace("−", "-").replace(" ", "-")
 
 
@@ -74,4 +74,4 @@ def proofs(model: str, studies: Sequence[Stored]) -> list[str]:
 
 
 SHOWN = (anchor, command_for, cost_at, groups_of, joined, shown, starts, usual)
-"""What the template of the table calls."""
+"""Functions for the template of the table."""

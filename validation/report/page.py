@@ -59,7 +59,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
 
 
 def _templates(studies: Sequence[Stored]) -> "Environment":
-    """What the templates call, beside what jinja offers."""
+    """The environment of the templates: jinja's functions and ours."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
@@ -79,7 +79,7 @@ def _templates(studies: Sequence[Stored]) -> "Environment":
 
 
 def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:
-    """Rows of the matrix study x evidence: per kind of evidence the worst outcome, and how many verdicts there are."""
+    """Rows of the matrix study x evidence: per kind of evidence the worst outcome, and the number of verdicts."""
     rows = []
     for study in studies:
         cells = [_light([v for v in verdicts_of([study]) if v.evidence is kind]) for kind in Evidence]
@@ -96,14 +96,14 @@ def _light(verdicts: list[Verdict]) -> dict[str, Any] | None:
 
 
 def tally(studies: Sequence[Stored]) -> dict[str, int]:
-    """How many verdicts of each outcome, and how many studies failed."""
+    """Number of verdicts by outcome, and of failed studies."""
     verdicts = verdicts_of(studies)
     counts = {outcome.value: sum(v.outcome is outcome for v in verdicts) for outcome in Outcome}
     return counts | {"broken": sum(study.result is None for study in studies)}
 
 
 def _said(changes: Changes) -> str:
-    """How many numbers and verdicts moved, in one sentence."""
+    """One sentence on how many numbers and verdicts moved."""
     fresh = changes.counts.get(Word.NEW, 0)
     every, new = sum(changes.counts.values()) - fresh, f", {fresh} new" if fresh else ""
     if not every:

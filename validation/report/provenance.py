@@ -1,4 +1,4 @@
-"""Where a report comes from: version, commit, machine, libraries."""
+"""Provenance of a report: version, commit, machine, libraries."""
 
 import platform
 from importlib import metadata
@@ -10,7 +10,7 @@ from validation.measure.stopwatch import cores
 
 
 def machine_facts() -> dict[str, str]:
-    """Facts for the page's head, in the order in which they are shown."""
+    """Facts for the top of the page, in display order."""
     return {
         "slipwave": metadata.version("slipwave"),
         "commit": commit(),

@@ -1,4 +1,4 @@
-"""The seven questions of the page, and what the studies that answer each say."""
+"""The seven questions of the page, and the answers of their studies."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from validation.study import Evidence, Omission, Outcome, Verdict
 
 
 class Question(NamedTuple):
-    """A question: its anchor, which the studies that answer it name (`validation.studies.STUDIES`), and its words."""
+    """A question: its anchor, which its studies name (`validation.studies.STUDIES`), and its text."""
 
     name: str
     title: str
 
     @property
     def studies(self) -> tuple[str, ...]:
-        """Those that answer it, in the order in which they are shown."""
+        """The studies that answer it, in display order."""
         return tuple(study for study, question in STUDIES.items() if question == self.name)
 
 
@@ -34,7 +34,7 @@ QUESTIONS = (
 
 @dataclass(frozen=True)
 class Asked:
-    """A question with the studies of this report that answer it; `said` is what they say together, where no single one does."""
+    """A question with the studies of this report that answer it; `said`: their common answer, if no single study gives it."""
 
     question: Question
     studies: tuple[Stored, ...]
@@ -42,7 +42,7 @@ class Asked:
 
     @property
     def answer(self) -> str:
-        """What is said, and what keeps it from being sure: checks that fail, studies that did not finish."""
+        """The answer, with reservations: failed checks and unfinished studies."""
         lead = next((study for study in self.studies if study.result), None)
         said = self.said or (lead.result.conclusion if lead and lead.result else "Not computed in this report.")
         doubts = [
@@ -55,7 +55,8 @@ class Asked:
 
 
 def ask(studies: Sequence[Stored], changed: str) -> list[Asked]:
-    """All questions with their studies; those that no question names come with the checks. `changed` answers the last."""
+    """All questions with their studies; studies that no question names are listed with the checks. `changed` answers the last
+    question."""
     listed = {name for question in QUESTIONS for name in question.studies}
     known = {study.name: study for study in studies}
     said = {"paper": _of_paper(studies), "trust": _of_checks(studies), "changed": changed}
@@ -82,8 +83,8 @@ def by_claim(verdicts: Sequence[Verdict]) -> list[tuple[str, list[Verdict]]]:
 
 
 def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Verdict], bool]]:
-    """What is not in the report: the study that says so, the verdicts that check its reason, and whether it needs any and has
-    none, for it holds numbers."""
+    """Omissions of the report: study, omission, verdicts that check its reason, and whether these are missing although the reason
+    has numbers."""
     known, found = verdicts_of(studies), []
     for study in studies:
         for one in study.result.omissions if study.result else ():
@@ -93,7 +94,7 @@ def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Ver
 
 
 def _of_paper(studies: Sequence[Stored]) -> str:
-    """How many of the paper's claims hold, and which do not."""
+    """Text: how many of the paper's claims hold, and which do not."""
     judged = [verdict for verdict in verdicts_of(studies) if verdict.evidence is Evidence.PAPER]
     if not judged:
         return ""
@@ -105,10 +106,10 @@ def _of_paper(studies: Sequence[Stored]) -> str:
 
 
 def _of_checks(studies: Sequence[Stored]) -> str:
-    """On what the verdicts rest, and what the programmes of faults say."""
+    """Text: the evidence of the verdicts, and the results of the planted faults."""
     verdicts = verdicts_of(studies)
     kinds = [f"{sum(v.evidence is kind for v in verdicts)} {kind.value}" for kind in Evidence]
     programmes = ("planted-faults", "coverage", "manufactured")
     known = {study.name: study.result.conclusion for study in studies if study.result}
-    told = [known[name] for name in programmes if name in known]
-    return " ".join([*told, f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."])
+    answers = [known[name] for name in programmes if name in known]
+    return " ".join([*answers, f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."])

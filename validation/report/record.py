@@ -106,7 +106,7 @@ class TableRecord(Part):
 
 
 class ModelTableRecord(Part):
-    """A table of all models at several places; `costs` are run times."""
+    """A table of all models at several values of the parameter; `costs` are run times."""
 
     id: str
     study: str

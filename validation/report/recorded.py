@@ -1,4 +1,4 @@
-"""The report as a record: from what is stored, to a file and back."""
+"""The report as a `Record`: made from stored results, written to a file, read back."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -31,7 +31,7 @@ _MACHINE = ("platform", "processor", "cores")
 
 
 def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, written: str) -> Record:
-    """The report of what is stored, in the order of `studies`, compared with nothing; `facts` are those of
+    """The report of the stored `studies`, in their order, without comparison; `facts` are those of
     `validation.report.provenance.machine_facts`."""
     done = [(study.name, study.result) for study in studies if study.result]
     verdicts = [_verdict(name, verdict) for name, result in done for verdict in result.verdicts]
@@ -73,8 +73,8 @@ def _study(stored: Stored) -> StudyRecord:
 
 
 def _verdict(study: str, verdict: Verdict) -> VerdictRecord:
-    told = {name: getattr(verdict, name) for name in VerdictRecord.model_fields if name not in ("study", "found")}
-    return VerdictRecord(study=study, found=verdict.size, **told)
+    facts = {name: getattr(verdict, name) for name in VerdictRecord.model_fields if name not in ("study", "found")}
+    return VerdictRecord(study=study, found=verdict.size, **facts)
 
 
 def _table(study: str, table: Table) -> TableRecord:
@@ -89,7 +89,7 @@ def _table(study: str, table: Table) -> TableRecord:
 
 
 def table_file(study: str, name: str) -> str:
-    """Where a table is as CSV, from the report's folder. A figure of the same name has its data beside it."""
+    """Path of a table as CSV, from the report's folder. A figure of the same name has its data in the same folder."""
     return f"data/{study}/table-{name}.csv"
 
 
@@ -104,14 +104,14 @@ def _figure(study: str, picture: Picture) -> FigureRecord:
 
 
 def text_of(report: Record) -> str:
-    """What report.json holds."""
+    """The text of report.json."""
     return report.model_dump_json(indent=1) + "\n"
 
 
-def read_report(place: Path, option: str = "--against") -> Record:
-    """The report in the file `place`, or in report.json in the folder `place`; SceneError that names the option if there is
-    none."""
-    path = place / NAME if place.is_dir() else place
+def read_report(where: Path, option: str = "--against") -> Record:
+    """Read the report in the file `where`, or in report.json in the folder `where`. Raises SceneError, naming the option, if
+    there is none."""
+    path = where / NAME if where.is_dir() else where
     try:
         return Record.model_validate_json(path.read_bytes())
     except OSError as error:

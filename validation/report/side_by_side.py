@@ -1,7 +1,7 @@
-"""Tasks shared out to several processes, each of which does one at a time. One Ctrl-C ends all of them.
+"""Distributes tasks to several processes, each of which does one at a time. One Ctrl-C ends all of them.
 
-The processes are spawned. Each leads a process group of its own, to which everything that it starts belongs. They ignore Ctrl-C;
-the process that waits for them receives it and ends their groups. A process whose parent was killed ends itself.
+The processes are spawned. Each leads its own process group, with everything that it starts. They ignore Ctrl-C; the waiting
+process receives it and ends their groups. A process whose parent was killed ends itself.
 """
 
 import os

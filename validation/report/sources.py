@@ -1,4 +1,4 @@
-"""What a study's result depends on: the files it is computed from, and the packages that these import."""
+"""The sources of a study's result: the files it is computed from, and the packages that these import."""
 
 import ast
 import hashlib
@@ -13,11 +13,11 @@ from slipwave.sources import ROOT, import_closure, imported_names, program
 from validation.compute import models
 from validation.study import Study, render
 
-_ROOM = Path(validation.__file__).parent
-_GALLERY = _ROOM.parent / "slipwave" / "gallery"
+_PACKAGE = Path(validation.__file__).parent
+_GALLERY = _PACKAGE.parent / "slipwave" / "gallery"
 _MODELS = Path(models.__file__)
 _DRAWN_BY = Path(render.__file__)
-"""What makes files of every study's figures."""
+"""The file that renders every study's figures."""
 _SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in models.FAMILIES]
 """Files that `compute.models` imports by name: only its facts mention them, no import statement does."""
 
@@ -35,8 +35,8 @@ def sources_digest(study: Study) -> str:
 
 
 def sources_of(study: Study) -> list[Path]:
-    """The study's own file and its optional `FILES` (folders stand for what is in them), all that these import in any room, the
-    data of this room, and the gallery's scenes that `SCENES` or any of these programs of this room names.
+    """The study's own file and its optional `FILES` (folders stand for their contents), all that these import from our packages,
+    the data of this package, and the gallery's scenes named in `SCENES` or in any of these programs of this package.
 
     A package's `__init__.py` counts where the package itself is imported: `validation.study.text` does not need all that the
     report's own entrance imports."""
@@ -46,9 +46,9 @@ def sources_of(study: Study) -> list[Path]:
     programs = import_closure(starts, packages=False)
     if _MODELS in programs:
         programs = import_closure([*starts, *_SOLVERS], packages=False)
-    words = set(study.SCENES).union(*(_words(path) for path in programs if path.is_relative_to(_ROOM) or path == own))
+    words = set(study.SCENES).union(*(_words(path) for path in programs if path.is_relative_to(_PACKAGE) or path == own))
     scenes = [path for path in sorted(_GALLERY.glob("*.toml")) if path.stem in words]
-    return [*programs, *(path for path in read if path.suffix != ".py"), *sorted(_ROOM.rglob("*.json")), *scenes]
+    return [*programs, *(path for path in read if path.suffix != ".py"), *sorted(_PACKAGE.rglob("*.json")), *scenes]
 
 
 def packages_of(files: Iterable[Path]) -> list[str]:
@@ -65,7 +65,7 @@ def _packages() -> dict[str, list[str]]:
 
 @cache
 def _words(path: Path) -> frozenset[str]:
-    """Texts in a program, as this process first read it."""
+    """Strings in a program, as this process first read it."""
     tree = ast.walk(ast.parse(path.read_bytes()))
     return frozenset(node.value for node in tree if isinstance(node, ast.Constant) and isinstance(node.value, str))
 

@@ -28,14 +28,14 @@ _PARTS: dict[str, Any] = {
     "omissions": tuple[Omission, ...],
     "model_tables": tuple[ModelTable, ...],
 }
-"""The parts of a result that are kept, with their types."""
+"""The stored parts of a result, with their types."""
 _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
 
 
 @dataclass(frozen=True)
 class Picture:
-    """A stored figure of a study: its caption, what it shows in words (`study.description`), the labels, scales and limits of
-    its panels, and its files."""
+    """A stored figure of a study: caption, description in words (`study.description`), labels, scales and limits of its panels,
+    and files."""
 
     study: str
     name: str
@@ -55,13 +55,13 @@ class Picture:
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """All that is stored of it."""
+        """The stored files."""
         return self.svg, self.png, self.csv
 
 
 @dataclass(frozen=True)
 class Stored:
-    """A study as the page shows it: its result read back from disk, or the error that stopped it."""
+    """A study for the page: its result read from disk, or the error that stopped it."""
 
     name: str
     question: str
@@ -79,32 +79,32 @@ def study_key(study: Study, quick: bool) -> str:
 
 
 def stored_result(folder: Path, study: Study, key: str) -> Stored | None:
-    """The study's stored result, if there is a whole one under the same key: as it was written, pictures and all."""
-    place = folder / study.NAME
+    """The study's stored result with its pictures, if it is complete and has the same key; else None."""
+    own = folder / study.NAME
     try:
-        record = json.loads((place / "result.json").read_bytes())
-        if not isinstance(record, dict) or record.pop("digest", "") != _digest(record, place) or record["key"] != key:
+        record = json.loads((own / "result.json").read_bytes())
+        if not isinstance(record, dict) or record.pop("digest", "") != _digest(record, own) or record["key"] != key:
             return None
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return None
-    return _stored(place, study, record)
+    return _stored(own, study, record)
 
 
-def _digest(record: dict[str, Any], place: Path) -> str:
-    """Of a result without its own digest, and of its pictures in the folder `place`."""
+def _digest(record: dict[str, Any], folder: Path) -> str:
+    """Digest of a result without its own digest, and of its pictures in `folder`."""
     digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
     for figure in record["figures"]:
-        for path in _files(place, figure["name"]):
+        for path in _files(folder, figure["name"]):
             digest.update(path.read_bytes())
     return digest.hexdigest()
 
 
-def _files(place: Path, figure: str) -> list[Path]:
-    return [place / (figure + suffix) for suffix in SUFFIXES]
+def _files(folder: Path, figure: str) -> list[Path]:
+    return [folder / (figure + suffix) for suffix in SUFFIXES]
 
 
 def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
-    """Write the result with its figures under folder/NAME; a reader sees all of it or none."""
+    """Write the result with its figures under folder/NAME, whole or not at all."""
     from validation.study.drawing import styled
 
     target = folder / study.NAME
@@ -118,8 +118,8 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
         for figure in result.figures:
             with styled():
                 words = render(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
-            told = {"title": words.title, "description": words.description, "panels": [panel.facts for panel in words.panels]}
-            figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | told)
+            facts = {"title": words.title, "description": words.description, "panels": [panel.facts for panel in words.panels]}
+            figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | facts)
         record = _record(study, key, result, wall_seconds) | {"figures": figures}
         whole = {"digest": _digest(record, part)} | record
         (part / "result.json").write_text(json.dumps(whole, indent=1, allow_nan=False) + "\n", encoding="utf-8")
@@ -131,7 +131,7 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
 
 
 def _is_running(process: str) -> bool:
-    """Whether another process that wrote a part still runs; what this process left is written again."""
+    """Whether another process that wrote a part still runs; parts of this process are overwritten."""
     return process.isdecimal() and is_running(int(process)) and int(process) != os.getpid()
 
 
@@ -147,7 +147,7 @@ def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) ->
 
 
 def jsonable(value: Any) -> Any:
-    """Dataclasses as dicts, numbers that JSON lacks as words."""
+    """Convert dataclasses to dicts, and numbers that JSON lacks to words."""
     if hasattr(value, "__dataclass_fields__"):
         return jsonable(asdict(value))
     if isinstance(value, dict):
@@ -182,5 +182,5 @@ def _picture(folder: Path, study: str, figure: dict[str, Any]) -> Picture:
 
 
 def numbers_of(record: dict[str, Any]) -> dict[str, Number]:
-    """Numbers by name as they were written, those too that JSON lacks."""
+    """Name -> number, including numbers that JSON lacks, of a stored record."""
     return TypeAdapter(dict[str, Number]).validate_python(_revived(record))

@@ -1,4 +1,4 @@
-"""What is left of a report when everything that depends on run times is taken out: two reports of one commit agree in it.
+"""Removes everything that depends on run times from a report: two reports of one commit agree in the rest.
 
 python -m validation.report.without_times reports        # the digest of what is left of report.json, the page and the tables
 """
@@ -40,7 +40,7 @@ def lasting_page(html: str) -> str:
 
 
 def lasting_digest(out: Path) -> str:
-    """Digest of what is left of the report in the folder `out`."""
+    """Digest of the report in the folder `out` without run times."""
     record = lasting_record(json.loads((out / NAME).read_text(encoding="utf-8")))
     tables = [table["csv"] for table in record["tables"] if not any(column["timed"] for column in table["columns"])]
     digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())

@@ -42,7 +42,7 @@ class CompareOptions(RecordOptions, NumericalOptions, RunsOptions):
     )
 
     models: str | Sequence[str] | None = option(
-        "the models; the reference is delay if it is among them, else the first (beside a record default auto)",
+        "the models; the reference is delay if it is among them, else the first (with a record: default auto)",
         metavar="M1,M2,...",
         positional=True,
     )

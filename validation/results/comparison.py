@@ -57,7 +57,7 @@ def in_json(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
     if run.kind == reference.kind == "periodic":
         return {"error": {name: one.value for name, one in found.items()}}
     known = {name: one for name, one in found.items() if not math.isnan(one.value)}
-    columns = {field: {name: getattr(one, place) for name, one in known.items()} for field, place in _COLUMNS} if known else {}
+    columns = {field: {name: getattr(one, part) for name, one in known.items()} for field, part in _COLUMNS} if known else {}
     return {"error": dict.fromkeys(found), **columns}
 
 

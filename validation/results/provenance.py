@@ -55,8 +55,8 @@ def _scene_text(scene: Scene) -> dict[str, str]:
 
 def _numbers(scene: Scene) -> dict[str, float]:
     slabs = {"": scene.upper} if scene.alike else {"_upper": scene.upper, "_lower": scene.lower}
-    numbers = {f"epsilon{place}": slab.epsilon for place, slab in slabs.items()}
-    numbers |= {f"r{place}": slab.round_trip for place, slab in slabs.items()}
+    numbers = {f"epsilon{name}": slab.epsilon for name, slab in slabs.items()}
+    numbers |= {f"r{name}": slab.round_trip for name, slab in slabs.items()}
     numbers |= {"V": scene.velocity, "transit_in_friction_time": scene.transit}
     if scene.units is None:
         return numbers

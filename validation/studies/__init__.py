@@ -1,4 +1,4 @@
-"""The studies of the report, in the order in which they are shown. Adding one means adding its file and its line here."""
+"""The studies of the report, in display order. To add one, add its file and its line here."""
 
 from importlib import import_module
 from typing import cast
@@ -36,12 +36,12 @@ STUDIES = {
     "slow-verification": "trust",
     "stability-attacks": "trust",
 }
-"""Name of each study, whose module has underscores in place of the hyphens, and the question that it answers
-(`validation.report.questions`): the first of a question says its answer."""
+"""Name of a study, whose module has underscores for hyphens -> the question that it answers (`validation.report.questions`); the
+first study of a question gives its answer."""
 
 
 def study_called(name: str) -> Study:
-    """The module of the study called `name`; imported only now, so that listing studies costs nothing."""
+    """The module of the study called `name`; imported when called, so that listing studies costs nothing."""
     return cast(Study, import_module(f"{__name__}.{name.replace('-', '_')}"))
 
 

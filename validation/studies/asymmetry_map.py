@@ -31,7 +31,7 @@ _LOG10_R, _UNTIL, _TOLERANCE = -2.67, 3000.0, 1e-6
 
 
 def run(budget: Budget) -> StudyResult:
-    """Sweep the plane with every model, hold each decided point against the certified count of roots, compare the regimes."""
+    """Sweep the plane with every model, compare each decided point with the certified count of roots, compare the regimes."""
     scene = slipwave.read("paper", {"run.until": _UNTIL, "slab.log10_r": _LOG10_R})
     data = swept_ratios(scene, 5 if budget.quick else 9)
     differences = difference(data, _REFERENCE)
@@ -51,7 +51,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def swept_ratios(scene: Scene, count: int) -> Dataset:
-    """The plane as every model has it."""
+    """The sweep of the plane with every model."""
     axes = [axis_of(name, f"{_RANGE}:{count}:log") for name in _AXES]
     return swept_here(plan_of(scene, axes, _MODELS, "verdict", tol=_TOLERANCE))
 
@@ -75,7 +75,7 @@ def _as_counted(scene: Scene, data: Dataset) -> Verdict:
 
 
 def _onset(data: Dataset) -> str:
-    """What the plane shows of steady sliding, in words and numbers."""
+    """Text on steady sliding in the plane, with numbers."""
     across, up = np.meshgrid(*(np.log(data[name].values) for name in _AXES), indexing="ij")
     found = model_regimes(_REFERENCE, data)
     stiff = across > up

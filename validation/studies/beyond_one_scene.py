@@ -28,7 +28,7 @@ SCENES = {
     "slip-law": "The paper’s slabs under Ruina’s slip law.",
     "rock": "Table 1’s rock in SI, at 1 cm/s, by the thickness of one slab.",
 }
-"""Scenes of the gallery, in words."""
+"""Scene of the gallery -> its description."""
 SECONDS = (6.0, 18.0)
 
 MODELS = ("delay", "dg:7", "modal:8", "modal:4", "modal:2", "modal:1", "fitted:4", "kelvin-voigt", "block8", "block12")
@@ -36,7 +36,7 @@ SIMPLEST = ("quasidynamic", "quasistatic")
 _WAVE, _CELLS = "dg:7", 3
 _AS_WAVES = ("modal:8", "modal:4", "fitted:4")
 _OVER_ONSET = {True: (1.02, 1.25), False: (1.02, 1.1, 1.25)}
-"""By quick or full report: r over the onset of the exact system, both slabs scaled together."""
+"""Quick report -> r over the onset of the exact system, both slabs scaled together."""
 _QUICK = ("unlike", "grip", "rock")
 _NEAR = 1.1
 _UNTIL = {True: 4000.0, False: 5000.0}
@@ -80,7 +80,7 @@ def models_in(name: str, over_onset: Sequence[float], until: float) -> ModelTabl
 
 
 def sight(name: str, over_onset: float) -> Sight:
-    """The scene with both slabs scaled together, so that r is so much over the onset of the exact system."""
+    """The scene with both slabs scaled together to r = `over_onset` times the onset of the exact system."""
     own = slipwave.read(name)
     factor = over_onset * critical_r(EXACT_MODEL, own) / own.transit
     scene = scaled(replace(own, start=replace(own.start, size=_NUDGE)), round_trip=factor)
@@ -90,7 +90,7 @@ def sight(name: str, over_onset: float) -> Sight:
 
 
 def _settings(own: Scene, factor: float) -> str:
-    """What makes the slabs so much thicker."""
+    """The command line options that make the slabs thicker by `factor`."""
     if own.upper.material:
         return f"--set slab.thickness={factor * _metres(own):.6g}"
     slabs = {"slab": own.upper} if own.alike else {"upper": own.upper, "lower": own.lower}
@@ -111,7 +111,7 @@ _TABLE = (
 
 
 def errors_over(tables: Sequence[ModelTable], model: str, symbol: str, low: float, high: float) -> list[Compared]:
-    """Every known error of a quantity at r between these, over the onset."""
+    """Every known error of a quantity at r over the onset between `low` and `high`."""
     rows = [(one, row) for one in tables for row in one.rows if row.model == model]
     cells = [
         cell for one, row in rows for column, cell in zip(one.columns, row.cells, strict=True) if low < column.over_onset <= high
@@ -120,7 +120,7 @@ def errors_over(tables: Sequence[ModelTable], model: str, symbol: str, low: floa
 
 
 def bias_and_scatter(errors: Sequence[Compared]) -> tuple[float, float, float]:
-    """(mean, standard deviation from scene to scene, root mean square of the standard errors); NaN of too few."""
+    """(mean, standard deviation over scenes, root mean square of the standard errors); NaN for too few errors."""
     values = np.array([one.error for one in errors], dtype=float)
     own = np.array([one.standard_error for one in errors])
     if not values.size:
@@ -129,8 +129,8 @@ def bias_and_scatter(errors: Sequence[Compared]) -> tuple[float, float, float]:
 
 
 def bias_rows(tables: Sequence[ModelTable]) -> dict[str, list[float]]:
-    """By model: bias, scatter and statistical error of T up to 1.1 r_c, of Δμ there, of T beyond; how often its regime is right,
-    and at how many places."""
+    """Model -> bias, scatter and statistical error of T up to 1.1 r_c, of Δμ there, of T beyond; number of right regimes, and of
+    all columns."""
     rows = {}
     for model in dict.fromkeys(row.model for one in tables for row in one.rows if row.model != EXACT_MODEL):
         ranges = (("T", 0.0, _NEAR), ("Δμ", 0.0, _NEAR), ("T", _NEAR, math.inf))
@@ -169,12 +169,12 @@ def bias_in_words(bias: float, scatter: float) -> str:
 
 
 def _silent(tables: Sequence[ModelTable], model: str) -> str:
-    """Where a model has no cycles, in words."""
+    """Text on where a model has no cycles."""
     every = [(one.name, row) for one, row in _pairs(tables, [model])]
     silent = [(name, cell.regime) for name, row in every for cell in row.cells if not cell.figures and cell.regime != UNDECIDED]
     where = list(dict.fromkeys(name for name, _ in silent))
-    told = "every scene" if len(where) == len(every) else ", ".join(where)
-    return f"{' or '.join(dict.fromkeys(regime for _, regime in silent))} in {told}" if silent else ""
+    named = "every scene" if len(where) == len(every) else ", ".join(where)
+    return f"{' or '.join(dict.fromkeys(regime for _, regime in silent))} in {named}" if silent else ""
 
 
 def _pairs(tables: Sequence[ModelTable], models: Sequence[str]) -> Iterator[tuple[ModelTable, ModelRow]]:
@@ -198,7 +198,7 @@ def _worst(tables: Sequence[ModelTable], models: Sequence[str], wanders: bool) -
 
 def _waves(tables: Sequence[ModelTable], limit: float) -> Iterator[Verdict]:
     repeats, wanders = (_worst(tables, [_WAVE], one) for one in (False, True))
-    where = f"`{_WAVE}`, {_CELLS} cells; T and Δμ at {len(repeats) // 2} places of {len(tables)} scenes"
+    where = f"`{_WAVE}`, {_CELLS} cells; T and Δμ at {len(repeats) // 2} values of r of {len(tables)} scenes"
     title = "The full wave has the delay system’s cycles in every scene where they repeat"
     yield claim(title, WITNESS, max(repeats, default=math.nan), limit, where)
     if wanders:
@@ -207,7 +207,7 @@ def _waves(tables: Sequence[ModelTable], limit: float) -> Iterator[Verdict]:
 
 
 def _onsets(tables: Sequence[ModelTable]) -> Verdict:
-    """Runs against onsets by impedance."""
+    """Verdict: regimes of runs against onsets by impedance."""
     known = [
         (cell.regime == STEADY) == (column.log10_r < row.onset.value)
         for one in tables
@@ -216,7 +216,7 @@ def _onsets(tables: Sequence[ModelTable]) -> Verdict:
         if row.onset and cell.regime != UNDECIDED
     ]
     title = "In every scene runs leave steady sliding where their model’s onset lies"
-    return every(title, WITNESS, sum(known), len(known), "onsets from impedance, which know no run", "places")
+    return every(title, WITNESS, sum(known), len(known), "onsets from impedance, which use no run", "values of r")
 
 
 def _reductions(tables: Sequence[ModelTable]) -> Iterator[Verdict]:
@@ -226,11 +226,11 @@ def _reductions(tables: Sequence[ModelTable]) -> Iterator[Verdict]:
     good = [is_good(cell) for _, row in _pairs(tables, _AS_WAVES) for cell in row.cells]
     title = "The ODEs that the first table advises are good in every scene"
     where = "`modal:8` and `modal:4`, or `fitted:4` where outer faces are not rigid; good by the rule of the first table"
-    yield every(title, WITNESS, sum(good), len(good), where, "places")
+    yield every(title, WITNESS, sum(good), len(good), where, "values of r")
 
 
 def _avoided(tables: Sequence[ModelTable]) -> Verdict:
-    """What the first table says to avoid."""
+    """Verdict: the models that the first table says to avoid."""
     models = ("kelvin-voigt", "block8", "block12", *SIMPLEST)
     pairs = list(_pairs(tables, models))
     fine = [f"`{row.model}` in {one.name}" for one, row in pairs if all(map(is_good, row.cells))]
@@ -239,7 +239,7 @@ def _avoided(tables: Sequence[ModelTable]) -> Verdict:
 
 
 def _numbers(tables: Sequence[ModelTable]) -> dict[str, Number]:
-    """Errors of T where cycles repeat, to what runs give; means of irregular motion differ from machine to machine."""
+    """Errors of T where cycles repeat, with the accuracy of runs; means of irregular motion differ between machines."""
     return {
         f"{one.name}: {row.model} error of T at {column.over_onset:g}": Number(found.error, max(1e-3, 3e-7 / abs(found.error)))
         for one, row in _pairs(tables, (*MODELS, *SIMPLEST))

@@ -59,8 +59,7 @@ _ENDS: dict[bool, dict[str, tuple[float, float] | tuple[float, float, float]]] =
         "modal:8": (-2.3, 78.4, _OVERLAID),
     },
 }
-"""By quick or full report and model: log10 r and the period (transits) at which its branch ends, and the tolerance if it is not
-that of the others."""
+"""Quick report -> model -> log10 r and the period (transits) at which its branch ends, and the tolerance if not the default."""
 
 _WAVES = {True: (-2.69, -2.68), False: (-2.69, -2.68, -2.67, -2.66)}
 
@@ -187,7 +186,7 @@ def _special_table(branch: Branch) -> Table:
 
 
 def _special_row(special: Special) -> tuple[Cell, ...]:
-    """At a fold r hardly changes, so that its bracket is lost in rounding."""
+    """Row of a special point; at a fold r hardly changes, so that its bracket is lost in rounding."""
     found, value, bracket = figures_of(special.point.closed), special.multiplier, special.bracket
     turning = f"{plain(value.real, '.6f')} ± {plain(abs(value.imag), '.6f')} i"
     passing = {"LP": "1", "PD": "−1", "NS": turning}[special.kind]
@@ -197,14 +196,14 @@ def _special_row(special: Special) -> tuple[Cell, ...]:
 
 
 def structure_table(delay: Branch, others: Iterable[Branch]) -> Table:
-    """How far the special points of other models are from those of the delay system, kind by kind in order."""
+    """Distances of the special points of other models from those of the delay system, by kind, in order."""
     every = [delay, *others]
-    places = {NAMES["HB"]: [branch.onset.parameter for branch in every]} | {
-        f"{NAMES[kind]} {n + 1}": [_place(branch, kind, n) for branch in every]
+    found = {NAMES["HB"]: [branch.onset.parameter for branch in every]} | {
+        f"{NAMES[kind]} {n + 1}": [_r_of(branch, kind, n) for branch in every]
         for kind, most in _COUNTED.items()
         for n in range(most)
     }
-    rows = ([point, exact, *(_apart(other, exact) for other in found)] for point, (exact, *found) in places.items())
+    rows = ([point, exact, *(_apart(other, exact) for other in found)] for point, (exact, *found) in found.items())
     columns = " | ".join(f"{one.model} [log_{{10}} r] .1e" for one in every[1:])
     caption = (
         "Special points of the delay system, and how far those of other models are from them in log_{10} r; empty: the model has "
@@ -213,7 +212,7 @@ def structure_table(delay: Branch, others: Iterable[Branch]) -> Table:
     return table("structure", caption, f"point | delay [log_{{10}} r] .7f | {columns}", rows)
 
 
-def _place(branch: Branch, kind: str, n: int) -> float | None:
+def _r_of(branch: Branch, kind: str, n: int) -> float | None:
     found = branch.of_kind(kind)
     return found[n].point.parameter if n < len(found) else None
 
@@ -267,7 +266,7 @@ def wave_orbit(branch: Branch, log10_r: float) -> WaveOrbit:
 
 
 def published(branch: Branch) -> Verdict:
-    """The Hopf point and the special points that other programs know."""
+    """Verdict: the Hopf point and the special points against values of other programs."""
     known, found = reference()["special"][branch.model], {name: branch.of_kind(kind) for name, kind in _PUBLISHED.items()}
     pairs = [(branch.onset.parameter, reference()["hopf"][branch.model]["log10_r"], 0.0)]
     pairs += [
@@ -317,7 +316,7 @@ def mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
 
 
 def bubbles(ode: Branch) -> Iterator[Verdict]:
-    """P9: what happens on the ODE's branch up to its torus point, and where that is."""
+    """P9: special points of the ODE's branch up to its torus point, and where that is."""
     kinds = [one.kind for one in ode.special]
     until = kinds[kinds.index("PD") : kinds.index("NS") + 1] if "NS" in kinds else kinds
     paper, torus = reference()["paper"]["log10_r_torus"], ode.of_kind("NS")[0].point.parameter
@@ -334,7 +333,7 @@ def bubbles(ode: Branch) -> Iterator[Verdict]:
 
 
 def modes_converge(delay: Branch, modal: Sequence[Branch]) -> Verdict:
-    """The first fold of the delay system by ever more modes; `modal` has the fewest first."""
+    """Verdict: the first fold converges to that of the delay system with the number of modes; `modal` in increasing order."""
     fold, *folds = (branch.of_kind("LP")[0].point.parameter for branch in (delay, *modal))
     off = [abs(one - fold) for one in folds]
     left, title = (
@@ -347,7 +346,7 @@ def modes_converge(delay: Branch, modal: Sequence[Branch]) -> Verdict:
 
 
 def unlike(delay: Branch, ode: Branch) -> Verdict:
-    """P14: what takes the stability of the two systems' orbits first, folds left out."""
+    """P14: the first loss of stability of the two systems' orbits, except folds."""
     lost = {
         branch.model: next(one for one in branch.special if one.kind != "LP" and one.unstable_before < one.unstable_after)
         for branch in (delay, ode)

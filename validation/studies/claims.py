@@ -1,4 +1,4 @@
-"""The paper's claims that runs and closed forms can settle; those about whole branches are judged by `bifurcation`."""
+"""The paper's claims that runs and closed forms decide; those about whole branches are judged in `bifurcation`."""
 
 import math
 from collections.abc import Iterator
@@ -34,11 +34,11 @@ MODELS = ("delay", "kelvin-voigt", "block8", "block12")
 DEEP = -2.3
 LARGE_NUDGE = 2.0
 LONGEST = 12
-"""Cycles of a periodic orbit that `recurrence` knows."""
+"""Most cycles of a periodic orbit in `recurrence`."""
 SHOWN = (1000.0, 1420.0)
-"""Transits of a long run after its transient that are drawn."""
+"""Transits of a long run, after its transient, that are drawn."""
 RESTLESS = 1e-6
-"""An orbit whose cycles still differ by more, relative, is not compared."""
+"""Relative difference of cycles above which an orbit is not compared."""
 
 _VERY_SMALL, _ORDER_OF_TEN_PER_CENT = 1e-2, (0.1 / math.sqrt(10.0), 0.1 * math.sqrt(10.0))
 _RIPPLES = 3e-4  # maxima between samples
@@ -46,14 +46,14 @@ _CLOSES = 2e-6  # sixteen samples a piece
 _SHARE = 0.1  # power of the drop and of T ~ drop/(eps V)
 _CONSTANT = 0.05  # spread of drops that is called nearly constant
 _CONTRAST = {"period": 1.5, "stress_drop": 1.5, "v_max": 5.0}
-"""Least ratios of the ODE's spread to the delay system's; they vary by chance."""
+"""Least ratios of the ODE's spread to the delay system's, which vary by chance."""
 _IRREGULAR = 0.3  # of `recurrence`
 _AFTER, _SLOW, _SAMPLES = 20.0, 12, 64  # transits from an event on, ripples, samples of each
 _RIPPLE = {"delay": 1.0, "kelvin-voigt": FAST_PERIOD_KELVIN_VOIGT}
 _SINE = 0.05  # share of the power that may be in other than the sine
 
 Orbits: TypeAlias = dict[float, dict[str, Orbit]]
-"""By log10 r, where all models have settled: their orbits."""
+"""log10 r, where all models have settled -> their orbits."""
 
 
 class Deep(NamedTuple):
@@ -66,8 +66,8 @@ class Deep(NamedTuple):
 
 
 class Loading(NamedTuple):
-    """Where the time of a cycle goes, in transits: the period; the elastic drop over epsilon V; the time in which the elastic
-    stress falls (v > V); and the slip while it rises, over V."""
+    """Parts of a cycle's period, in transits: the period; the elastic drop over epsilon V; the time in which the elastic stress
+    falls (v > V); and the slip while it rises, over V."""
 
     period: float
     drop: float
@@ -76,8 +76,8 @@ class Loading(NamedTuple):
 
 
 class Ripples(NamedTuple):
-    """A model's orbit at log10 r = -2.68: period of its ripples (transits), where the time of the cycle goes, and how far the
-    period is from that of half as many samples."""
+    """A model's orbit at log10 r = -2.68: period of its ripples (transits), parts of the cycle's period, and the error of the
+    period of ripples, from half as many samples."""
 
     period: float
     loading: Loading
@@ -88,7 +88,7 @@ _LOG10_R = {
     True: (-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66),
     False: tuple(round(-2.695 + 0.0025 * n, 4) for n in range(15)),
 }
-"""By quick or full report: from just beyond the onset to where the delay system's orbit loses stability (-2.6575)."""
+"""Quick report -> log10 r from just beyond the onset to where the delay system's orbit loses stability (-2.6575)."""
 
 _SAME = 1e-4  # relative difference of periods of one orbit
 
@@ -116,7 +116,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _two_orbits(orbits: Orbits) -> str:
-    """Whether another start finds another orbit at the largest r."""
+    """Text: whether another start leads to another orbit at the largest r."""
     largest = max(orbits)
     usual, other = orbits[largest]["delay"].period.value, from_large_nudge(largest).period.value
     at = minus(f"At log_{{10}} r = {largest:g}")
@@ -286,8 +286,8 @@ def spread_of(values: Array) -> float:
 
 
 def recurrence(values: Array) -> float:
-    """How far a sequence is from repeating itself: root mean square of x_(n + k) - x_n over sqrt(2) times the standard deviation,
-    the least over k up to 12. 0 for every orbit of up to 12 cycles, about 1 for a sequence without memory."""
+    """Measure of how far a sequence is from periodic: root mean square of x_(n + k) - x_n over sqrt(2) times the standard
+    deviation, the least over k up to 12. 0 for every orbit of up to 12 cycles, about 1 for a sequence without memory."""
     if float(np.std(values)) < RESTLESS * float(np.max(np.abs(values))):
         return 0.0
     steps = [float(np.sqrt(np.mean((values[k:] - values[:-k]) ** 2))) for k in range(1, LONGEST + 1)]
@@ -295,24 +295,24 @@ def recurrence(values: Array) -> float:
 
 
 def verdicts_on_paper(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> tuple[Verdict, ...]:
-    """Every claim that these runs and the closed forms can settle, in the paper's order."""
+    """Every claim that these runs and the closed forms decide, in the paper's order."""
     of_orbits = (*orbit_claims(orbits), *ripple_claims(ripples), *stable_branch_claims(orbits))
     return (*onset_claims(), *of_orbits, *load_claims(orbits, deep, ripples), *irregular_claims(deep))
 
 
 def onset_claims() -> Iterator[Verdict]:
-    """P1 and P2, by closed forms; `stability-boundaries` holds them against roots."""
+    """P1 and P2, by closed forms; `stability-boundaries` compares these with roots."""
     onset = onset_at(100.0)
     ours = {"delay": onset.r_delay, "kelvin-voigt": onset.r_kelvin_voigt}
-    places = {model: math.log10(r) for model, r in ours.items()}
+    onsets = {model: math.log10(r) for model, r in ours.items()}
     paper = reference()["paper"]["log10_r_c"]
     known = {model: reference()["hopf"][model]["log10_r"] for model in ours}
-    off = {model: abs(places[model] - known[model]) for model in ours}
+    off = {model: abs(onsets[model] - known[model]) for model in ours}
     worst = max(ours, key=lambda model: off[model] / half_digit(known[model]))
     slow, fast = (abs(onset_at(v).r_kelvin_voigt / onset_at(v).r_delay - 1.0) for v in (1e3, 1e4))
     title = "P1 Delay system and ODE share ω_{c}; both r_{c} are close to 10^{-2.6996} at V = 100"
-    both = minus(", ".join(f"{place:.7f}" for place in places.values()))
-    away, digit = max(abs(place - paper) for place in places.values()), 2.0 * half_digit(paper)
+    both = minus(", ".join(f"{value:.7f}" for value in onsets.values()))
+    away, digit = max(abs(value - paper) for value in onsets.values()), 2.0 * half_digit(paper)
     yield holding(title, PAPER, minus(f"{paper} ± {digit:.4f}"), both, away < digit, "log_{10} r_{c}").with_margin(away, digit)
     where = f"log_{{10}} r_{{c}} of AUTO and DDE-BIFTOOL, one of the last digit known is allowed; shown: `{worst}`"
     yield claim(title, WITNESS, off[worst], 2.0 * half_digit(known[worst]), where)
@@ -328,7 +328,7 @@ def error_of_27(slow: float, fast: float) -> Iterator[Verdict]:
 
 
 def orbit_claims(orbits: Orbits) -> Iterator[Verdict]:
-    """P3 and P4, and the digits that other programs know."""
+    """P3 and P4, and the digits known from other programs."""
     paper, here = reference()["paper"], orbits[-2.68]
     yield as_printed("P3 Period of the ODE at r = 10^{-2.68}", paper["T_ode"], here["kelvin-voigt"].period.value)
     yield as_printed("P4 Period of the delay system at r = 10^{-2.68}", paper["T_dde"], here["delay"].period.value)
@@ -354,9 +354,9 @@ def stable_branch_claims(orbits: Orbits) -> Iterator[Verdict]:
     off = {model: {name: abs(one[name] / here["delay"][name] - 1.0) for name in one} for model, one in here.items()}
     symbols = {"period": "T", "elastic_stress_drop": "Δy", "stress_drop": "Δμ"}
     closer = {symbol: off["block8"][name] < off["block12"][name] for name, symbol in symbols.items()}
-    told = ", ".join(f"{symbol} {'yes' if yes else 'no'}" for symbol, yes in closer.items())
+    text = ", ".join(f"{symbol} {'yes' if yes else 'no'}" for symbol, yes in closer.items())
     yield of_paper(
-        "P6 The ρh/8 block lies closer to the exact orbit than ρh/12", "perhaps", told, all(closer.values()), "at r = 10^{-2.68}"
+        "P6 The ρh/8 block lies closer to the exact orbit than ρh/12", "perhaps", text, all(closer.values()), "at r = 10^{-2.68}"
     )
     yield order_of_periods(
         [_ranges(r, *(found[model]["period"] for model in MODELS)) for r, found in figures.items()],
@@ -388,9 +388,9 @@ def load_claims(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, Ripple
     """P12: the identity, whether periods are proportional to drops, and whether they are nearly equal deep inside."""
     parts = {model: ripple.loading for model, ripple in ripples.items()}
     off = max(abs((part.drop + part.falling + part.slipped) / part.period - 1.0) for part in parts.values())
-    told = "relative, both systems at r = 10^{{-2.68}}; delay system: {:.2f} = {:.2f} + {:.2f} + {:.2f} transits"
+    text = "relative, both systems at r = 10^{{-2.68}}; delay system: {:.2f} = {:.2f} + {:.2f} + {:.2f} transits"
     title = "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V"
-    yield claim(title, EXACT, off, _CLOSES, told.format(*parts["delay"]))
+    yield claim(title, EXACT, off, _CLOSES, text.format(*parts["delay"]))
     exact = [found["delay"] for found in orbits.values()]
     periods, drops = (np.array([getattr(one, name).value for one in exact]) for name in ("period", "elastic_stress_drop"))
     power, shares = float(np.polyfit(np.log(drops), np.log(periods), 1)[0]), drops / _load_rate() / periods
@@ -425,8 +425,8 @@ def _load_rate() -> float:
 
 
 def overtones(run: Deep, ripple: float) -> Array:
-    """In the slow phase of each cycle that is kept, the share of the ripples' power that is not a sine of period `ripple`
-    (transits): of the stress over `_SLOW` such periods, without its cubic trend."""
+    """In the slow phase of each recorded cycle, the share of the ripples' power that is not a sine of period `ripple` (transits):
+    of the stress over `_SLOW` such periods, without its cubic trend."""
     found = []
     for date in run.events.time[(run.events.time > run.time[0]) & (run.events.time + _AFTER + _SLOW * ripple < run.time[-1])]:
         time = date + _AFTER + ripple * np.arange(_SLOW * _SAMPLES) / _SAMPLES

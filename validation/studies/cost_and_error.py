@@ -1,4 +1,4 @@
-"""What each answer costs: run time against error of every model, and two races against plain programs."""
+"""Run time against error of every model, and two races against plain programs."""
 
 import math
 from collections.abc import Iterator
@@ -27,14 +27,14 @@ _LOG10_R = -2.68
 _ODES = ("kelvin-voigt", "block8", "block12", "modal:1", "modal:2", "modal:8")
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 _EXACT = 1e-13
-"""Tolerance of the run that errors are measured against: beyond every setting."""
+"""Tolerance of the reference run of errors, tighter than every setting."""
 _FLOOR = 1e-13
-"""The smallest error that the figure shows."""
+"""Smallest error shown in the figure."""
 _RACE_ERROR = 1e-8
 _RIVALS = (1e-9, 1e-10)  # tolerances of LSODA
 _ELEMENTS = "dg:7"
 _CELLS = {"fd": {True: (16, 32, 64, 128), False: (16, 32, 64, 128, 256)}, _ELEMENTS: {True: (2, 4), False: (2, 3, 4, 6)}}
-"""By family and quick or full report: cells per slab."""
+"""Family -> quick report -> cells per slab."""
 _MARCHES = ("exact", "explicit")
 
 
@@ -85,7 +85,7 @@ def _settings(quick: bool) -> list[Setting]:
 
 def _answer(points: list[TimedRun]) -> str:
     def words(point: TimedRun) -> str:
-        """Run time and error of one point in words."""
+        """Text of run time and error of one point."""
         return run_time(f"{1e3 * point.seconds:.0f} ms ({plain(abs(point.period_error), '.0e')})")
 
     of = {name: [p for p in points if p.setting.model == name] for name in ("delay", "fd", "kelvin-voigt", "block8")}
@@ -135,7 +135,7 @@ def _known() -> float:
 
 
 def _error(period: float) -> float:
-    """Of a period of the Kelvin-Voigt system, relative to the known one."""
+    """Relative error of a period of the Kelvin-Voigt system."""
     return period / _known() - 1.0
 
 
@@ -189,7 +189,7 @@ def _waves(points: list[TimedRun]) -> Iterator[Verdict]:
 
 
 def _finest(points: list[TimedRun], model: str) -> TimedRun:
-    """Of the smallest tolerance, or of the most cells."""
+    """The point of the smallest tolerance, or of the most cells."""
     mine = (point for point in points if point.setting.model == model)
     return min(mine, key=lambda point: point.setting.tolerance or 1.0 / (point.setting.cells or 1))
 

@@ -1,4 +1,4 @@
-"""How often the errors that this program states hold the truth."""
+"""Coverage of the errors that this program states."""
 
 from collections.abc import Iterator
 
@@ -24,7 +24,8 @@ _LEAST, _MOST = 1e-5, 10.0  # error over bar, in the figure
 
 
 def run(budget: Budget) -> StudyResult:
-    """Show what `python -m validation.coverage --record` recorded, and repeat a part of it, chosen by the text of the solvers."""
+    """Show the record of `python -m validation.coverage --record`, and repeat a part of it, selected by the text of the
+    solvers."""
     record = known_computations()
     if not record:
         why = "No record by the present definition is here: python -m validation.coverage --record makes one."
@@ -72,7 +73,7 @@ def _table(found: dict[str, list[Coverage]]) -> Table:
 
 
 def holds(kind: str, one: Coverage) -> Verdict:
-    """The verdict on the figure that fares worst, with the interval that so many computations leave."""
+    """The verdict on the figure with the lowest coverage, with its interval."""
     title = "Stated errors hold the truth in at least 95 of 100 computations"
     remark = f"{kind}: {one.figure}; {one.many} computations, 95 % interval {100.0 * one.low:.1f} to {100.0 * one.high:.1f}"
     ours = f"{100.0 * one.share:.1f} of 100"
@@ -81,7 +82,7 @@ def holds(kind: str, one: Coverage) -> Verdict:
 
 
 def chosen(record: Record, kind: str, quick: bool) -> list[int]:
-    """Numbers of the computations to be repeated: others when the text of the solvers changes."""
+    """Numbers of the computations to be repeated, which depend on the text of the solvers."""
     count = KINDS[kind].repeated // 4 if quick else KINDS[kind].repeated
     able = [number for number, held in enumerate(record[kind]) if held]
     random = np.random.default_rng(int(source_digest(), 16))
@@ -99,8 +100,8 @@ def _repeated(record: Record, budget: Budget) -> Iterator[Verdict]:
 
 
 def agree(kind: str, ours: list[Held], known: list[Held]) -> bool:
-    """Whether a repeated computation is the recorded one: each bar and each error. Of a motion that never repeats, and that
-    rounding on another machine makes another one, they must be of the same size."""
+    """Whether a repeated computation agrees with the recorded one in each bar and each error; for a motion that never repeats,
+    which rounding changes between machines, in their sizes."""
     near = _near if KINDS[kind].exact else _alike
     return [one.figure for one in ours] == [one.figure for one in known] and all(map(near, ours, known))
 

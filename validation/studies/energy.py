@@ -1,4 +1,4 @@
-"""The energy ledger of the full wave: does it close, and where does the work of the drive go?"""
+"""The energy balance of the full wave: its closure, and the distribution of the drive's work."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ SCENES = ("paper", "grip", "viscous")
 SECONDS = (8.0, 9.0)
 
 ENTRIES = ("input", "friction", "stored", "radiated", "viscous")
-"""Entries of the ledger, in the order in which they are shown."""
+"""Entries of the balance, in display order."""
 
 UNTIL = 200.0
 """Transits after which the residual is taken."""
@@ -39,10 +39,10 @@ LADDERS = {
     "dg:1": (8, 12, 16, 24, 32, 48),
     "dg:2": (4, 6, 8, 12, 16),
 }
-"""By model: cells per slab of the grids on which the residual is taken."""
+"""Model -> cells per slab of the grids on which the residual is measured."""
 
 ORDERS = {"sbp:2": 4.0, "fem:1": 4.0, "fem:2": 4.0, "dg:1": 3.0, "dg:2": 5.0}
-"""The order at which the ledger of a model that does not conserve energy closes: that of the square of the jumps at its upwind
+"""The order at which the balance of a model that does not conserve energy closes: that of the square of the jumps at its upwind
 interfaces. Continuous fields jump at the slabs' ends only, by the error of the fields: order 2 in `sbp:2` and `fem:1`, and in
 `fem:2` too (order P for even P). `dg:P` jumps by h^(P + 1) at each of 1/h faces: order 2 P + 1."""
 
@@ -50,7 +50,7 @@ HIGH = {"sbp:4": 64, "sbp:6": 48, "fem:4": 8, "dg:4": 8, "dg:7": 4}
 """Families of high degree and their cells."""
 
 BOUNDARIES = {"rigid faces": "paper", "grips": "grip", "viscous": "viscous"}
-"""By what takes the energy: gallery name of the scene."""
+"""Sink of the energy -> gallery name of the scene."""
 
 
 @dataclass(frozen=True)
@@ -64,11 +64,11 @@ class EnergyRun:
     rounding: float
 
     def total(self, entry: str) -> float:
-        """What `entry` grew by over the two cycles."""
+        """Increase of `entry` over the two cycles."""
         return float(self.entries[entry][-1])
 
     def share(self, entry: str) -> float:
-        """The same as a fraction of the input."""
+        """Increase of `entry` as a fraction of the input."""
         return self.total(entry) / self.total("input")
 
 
@@ -83,7 +83,7 @@ _FLOOR = 1e-16
 
 
 def run(budget: Budget) -> StudyResult:
-    """Measure the residual of every family's ledger, then follow the entries over two cycles."""
+    """Measure the residual of every family's balance, then follow the entries over two cycles."""
     residuals = {model: np.array([residual_of(model, n) for n in LADDERS[model]]) for model in budget.each(LADDERS, end=0.5)}
     high = {model: {name: residual_of(model, cells, name) for name in BOUNDARIES} for model, cells in HIGH.items()}
     shown = {name: history_of(name, 4 if budget.quick else 8) for name in BOUNDARIES}
@@ -98,7 +98,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def answer(shown: Mapping[str, EnergyRun], fd: Array, orders: Mapping[str, Fit]) -> str:
-    """Shares of the work, and how ledgers close."""
+    """Text on shares of the work, and on the closure of the balances."""
     lost = {name: 100.0 * (history.share("radiated") + history.share("viscous")) for name, history in shown.items()}
     friction = 100.0 * min(history.share("friction") for history in shown.values())
     slopes = [found.order for found in orders.values()]
@@ -197,7 +197,7 @@ def closure(residuals: Mapping[str, Array]) -> Drawing:
 
 
 def residual_of(model: str, cells: int, name: str = "rigid faces") -> float:
-    """Size of the ledger's residual after `UNTIL` transits, relative to the largest entry."""
+    """Modulus of the residual after `UNTIL` transits, relative to the largest entry."""
     solver = _explicit(model, cells, name)
     follow(solver, UNTIL)
     return abs(_ledger(solver).residual)
@@ -218,7 +218,7 @@ def ledger_order(model: str, residual: Array) -> Fit:
 
 
 def history_of(name: str, cells: int) -> EnergyRun:
-    """The ledger's entries over two cycles of the settled orbit, from the end of a run on; linear between ends of steps."""
+    """The entries over two cycles of the settled orbit, from the end of a run on; linear between ends of steps."""
     solver = build_full_wave("dg:7", slipwave.read(BOUNDARIES[name]), cells=cells, time="exact")
     solver.keep_ledger()
     period = float(watch(solver, 2400.0).events().period[-1])

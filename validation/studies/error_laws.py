@@ -71,8 +71,8 @@ class OnsetErrors(NamedTuple):
 
 
 class CycleErrors(NamedTuple):
-    """The orbit 2 % beyond the exact onset: theta = r omega_c, exact v_max r, every model's relative error of the period, and how
-    well each is known."""
+    """The orbit 2 % beyond the exact onset: theta = r omega_c, exact v_max r, every model's relative error of the period, and the
+    accuracy of each."""
 
     theta: float
     swiftness: float
@@ -199,7 +199,7 @@ def _cycle_verdict(cycles: list[CycleErrors]) -> Verdict:
 
 
 def _why(onsets: Onsets, cycles: list[CycleErrors]) -> str:
-    """Why the error of the cycle stays, and at how many of the r tried the quasi-dynamic model has no cycle yet."""
+    """Text on why the error of the cycle remains, and at how many r the quasi-dynamic model has no cycle."""
     late = onsets["quasidynamic"]
     beyond = [float(np.interp(cycle.theta / _BEYOND, late.theta[::-1], late.error[::-1])) for cycle in cycles]
     steady = sum(error > _BEYOND - 1.0 for error in beyond)

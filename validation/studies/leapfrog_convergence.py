@@ -1,4 +1,4 @@
-"""The leapfrog against the delay system as its cells get smaller: from a smooth start and from a jump."""
+"""Convergence of the leapfrog to the delay system, from a smooth start and from a jump."""
 
 from collections.abc import Iterator, Mapping
 from typing import TypeAlias

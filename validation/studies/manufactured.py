@@ -1,4 +1,4 @@
-"""Every full wave against an exact solution with waves, friction and state, which it is driven to make."""
+"""Every full wave against an exact solution with waves, friction and state, imposed by the drive."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -38,7 +38,7 @@ GRIDS = {
 """By model: cells per slab, and a bound of the error on the finest grid, twice that measured of unlike slabs."""
 
 _MARCHES = {"alike": "exact", "unlike": "explicit"}
-"""How grids of each pair of slabs are marched in time, but for the leapfrog, which has one way."""
+"""Pair of slabs -> march in time, except for the leapfrog, which has one."""
 
 _MARKERS = "xosD^vP"  # by the number of the family's member
 _CFL = 0.5  # of the leapfrog; at 1 it is the delay system
@@ -60,7 +60,7 @@ class Ladder(NamedTuple):
 
     @property
     def shortfall(self) -> str:
-        """What speaks against it. Schemes of order 2 must not be better either."""
+        """Reason against the declared order, or empty. Schemes of order 2 must not be better either."""
         return shortfall(self.order, float(self.declared), at_least=self.declared != 2)
 
 

@@ -33,7 +33,7 @@ LOG10_R = -2.68
 COMPARED = ("delay", "kelvin-voigt", "block12", "quasidynamic")
 """Models that are followed as r grows."""
 IN_TURN = 6
-"""Cycles of a run that are drawn where a model has no stable orbit."""
+"""Number of cycles of a run drawn where a model has no stable orbit."""
 
 _CELLS, _CFL = 128, 0.5
 _TOLERANCE = 1e-10
@@ -63,17 +63,17 @@ class AtR(NamedTuple):
     cycles: int = 0
 
 
-_PLACES = {True: (-2.699, -2.65), False: (-2.699, -2.65, -2.5, -2.3)}
-"""By quick or full report: log10 r at which some models are shown, from the onset to the paper's largest."""
+_LOG10_R = {True: (-2.699, -2.65), False: (-2.699, -2.65, -2.5, -2.3)}
+"""Quick report -> log10 r at which some models are shown, from the onset to the paper's largest."""
 
 MODELS = ("delay", "fd", "modal:8", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 _OUTLINE = 0.1  # a model whose period is further off does not have the same cycle
 
 
 def run(budget: Budget) -> StudyResult:
-    """Find every model's orbit, lay one cycle of each over the others, compare; then as r grows."""
+    """Compute every model's orbit, overlay one cycle of each, compare; then as r grows."""
     runs = {model: run_model(model) for model in budget.each(MODELS, end=0.7)}
-    found = {log10_r: {model: at_r(model, log10_r) for model in COMPARED} for log10_r in _PLACES[budget.quick]}
+    found = {log10_r: {model: at_r(model, log10_r) for model in COMPARED} for log10_r in _LOG10_R[budget.quick]}
     grown = {log10_r: {model: one for model, one in models.items() if one} for log10_r, models in found.items()}
     cycles = {model: own.cycle for model, own in runs.items()}
     errors = {model: own.off(runs["delay"], "period") for model, own in runs.items()}
@@ -127,7 +127,8 @@ def _numbers(runs: dict[str, CycleRun]) -> dict[str, Number]:
 
 
 def _number(model: str, name: str, found: Estimate) -> Number:
-    """With what other programs know; the leapfrog's run states how far its cycles repeat, not its error."""
+    """A number with the values known from other programs; the leapfrog's run states the differences of its cycles, not its
+    error."""
     known = reference_orbit(model, LOG10_R).get(name)
     digit = half_digit(known) if known else 0.0
     return Number(found.value, 1e-7) if model == "fd" else stated(found.value, found.error, known, digit)
@@ -219,7 +220,7 @@ def _zoom(column: np.ndarray, exact: OneCycle) -> None:
 
 
 def panels(cycles: Mapping[str, OneCycle], errors: Mapping[str, float]) -> Drawing:
-    """One panel per model, its stress over the delay system's; `errors` of the period, relative, beside its name."""
+    """One panel per model, its stress over the delay system's; relative `errors` of the period next to its name."""
     exact = cycles["delay"]
     figure, grid = subplots(5.2, (len(_PANELS) + 1) // 2, 2, _SINCE, r"$\mu$", sharex=True, sharey=True)
     for axes, model in zip(grid.flat, _PANELS, strict=True):
@@ -253,10 +254,10 @@ def _signed(error: float) -> str:
     return f"${100 * error:+.1f}$ %" if abs(error) >= 1e-3 else rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
 
 
-def _over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
+def _over_r_table(found: Mapping[float, Mapping[str, AtR]]) -> Table:
     rows = [
         (log10_r, model, one.period.value, one.period.error, one.drop.value, one.drop.error, one.cycles or None)
-        for log10_r, models in places.items()
+        for log10_r, models in found.items()
         for model, one in models.items()
     ]
     heading = "log_{10} r .3f | model | T [transits] .6g | error .0e | Δμ [σ] .4f | error .0e | cycles .0f"
@@ -268,10 +269,10 @@ def _over_r_table(places: Mapping[float, Mapping[str, AtR]]) -> Table:
     return table("growth", caption, heading, rows)
 
 
-def _cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
-    rows = (len(places) + 1) // 2
+def _cycles_over_r(found: Mapping[float, Mapping[str, AtR]]) -> Drawing:
+    rows = (len(found) + 1) // 2
     figure, grid = subplots(2.4 * rows + 0.6, rows, 2, _SINCE, r"$y$ above its least", sharex=True, sharey=True)
-    for axes, (log10_r, models) in zip(grid.flat, places.items(), strict=True):
+    for axes, (log10_r, models) in zip(grid.flat, found.items(), strict=True):
         for model, one in models.items():
             style, share = style_of(model), 1.0 if one.cycles == 0 else 0.5
             for cycle in one.drawn:
@@ -284,8 +285,8 @@ def _cycles_over_r(places: Mapping[float, Mapping[str, AtR]]) -> Drawing:
 
 
 def run_model(model: str) -> CycleRun:
-    """The orbit of `model` in the paper's scene: by Newton's method, but for the leapfrog, whose steps cannot be fractions of a
-    period and which is run until it has settled."""
+    """The orbit of `model` in the paper's scene: by Newton's method; the leapfrog, whose steps cannot be fractions of a period,
+    is run until it has settled."""
     scene = slipwave.read("paper")
     if model == "fd":
         settled = memo.settled(model, scene, None, _TOLERANCE, cells=_CELLS, cfl=_CFL)
@@ -295,7 +296,7 @@ def run_model(model: str) -> CycleRun:
 
 
 def at_r(model: str, log10_r: float) -> AtR | None:
-    """The model's stable orbit, or a run if none is found; None if it comes back to steady sliding."""
+    """The model's stable orbit, or a run if there is none; None if it returns to steady sliding."""
     scene = scene_at(log10_r)
     if analyse(scene, model).stable:
         return None
@@ -313,7 +314,8 @@ def _stable_orbit(model: str, scene: Scene) -> PeriodicOrbit | None:
 
 
 def cycle_verdicts(runs: dict[str, CycleRun]) -> Iterator[Verdict]:
-    """Every orbit against other programs' and the delay system's; `which-model` judges what stops the simplest models."""
+    """Every orbit against other programs' and the delay system's; the failure of the simplest models is judged in
+    `which-model`."""
     known = {model: reference_orbit(model, LOG10_R) for model in runs}
     yield from (_as_computed(model, runs[model].orbit.values(), figures) for model, figures in known.items() if figures)
     if "fd" in runs:
@@ -328,6 +330,6 @@ def _as_computed(model: str, ours: dict[str, float], known: dict[str, float]) ->
     allowed = {name: half_digit(value) / abs(value) + OTHERS for name, value in known.items()}
     worst = max(known, key=lambda name: off[name] / allowed[name])
     whose = "The exact orbit" if model == "delay" else "Reduced models’ orbits"
-    remark = f"`{model}`: {', '.join(map(SYMBOLS.__getitem__, known))}; shown: {SYMBOLS[worst]}, the worst beside its digits"
+    remark = f"`{model}`: {', '.join(map(SYMBOLS.__getitem__, known))}; shown: {SYMBOLS[worst]}, the worst relative to its digits"
     shown = f"{ours[worst]:.10g}, off by {plain(off[worst], '.0e')}"
     return claim(f"{whose} as computed by other programs", WITNESS, off[worst], allowed[worst], remark, shown)

@@ -28,12 +28,12 @@ SECONDS = (5.0, 12.0)
 LOG10_R, LOG10_R_BARE = -2.6, -2.66
 """log10 r of the runs with grips alone, and of those with bare coefficients."""
 HELD = 10.0
-"""Stiffness of the grips beside bare coefficients."""
+"""Stiffness of the grips compared with bare coefficients."""
 UNTIL = 900.0
 """Transits before which the two models' last complete cycle is compared."""
 RESTLESS = 1e-2
 _TOLERANCE = 1e-9
-"""More than this from cycle to cycle, relative, is not an orbit."""
+"""Largest relative change from cycle to cycle of an orbit."""
 
 _MOST = 5000.0
 _PROMISED = {True: 5e-9, False: 5e-10}  # quick report (8 cells) or full (12)
@@ -67,12 +67,12 @@ _LEAKS = {
     True: (1e-5, 1e-3, 3e-3, 6e-3, 0.02, 0.1, 0.5),
     False: (1e-5, 1e-4, 3e-4, *(1e-3 * n for n in range(1, 9)), 0.01, 0.02, 0.05, 0.1, 0.15, 0.25, 0.5, 1.0),
 }
-"""By quick or full report: values of 1 - R."""
+"""Quick report -> values of 1 - R."""
 _SLOW_LEAKS = (0.05, 0.1, 0.15, 0.25, 0.5)  # 1 - R on both sides of locking
 
 
 def run(budget: Budget) -> StudyResult:
-    """Settle over the grip's impedance, lay the full wave over it, then lower a bare coefficient from 1."""
+    """Settle over the grip's impedance, compare with the full wave, then lower a bare coefficient from 1."""
     grid = np.geomspace(0.01, 100.0, 9 if budget.quick else 17)
     orbits = {stiff: [settled_cycle_of(grip_scene(stiff, z, LOG10_R)) for z in grid] for stiff in STIFFNESSES}
     budget.report(0.4)
@@ -110,7 +110,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _with_error(stiffness: float, period: float) -> Number:
-    """The period where grips absorb every wave; its error is how far a run at ten times the tolerance is."""
+    """The period where grips absorb every wave; its error is the difference from a run at ten times the tolerance."""
     return stated(period, abs(settled_cycle_of(grip_scene(stiffness, 1.0, LOG10_R), 10.0 * _TOLERANCE).period - period))
 
 
@@ -220,7 +220,7 @@ def settled_cycle_of(scene: Scene, tolerance: float = _TOLERANCE) -> Point:
 
 
 def pair_of(stiffness: float, impedance: float, quick: bool) -> Pair:
-    """The same cycle by the delay system and by the full wave."""
+    """The last cycle by the delay system and by the full wave."""
     scene = grip_scene(stiffness, impedance, LOG10_R)
     exact = last_cycle(scene, "delay", None, 1e-11)
     return Pair(stiffness, float(impedance), exact, last_cycle(scene, "dg:7", 8 if quick else 12, None))
@@ -234,7 +234,7 @@ def last_cycle(scene: Scene, model: str, cells: int | None, tolerance: float | N
 
 
 def end_of(scene: Scene) -> str:
-    """How a run without a cycle ends: `steady` if v is back at V, `locks` if it has fallen far below."""
+    """How a run without a cycle ends: `steady` if v has returned to V, `locks` if it has fallen far below."""
     behind = follow(build("delay", scene), _MOST).ln_v - math.log(scene.velocity)
     return "steady" if abs(behind) < 0.1 else "locks" if behind < -1.0 else "still decaying"
 

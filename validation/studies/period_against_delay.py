@@ -60,7 +60,7 @@ class Periods(NamedTuple):
 
 
 _ENDS = {True: {"kelvin-voigt": (-2.64, FAR), "delay": (-2.3, 74.6)}, False: {"kelvin-voigt": (-2.3, FAR), "delay": (-2.3, 80.0)}}
-"""By quick or full report and model: log10 r and the period (transits) at which its branch ends."""
+"""Quick report -> model -> log10 r and the period (transits) at which its branch ends."""
 
 _GRID = {
     True: (-2.69, -2.68, -2.65, -2.5, -2.3),
@@ -85,7 +85,7 @@ def run(budget: Budget) -> StudyResult:
     listed = [periods_at(log10_r, branches, _UNTIL[quick]) for log10_r in _GRID[quick]]
     budget.report(0.9)
     ratios = {model: {x: own_period(model, x).value / period_of(scene_at(x), model) for x in _THICK} for model in MASSES}
-    runs = {place: settled_period(*place) for place in _RUN}
+    runs = {run: settled_period(*run) for run in _RUN}
     return StudyResult(
         answer=_answer(listed),
         figures=(
@@ -170,7 +170,7 @@ def _mean_table(listed: list[Periods]) -> Table:
     )
     caption = (
         "Mean period over the cycles of a run where no orbit is known to be stable, with its standard error, which allows for "
-        "the dependence of a cycle on those before it; beside it the unstable orbit, where it is known."
+        "the dependence of a cycle on those before it; and the unstable orbit, where it is known."
     )
     heading = "model | log_{10} r .4f | mean T [transits] .6g | error .1e | cycles .0f | T of the orbit [transits] .8g"
     return table("deep", caption, heading, rows)
@@ -242,7 +242,7 @@ def periods_at(log10_r: float, branches: dict[str, Branch], until: float) -> Per
 
 
 def own_period(model: str, log10_r: float) -> Estimate:
-    """The period of the orbit that a run comes near to, by Newton's method."""
+    """The period of the orbit near a run, by Newton's method."""
     return memo.own_orbit(model, scene_at(log10_r), _TOLERANCE).orbit.period
 
 
@@ -262,7 +262,7 @@ def order(listed: list[Periods]) -> Verdict:
 
 
 def known(listed: list[Periods]) -> Verdict:
-    """The periods that other programs found."""
+    """Verdict: the periods against those of other programs."""
     pairs = [
         (one.orbits[model][0], entry["period"])
         for model in (*WAVES, *MASSES)
@@ -280,8 +280,8 @@ def runs_settle(listed: list[Periods], runs: dict[tuple[str, float], float]) -> 
     """Direct runs where orbits are stable."""
     at = {one.log10_r: one for one in listed}
     off = max(abs(period / at[log10_r].orbits[model][0] - 1.0) for (model, log10_r), period in runs.items())
-    places = ", ".join(f"{model} at {log10_r:g}".replace(" -", " −") for model, log10_r in runs)
-    return claim("Direct runs settle on these periods", WITNESS, off, _SETTLED, f"relative difference of T; {places}")
+    cases = ", ".join(f"{model} at {log10_r:g}".replace(" -", " −") for model, log10_r in runs)
+    return claim("Direct runs settle on these periods", WITNESS, off, _SETTLED, f"relative difference of T; {cases}")
 
 
 def at_onset(branches: dict[str, Branch]) -> Verdict:
@@ -296,8 +296,8 @@ def at_onset(branches: dict[str, Branch]) -> Verdict:
 
 def thick(ratios: dict[str, dict[float, float]]) -> Verdict:
     """The law for thick slabs: T over it, by model and log10 r."""
-    places = list(ratios["block8"])
-    began, ended = (max(abs(found[place] - 1.0) for found in ratios.values()) for place in (places[0], places[-1]))
-    where = minus(f"relative difference at log_{{10}} r = {places[-1]:g}; it is {began:.3f} at {places[0]:g}")
+    values = list(ratios["block8"])
+    began, ended = (max(abs(found[value] - 1.0) for found in ratios.values()) for value in (values[0], values[-1]))
+    where = minus(f"relative difference at log_{{10}} r = {values[-1]:g}; it is {began:.3f} at {values[0]:g}")
     title = "The blocks’ periods approach the law T = Δy/(εV) with the full overshoot as the slabs become thick"
     return claim(title, ASYMPTOTIC, ended, _THICK_LAW, f"{where}. No number of the law is fitted")

@@ -1,4 +1,4 @@
-"""The ODE's unstable orbit beside its doubled one (the paper's Fig 7), and the bubble of doubled orbits between two doublings."""
+"""The ODE's unstable orbit and its doubled one (the paper's Fig 7), and the bubble of doubled orbits between two doublings."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -45,7 +45,7 @@ TOLERANCE = 1e-9
 _MARCHED = 6000.0
 _BEYOND = (-2.597, -2.578)  # log10 r just outside the pair of period doublings
 NEAR = 0.997
-"""Multiplier of doubled orbits above which their branch is taken to its end by a straight line."""
+"""Multiplier of doubled orbits above which the end of their branch is extrapolated by a straight line."""
 
 _STEPS = Control(longest=0.02)
 _ROUGH = 1e-5  # of the other bubbles
@@ -84,7 +84,7 @@ _PAIRS = ((-2.571, -2.535), (-2.5375, -2.47))
 
 
 def run(budget: Budget) -> StudyResult:
-    """Find both orbits, and follow both branches to the period doublings; then the other pairs."""
+    """Compute both orbits, and follow both branches to the period doublings; then the other pairs."""
     found = doubled()
     budget.report(0.3)
     others = [] if budget.quick else [bubble(*ends) for ends in _PAIRS]
@@ -143,13 +143,13 @@ def _orbit_table(found: Doubled) -> Table:
 
 def bubble_table(bubbles: Iterable[Bubble]) -> Table:
     """The other bubbles, with the special points of their doubled orbits."""
-    rows = [(one.born, one.ends, _places(one, "PD"), _places(one, "LP")) for one in bubbles]
+    rows = [(one.born, one.ends, _r_of(one, "PD"), _r_of(one, "LP")) for one in bubbles]
     heading = "born at [log_{10} r] .9f | ends at [log_{10} r] .6f | doubles again at [log_{10} r] | turns at [log_{10} r]"
     return table("bubbles", "Branches of doubled orbits of the other two pairs of period doublings.", heading, rows)
 
 
-def _places(bubble: Bubble, kind: str) -> str:
-    return ", ".join(f"{place:.7f}" for name, place in bubble.special if name == kind).replace("-", "−") or "–"
+def _r_of(bubble: Bubble, kind: str) -> str:
+    return ", ".join(f"{value:.7f}" for name, value in bubble.special if name == kind).replace("-", "−") or "–"
 
 
 def orbits_in_planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
@@ -175,8 +175,8 @@ def orbits_in_planes(found: Doubled, others: Iterable[Bubble] = ()) -> Drawing:
     axes.plot(*_periods(found.bubble, 0.5), color=_DOUBLE, linewidth=1.3)
     for other in others:
         axes.plot(*np.array(other.points).T, color=_DOUBLE, linewidth=1.3)
-    places = [[one.point.parameter, one.point.closed.cycle.period] for one in found.special]
-    axes.plot(*np.array(places).T, MARKS["PD"], color=single["color"], markerfacecolor="white", label="period doubling")
+    doublings = [[one.point.parameter, one.point.closed.cycle.period] for one in found.special]
+    axes.plot(*np.array(doublings).T, MARKS["PD"], color=single["color"], markerfacecolor="white", label="period doubling")
     axes.set(xlabel=r"$\log_{10} r$", ylabel="$T$, half of the doubled $T$")
     ruled(*grid.values())
     handles = [*grid["stress"].get_lines(), axes.get_lines()[-1]]
@@ -221,7 +221,7 @@ def _both_ways(orbit: PeriodicOrbit, largest: float) -> tuple[list[OrbitPoint], 
     family = FlowFamily(flow, scene_at)
 
     def inside(point: OrbitPoint) -> bool:
-        """Whether the branch is followed on from here."""
+        """Whether the branch is followed further."""
         return _BEYOND[0] < point.parameter < _BEYOND[1] and float(np.abs(point.multipliers[0])) < largest
 
     begin = from_orbit(family, orbit.closed, AT, _BEYOND[1], metric)
@@ -309,7 +309,7 @@ def peaks(double: PeriodicOrbit) -> tuple[float, float]:
 
 
 def ends_simple(bubble: Bubble) -> Verdict:
-    """The end of another bubble: the simple orbit that both halves become is at a period doubling of its own."""
+    """The end of another bubble: both halves become a simple orbit at a period doubling of its own."""
     return claim(
         "P9 The doubled orbits of the other pairs connect two period doublings: each of the three branches is a closed bubble",
         EXACT,

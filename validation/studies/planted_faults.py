@@ -17,24 +17,24 @@ FILES = (RECORD,)
 
 
 def run(budget: Budget) -> StudyResult:
-    """Show what `make faults` recorded last; planting them again takes an hour and is not part of a report."""
+    """Show the last record of `make faults`; planting the faults again takes an hour and is not part of a report."""
     if not RECORD.is_file():
         return StudyResult(
             "Not answered in this report.", omissions=(Omission("The planted faults.", "No record of them is here."),)
         )
     faults: list[dict[str, Any]] = json.loads(RECORD.read_text(encoding="utf-8"))["faults"]
     survivors = [fault["name"] for fault in faults if not _is_caught(fault)]
-    rooms = list(dict.fromkeys(fault["room"] for fault in faults))
+    packages = list(dict.fromkeys(fault["room"] for fault in faults))
     return StudyResult(
         answer=f"{len(faults) - len(survivors)} of {len(faults)} planted faults are caught.",
         tables=(_table(faults),),
-        verdicts=tuple(_verdict(room, [fault for fault in faults if fault["room"] == room]) for room in rooms),
+        verdicts=tuple(_verdict(package, [fault for fault in faults if fault["room"] == package]) for package in packages),
         notes=("`make faults` plants them again, one at a time, in a copy of the checkout.",),
     )
 
 
 def _is_caught(fault: dict[str, Any]) -> bool:
-    """Whether the check that a fault names notices it; another test that does may do so by chance."""
+    """Whether the check named by a fault notices it; another test may do so by chance."""
     return bool(fault["caught"] and fault["by_its_check"])
 
 
@@ -57,7 +57,7 @@ def _test_in_words(test: str | None) -> str:
     return f"{name.removeprefix('test_').replace('_', ' ')} ({Path(file).name})"
 
 
-def _verdict(room: str, faults: list[dict[str, Any]]) -> Verdict:
+def _verdict(package: str, faults: list[dict[str, Any]]) -> Verdict:
     survivors, total = [fault["name"] for fault in faults if not _is_caught(fault)], len(faults)
-    remark = f"in `{room}`" + (f"; survives: {', '.join(survivors)}" if survivors else "")
+    remark = f"in `{package}`" + (f"; survives: {', '.join(survivors)}" if survivors else "")
     return every("Planted faults are caught by the checks that they name", EXACT, total - len(survivors), total, remark)

@@ -28,7 +28,7 @@ _BANDS = ((1.0, 1.1), (1.1, 1.4), (1.4, np.inf))  # r over the critical one
 
 
 def run(budget: Budget) -> StudyResult:
-    """Sweep the plane with every model, hold the boundaries against certified counts, and compare the regimes."""
+    """Sweep the plane with every model, compare the boundaries with certified counts of roots, and compare the regimes."""
     data = swept_plane(budget)
     lines = onset_lines(data)
     differences = difference(data, _REFERENCE)
@@ -48,7 +48,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def swept_plane(budget: Budget) -> Dataset:
-    """The plane as every model has it."""
+    """The sweep of the plane with every model."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
     counts, levels = ((13, 7), 1) if budget.quick else ((25, 13), 2)
     axes = [axis_of("log10_r", (*_R, counts[0])), axis_of("V", f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log")]
@@ -64,12 +64,12 @@ def critical_round_trips(model: str, lines: tuple[Line, ...], velocities: Any) -
 
 
 def _beyond_onset(model: str, data: Dataset, lines: tuple[Line, ...]) -> Any:
-    """How far each point of the plane lies beyond the model's critical r, in log10 r."""
+    """Distance of each point of the plane from the model's critical r, in log10 r."""
     return data["log10_r"].values[:, None] - critical_round_trips(model, lines, data["drive_velocity"].values)
 
 
 def _boundaries(data: Dataset, lines: tuple[Line, ...]) -> Verdict:
-    """The verdicts of runs against the certified counts of roots, which know no run."""
+    """Verdict: regimes of runs against the certified counts of roots, which use no run."""
     wrong, judged, cell = 0, 0, float(np.diff(data["log10_r"].values[:2])[0])
     for model in _MODELS:
         found, beyond = model_regimes(model, data), _beyond_onset(model, data, lines)

@@ -59,8 +59,8 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _missed(values: Array) -> float:
-    """By how much the largest of the samples may fall short of the maximum between them: the parabola of its neighbours half an
-    interval away."""
+    """Most by which the largest sample may fall short of the maximum between samples: by the parabola through its neighbours,
+    half an interval away."""
     most = int(np.argmax(values[1:-1]))
     return float(2.0 * values[most + 1] - values[most] - values[most + 2]) / 8.0
 

@@ -1,4 +1,4 @@
-"""The tests that are too slow for every commit, run as they stand in the checkout."""
+"""The tests that are too slow for every commit, run from the checkout."""
 
 import subprocess
 import sys
@@ -25,7 +25,7 @@ _TESTED = (0, 1)  # exit statuses of pytest after running tests: all passed, som
 
 
 class Tested(NamedTuple):
-    """One test: the file it is in, its name, its seconds, and the first line of what went wrong (empty if nothing did)."""
+    """One test: the file it is in, its name, its seconds, and the first line of its failure (empty if it passed)."""
 
     file: str
     name: str
@@ -39,7 +39,7 @@ class Tested(NamedTuple):
 
 
 def run(budget: Budget) -> StudyResult:
-    """Run them in a process of their own (full report only)."""
+    """Run the tests in a separate process (full report only)."""
     if budget.quick or not _IS_CHECKOUT:
         why = "In the full report only." if _IS_CHECKOUT else "The tests are not installed with the package; a checkout has them."
         return StudyResult("Not answered in this report.", omissions=(Omission("The verification tests marked as slow.", why),))

@@ -38,7 +38,7 @@ _PLAN: dict[bool, tuple[tuple[str, str, tuple[float, float]], ...]] = {
         ("kelvin-voigt", "PD", (2.02, 1.97)),
     ),
 }
-"""By quick or full report: model, kind and the values of log10 V towards which its curve is followed."""
+"""Quick report -> model, kind and the values of log10 V towards which its curve is followed."""
 
 _MOST = {True: 12, False: 24}
 
@@ -46,7 +46,7 @@ Key = tuple[str, str]
 
 
 def run(budget: Budget) -> StudyResult:
-    """Follow the curves from V = 100 in both directions; find the end of one again as an orbit at V = 100."""
+    """Follow the curves from V = 100 in both directions; recompute the end of one as an orbit at V = 100."""
     plan, found = _PLAN[budget.quick], dict[Key, list[CurvePoint]]()
     for model, kind, ends in budget.each(plan, end=len(plan) / (len(plan) + 1)):
         up, down = (_curve(model, kind, end, _MOST[budget.quick]) for end in ends)
@@ -89,7 +89,7 @@ def _fold_at(point: CurvePoint) -> float:
 
 
 def _below(model: str, point: CurvePoint) -> float:
-    """How far below the Hopf point, relative in r."""
+    """Relative distance in r below the Hopf point."""
     scene = scene_at(-2.68)
     onset = onset_of(scene.law, scene.upper.epsilon, 10.0**point.second)
     critical = onset.r_delay if model == "delay" else onset.r_kelvin_voigt
@@ -122,7 +122,7 @@ def curve_verdicts(found: dict[Key, list[CurvePoint]], again: float) -> Iterator
 def _answer(found: dict[Key, list[CurvePoint]]) -> str:
     depths = [_below("delay", point) for point in found["delay", "LP"]]
     return (
-        "Through the products εV and rV alone. The first fold stays beside the Hopf point, "
+        "Through the products εV and rV alone. The first fold stays near the Hopf point, "
         f"{100 * min(depths):.2f} to {100 * max(depths):.2f} % below it in r in the exact system."
     )
 
@@ -183,5 +183,5 @@ _CAPTION = (
 )
 _TURNS = (
     "The curves of the first torus point and of the first period doubling turn back in V just below 100 and lead towards the "
-    "second point of their pair: at smaller V the unstable window between both is gone. The paper’s V lies beside such turns."
+    "second point of their pair: at smaller V the unstable window between both is gone. The paper’s V lies near such turns."
 )

@@ -57,7 +57,7 @@ _SPECTRA = ("delay", "kelvin-voigt", "modal:1", "modal:8", "block12")
 
 
 def run(budget: Budget) -> StudyResult:
-    """Compute the curves, trace the boundaries, hold both against the closed forms."""
+    """Compute the curves, trace the boundaries, compare both with the closed forms."""
     paper = slipwave.read("paper")
     curves = critical_over_velocity(paper, np.geomspace(1.0, 1e4, 25 if budget.quick else 81))
     budget.report(0.2)
@@ -316,7 +316,7 @@ def fig_3(traced: dict[str, list[Boundary]], slopes: FrictionSlopes, paper: Scen
         _TRACED,
         f"{delay} branches of the delay system, {ode} of the ODE",
     )
-    counts = [_beside(paper, model, curve) for model, curves in traced.items() for curve in curves]
+    counts = [_on_both_sides(paper, model, curve) for model, curves in traced.items() for curve in curves]
     parted = all(abs(above - below) == 2 for above, below in counts)
     asymptote = math.sqrt(24.0) / slopes.omega_c
     begins = (float(10 ** curve.first.min()) for curve in traced["kelvin-voigt"])
@@ -342,26 +342,26 @@ def thin_slabs(slopes: FrictionSlopes) -> Verdict:
 
 
 def _around(scene: Scene, model: str, name: str, value: float, step: float) -> list[int]:
-    """The certified count of growing roots a step below and beyond a value of a parameter."""
+    """The certified counts of growing roots a step below and above a value of a parameter."""
     scenes = (with_parameter(scene, name, value + shift) for shift in (-step, step))
     return [unstable_count(characteristic(one, model)) for one in scenes]
 
 
-def _beside(paper: Scene, model: str, curve: Boundary) -> list[int]:
-    """The counts around the middle of a boundary."""
+def _on_both_sides(paper: Scene, model: str, curve: Boundary) -> list[int]:
+    """The certified counts on both sides of the middle of a boundary."""
     middle = len(curve.first) // 2
     at = with_parameter(paper, "log10_r", float(curve.first[middle]))
     return _around(at, model, "log10_epsilon", float(curve.second[middle]), 1e-3)
 
 
 def crossed(paper: Scene, onsets: Mapping[str, tuple[float, float]], found: Mapping[str, Stability]) -> Verdict:
-    """The certified count of growing roots just below and beyond every onset, which the onset was found without."""
+    """Verdict: the certified counts of growing roots just below and above every onset, which were not used to locate it."""
     places = {f"`{model}`": (paper, model, math.log10(r)) for model, (r, _) in onsets.items()}
     places |= {name: (slipwave.read(name), "delay", one.log10_r_c) for name, one in found.items() if math.isfinite(one.log10_r_c)}
     counts = {name: _around(scene, model, "log10_r", at, _STEP) for name, (scene, model, at) in places.items()}
     wrong = [name for name, (below, beyond) in counts.items() if beyond - below != 2]
-    title, beside = "Beyond every onset a pair of roots grows that decays below it", f"certified count {plain(_STEP, '.0e')} in"
-    remark = f"{beside} log_{{10}} r on both sides" + (f"; not so: {', '.join(wrong)}" if wrong else "")
+    title, where = "Beyond every onset a pair of roots grows that decays below it", f"certified count {plain(_STEP, '.0e')} in"
+    remark = f"{where} log_{{10}} r on both sides" + (f"; not so: {', '.join(wrong)}" if wrong else "")
     return every(title, WITNESS, len(counts) - len(wrong), len(counts), remark, "onsets")
 
 

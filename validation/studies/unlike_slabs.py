@@ -28,7 +28,7 @@ TIMED = True
 
 UNTIL = 600.0
 TOLERANCE = 1e-11
-"""Of the delay system."""
+"""Tolerance of the delay system."""
 _WATCHED = 140.0  # transits before UNTIL that are kept for the picture
 _BEFORE, _AFTER = 3.0, 2.0
 
@@ -47,8 +47,7 @@ Costs = dict[str, dict[str, float]]
 
 @dataclass(frozen=True)
 class PairRun:
-    """A model's grid; psi at UNTIL, and period, drop and largest rate of the last complete cycle; that cycle and a little on both
-    sides."""
+    """A model's grid; psi at UNTIL, and period, drop and largest rate of the last complete cycle; that cycle with margins."""
 
     model: str
     cells: int | None
@@ -76,7 +75,7 @@ _GRIDS = {
     True: (("dg:7", 4, None), ("sbp:6", 64, None), ("fem:4", 8, None), ("fd", 96, 0.5), ("fd", 192, 0.5)),
     False: (("dg:7", 6, None), ("sbp:6", 96, None), ("fem:4", 12, None), ("fd", 192, 0.5), ("fd", 384, 0.5)),
 }
-"""By quick or full report: models, cells a slab and Courant numbers."""
+"""Quick report -> models, cells per slab and Courant numbers."""
 _HIGH = ("dg:7", "sbp:6", "fem:4")
 
 
@@ -223,11 +222,11 @@ def last_cycles(shown: Mapping[str, tuple[OneCycle, OneCycle]]) -> Drawing:
     """Columns: scenes; rows: stress and rate. Each entry holds (delay, full wave)."""
     figure, grid = subplots(4.8, 2, len(shown), "time since the slip event (transits)", sharex="col", sharey="row")
     for column, (pair, (exact, wave)) in zip(grid.T, shown.items(), strict=True):
-        places = _spread(wave.time, wave.slip_rate)
+        marked = _spread(wave.time, wave.slip_rate)
         look = {"color": "#d55e00", "markersize": 3.6, "markerfacecolor": "none", "label": "full wave"}
         for axes, name in zip(column, ("stress", "slip_rate"), strict=True):
             axes.plot(exact.time, getattr(exact, name), color="#111111", linewidth=1.2, label="delay system")
-            axes.plot(wave.time[places], getattr(wave, name)[places], "o", **look)
+            axes.plot(wave.time[marked], getattr(wave, name)[marked], "o", **look)
         column[0].set_title(_TITLES[pair])
         column[1].set_yscale("log")
     grid[0, 0].set_ylabel(r"stress $\mu$")

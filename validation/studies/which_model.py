@@ -36,9 +36,9 @@ SECONDS = (8.0, 20.0)
 MODELS = ("block12", "block8", "kelvin-voigt", "modal:1", "modal:2", "modal:4", "modal:8")
 """The reductions with a stable orbit wherever the exact system has one."""
 DAMPED = "quasidynamic"
-"""Slides steadily up to an onset of its own, and has a stable orbit beyond."""
+"""Model that slides steadily up to its own onset, and has a stable orbit beyond."""
 WAVE, CELLS = "dg:7", 3
-"""The full wave, propagated exactly in time on so many cells per slab: its orbit is right to ten digits."""
+"""The full wave, propagated exactly in time, and its cells per slab: its orbit is accurate to ten digits."""
 SHOWN = (-2.69, -2.68, -2.66)
 """log10 r at which the exact system's orbit is stable."""
 TARGETS = {"modal:1": 1e-3, "modal:2": 1e-5}
@@ -62,13 +62,12 @@ _REPEATED = 4000.0  # transits of a run whose cycles repeat
 ByModel = Mapping[str, Sequence[Regime]]
 """model -> its regime at every r in turn."""
 Runs = dict[str, dict[float, CycleFigures | None]]
-"""model -> log10 r -> its orbit, or its mean; None where it found none."""
+"""model -> log10 r -> its orbit, or its mean; None where there is none."""
 
 EVERY = ("delay", WAVE, "modal:8", "modal:4", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12", DAMPED, "quasistatic")
 """The rows of the table."""
 _NEAR_ONSET: dict[bool, tuple[float, ...]] = {True: (), False: (-2.699, -2.695)}
-"""By quick or full report: log10 r of orbits from the onset, -2.69955, on, beside those of the table; the exact one loses its
-stability at -2.6575."""
+"""Quick report -> log10 r of further orbits, from the onset at -2.69955; the exact orbit loses stability at -2.6575."""
 _BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
 _UNTIL = {True: 6000.0, False: 10000.0}
 _SETTLED = 4000.0  # transits of a run to a stable orbit
@@ -125,7 +124,7 @@ def _caption() -> str:
 
 
 def costs_at(log10_r: float, rounds: int) -> dict[str, float]:
-    """Cost of every model that has a motion to march there."""
+    """Cost of every model with a lasting motion there."""
     timed = [model for model in EVERY if model != "quasistatic"]
     cells = {WAVE: CELLS}
     for model in timed:
@@ -134,14 +133,13 @@ def costs_at(log10_r: float, rounds: int) -> dict[str, float]:
 
 
 def _numbers(orbits: Runs, means: Runs, table: ModelTable) -> dict[str, Number]:
-    """Errors of orbits and onsets; figures of the quasi-dynamic orbits. Means of irregular motions differ from machine to
-    machine."""
+    """Errors of orbits and onsets; figures of the quasi-dynamic orbits. Means of irregular motions differ between machines."""
     found = {
         f"{model} error of {symbol} at {log10_r}": stated(off.value, off.error)
         for model in MODELS
         for log10_r in SHOWN
         for symbol, name in (("T", "period"), ("drop", "drop"), ("v_max", "v_max"))
-        for off in [error_beside_delay(orbits, model, log10_r, name)]
+        for off in [error_against_delay(orbits, model, log10_r, name)]
     }
     damped = {x: figures.period for x, figures in means[DAMPED].items() if figures}
     found |= {f"{DAMPED} T at {x}": stated(period.value, period.error) for x, period in damped.items()}
@@ -176,11 +174,11 @@ _DEEP_CAPTION = (
 )
 
 _QUANTITIES = {"period": "period $T$", "drop": r"stress drop $\Delta\mu$"}
-_SPREAD = 0.003  # log10 r: models beside each other at one r, so that their bars can be told apart
+_SPREAD = 0.003  # log10 r: horizontal offset of models at one r, which separates their bars
 
 
 def omissions(orbits: Runs) -> tuple[Omission, ...]:
-    """Orbits that were not found."""
+    """Orbits that were not computed, with the reason."""
     lost = [f"`{model}` at {places([x])}" for model in ("delay", *MODELS) for x, orbit in orbits[model].items() if not orbit]
     return (Omission("Points where no orbit was found.", f"{', '.join(lost)}."),) if lost else ()
 
@@ -237,10 +235,10 @@ def _errors_of_means(means: Runs) -> Drawing:
     figure, panels = _panels("difference of the means (%)")
     grid = np.array(list(means["delay"]))
     for axes, quantity in zip(panels, _QUANTITIES, strict=True):
-        for place, model in enumerate((*MODELS, DAMPED)):
+        for k, model in enumerate((*MODELS, DAMPED)):
             values = 100.0 * column(means, model, quantity, lambda one: one.value)
             bars = 200.0 * column(means, model, quantity, lambda one: one.error)
-            at = grid + _SPREAD * (place - 0.5 * len(MODELS))
+            at = grid + _SPREAD * (k - 0.5 * len(MODELS))
             look = line(model, linestyle="none", linewidth=1.0, marker=style_of(model).marker)
             axes.errorbar(at, values, bars, capsize=2.0, **look)
         axes.axhline(0.0, color="#111111", linewidth=0.8)
@@ -249,7 +247,7 @@ def _errors_of_means(means: Runs) -> Drawing:
 
 
 def _panels(shown: str) -> tuple[Drawing, Any]:
-    """Two panels side by side, what is `shown` of period and drop over r."""
+    """Two panels, the `shown` errors of period and drop over r."""
     figure, panels = subplots(4.4, 1, 2, r"$\log_{10} r$", shown, sharey=True)
     for axes, title in zip(panels, _QUANTITIES.values(), strict=True):
         axes.set_title(title)
@@ -258,7 +256,7 @@ def _panels(shown: str) -> tuple[Drawing, Any]:
 
 
 def regime_at(model: str, log10_r: float, until: float) -> Regime:
-    """What a run of the model does there; the reductions' orbits by Newton's method."""
+    """The regime of a run of the model; the reductions' orbits by Newton's method."""
     grid = {"cells": CELLS} if model == WAVE else {"tolerance": TOLERANCE}
     return regime_of(model, scene_at(log10_r), until, **cast(Any, grid))
 
@@ -284,7 +282,7 @@ def mean_at(model: str, log10_r: float) -> CycleFigures:
 
 
 def run_of_damped() -> CycleFigures:
-    """Where a direct run of the quasi-dynamic model settles."""
+    """The cycle on which a direct run of the quasi-dynamic model settles."""
     return CycleFigures.of(memo.settled(DAMPED, scene_at(RUN_AT), TOLERANCE, 1e-9).orbit)
 
 
@@ -296,7 +294,7 @@ def log10_onsets() -> tuple[float, float]:
     return math.log10(found.r_delay), math.log10(found.r_quasidynamic)
 
 
-def error_beside_delay(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
+def error_against_delay(runs: Runs, model: str, log10_r: float, quantity: str) -> Estimate:
     """Signed relative error of `period` or `drop` against the delay system; NaN where either has none."""
     ours, exact = runs[model].get(log10_r), runs["delay"].get(log10_r)
     if ours is None or exact is None:
@@ -307,7 +305,7 @@ def error_beside_delay(runs: Runs, model: str, log10_r: float, quantity: str) ->
 
 def column(runs: Runs, model: str, quantity: str, part: Callable[[Estimate], float] = lambda one: abs(one.value)) -> Array:
     """A part of the errors of `model` at every r of the delay system, or their sizes."""
-    return np.array([part(error_beside_delay(runs, model, log10_r, quantity)) for log10_r in runs["delay"]])
+    return np.array([part(error_against_delay(runs, model, log10_r, quantity)) for log10_r in runs["delay"]])
 
 
 def apart(one: CycleFigures | None, other: CycleFigures | None) -> float:
@@ -323,13 +321,13 @@ def within(one: CycleFigures | None, other: CycleFigures | None) -> float:
 
 
 def error_claims(orbits: Runs) -> Iterator[Verdict]:
-    """What the errors of the orbits are at log10 r = -2.68, and that more modes reduce them."""
+    """Verdicts on the errors of the orbits at log10 r = -2.68, and on their decrease with the number of modes."""
     for model, limit in TARGETS.items():
-        off = abs(error_beside_delay(orbits, model, -2.68, "period").value)
+        off = abs(error_against_delay(orbits, model, -2.68, "period").value)
         where = f"`{model}` at log_{{10}} r = −2.68, against the delay system"
         title = "The slabs’ exact modes give the period of the paper’s scene"
         yield claim(title, WITNESS, off, limit, where)
-    short = -error_beside_delay(orbits, "kelvin-voigt", -2.68, "period").value
+    short = -error_against_delay(orbits, "kelvin-voigt", -2.68, "period").value
     title = "The paper’s ODE falls short of the exact period by some 4 %"
     where = "printed: 70.73 against 73.5 transits, log_{10} r = −2.68; half of the last printed digits is allowed"
     expected, off = f"{100 * _PRINTED:.2f} ± {100 * _HALF_DIGITS:.2f} %", abs(short - _PRINTED)
@@ -343,9 +341,9 @@ def error_claims(orbits: Runs) -> Iterator[Verdict]:
 
 
 def mean_claims(means: Runs, ran: dict[str, CycleFigures]) -> Iterator[Verdict]:
-    """Means of wandering motions against the delay system's, and of orbits at the least r, which Newton's method finds without
-    the run's end, against the means `ran` there over the cycles of a run."""
-    found = [error_beside_delay(means, *one) for one in product(_AS_WAVES, means["delay"], _JUDGED)]
+    """Means of wandering motions against the delay system's, and of orbits at the least r, computed by Newton's method, against
+    the means `ran` over the cycles of a run there."""
+    found = [error_against_delay(means, *one) for one in product(_AS_WAVES, means["delay"], _JUDGED)]
     off = max(abs(one.value) / one.error for one in found)
     title = (
         "Where no orbit is stable, the full wave, four and eight modes have the delay system’s mean period and mean stress drop"
@@ -365,7 +363,7 @@ def damped_claims(orbits: Runs, means: Runs, run: CycleFigures) -> Iterator[Verd
     """Where the quasi-dynamic model slides steadily, how short its period is beyond, and that a direct run has it too."""
     (_, onset), known = log10_onsets(), orbits[DAMPED] | means[DAMPED]
     right = sum((found is not None) == (log10_r > onset) for log10_r, found in known.items())
-    short = [-error_beside_delay(means, DAMPED, log10_r, "period").value for log10_r in means["delay"]]
+    short = [-error_against_delay(means, DAMPED, log10_r, "period").value for log10_r in means["delay"]]
     where = f"`{DAMPED}`; onset, r = ε/(b − a − εV/2), at log_{{10}} r = {places([onset], '.3f')}; orbits at {places(known)}"
     yield every(
         "The quasi-dynamic model slides steadily up to its own onset and not beyond", EXACT, right, len(known), where, "r"
@@ -389,8 +387,8 @@ def known_claims(periods: dict[str, Estimate]) -> Iterator[Verdict]:
 def fitted_modes(model: str) -> Verdict:
     """The modes of a reduction of alike slabs against the poles and residues of a rational fit of their exact impedance.
 
-    The fit (AAA, Nakatsukasa, Sete and Trefethen 2018) does not know of modes. Its input is Z(s)/epsilon on a line to the right
-    of the imaginary axis.
+    The fit (AAA, Nakatsukasa, Sete and Trefethen 2018) uses no modes. Its input is Z(s)/epsilon on a line to the right of the
+    imaginary axis.
     """
     from scipy import interpolate
 
@@ -416,9 +414,9 @@ def no_modes() -> Verdict:
 
 def wave_claims(orbits: Runs) -> Iterator[Verdict]:
     """The full wave's cycles against the delay system's orbits."""
-    off = {name: max(abs(error_beside_delay(orbits, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
+    off = {name: max(abs(error_against_delay(orbits, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
     coarse = {WAVE: {x: own_figures_of(WAVE, x, CELLS - 1) for x in SHOWN}, "delay": orbits["delay"]}
-    left = {name: max(abs(error_beside_delay(coarse, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
+    left = {name: max(abs(error_against_delay(coarse, WAVE, x, name).value) for x in SHOWN) for name in _JUDGED}
     limit = {name: error_after(WAVE, error, CELLS - 1, CELLS) for name, error in left.items()}
     where = f"`{WAVE}`, {CELLS} cells, propagated exactly in time, at {places(SHOWN)}"
     yield claim("The full wave has the period of the delay system’s orbit", WITNESS, off["period"], limit["period"], where)
@@ -426,7 +424,7 @@ def wave_claims(orbits: Runs) -> Iterator[Verdict]:
 
 
 def table_claims(table: ModelTable) -> Iterator[Verdict]:
-    """Regimes against onsets, which know no run; that the simplest model runs away; and what an exact answer costs."""
+    """Verdicts: regimes against onsets, which use no run; the simplest model runs away; the cost of an exact answer."""
     known = [(row, one, cell) for row in table.rows for one, cell in zip(table.columns, row.cells, strict=True) if row.onset]
     right = sum((cell.regime == STEADY) == (one.log10_r < row.onset.value) for row, one, cell in known if row.onset)
     title, where = (
@@ -455,7 +453,7 @@ def table_claims(table: ModelTable) -> Iterator[Verdict]:
 
 
 def verdicts_on_models(orbits: Runs, means: Runs, table: ModelTable) -> tuple[Verdict, ...]:
-    """In the order of the page."""
+    """All verdicts in the order of the page."""
     periods = {model: orbit.period for model, by_r in orbits.items() if (orbit := by_r.get(-2.68)) and model != WAVE}
     ran = {model: mean_at(model, min(means["delay"])) for model in _REPEATING}
     of_means = (*mean_claims(means, ran), *damped_claims(orbits, means, run_of_damped()))

@@ -30,13 +30,13 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class Budget:
-    """How much a study may spend. `quick` asks for the cheap version; `report(share)` takes how far it is, 0 to 1."""
+    """Budget of a study: `quick` selects the cheap version; `report(share)` is called with the share done, 0 to 1."""
 
     quick: bool = False
     report: Callable[[float], None] = field(default=lambda share: None, compare=False)
 
     def each(self, items: Collection[Item], end: float = 1.0, begin: float = 0.0) -> Iterator[Item]:
-        """The items of the study's part from the share `begin` to `end`; reports after each how far it is."""
+        """Yield the items of the part of the study from the share `begin` to `end`, reporting after each."""
         for count, item in enumerate(items, 1):
             yield item
             self.report(begin + (end - begin) * count / len(items))
@@ -52,7 +52,7 @@ class Column:
 
     @property
     def timed(self) -> bool:
-        """Whether it holds run times or their ratios (by its unit): no two reports have the same."""
+        """Whether it holds run times or their ratios (by its unit), which differ between reports."""
         return self.unit in RUN_TIMES
 
 
@@ -83,9 +83,9 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
 @dataclass(frozen=True)
 class Figure:
     """A picture drawn on demand by matplotlib, stored as SVG, PNG and CSV. A `lead` figure is shown at the top of the page; a
-    `timed` one shows run times; `paper` names the figure of the paper that it draws again ("Fig 5"), and `carries` how the claims
-    begin that it shows; a reader may `zoom` into its curves, and sees `beside` a point the nearest curve of that other figure,
-    whose curves are called "T = ..., log10 r = ..."."""
+    `timed` one shows run times; `paper` names the figure of the paper that it redraws ("Fig 5"), and `carries` the beginnings of
+    the claims that it shows; a reader may `zoom` into its curves; `beside` names another figure, with curves called "T = ...,
+    log10 r = ...", of which the one nearest to the pointed orbit is shown."""
 
     name: str
     caption: str
@@ -100,9 +100,9 @@ class Figure:
 
 @dataclass(frozen=True)
 class Number:
-    """A value that the committed baseline remembers; it has changed when it moves by more than `tolerance`, relative. `known` is
-    the true value, if it is known, within `known_within`: a change is then for the better or for the worse (0 for an error of a
-    computation). Where the value states its own error, `stated` makes the tolerance of it."""
+    """A value in the committed baseline; it has changed if it moves by more than `tolerance`, relative. `known` is the true
+    value, if it is known, within `known_within`: a change is then for the better or for the worse (0 for an error of a
+    computation). For a value with its own error, `stated` derives the tolerance."""
 
     value: float
     tolerance: float = 1e-6
@@ -124,8 +124,8 @@ def stated(value: float, error: float, known: float | None = None, known_within:
 
 @dataclass(frozen=True)
 class Omission:
-    """Something a reader might expect here and does not find, with the reason. `claims` begin the titles of the verdicts, of any
-    study, that check it; a reason with numbers has one."""
+    """Something that a reader might expect and does not find, with the reason. `claims`: beginnings of the titles of the
+    verdicts, of any study, that check it; required for a reason with numbers."""
 
     what: str
     why: str
@@ -134,8 +134,8 @@ class Omission:
 
 @dataclass(frozen=True)
 class StudyResult:
-    """All a study has to say; `answer` is one sentence that is true if no verdict fails, `conclusion` what may be said.
-    `model_tables` compare all models at several places (`validation.study.model_table`)."""
+    """Result of a study; `answer`: one sentence that is true if no verdict fails (see `conclusion`). `model_tables` compare all
+    models at several values of a parameter (`validation.study.model_table`)."""
 
     answer: str
     tables: tuple[Table, ...] = ()
@@ -148,7 +148,7 @@ class StudyResult:
 
     @property
     def conclusion(self) -> str:
-        """The answer, or which claims fail: no study answers yes if a verdict fails."""
+        """The answer, or the claims that fail."""
         failed = [verdict.claim for verdict in self.verdicts if verdict.outcome is Outcome.FAIL]
         if not failed:
             return self.answer

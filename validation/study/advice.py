@@ -1,8 +1,8 @@
 """Advice on models, computed from their table.
 
-The rule: a model is good at a place if its regime is that of the reference, and T and Δμ err by less than 1 % there, or by no
-more than 1 % and two standard errors of the difference. Good everywhere: "use". Good up to a place: "use up to" there, in r over
-the reference's onset. Not good at the first place: "avoid". A full wave, which serves to check the exact system, is for "use as
+The rule: a model is good in a column (one r) if its regime is that of the reference, and T and Δμ err by less than 1 %, or by no
+more than 1 % and two standard errors of the difference. Good everywhere: "use". Good up to some column: "use up to" its r over
+the reference's onset. Not good in the first column: "avoid". A full wave, which serves to check the exact system, is for "use as
 witness"; it solves the same equations, so that only a difference beyond `_BY_CHANCE` speaks against it.
 """
 
@@ -21,11 +21,11 @@ JUDGED = ("T", "Δμ")
 _BY_CHANCE = 4.0
 """Standard errors by which the largest of some hundred differences may miss by chance, as the verdicts on means allow."""
 AS_CHEAP = 1.1
-"""A cost up to which a model costs as little as another: run times of one program vary by a tenth."""
+"""Ratio of costs that counts as equal: run times of one program vary by a tenth."""
 
 
 def is_good(cell: ModelCell, bars: float = 2.0) -> bool:
-    """Whether the model may be used there, with so many standard errors allowed."""
+    """Whether the model may be used there, allowing `bars` standard errors."""
     return cell.right and all(not _is_off(cell, symbol, bars) for symbol in JUDGED)
 
 
@@ -36,13 +36,13 @@ def _is_off(cell: ModelCell, symbol: str, bars: float = 2.0) -> bool:
 
 def with_advice(table: ModelTable) -> ModelTable:
     """The table with advice in every row, and with its sentences."""
-    told = ((row, _advice(row, table)) for row in table.rows)
-    done = replace(table, rows=tuple(replace(row, advice=advice, why=why) for row, (advice, why) in told))
+    advised = ((row, _advice(row, table)) for row in table.rows)
+    done = replace(table, rows=tuple(replace(row, advice=advice, why=why) for row, (advice, why) in advised))
     return replace(done, sentences=tuple(_sentences(done)))
 
 
 def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
-    """(advice, why), by the places where the reference's regime and its own are decided."""
+    """(advice, why), from the columns where the reference's regime and its own are decided."""
     if row.model == table.reference:
         return "use", "exact"
     pairs = zip(table.row(table.reference).cells, row.cells, strict=True)
@@ -66,13 +66,13 @@ def _is_witness(row: ModelRow) -> bool:
 
 
 def _most(error: float) -> str:
-    """An error of which nothing is left out by rounding, to one digit."""
+    """An error rounded up to one digit."""
     unit = 10.0 ** math.floor(math.log10(error)) if error else 1.0
     return plain(unit * math.ceil(error / unit - 1e-9), ".0e")
 
 
 def _fault(cell: ModelCell) -> str:
-    """What is not good in a cell, in words."""
+    """Text on why a cell is not good."""
     if not cell.right:
         return cell.regime
     worst = max((symbol for symbol in JUDGED if symbol in cell.figures), key=lambda symbol: _size(cell, symbol))
@@ -105,12 +105,12 @@ def _span(errors: Sequence[float | None]) -> str:
 
 
 def _largest(row: ModelRow) -> float:
-    """The largest error of T and Δμ where orbits are compared: means know theirs no better than their scatter."""
+    """The largest error of T and Δμ of orbits; errors of means are limited by their scatter."""
     return max((_size(cell, symbol) for cell in row.cells for symbol in JUDGED if not cell.cycles), default=0.0)
 
 
 def costs_of_good_reductions(table: ModelTable) -> list[float]:
-    """Costs, at every place where they are known, of the models without a grid that are good everywhere."""
+    """Costs, in every column where they are known, of the models without a grid that are good everywhere."""
     return [cost for row in _good_reductions(table) for cost in row.costs if cost is not None]
 
 
@@ -119,7 +119,7 @@ def _good_reductions(table: ModelTable) -> list[ModelRow]:
 
 
 def _sentences(table: ModelTable) -> Iterator[str]:
-    """What to use, with the news on costs; what to avoid."""
+    """Sentences: what to use, a remark on costs, what to avoid."""
     good, also = _good_reductions(table), list[str]()
     if good:
         names, off = ([f"`{row.model}`" for row in good], [_most(_largest(row)) for row in good])
@@ -133,7 +133,7 @@ def _sentences(table: ModelTable) -> Iterator[str]:
 
 
 def _news(table: ModelTable) -> str:
-    """Whether the exact system costs as little as any ODE that is good everywhere."""
+    """Sentence on whether the exact system costs as little as any ODE that is good everywhere."""
     costs = costs_of_good_reductions(table)
     if not costs:
         return ""

@@ -19,11 +19,11 @@ _BELOW = 1.5
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 _FINE = 6  # points of a curve for each interval between points of the branch
 OVERLAID = {"modal:2": "#b55aa8", "modal:4": "#8d2f5e", "modal:8": "#5f3a8c"}
-"""Colours of branches that lie on the delay system's, drawn below it: shades of those of modes, as dashes tell stability."""
+"""Colours of branches that lie on the delay system's, drawn below it: shades of those of modes, because dashes show stability."""
 
 
 def draw_branch(axes: Axes, model: str, corners: list[BranchPoint], name: str) -> None:
-    """A figure of all orbits over log10 r: stable ones solid, unstable ones thin and dotted."""
+    """Draw the figure `name` of all orbits over log10 r: stable ones solid, unstable ones thin and dotted."""
     look, color = style_of(model), color_of(model)
     for stable, part in parts(corners):
         dashes, width = ("-", look.width) if stable else ((0, (1.5, 1.2)), _THIN)
@@ -50,7 +50,7 @@ def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def draw_special(axes: Axes, branch: Branch, name: str) -> None:
-    """The special points with their marks."""
+    """Draw the special points with their marks."""
     color = color_of(branch.model)
     for kind in ("LP", "PD", "NS"):
         found = [(one.point.parameter, figures_of(one.point.closed)[name]) for one in branch.of_kind(kind)]

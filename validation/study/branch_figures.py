@@ -24,7 +24,7 @@ _STYLES: dict[bool | None, Any] = {
 
 
 def figure_of_branch(branch: FollowedBranch) -> Drawing:
-    """One panel for each quantity. Call it inside `styled()`."""
+    """Draw one panel per quantity. Call it inside `styled()`."""
     figure, panels = subplots(8.5, len(_QUANTITIES), 1, branch.over.name, sharex=True)
     for axes, (name, label) in zip(panels, _QUANTITIES.items(), strict=True):
         _draw_pieces(axes, branch, name)
@@ -52,9 +52,11 @@ def _draw_special(axes: Axes, branch: FollowedBranch, name: str) -> None:
     for kind, look in _MARKS.items():
         found = [special for special in branch.shown_special if special.kind == kind]
         if found:
-            places = [special.value for special in found], [getattr(special, name) for special in found]
+            positions = [special.value for special in found], [getattr(special, name) for special in found]
             axes.plot(
-                *places, label=NAMES[kind], **({"color": "#111111", "linestyle": "none", "markersize": 4.0, "zorder": 3} | look)
+                *positions,
+                label=NAMES[kind],
+                **({"color": "#111111", "linestyle": "none", "markersize": 4.0, "zorder": 3} | look),
             )
 
 
@@ -62,8 +64,8 @@ def figure_of_curve(curve: Curve) -> Drawing:
     """Left: the second parameter over the first. Right: the second over the period. Call it inside `styled()`."""
     figure, panels = subplots(4.0, 1, 2, sharey=True)
     for axes, name, label in zip(panels, ("first", "period"), (curve.over.name, "period $T$ / transits"), strict=True):
-        places = [getattr(point, name) for point in curve.points], [point.second for point in curve.points]
-        axes.plot(*places, color="#111111", marker=".")
+        positions = [getattr(point, name) for point in curve.points], [point.second for point in curve.points]
+        axes.plot(*positions, color="#111111", marker=".")
         axes.set_xlabel(label)
         axes.grid(True)
     panels[0].set(ylabel=curve.second.name, title=f"{curve.over.base.name}, {curve.model}: {SPECIAL_KINDS[curve.kind]}")

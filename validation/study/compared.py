@@ -1,4 +1,4 @@
-"""Fills the table of models over places (`validation.study.model_table`): errors against the exact system, onsets, costs."""
+"""Fills the table of models (`validation.study.model_table`): errors against the exact system, onsets, costs."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -17,14 +17,14 @@ from validation.study.regimes import Regime
 from validation.timing import March, Setting, in_turn
 
 EXACT_MODEL = "delay"
-"""The model that errors are against."""
+"""The reference model of errors."""
 
 QUANTITIES = {
     "T": ("period", "transit", "transits"),
     "Δμ": ("stress drop", "normal stress", "σ"),
     "v_{max}": ("largest slip rate", "V*", "V*"),
 }
-"""Symbol -> name, unit as `slipwave.scene.units` calls it, and as tables do; in the order of `CycleFigures`."""
+"""Symbol -> name, unit in `slipwave.scene.units`, and unit in tables; in the order of `CycleFigures`."""
 
 _SI = {"transit": "s", "normal stress": "Pa", "V*": "m/s"}
 _TRANSITS, _BEFORE = 1000.0, 500.0  # that are timed, and marched before
@@ -33,8 +33,8 @@ _EXACTLY = 1e-12  # relative error of an onset
 
 
 class Sight(NamedTuple):
-    """A scene as a column of the table: its `title`, r over the onset of the exact system, and the options of the command line
-    that make it."""
+    """A scene as a column of the table: its `title`, r over the onset of the exact system, and the command line options that give
+    it."""
 
     title: str
     scene: Scene
@@ -85,7 +85,7 @@ def _cell(ours: Regime, exact: Regime | None, sizes: Sequence[float]) -> ModelCe
 
 
 def against(ours: Estimate, exact: Estimate | None, size: float = 1.0) -> Compared:
-    """A quantity of a model beside the exact system's, if there is that."""
+    """A quantity of a model compared with the exact system's, if known."""
     own = ours.error / abs(ours.value)
     if exact is None:
         return Compared(size * ours.value, None, own)
@@ -102,7 +102,7 @@ def critical_r(model: str, scene: Scene) -> float:
 
 
 def _onset(model: str, scene: Scene) -> Compared | None:
-    """Of a full wave that of its equations, whatever its grid."""
+    """Onset of a model; for a full wave that of its equations, independent of the grid."""
     own, exact = (critical_r(one_port_of(one), scene) for one in (model, EXACT_MODEL))
     if not own > 0.0:
         return None
@@ -110,11 +110,11 @@ def _onset(model: str, scene: Scene) -> Compared | None:
 
 
 def relative_costs(models: Collection[str], cells: Mapping[str, int], scene: Scene, rounds: int) -> dict[str, float]:
-    """Processor time of 1000 transits of march and event detection on the motion that each model has settled on, over that of
-    the exact system: medians over `rounds` in which all are timed in turn. Full waves on so many `cells`."""
+    """Processor time of 1000 transits of march and event detection on the motion that each model has settled on, over that of the
+    exact system: medians over `rounds` in which all are timed in turn. `cells`: of the full waves."""
 
     def work(model: str) -> March:
-        """The march that is timed."""
+        """The timed march."""
         setting = Setting(model, cells=cells[model]) if model in cells else Setting(model, tolerance=_TOLERANCE)
         return March(setting, scene, _TRANSITS, _BEFORE)
 

@@ -1,5 +1,4 @@
-"""A figure in words, from the numbers that are drawn: for those who do not see it. No word of it is written by hand, so that it
-cannot be older than the figure."""
+"""Describes a figure in words, generated from the drawn numbers, as its alternative text."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -15,12 +14,12 @@ _LISTED = 12  # curves that are described one by one
 
 
 def title_of(panels: Sequence[Panel]) -> str:
-    """One sentence: what is drawn over what, how many curves, and the largest and least value of the first panel's."""
+    """One sentence: axes, number of curves, and largest and least value of the first panel."""
     first = panels[0]
-    count = sum(len(_told(panel)) for panel in panels)
+    count = sum(len(_described(panel)) for panel in panels)
     where = f" in {len(panels)} panels" if len(panels) > 1 else ""
     parts = [f"{_axes(first)}: {count} {'curve' if count == 1 else 'curves'}{where}"]
-    curves = _told(first)
+    curves = _described(first)
     if curves:
         high = max(curves, key=lambda one: float(np.nanmax(_values(one))))
         low = min(curves, key=lambda one: float(np.nanmin(_values(one))))
@@ -29,12 +28,12 @@ def title_of(panels: Sequence[Panel]) -> str:
 
 
 def description_of(panels: Sequence[Panel]) -> str:
-    """Every panel: ranges of its curves, where they cross, and which is highest at the right end."""
+    """Sentences on every panel: ranges of its curves, their crossings, and the highest at the right end."""
     return _signed(" ".join(sentence for panel in panels for sentence in _sentences(panel)))
 
 
 def _signed(text: str) -> str:
-    """With a true minus before numbers, and no hyphen of a word changed."""
+    """`text` with true minus signs before numbers; hyphens of words unchanged."""
     return re.sub(r"(?<=[\s(=])-(?=\d)|(?<=\de)-(?=\d)", "−", text)
 
 
@@ -42,8 +41,8 @@ def _axes(panel: Panel) -> str:
     return f"{panel.y_label or panel.name} over {panel.x_label}" if panel.x_label else panel.y_label or panel.name
 
 
-def _told(panel: Panel) -> list[Drawn]:
-    """Curves with numbers to tell of: no guides, no areas."""
+def _described(panel: Panel) -> list[Drawn]:
+    """Curves with finite values, without guides."""
     return [one for one in panel.curves if not one.guide and np.isfinite(_values(one)).any()]
 
 
@@ -52,7 +51,7 @@ def _values(one: Drawn) -> Array:
 
 
 def _sentences(panel: Panel) -> Iterator[str]:
-    curves = _told(panel)
+    curves = _described(panel)
     (left, right), (low, high) = panel.limits
     logarithmic = [label for label, scale in zip(("x", "y"), panel.scales, strict=True) if scale == "log"]
     scales = f", logarithmic in {' and '.join(logarithmic)}" if logarithmic else ""
@@ -65,10 +64,10 @@ def _sentences(panel: Panel) -> Iterator[str]:
     rising = [one for one in curves if one.value is None and one.x.size > 1 and np.all(np.diff(one.x) > 0.0)]
     functions = [one for one in rising if np.isfinite(one.y).all()][:_COMPARED]
     for one, other in combinations(functions, 2):
-        places = meetings(one, other)
-        if places.size:
-            times = "once" if places.size == 1 else f"{places.size} times, first"
-            yield f"{one.name} and {other.name} cross {times} at x = {places[0]:.4g}."
+        crossings = meetings(one, other)
+        if crossings.size:
+            times = "once" if crossings.size == 1 else f"{crossings.size} times, first"
+            yield f"{one.name} and {other.name} cross {times} at x = {crossings[0]:.4g}."
     yield from _ends(functions)
 
 

@@ -1,4 +1,4 @@
-"""One look for every figure: readable on paper; line style and marker distinguish the lines in grey, as colour does."""
+"""The common style of all figures: legible on paper; line style and marker distinguish the lines without colour."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -83,7 +83,7 @@ def canvas(width: float = WIDTH, height: float = 4.0) -> Drawing:
 def subplots(
     height: float, rows: int = 1, columns: int = 1, x: str = "", y: str = "", width: float = WIDTH, **more: Any
 ) -> tuple[Drawing, Any]:
-    """An empty figure and its axes as `subplots` gives them, with the label `x` under the lowest and `y` beside the left ones."""
+    """An empty figure and its axes as by `subplots`, with the label `x` on the lowest and `y` on the leftmost ones."""
     figure = canvas(width, height)
     grid = figure.subplots(rows, columns, squeeze=False, **more)
     for axes in grid[-1]:
@@ -108,7 +108,7 @@ def ruled(*every: Axes) -> None:
 
 
 def styled() -> Any:
-    """Context in which axes and lines take the house style."""
+    """Context in which axes and lines have the common style."""
     require("plot", "a figure")
     import matplotlib as mpl
 

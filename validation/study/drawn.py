@@ -1,8 +1,8 @@
-"""What a drawing shows, read from its matplotlib axes: panels with their curves, as rows of a CSV file from which the drawing can
-be made again.
+"""Reads the content of a drawing from its matplotlib axes: panels with their curves, as rows of a CSV file from which it can be
+redrawn.
 
-A curve keeps at most `MOST` points, and none beyond its panel. Its points are cut into equal runs in their order; of each run the
-first and last stay, and those of least and largest y, and x where the curve turns back. So every extremum stays, on any scale.
+A curve keeps at most `MOST` points, none beyond its panel. Its points are divided into equal runs; of each, the first and last
+are kept, and those of least and largest y (and of x where the curve turns back), so that every extremum is kept.
 """
 
 import csv
@@ -21,13 +21,13 @@ from validation.study.drawing import Drawing, canvas
 from validation.study.vector import legible
 
 MOST = 2000
-"""Points of one curve of a panel at most."""
+"""Most points of a curve in a panel."""
 
 CELLS = 64
-"""Cells of a picture in each direction at most, of those written."""
+"""Most written cells of a picture in each direction."""
 
 HEADER = ("panel", "series", "look", "x", "y", "x_error", "y_error", "value")
-"""Columns of the file; the last ones only where a figure has them. An empty line of a series is a gap in its curve."""
+"""Columns of the file; the last ones only if a figure has them. An empty row of a series is a gap in its curve."""
 
 _DIGITS = ".8g"
 _FEW = 12  # points that are never thinned
@@ -36,8 +36,8 @@ _DOTTED = 2.0  # a dash of less, in line widths, is a dot
 
 @dataclass(frozen=True)
 class Drawn:
-    """One curve, cloud of points, area (its outline) or picture (its cells, with their `value`): what it is called, how it looks,
-    its points, half widths of error bars. `guide`: a straight line across the panel."""
+    """One curve, cloud of points, area (its outline) or picture (its cells, with their `value`): name, look, points, half widths
+    of error bars. `guide`: a straight line across the panel."""
 
     name: str
     look: str
@@ -63,7 +63,7 @@ class Panel:
 
     @property
     def facts(self) -> dict[str, Any]:
-        """All but the curves."""
+        """The panel without its curves."""
         return {name: value for name, value in asdict(self).items() if name != "curves"}
 
 
@@ -88,7 +88,7 @@ def _plain_formula(text: str) -> str:
 
 
 def staying(x: Array, y: Array, most: int = MOST) -> NDArray[np.intp]:
-    """Indices of the points that stay (see the head of this file)."""
+    """Indices of the points that are kept (see the docstring of this module)."""
     if x.size <= most:
         return np.arange(x.size)
     both = (y,) if np.all(np.diff(x) >= 0.0) else (x, y)
@@ -119,12 +119,12 @@ def _points(line: Any) -> tuple[Array, Array]:
 
 
 def _plain(values: Any) -> Array:
-    """Numbers without a mask."""
+    """Array without mask."""
     return np.asarray(np.ma.filled(np.ma.asarray(values, float), np.nan))
 
 
 def _shown(x: Array, y: Array, low: float, high: float) -> tuple[Array, Array]:
-    """A curve without what lies left or right of its panel: a gap, and the points next to it."""
+    """A curve cut to its panel, with a gap, and the points next to it, where it leaves it."""
     hidden = np.zeros(x.size, bool)
     for beyond in (x < low, x > high):
         hidden |= beyond & np.r_[True, beyond[:-1]] & np.r_[beyond[1:], True]
@@ -172,9 +172,9 @@ def _entries(legend: Any) -> list[tuple[str, str, str]]:
 
 
 def look_of(line: Any) -> str:
-    """How a line looks but for its colour: solid, dashed or dotted, and its marker; points have no line."""
+    """Look of a line except its colour: solid, dashed or dotted, and its marker; points have no line."""
     style, marker = line.get_linestyle(), str(line.get_marker())
-    if style == "--":  # what matplotlib calls all patterns given by numbers; only the line itself knows them
+    if style == "--":  # what matplotlib calls all patterns given by numbers; only the line itself has them
         style = ":" if line._unscaled_dash_pattern[1][0] < _DOTTED else "--"
     words = {"-": "solid", "--": "dashed", ":": "dotted", "-.": "dash-dotted"}.get(style, "points")
     steps = "" if line.get_drawstyle() == "default" else f" {line.get_drawstyle()}"
@@ -194,7 +194,7 @@ def _same(line: Any) -> tuple[str, str, str]:
 
 
 def _named(line: Any, entries: list[tuple[str, str, str]], title: str) -> str:
-    """What a line is called: its own label, or the legend's entries of its colour and of its look, or the panel's title."""
+    """Name of a line: its own label, or the legend's entries of its colour and of its look, or the panel's title."""
     look, color, label = _same(line)
     if label:
         return plain_label(label)
@@ -245,8 +245,8 @@ def _areas(axes: Any) -> Iterator[Drawn]:
         yield Drawn("area", "area", outline[:, 0], outline[:, 1], guide=True)
     for one in axes.collections:
         if isinstance(one, PathCollection):
-            places = _plain(one.get_offsets())
-            yield Drawn(plain_label(str(one.get_label())).lstrip("_"), "points", places[:, 0], places[:, 1])
+            points = _plain(one.get_offsets())
+            yield Drawn(plain_label(str(one.get_label())).lstrip("_"), "points", points[:, 0], points[:, 1])
         elif isinstance(one, PolyCollection):
             for path in one.get_paths():
                 outline = np.asarray(path.vertices, float)
@@ -329,7 +329,7 @@ def read_curves(text: str, facts: Iterable[dict[str, Any]]) -> tuple[Panel, ...]
 
 
 def redraw(panels: Iterable[Panel]) -> Drawing:
-    """The panels side by side, from their curves alone. Call it inside `styled()`."""
+    """Draw the panels side by side, from their curves alone. Call it inside `styled()`."""
     every = list(panels)
     figure = canvas(height=4.0)
     styles = {"dashed": "--", "dotted": ":", "dash-dotted": "-.", "points": "none"}

@@ -1,4 +1,4 @@
-"""Claims that several studies judge: periods that other programs know, the order of periods (P7)."""
+"""Claims of several studies: periods known from other programs, the order of periods (P7)."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,17 +14,17 @@ from validation.study import PAPER, WITNESS, Evidence, Verdict, claim, every, ho
 from validation.study.text import minus, places
 
 ERRORS = 4.0
-"""How many of its stated errors a figure may be off."""
+"""Number of its stated errors by which a figure may deviate."""
 
 OTHERS = 1e-10
 """How far periods of other programs may be off beyond half of the last digit that is known, relative: those of `block8` are."""
 
 JUST_BELOW = 0.01
-"""A fold at most so far below the onset, relative, is "just below" it."""
+"""Largest relative distance below the onset of a fold that is "just below" it."""
 
 
 def error_of(*figures: Estimate) -> float:
-    """How far figures may differ, relative: so many of the errors that they state."""
+    """Allowed relative difference of figures: `ERRORS` times their stated errors."""
     return ERRORS * sum(figure.error / abs(figure.value) for figure in figures)
 
 
@@ -42,8 +42,8 @@ def error_after(model: str, error: float, coarse: int, fine: int) -> float:
 
 
 def as_known(periods: Mapping[str, Estimate], log10_r: float, others: float = 0.0) -> Verdict:
-    """By model: half of the last digit known and the period's own error, or that of the `others`, relative, are allowed; the
-    worst beside that is shown."""
+    """Verdict on periods by model: half of the last known digit plus the period's own error, or that of the `others`, relative,
+    is allowed; the worst is shown."""
     known = {model: value for model in periods if (value := reference_orbit(model, log10_r).get("period"))}
     off = {model: abs(periods[model].value / value - 1.0) for model, value in known.items()}
     allowed = {model: half_digit(value) / value + max(error_of(periods[model]), others) for model, value in known.items()}
@@ -53,7 +53,7 @@ def as_known(periods: Mapping[str, Estimate], log10_r: float, others: float = 0.
 
 
 def as_printed(title: str, printed: float, ours: float) -> Verdict:
-    """A number of the paper's: half of its last digit is allowed."""
+    """Verdict on a number of the paper: half of its last digit is allowed."""
     off, half = abs(ours - printed), half_digit(printed)
     return holding(title, PAPER, f"{printed:g} ± {half:g}", f"{ours:.5f}", off <= half).with_margin(off, half)
 
@@ -68,8 +68,8 @@ def of_order(
     above: bool = False,
     widest: float = WIDEST,
 ) -> Verdict:
-    """An order of convergence, by `shortfall`: `within` so much of the declared one, or as much as its interval is wide; with
-    `above` it may exceed that."""
+    """Verdict on an order of convergence, by `shortfall`: `within` this distance of the declared one, or its own interval; with
+    `above` it may be larger."""
     allowed, holds = max(within, found.half_width), not shortfall(found, declared, within, above, widest)
     expected, off = asked(found.order, declared, allowed, above)
     return holding(title, evidence, expected, found.rounded, holds, remark).with_margin(off, allowed)
@@ -95,7 +95,7 @@ def range_of_r(grid: Sequence[float]) -> str:
 
 
 def order_of_periods(listed: Sequence[PeriodRanges], remark: str) -> Verdict:
-    """P7 at every r."""
+    """Verdict on P7 at every r."""
     held = sum(one.ordered for one in listed)
     title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([one.log10_r for one in listed])}"
     return every(title, PAPER, held, len(listed), remark, "r")

@@ -1,6 +1,5 @@
-"""What studies measure of a model on a scene: its own orbit, where its run settles, the cycles of a long run and their means.
-
-Each is measured once in a process: it is kept by model, digest of the scene and settings, so that studies share it.
+"""Measurements of a model on a scene, shared by studies: its own orbit, its settled run, the cycles of a long run and their
+means. Each is computed once per process and cached by model, digest of the scene and settings.
 """
 
 from collections.abc import Callable
@@ -32,7 +31,7 @@ Measured = TypeVar("Measured")
 
 
 def kept(measure: Callable[Settings, Measured]) -> Callable[Settings, Measured]:
-    """`measure`, called once in a process for equal arguments; a scene counts by its digest. What raises is not kept."""
+    """`measure`, cached by its arguments, a scene by its digest. Errors are not cached."""
     known: dict[tuple[Any, ...], Measured] = {}
 
     @wraps(measure)
@@ -72,27 +71,27 @@ def settled(
     cells: int | None = None,
     cfl: float | None = None,
 ) -> Settled:
-    """Where a run of `model` at this `tolerance` settles: its cycles agree `to` so much, relative (`settle`). Leave its solver
-    where it is: others are given the same. Raises NoCycle and NumericsError as `settle`."""
+    """The settled run of `model` at this `tolerance`: its cycles agree `to` this relative accuracy (`settle`). Do not move its
+    solver, which is shared. Raises NoCycle and NumericsError as `settle`."""
     return settle(build(model, scene, tolerance=tolerance, cells=cells, cfl=cfl), to, most)
 
 
 @kept
 def late_cycles(model: str, scene: Scene, until: float, cells: int | None = None) -> Events:
-    """The cycles of a run to `until` (transits) after its transient. Raises NumericsError as a run does."""
+    """The cycles, after the transient, of a run to `until` (transits). Raises NumericsError where the run fails."""
     solver = build(model, scene, tolerance=LATE_TOLERANCE) if cells is None else build(model, scene, cells=cells)
     return watch(solver, until).events(TRANSIENT)
 
 
 def means(model: str, scene: Scene, until: float) -> Means:
-    """Means over the same cycles."""
+    """Means over `late_cycles`."""
     found = late_cycles(model, scene, until)
     return Means(mean_of(found.period), mean_of(found.stress_drop), found.period.size)
 
 
 def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -> OneCycle:
     """A closed orbit as the cycle of its first slip event, with `before` transits ahead of it and `after` transits past its end;
-    its elastic stress is known but for a constant."""
+    its elastic stress is known up to a constant."""
     period, pieces = closed.cycle.period, closed.cycle.pieces
     points = (np.arange(per_piece) + 0.5) / per_piece
     once = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
@@ -104,7 +103,7 @@ def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -
 
 @kept
 def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[OneCycle]:
-    """So many cycles of a run in turn, after its transient, if none is longer than `longest` (transits)."""
+    """`count` successive cycles of a run after its transient, if none is longer than `longest` (transits)."""
     solver = build(model, scene, tolerance=LATE_TOLERANCE)
     history = HistoryObserver(scene.law, solver.nodes, TRANSIENT)
     events = watch(solver, TRANSIENT + (count + 2) * longest, history).events(TRANSIENT)

@@ -1,8 +1,8 @@
-"""The table that answers which model may be used: every model at every place, its errors, its regime, what it costs, and advice.
+"""The table that answers which model may be used: errors, regime, cost and advice for every model at every value of a parameter.
 
-    ModelTable     `columns` are the places (one r each), in groups of one regime of the exact motion; `rows` are the models
+    ModelTable     `columns`: one r each, in groups of one regime of the exact motion; `rows`: the models
     ModelRow       a model: one cell for each column, its onset, its costs, and the advice that follows from them
-    ModelCell      a model at a place: its regime in words, and the quantities of its cycles where it has any
+    ModelCell      a model in a column: its regime in words, and the quantities of its cycles, if any
     Compared       one quantity: its value, its error against the reference model, and how well that is known
 
 `words_of` says what a cell shows, `shade_of` how bad that is, `cell_records` has the table as one line for each number.
@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from validation.study.text import Cell, minus, plain
 
 SHADES = {"none": 1e-3, "pale": 1e-2, "amber": 0.1}
-"""How a cell is shaded: the first whose limit its relative error does not reach; "red" above all; "wrong" in the wrong regime."""
+"""Shade of a cell: the first whose limit exceeds its relative error; "red" above all; "wrong" in the wrong regime."""
 
 _CERTAIN = 1e-6
 """A standard error below this, relative, is that of a computation; it is not shown."""
@@ -23,7 +23,7 @@ _CERTAIN = 1e-6
 
 @dataclass(frozen=True)
 class Compared:
-    """A quantity of a model at a place: `value` in the quantity's unit; signed relative `error` against the reference model's
+    """A quantity of a model in a column: `value` in the quantity's unit; signed relative `error` against the reference model's
     value, None for the reference itself; `standard_error` of that error, relative (of the reference: of its own value). For means
     over cycles it is the statistical one, of both means; for orbits the error of their computation."""
 
@@ -34,9 +34,9 @@ class Compared:
 
 @dataclass(frozen=True)
 class ModelCell:
-    """A model at a place. `regime`: what its motion is, in words (`slipwave.observe.verdict`, or "runs away"); `right`: whether
-    the reference's motion is of that regime too; `cycles`: how many a mean is over, 0 for an orbit; `figures`: symbol of a
-    quantity (`ModelTable.quantities`) -> what was found, empty where there are no cycles."""
+    """A model in a column. `regime`: in words (`slipwave.observe.verdict`, or "runs away"); `right`: whether the reference has
+    this regime too; `cycles`: number of cycles of a mean, 0 for an orbit; `figures`: symbol of a quantity
+    (`ModelTable.quantities`) -> what was found, empty where there are no cycles."""
 
     regime: str
     right: bool
@@ -46,9 +46,9 @@ class ModelCell:
 
 @dataclass(frozen=True)
 class ModelColumn:
-    """A place: its `title` (log10 r, or another name), log10 r, r over the onset of the reference, the `group` of columns that it
-    stands in, which is the regime of the reference there, "periodic" or "torus, irregular"; and `settings`, the options of the
-    command line that make this place of the table's scene."""
+    """A column: its `title` (log10 r, or another name), log10 r, r over the onset of the reference; its `group`, the regime of
+    the reference, "periodic" or "torus, irregular"; and `settings`, the command line options that give it from the table's
+    scene."""
 
     title: str
     log10_r: float
@@ -69,7 +69,7 @@ class ModelQuantity:
 @dataclass(frozen=True)
 class ModelRow:
     """A model: `cells` in the order of the columns; `onset`, log10 of the r where its steady sliding loses stability, with the
-    relative error of r itself, None if it never does; `costs`, processor time over the reference's at the places
+    relative error of r itself, None if it never does; `costs`, processor time over the reference's in the columns
     `ModelTable.costed`, None if not measured; `advice`, "use", "use as witness" or "avoid", and `why` in a few words."""
 
     model: str
@@ -82,9 +82,9 @@ class ModelRow:
 
 @dataclass(frozen=True)
 class ModelTable:
-    """Models over places. `name` is that of the scene; `reference` is the model that errors are against, and its row is one of
-    the `rows`; `costed` are the titles of the columns at which costs are measured; `sentences` say what to use, what to avoid
-    and what is new, computed from the table. Captions use the small markup of `validation.study.text`."""
+    """Models over columns. `name`: of the scene; `reference`: the model that errors refer to, one of the `rows`; `costed`: titles
+    of the columns with measured costs; `sentences`, computed from the table, say what to use and what to avoid. Captions use the
+    small markup of `validation.study.text`."""
 
     name: str
     caption: str
@@ -102,8 +102,8 @@ class ModelTable:
 
 
 def words_of(cell: ModelCell, symbol: str) -> str:
-    """What the cell shows of a quantity: the error in per cent down to 0.1 %, below as a power of ten, with two standard errors
-    where it is a mean; the value for the reference, likewise; the regime where there is no cycle. In the small markup."""
+    """Text of a quantity in a cell: the error in per cent down to 0.1 %, below as a power of ten, with two standard errors where
+    it is a mean; the value for the reference, likewise; the regime where there is no cycle. In the small markup."""
     found = cell.figures.get(symbol)
     if found is None:
         return cell.regime
@@ -116,9 +116,9 @@ def words_of(cell: ModelCell, symbol: str) -> str:
 
 
 def _with_bar(value: float, bar: float, digits: int, least: int, sign: str = "") -> str:
-    """A value and its bar, with as many decimals as show so many digits of the bar, and so many at least."""
-    places = max(least, digits - 1 - math.floor(math.log10(bar)))
-    return f"{value:{sign}z.{places}f} ± {bar:.{places}f}"
+    """A value and its bar, with decimals for `digits` digits of the bar, and at least `least`."""
+    decimals = max(least, digits - 1 - math.floor(math.log10(bar)))
+    return f"{value:{sign}z.{decimals}f} ± {bar:.{decimals}f}"
 
 
 def shade_of(cell: ModelCell, symbol: str) -> str:
@@ -135,13 +135,18 @@ def shade_of(cell: ModelCell, symbol: str) -> str:
 
 
 def cell_records(table: ModelTable) -> Iterator[dict[str, Cell]]:
-    """One line for each model, place and quantity, for a file; no figures: one line with an empty symbol."""
+    """One record per model, column and quantity, for a file; without figures one record with an empty symbol."""
     for row in table.rows:
         for column, cell in zip(table.columns, row.cells, strict=True):
-            place: dict[str, Cell] = {"model": row.model, "log10_r": column.log10_r, "group": column.group, "regime": cell.regime}
-            place |= {"regime_right": int(cell.right), "cycles": cell.cycles}
+            record: dict[str, Cell] = {
+                "model": row.model,
+                "log10_r": column.log10_r,
+                "group": column.group,
+                "regime": cell.regime,
+            }
+            record |= {"regime_right": int(cell.right), "cycles": cell.cycles}
             cost = dict(zip(table.costed, row.costs, strict=True)).get(column.title)
             for symbol, found in cell.figures.items() or {"": None}.items():
                 numbers = (found.value, found.error, found.standard_error) if found else (None, None, None)
                 named = dict(zip(("quantity", "value", "error", "standard_error"), (symbol, *numbers), strict=True))
-                yield place | named | {"cost": cost, "advice": row.advice}
+                yield record | named | {"cost": cost, "advice": row.advice}

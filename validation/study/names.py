@@ -1,5 +1,4 @@
-"""Names of verdicts that stay from report to report: `study.claim`, and as much of the evidence and of the remark as tells apart
-those of one claim."""
+"""Permanent names of verdicts: `study.claim`, and as much of the evidence and the remark as distinguishes those of one claim."""
 
 import re
 import unicodedata
@@ -11,7 +10,7 @@ from validation.study import Verdict
 from validation.study.text import bare
 
 _WORDS = 8
-"""So many words of a claim are in its name."""
+"""Number of words of a claim in its name."""
 
 
 def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
@@ -20,7 +19,7 @@ def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
 
 
 def _names(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """The name of each, with a number behind a name that an earlier one has."""
+    """Yield the name of each, with a number appended to repeated names."""
     seen = Counter[str]()
     for verdict in verdicts:
         name = _name(verdict, [other for other in verdicts if slug(other.claim) == slug(verdict.claim)])
@@ -29,7 +28,7 @@ def _names(verdicts: Sequence[Verdict]) -> Iterator[str]:
 
 
 def _name(verdict: Verdict, alike: Sequence[Verdict]) -> str:
-    """The claim, and behind a point the fewest clauses that set it apart from others of this claim; the evidence if none do."""
+    """The claim and, after a point, the fewest clauses that distinguish it from others of this claim, or else the evidence."""
     clauses = _clauses(verdict)
     apart = (n for n in range(len(clauses) + 1) if sum(_clauses(other)[:n] == clauses[:n] for other in alike) == 1)
     count = next(apart, 1)

@@ -1,4 +1,4 @@
-"""Branches of periodic orbits in log10 r, from the Hopf point on; the paper's material at V = 100."""
+"""Branches of periodic orbits in log10 r from the Hopf point; the paper's material at V = 100."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -22,7 +22,7 @@ RANGE = (-2.72, -2.3)
 """log10 r."""
 
 FAR = 200.0
-"""A period (transits) that no branch of these reaches."""
+"""A period (transits) that none of these branches reaches."""
 
 COMPARED = ("period", "stress_drop", "elastic_stress_drop")
 """The figures of an orbit that tables and diagrams show."""
@@ -36,7 +36,7 @@ STEPS = Control(longest=0.02)
 
 @dataclass(frozen=True)
 class Branch:
-    """A model's branch: its Hopf point; its points, with the special points at their places among them; the special points."""
+    """A model's branch: its Hopf point; its points, including the special points in order; the special points."""
 
     model: str
     onset: Onset
@@ -45,7 +45,7 @@ class Branch:
 
     @property
     def corners(self) -> list[BranchPoint]:
-        """All points in numbers; `unstable` is counted from there to the next one."""
+        """All points as numbers; `unstable` holds up to the next one."""
         after = {id(special.point): special.unstable_after for special in self.special}
         return [point_of(point)._replace(unstable=after.get(id(point), point.unstable)) for point in self.points]
 
@@ -60,7 +60,7 @@ class Branch:
 
 @cache
 def branch_of(model: str, highest: float, longest: float, tolerance: float = TOLERANCE, steps: Control = STEPS) -> Branch:
-    """The branch that is born where the steady sliding of `model` loses stability, until log10 r reaches `highest` or the period
+    """The branch from the loss of stability of the steady sliding of `model`, until log10 r reaches `highest` or the period
     `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`."""
     metric = metric_for(*RANGE)
     onset = onsets(scene_at, *RANGE, model)[0]
@@ -68,7 +68,7 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
     first = from_hopf(family, onset.parameter, onset.period, metric)
 
     def inside(point: OrbitPoint) -> bool:
-        """Whether the branch is followed on from here."""
+        """Whether the branch is followed further."""
         return point.parameter < highest and point.closed.cycle.period < longest
 
     points, found = [first], list[Special]()
@@ -89,7 +89,7 @@ def scene_at(log10_r: float) -> Scene:
 
 
 def begun_at(log10_r: float) -> Scene:
-    """The same; near the onset with a large nudge, for a small one grows for thousands of transits there."""
+    """As `scene_at`; near the onset with a large nudge, because a small one grows for thousands of transits."""
     scene = scene_at(log10_r)
     return scene if log10_r > _NEAR_ONSET else replace(scene, start=replace(scene.start, size=_LARGE_NUDGE))
 
@@ -120,7 +120,8 @@ def parts(corners: list[BranchPoint]) -> Iterator[tuple[bool, list[BranchPoint]]
 
 
 def numbered_period(closed: Closed) -> Number:
-    """The orbit's period on a finer mesh, solved to rounding errors; its error is how far that on the orbit's own mesh is."""
+    """The orbit's period on a finer mesh, solved to rounding errors; its error is the difference from that on the orbit's own
+    mesh."""
     flow, state = closed.flow.remeshed(closed.cycle, FINER)
     period = close(flow, state, closed.cycle.period, 0.0).cycle.period
     return stated(period, abs(period - closed.cycle.period))

@@ -1,4 +1,4 @@
-"""What a model does in a scene in the end: its regime in words, and the figures of its cycles if it has any."""
+"""The final motion of a model in a scene: its regime in words, and the figures of its cycles, if any."""
 
 import math
 from typing import TYPE_CHECKING, NamedTuple
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 STEADY, AWAY, UNDECIDED = "slides steadily", "runs away", "undecided"
 _WORDS = {"steady": STEADY, "decaying": STEADY, "settling": UNDECIDED, "growing": UNDECIDED, "too short": UNDECIDED}
-"""What some verdicts on a run are called in tables of models; the others keep their name."""
+"""Verdict on a run -> its name in tables of models, if different."""
 
 
 class CycleFigures(NamedTuple):
@@ -33,13 +33,13 @@ class CycleFigures(NamedTuple):
 
     @classmethod
     def of(cls, orbit: Orbit) -> "CycleFigures":
-        """Those of an orbit."""
+        """The figures of an orbit."""
         return cls(orbit.period, orbit.stress_drop, orbit.v_max)
 
 
 class Regime(NamedTuple):
     """`words`: "periodic" (with its events, if several), "torus", "irregular", or one of the words above; `figures` of its
-    cycles, None if it has none; `cycles`, how many they are means over, 0 for cycles that are all alike."""
+    cycles, None if it has none; `cycles`: number of cycles of the means, 0 for a repeating motion."""
 
     words: str
     figures: CycleFigures | None = None
@@ -52,10 +52,9 @@ class Regime(NamedTuple):
 
 @kept
 def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, tolerance: float | None = None) -> Regime:
-    """The regime of a run of `model` to `until` (transits). Figures are means over the cycles after the transient; of a motion
-    that repeats, those of the last cycles or, if a `tolerance` is given, of its stable orbit by Newton's method.
-
-    A run whose numerics fail runs away: no step is short enough for rates that grow without limit."""
+    """The regime of a run of `model` to `until` (transits). Figures are means over the cycles after the transient; for a motion
+    that repeats, those of the last cycles or, if a `tolerance` is given, of its stable orbit by Newton's method. A run whose
+    numerics fail counts as running away: no step is short enough for unbounded rates."""
     solver = build(model, scene, tolerance=LATE_TOLERANCE) if cells is None else build(model, scene, cells=cells)
     watch = EventObserver(solver.scene, solver.nodes)
     run = reconsidered(simulate(solver, until, watch=watch), one_port_of(model))
@@ -74,8 +73,8 @@ def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, 
 
 
 def _repeating(cycles: Events, events: int) -> CycleFigures:
-    """Figures of the last cycles: of one, or means over the last period of several `events` with what they changed by since the
-    period before."""
+    """Figures of the last cycles: of one, or means over the last period of several `events`, with their change since the period
+    before as error."""
     if events == 1:
         return CycleFigures.of(estimate(cycles))
     columns = (cycles.period, cycles.stress_drop, cycles.v_max)
@@ -92,8 +91,8 @@ def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None)
 
 
 def regime_areas(differences: "Dataset") -> dict[str, Number]:
-    """The share of a map's area in which a model has another regime, in per cent. The name says the lattice, as
-    shares on unlike lattices are not compared; the error is one point of it."""
+    """The share of a map's area in which a model has another regime, in per cent. The name contains the lattice, because shares
+    on different lattices are not compared; the error is one point of it."""
     sizes = [size for name, size in differences.sizes.items() if name != "model"]
     lattice = " x ".join(map(str, sizes))
     return {

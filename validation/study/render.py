@@ -1,4 +1,4 @@
-"""A drawing on disk: SVG and PNG to look at, CSV to draw it again, and what it shows in words."""
+"""Writes a drawing: SVG and PNG, a CSV file from which it can be redrawn, and its description in words."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,7 +15,7 @@ SUFFIXES = (".svg", ".png", ".csv")
 
 @dataclass(frozen=True)
 class Words:
-    """What a drawing shows: one sentence, all of it, and its panels."""
+    """Description of a drawing: one sentence, the full text, and its panels."""
 
     title: str
     description: str

@@ -1,4 +1,4 @@
-"""How words and numbers become HTML: a small markup for captions, and numerals that line up."""
+"""Converts words and numbers to HTML: a small markup for captions, and aligned numerals."""
 
 import html
 import math
@@ -67,7 +67,7 @@ def first_sentence(words: str) -> tuple[str, str]:
 
 
 def run_time(words: str) -> str:
-    """Words that tell a run time, marked as such: no two reports have the same."""
+    """Words with a run time, marked as such, because they differ between reports."""
     return f"~{{{words}}}"
 
 
@@ -90,13 +90,13 @@ def plain(value: float, spec: str = ".3g") -> str:
 
 
 def around(near: float, found: float, within: float) -> tuple[str, str]:
-    """What is allowed and what was found, the same quantity with enough digits to tell them apart, in the small markup: both
-    values where the difference shows in the first seven digits, distances from `near` elsewhere."""
+    """What is allowed and what was found, with enough digits to distinguish them, in the small markup: both values if they differ
+    in the first seven digits, else distances from `near`."""
     size = abs(found - near)
     if near and math.isfinite(found) and within > 1e-7 * abs(near):
         fewest = 1 - math.floor(math.log10(within))
-        places = next((n for n in range(fewest, 15) if round(size, n) != round(within, n)), 15)
-        return minus(f"{near:.{places}f} ± {plain(within, '.2g')}"), minus(f"{found:.{places}f}")
+        decimals = next((n for n in range(fewest, 15) if round(size, n) != round(within, n)), 15)
+        return minus(f"{near:.{decimals}f} ± {plain(within, '.2g')}"), minus(f"{found:.{decimals}f}")
     digits = next((n for n in range(2, 17) if f"{size:.{n}g}" != f"{within:.{n}g}"), 17)
     return f"below {plain(within, f'.{digits}g')}", plain(size, f".{digits}g")
 

@@ -1,5 +1,5 @@
-"""A drawing as SVG for a page: text as text, coordinates rounded, ids of its own, title and description, colours that a page may
-turn for the dark. The same bytes for the same drawing."""
+"""A drawing as SVG for a page: text as text, rounded coordinates, own ids, title and description, colours that a dark page can
+change; reproducible byte for byte."""
 
 import base64
 import colorsys
@@ -14,10 +14,10 @@ from typing import Any
 from validation.study.drawing import Drawing
 
 PAPER, DARK_PAPER = "#ffffff", "#171716"
-"""What a figure lies on, by day and by night."""
+"""Background of a figure, light and dark."""
 
 LEAST_CONTRAST = 3.0
-"""Of a line with its paper (WCAG 1.4.11)."""
+"""Least contrast ratio of a line with the background (WCAG 1.4.11)."""
 
 FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tinos,serif"
 _COLOR = re.compile(r"#[0-9a-f]{6}")
@@ -33,8 +33,8 @@ def svg_of(figure: Drawing, name: str, title: str, description: str) -> str:
     raw = io.StringIO()
     figure.savefig(raw, format="svg", dpi=_RASTER_DOTS, metadata={"Date": None})
     text = raw.getvalue()
-    head = re.search(r"<svg [^>]*?width=\"([\d.]+)pt\" height=\"([\d.]+)pt\"", text)
-    assert head
+    found = re.search(r"<svg [^>]*?width=\"([\d.]+)pt\" height=\"([\d.]+)pt\"", text)
+    assert found
     body = text[text.index("</metadata>") + len("</metadata>") : text.rindex("</svg>")]
     body = re.sub(r"<!--.*?-->", "", body, flags=re.DOTALL).replace("xlink:href", "href")
     body = re.sub(r"(?<=\sd=\")[^\"]*", lambda found: rounded_path(found[0]), body)
@@ -45,7 +45,7 @@ def svg_of(figure: Drawing, name: str, title: str, description: str) -> str:
     body = re.sub(r'(?<= style=")[^"]*', lambda found: re.sub(r"([;:]) ", r"\1", found[0]), body).replace(' style=""', "")
     body = _unwrapped(_once(re.sub(r">\s+<", "><", body).strip()))
     body = _COLOR.sub(lambda found: f"var({variable(found[0])},{found[0]})", body)
-    width, height = (f"{float(size):.2f}" for size in head.groups())
+    width, height = (f"{float(size):.2f}" for size in found.groups())
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" role="img" aria-labelledby="{name}-title" aria-describedby="{name}-desc" '
         f'viewBox="0 0 {width} {height}" width="{width}pt" height="{height}pt" style="font-family:{FONTS};'
@@ -55,8 +55,8 @@ def svg_of(figure: Drawing, name: str, title: str, description: str) -> str:
 
 
 def rounded_path(path: str) -> str:
-    """A path in tenths of a point, each step from the point before, so that no error adds up; without points that lie on the
-    straight line between others."""
+    """A path in tenths of a point, each step relative to the rounded point before, so that errors do not add up; without points
+    that lie on the straight line between others."""
     here, found = (0, 0), list[str]()
     for lines, command, numbers in re.findall(r"((?:L[^MLQCzZ]*)+)|([MQCzZ])([^MLQCzZ]*)", path):
         values = [round(_TENTHS * float(number)) for number in (numbers or lines.replace("L", " ")).split()]
@@ -76,7 +76,7 @@ def rounded_path(path: str) -> str:
 
 
 def corners(points: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """The points of a line without those that lie within `_STRAIGHT` of what is left (Ramer, Douglas and Peucker)."""
+    """The points of a line without those within `_STRAIGHT` of the simplified line (Ramer, Douglas and Peucker)."""
     stays, open_ = {0, len(points) - 1}, [(0, len(points) - 1)]
     while open_:
         begin, end = open_.pop()
@@ -97,15 +97,15 @@ def _from_segment(point: tuple[int, int], begin: tuple[int, int], end: tuple[int
 
 
 def _short(tenths: int, spaced: bool) -> str:
-    """A number of tenths in as few letters as can be; `spaced`: another number stands before it."""
+    """A number of tenths in the fewest characters; `spaced`: it follows another number."""
     text = f"{abs(tenths) / _TENTHS:.1f}".rstrip("0").rstrip(".")
     text = text[1:] if text.startswith("0.") else text
     return f"-{text}" if tenths < 0 else f" {text}" if spaced else text
 
 
 def _day_and_night(found: re.Match[str]) -> str:
-    """A picture within the drawing, with a palette. On dark paper a page turns its shades; one of few colours, which a key
-    explains, has a second picture in the colours that the key has there."""
+    """A picture within the drawing, with a palette. A dark page inverts its shades; a picture of few colours, explained by a key,
+    has a second version in the dark colours of the key."""
     from PIL import Image
 
     def as_address(image: Any) -> str:
@@ -126,7 +126,7 @@ def _day_and_night(found: re.Match[str]) -> str:
 
 
 def _flowing(body: str) -> str:
-    """Letters of one look and line as words in the order in which they are read, not each at a place of its own."""
+    """Letters of one look and line as words in reading order, instead of separately positioned letters."""
     letter = re.compile(r'<tspan x="([^"]*)" y="([^"]*)" style="([^"]*)">([^<]*)</tspan>')
 
     def words(found: re.Match[str]) -> str:
@@ -141,7 +141,7 @@ def _flowing(body: str) -> str:
 
 
 def _once(body: str) -> str:
-    """The style of marks of one kind said once, by the group that holds them."""
+    """The common style of marks of one kind moved to their group."""
 
     def hoisted(found: re.Match[str]) -> str:
         styles = set(re.findall(r' style="([^"]*)"', found[2]))
@@ -153,7 +153,7 @@ def _once(body: str) -> str:
 
 
 def _unwrapped(body: str) -> str:
-    """Without groups that say nothing; marks of one look that follow each other are one group."""
+    """Without empty groups; successive marks of one look in one group."""
     speaks, found = list[bool](), list[str]()
     for part in re.split(r"(<g>|<g [^>]*>|</g>)", body):
         if part == "</g>":
@@ -166,7 +166,7 @@ def _unwrapped(body: str) -> str:
 
 
 def _own_ids(body: str, name: str) -> str:
-    """Only ids that something refers to, each beginning with `name`."""
+    """`body` with only the ids that are referred to, each beginning with `name`."""
     used = dict.fromkeys(re.findall(r"(?:href=\"#|url\(#)([^\")]+)", body))
     own = {old: f"{name}-{n}" for n, old in enumerate(used)}
     body = re.sub(r' id="([^"]+)"', lambda found: f' id="{own[found[1]]}"' if found[1] in own else "", body)
@@ -174,7 +174,7 @@ def _own_ids(body: str, name: str) -> str:
 
 
 def inline(svg: str, name: str) -> str:
-    """The element as part of a page, which knows its namespace and its colours; its ids begin with this short `name`."""
+    """The element as part of a page, which declares namespace and colours; its ids begin with the short `name`."""
     known = re.sub(r"var\((--c[0-9a-f]{6}),#[0-9a-f]{6}\)", r"var(\1)", svg.replace(' xmlns="http://www.w3.org/2000/svg"', "", 1))
     own = re.search(r'aria-labelledby="(.*?)-title"', known)
     return re.sub(rf'(["#]){re.escape(own[1])}-', rf"\g<1>{name}-", known) if own else known
@@ -204,7 +204,7 @@ def contrast(one: str, other: str) -> float:
 
 
 def by_night(color: str) -> str:
-    """The colour of the same hue on dark paper: as clear there as on white, if it is a line's."""
+    """The colour of the same hue for a dark background, with the same contrast if it is a line's."""
     if color == PAPER:
         return DARK_PAPER
     hue, light, depth = colorsys.rgb_to_hls(*_channels(color))

@@ -1,4 +1,4 @@
-"""Verdicts: one claim, one kind of evidence, what was expected, what was found, and how the claim fared."""
+"""Verdicts: one claim, one kind of evidence, what was expected, what was found, and the outcome."""
 
 import math
 from collections.abc import Sequence
@@ -8,13 +8,13 @@ from enum import StrEnum
 from validation.study.text import around, minus
 
 ROUNDING = 1e-11
-"""Least tolerance of a number that states its error, relative: the rounding errors of an orbit, which another processor makes
-anew; 2e-12 occurs (`reduced.orbit.periodic`)."""
+"""Least relative tolerance of a number that states its error: the rounding errors of an orbit, which differ between processors;
+2e-12 occurs (`reduced.orbit.periodic`)."""
 
 
 class Outcome(StrEnum):
-    """How a claim fared. A claim of the paper's that fails is a finding, and so is a promised speed that was not reached;
-    any other promise of ours that fails is a failure."""
+    """Outcome of a claim. A failing claim of the paper is a finding, and so is a promised speed that was not reached; any other
+    failing promise of ours is a failure."""
 
     PASS = "pass"
     FINDING = "finding"
@@ -41,11 +41,11 @@ RUN_TIMES = ("s", "ms", "μs", "of times")
 class Verdict:
     """One claim and one kind of evidence: what was expected, what was found (the same quantity), and the outcome.
 
-    `size` and `limit`, in `unit` (none: a pure number), are one quantity as it was measured and as it is allowed: how far a
-    number lies from another (`claim`) or from the middle of a range (`in_range`), what is asked over what was found (`at_least`),
-    how many miss (`every`). Without them the claim is one of yes or no. `refuted` says what would refute the claim, where that is
-    more than the opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`).
-    ValueError if it passes beyond its limit: then the two are not of one kind.
+    `size` and `limit`, in `unit` (none: a pure number), are the measured and the allowed value of one quantity: distance of a
+    number from another (`claim`) or from the middle of a range (`in_range`), ratio of required to found (`at_least`), number of
+    misses (`every`). Without them the claim is one of yes or no. `refuted`: what would refute the claim, if more than the
+    opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`). Raises
+    ValueError for a pass beyond the limit: then `size` and `limit` are different quantities.
     """
 
     claim: str
@@ -66,11 +66,11 @@ class Verdict:
 
     @property
     def margin(self) -> float | None:
-        """The share of what is allowed that was found; None for a claim of yes or no."""
+        """Ratio of `size` to `limit`; None for a claim of yes or no."""
         return self.size / self.limit if self.size is not None and self.limit else None
 
     def with_margin(self, size: float, limit: float, unit: str = "") -> "Verdict":
-        """The verdict with what was measured and what is allowed."""
+        """The verdict with measured `size` and allowed `limit`."""
         return replace(self, size=size if math.isfinite(size) else None, limit=limit, unit=unit)
 
     @property
@@ -106,9 +106,9 @@ def claim(
     near: float = 0.0,
     unit: str = "",
 ) -> Verdict:
-    """PASS if `ours` lies `within` so much of `near`: 0 for an error, 1 for a ratio. NaN does not pass, nor does an independent
-    witness that agrees to the last bit: then a thing was compared with itself. A claim of the paper's that does not hold is a
-    finding, no failure of this program. `shown` says more than the distance; it ends the remark."""
+    """PASS if `ours` lies `within` this distance of `near`: 0 for an error, 1 for a ratio. NaN fails, and so does an independent
+    check that agrees to the last bit, which was compared with itself. A claim of the paper that does not hold is a finding, no
+    failure of this program. `shown`: text appended to the remark."""
     size = abs(ours - near)
     holds = size < within and not (evidence is WITNESS and size == 0.0)
     outcome, known = judge(holds, _otherwise(evidence)), size if math.isfinite(size) else None
@@ -118,7 +118,7 @@ def claim(
 
 
 def at_least(title: str, evidence: Evidence, ours: float, least: float, remark: str = "", unit: str = "") -> Verdict:
-    """PASS if `ours` reaches `least`, which is positive. A claim of the paper's that does not hold is a finding."""
+    """PASS if `ours` >= `least` > 0. A claim of the paper that does not hold is a finding."""
     expected, found = around(0.0, ours, least)
     asked, shown = f"{expected.removeprefix('below ')} {unit}".strip() + " or more", f"{'−' * (ours < 0.0)}{found} {unit}".strip()
     share = least / ours if ours > 0.0 else math.inf
@@ -138,8 +138,7 @@ def in_range(
 
 
 def every(title: str, evidence: Evidence, held: int, of: int, remark: str = "", what: str = "") -> Verdict:
-    """PASS if all of so many held, and there were any; `what` says what they are. A claim of the paper's that does not hold is
-    a finding."""
+    """PASS if `held` equals `of` > 0; `what`: the name of the cases. A claim of the paper that does not hold is a finding."""
     expected, ours = (f"{count} of {of} {what}".strip() for count in (of, held))
     return holding(title, evidence, expected, ours, held == of > 0, remark, _otherwise(evidence)).with_margin(of - held, 1.0)
 

@@ -1,4 +1,4 @@
-"""An axis of a sweep: a key of the scene and the values it takes there."""
+"""An axis of a sweep: a key of the scene and its values."""
 
 import math
 import re
@@ -18,7 +18,7 @@ from slipwave.scene import Scene
 from validation.compute.parameter import has_key
 
 LONGEST = 100_000
-"""Values of one axis."""
+"""Most values of an axis."""
 
 Values: TypeAlias = str | tuple[float | str, float | str, int] | Iterable[float | str]
 """The values of an axis: "FROM:TO:COUNT" or "FROM:TO:COUNT:log" as text, (first, last, count), or all of them."""
@@ -41,13 +41,13 @@ class Axis:
         return self.key.rpartition(".")[2] if self.key in _PLAIN else self.key.replace(".", "_")
 
     def written(self, number: int) -> float | str:
-        """A value as the scene's key takes it."""
+        """A value for the scene's key."""
         value = self.values[number]
         return f"{value!r} {self.unit}" if self.unit else value
 
 
 def axis_of(key: str, values: Values) -> Axis:
-    """The axis over `key`. Raises SceneError for values that are none, too many, equal or of different units."""
+    """The axis over `key`. Raises SceneError for no, too many, equal or invalid values, and for different units."""
     where = f"--vary {key}"
     if isinstance(values, str):
         return _from_text(key, values, where)
@@ -106,7 +106,7 @@ def changed(base: Scene, values: Mapping[str, float | str]) -> Scene:
 
 
 def whole_key(key: str, base: Scene) -> str:
-    """The full key of the scene that ends in `key`, which then need not be looked for at every point; `key` if none does."""
+    """The full key of the scene that ends in `key`, resolved once for all points; `key` itself if there is none."""
     if is_parameter(base, key):
         return key
     return ".".join(full_key(key.split("."), "", base.tables or {}))

@@ -1,4 +1,4 @@
-"""Lines over a map that theory gives: where steady sliding loses its stability, and special curves of orbits."""
+"""Theoretical lines over a map: the stability boundary of steady sliding, and special curves of orbits."""
 
 import tomllib
 from collections.abc import Iterable
@@ -26,7 +26,7 @@ class _Side(NamedTuple):
 
 
 def _side(data: Dataset, axis: str) -> _Side | None:
-    """None for a key that is no such parameter, as a thickness."""
+    """The axis as a parameter of boundaries; None for a key that is none, as a thickness."""
     values, key = np.asarray(data[axis].values, dtype=float), str(data[axis].attrs.get("long_name", axis))
     name = SHORT.get(key, key)
     if is_logarithmic(values) and f"log10_{name}" in PARAMETERS:
@@ -35,8 +35,8 @@ def _side(data: Dataset, axis: str) -> _Side | None:
 
 
 def onset_lines(data: Dataset) -> tuple[Line, ...]:
-    """The curves on which steady sliding loses its stability, of each model of a map over two parameters; none where an axis is
-    no parameter of theirs, or where they cannot be found."""
+    """The curves on which steady sliding loses its stability, of each model of a map over two parameters; none if an axis is no
+    such parameter, or if they cannot be computed."""
     axes = [str(name) for name in data["status"].dims if name != "model"]
     sides = [_side(data, axis) for axis in axes]
     if len(axes) != 2 or None in sides:

@@ -60,7 +60,7 @@ class SweepOptions(RunsOptions):
         f"what is computed at each point: {', '.join(MEASURES)}, or module:function of a scene that returns numbers by name",
         "verdict",
     )
-    rows: Path | None = option("in place of axes, a table of scenes: the columns are keys", metavar="FILE.csv")
+    rows: Path | None = option("instead of axes, a table of scenes: the columns are keys", metavar="FILE.csv")
     out: Path | None = option("folder of the sweep (default in Python: none is kept)", metavar="DIR")
     until: float | str | None = option(
         "longest run, in transits or as 60s (default: the scene's, else 4000)", metavar="TRANSITS|TIME"
@@ -79,7 +79,7 @@ class SweepOptions(RunsOptions):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SweepResult(Result):
-    """What there is of a sweep: points computed and to be computed; with `dry` the `expected` time only."""
+    """The present state of a sweep: points computed and missing; with `dry` the `expected` time only."""
 
     OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw the map, or a line over one axis: .png, .pdf or .svg"),)
 
@@ -89,12 +89,12 @@ class SweepResult(Result):
 
     @property
     def plan(self) -> Plan:
-        """Its axes, models and measure."""
+        """The axes, models and measure of the sweep."""
         return self.swept.plan
 
     @cached_property
     def dataset(self) -> Dataset:
-        """The figures over the axes (and `model`, if there are several), as far as they are there."""
+        """The figures computed so far over the axes (and `model`, if there are several)."""
         return dataset_of(self.plan, self.swept.store)
 
     @cached_property
@@ -126,7 +126,7 @@ class SweepResult(Result):
         return found
 
     def _regimes(self) -> list[dict[str, Any]]:
-        """How many points of each model have each verdict."""
+        """Number of points by model and verdict."""
         found = []
         for name, words in measure_of(self.plan.measure).words.items():
             values = np.reshape(self.dataset[name].values, (len(self.plan.models), -1))
@@ -136,7 +136,7 @@ class SweepResult(Result):
         return found
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
-        """The axes, how many points ended how, and why some have no figures."""
+        """The axes, numbers of points by status, and reasons for points without figures."""
         plan = self.plan
         yield f"scene {plan.base.name}, {plan.measure} of {', '.join(plan.models)} at {plan.size} points"
         for axis in summary["axes"]:
@@ -169,7 +169,7 @@ class SweepResult(Result):
         return f"slipwave sweep {self.swept.store.folder} goes on"
 
     def close(self) -> None:
-        """Remove the folder of a sweep that keeps none."""
+        """Remove the temporary folder of a sweep without `out`."""
         if self.temporary:
             shutil.rmtree(self.swept.store.folder, ignore_errors=True)
 
@@ -179,8 +179,8 @@ def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
     """Compute one measure at all points of axes over a scene, each finished part kept in a folder.
 
     `vary` may be {"log10_r": (-2.75, -2.2, 33)} or {"V": [10, 20, 50]} too, and `measure` a function (of a scene, in a module)
-    that returns numbers by name. If `source` is the folder of a sweep, that is gone on with. Raises SceneError for wrong input;
-    NumericsError if the scheduler goes away; what is finished is kept.
+    that returns numbers by name. If `source` is the folder of a sweep, that sweep is continued. Raises SceneError for wrong
+    input; NumericsError if the scheduler disappears; finished parts are kept.
     """
     began = time.perf_counter()
     folder = Path(source) if isinstance(source, str | Path) and Path(source).is_dir() else None
@@ -235,7 +235,7 @@ def _axes(vary: Iterable[str] | Mapping[str, Any]) -> list[Axis]:
 
 
 def _rows(path: Path) -> tuple[dict[str, float | str], ...]:
-    """The rows of a table of scenes. Raises SceneError for a file that is none."""
+    """The rows of a table of scenes. Raises SceneError for any other file."""
     try:
         with path.open(encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file, restkey="", strict=True))

@@ -1,4 +1,4 @@
-"""How models differ over a map: where the regime is another one, and by how much period and stress drop differ."""
+"""Differences of models over a map: of the regime, and of period and stress drop."""
 
 from typing import Any
 
@@ -9,13 +9,14 @@ from validation.results.result import Dataset
 from validation.sweep.measures import VERDICTS
 
 _KINDS = {"steady": 0, "decaying": 0, "periodic": 1, "torus": 2, "irregular": 3, "growing": 4}
-"""Regimes that differ; other verdicts are not decided, and such points are not compared."""
+"""Verdict -> regime; points with other, undecided verdicts are not compared."""
 
 _COMPARED = ("period", "stress_drop")
 
 
 def decided_regimes(verdict: Any) -> Any:
-    """One number per regime of the verdicts' numbers, -1 where none is decided. Steady sliding and the return to it are one."""
+    """Convert the numbers of verdicts to numbers of regimes, -1 if undecided. Steady sliding and the return to it are one
+    regime."""
     numbers = np.array([_KINDS.get(word, -1) for word in VERDICTS] + [-1])
     return numbers[np.asarray(verdict, dtype=int)]
 
@@ -61,6 +62,6 @@ def difference(data: Dataset, reference: str) -> Dataset:
 
 
 def _largest(values: Any) -> float:
-    """The value of the largest size, with its sign; NaN if there is none."""
+    """The value of largest modulus, with its sign; NaN if there is none."""
     there = values[np.isfinite(values)]
     return float(there[np.argmax(np.abs(there))]) if there.size else np.nan

@@ -18,20 +18,20 @@ from validation.sweep.plan import Indices, Plan
 from validation.sweep.store import Columns, Store
 
 PART_SECONDS, SLOW_PART_SECONDS = 10.0, 60.0
-"""Time that a part takes, and one of points that take more than a second each."""
+"""Target time (s) of a part, and of a part with points of more than a second each."""
 
 IN_FLIGHT = 3
-"""Parts per worker that are submitted and not finished: more would fill the memory of a scheduler."""
+"""Most submitted and unfinished parts per worker: more would fill the memory of a scheduler."""
 
 _LARGEST = 20_000
 _TRIES = 3
 _PATIENCE = 5.0  # seconds between looks at the scheduler
 STATUS = ("done", "refused", "failed", "died")
-"""How a point ended: with figures; refused as a scene; the numerics failed; the process was killed three times in a row."""
+"""Status of a point: computed; refused as a scene; numerics failed; process killed three times in a row."""
 
 
 class Finished(NamedTuple):
-    """A part that came back: its points, their columns, and the time it took (s)."""
+    """A finished part: its points, their columns, and its time (s)."""
 
     points: Indices
     columns: Columns
@@ -39,8 +39,8 @@ class Finished(NamedTuple):
 
 
 def compute(plan: Plan, points: Indices) -> Finished:
-    """The figures of these points, in the process that is called. It never raises: a point that cannot be computed has a status
-    and a reason."""
+    """The figures of these points, computed in this process. Never raises: a point that cannot be computed has a status and a
+    reason."""
     began = time.perf_counter()
     measure = measure_of(plan.measure)
     rows = [_point(plan, measure, int(point)) for point in points]
@@ -61,7 +61,7 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
 
 
 def _twins_in_si(found: Figures, measure: Measure, scene: Scene) -> Figures:
-    """The figures of a scene with units in SI, under the names that they have everywhere (period_s)."""
+    """The figures in SI of a scene with units, under their usual names (period_s)."""
     twins: dict[str, Any] = {}
     for name, quantity in measure.columns.items() if scene.units else ():
         value = found.get(name)
@@ -73,7 +73,7 @@ def _twins_in_si(found: Figures, measure: Measure, scene: Scene) -> Figures:
 
 
 def columns_of(measure: Measure, rows: list[Figures]) -> Columns:
-    """Rows as one array per figure: numbers, NaN where there is none; words as their numbers, -1 where there is none."""
+    """Rows as one array per figure: numbers, NaN if missing; words as their numbers, -1 if missing."""
     names = dict.fromkeys([*measure.columns, *(name for row in rows for name in row if name not in ("status", "reason"))])
     found: dict[str, Any] = {"status": np.array([STATUS.index(str(row["status"])) for row in rows], dtype=np.int8)}
     found["reason"] = np.array([str(row.get("reason", "")) for row in rows])
@@ -102,8 +102,7 @@ def _word(words: tuple[str, ...], value: Any) -> int:
 
 @dataclass
 class Sizes:
-    """Points of a part, from the time that those before it took; at the end parts become smaller, so that all workers end
-    together."""
+    """Size of parts, from the time of earlier ones; at the end parts become smaller, so that all workers end together."""
 
     workers: int
     points: float = 1.0
@@ -111,7 +110,7 @@ class Sizes:
     _largest: int = 0
 
     def learn(self, part: Finished) -> None:
-        """Take a finished part into account: the larger ones, because the first points of a process wait for it to be ready. The
+        """Take a finished part into account, but only the largest so far: the first points of a process include its start. The
         size grows at most eightfold at a time."""
         if part.points.size < 0.5 * self._largest:
             return
@@ -121,13 +120,13 @@ class Sizes:
         self.points = min(max(1.0, wanted), 8.0 * self.points, _LARGEST)
 
     def next(self, rest: int) -> int:
-        """Points of the next part, of a `rest` of so many."""
+        """Number of points of the next part, with `rest` points left."""
         return int(min(rest, max(min(self.points, rest / (2 * self.workers)), self.points / 16.0, 1.0)))
 
 
 @dataclass
 class Engine:
-    """Runs parts of `plan` on executors made by `start`, with so many `workers`; finished parts go to the `store`."""
+    """Runs parts of `plan` on executors made by `start`, with `workers` workers, and writes finished parts to the `store`."""
 
     plan: Plan
     store: Store
@@ -141,10 +140,9 @@ class Engine:
         self._refusals = 0  # of parts, since the executor last took one
 
     def run(self, points: Indices) -> None:
-        """Compute these points, in this order. A part whose process was killed is done again; a point whose process was killed
-        three times in a row is a row with that reason.
-
-        Raises NumericsError if the executor is gone for good or takes no parts; finished parts are kept.
+        """Compute these points, in this order. A part whose process was killed is repeated; a point whose process was killed
+        three times in a row gets that status. Raises NumericsError if the executor disappears or accepts no parts; finished parts
+        are kept.
         """
         waiting: deque[tuple[Indices, int]] = deque([(points, 0)] if points.size else [])
         while waiting:
@@ -158,7 +156,7 @@ class Engine:
     def _drain(
         self, executor: Executor, waiting: deque[tuple[Indices, int]], flying: dict["Future[Finished]", tuple[Indices, int]]
     ) -> None:
-        """Until nothing is left, or the executor breaks: what was in flight is then `waiting` again."""
+        """Run until nothing is left, or the executor breaks: parts in flight are then `waiting` again."""
         broken = False
         while flying or (waiting and not broken):
             while waiting and not broken and len(flying) < self._most(waiting, flying):
@@ -189,7 +187,7 @@ class Engine:
                 )
 
     def _most(self, waiting: deque[tuple[Indices, int]], flying: dict["Future[Finished]", tuple[Indices, int]]) -> int:
-        """Parts in flight; one alone where a process was killed, so that the guilty part is known."""
+        """Most parts in flight; one if a process was killed, to identify the part that kills."""
         return 1 if any(deaths for _, deaths in (waiting[0], *flying.values())) else IN_FLIGHT * self.workers
 
     def _next(self, waiting: deque[tuple[Indices, int]]) -> tuple[Indices, int]:
@@ -200,8 +198,8 @@ class Engine:
         return rest[:count], deaths
 
     def _again(self, waiting: deque[tuple[Indices, int]], part: Indices, deaths: int) -> None:
-        """Put a part back whose process was killed, to be computed alone (1: it may have been the fault of another part); if
-        that is killed three times in a row, in halves, down to the point that kills."""
+        """Requeue a part whose process was killed, to be computed alone (another part may have killed it); after three kills in a
+        row, in halves, down to the point that kills."""
         if deaths <= _TRIES:
             waiting.appendleft((part, deaths))
         elif part.size > 1:

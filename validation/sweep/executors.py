@@ -1,4 +1,4 @@
-"""Where parts are computed: processes of this machine, or a cluster that is there already."""
+"""Executors: processes of this machine, or an existing cluster."""
 
 import logging
 import multiprocessing
@@ -22,18 +22,18 @@ _ENVIRONMENT = threading.Lock()
 
 @contextmanager
 def processes(workers: int) -> Iterator[Callable[[], Executor]]:
-    """Context with a maker of pools of so many processes on this machine, each with one thread for algebra. They are ended with
-    this process, however it ends."""
+    """Context with a function that starts pools of `workers` processes on this machine, each with one thread for algebra. They
+    end with this process, however it ends."""
     made: list[ProcessPoolExecutor] = []
 
     def start() -> Executor:
-        """A new pool in place of the one before."""
+        """Start a new pool, which replaces the one before."""
         while made:
             kill(made.pop())
         with _environment(dict.fromkeys(VARIABLES, "1")):
             pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin, ([*LAW_FILES], own_files()))
             made.append(pool)
-            with suppress(BrokenExecutor):  # a process killed as it starts: whoever submits next is told
+            with suppress(BrokenExecutor):  # a process killed as it starts: the next submission raises
                 for _ in range(workers):
                     pool.submit(int)
         return pool
@@ -47,15 +47,14 @@ def processes(workers: int) -> Iterator[Callable[[], Executor]]:
 
 def kill(pool: ProcessPoolExecutor) -> None:
     """End the processes of a pool now; what they were computing is lost."""
-    running = list((pool._processes or {}).values())  # there is no public way before Python 3.14
+    running = list((pool._processes or {}).values())  # not public before Python 3.14
     pool.shutdown(wait=False, cancel_futures=True)
     for process in running:
         process.kill()
 
 
 def _begin(laws: list[Path], families: list[Path]) -> None:
-    """In a worker: the user's Ctrl-C is for the parent, a worker without a parent ends, and what the user brings in these files
-    is known."""
+    """Initialise a worker: it ignores Ctrl-C, ends with its parent, and loads the user's laws and families."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     for path in laws:
         load_laws(path)
@@ -74,8 +73,8 @@ def _begin(laws: list[Path], families: list[Path]) -> None:
 
 @contextmanager
 def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Context with these environment variables, which new processes inherit; for one thread at a time, so that each puts back
-    what was there."""
+    """Context with these environment variables, which new processes inherit; for one thread at a time, so that each restores the
+    former values."""
     with _ENVIRONMENT:
         before = {name: os.environ.get(name) for name in values}
         os.environ.update(values)
@@ -90,7 +89,7 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
 
 
 class Cluster(NamedTuple):
-    """Executors on a cluster, the number of its workers' threads, and whether its scheduler is there."""
+    """A cluster: `start` of executors, number of its workers' threads, and whether its scheduler is `alive`."""
 
     start: Callable[[], Executor]
     workers: int
@@ -102,7 +101,7 @@ def cluster(address: str) -> Iterator[Cluster]:
     """Context with the dask scheduler at `address`. Raises SceneError if none answers within dask's own time
     (`distributed.comm.timeouts.connect`, 30 s unless the user says otherwise), or if it has no workers."""
     require("cluster", "--scheduler")
-    for name in ("distributed", "tornado.application"):  # a scheduler that goes away is told in one line, by us
+    for name in ("distributed", "tornado.application"):  # a lost scheduler is reported in one line, by us
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     import distributed
 

@@ -19,8 +19,8 @@ Array = npt.NDArray[Any]
 
 
 def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
-    """Every column over all points of the plan: NaN, -1 and "" where a point is not there. Where two processes computed the same
-    point both have the same figures."""
+    """Every column over all points of the plan: NaN, -1 and "" where a point is missing. Duplicates by two processes have the
+    same figures."""
     found: dict[str, Array] = {"status": np.full(plan.size, -1, dtype=np.int8), "reason": np.full(plan.size, "", dtype=object)}
     for points, columns in store.parts():
         for name, values in columns.items():
@@ -32,8 +32,8 @@ def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
 
 
 def dataset_of(plan: Plan, store: Store) -> Dataset:
-    """The columns over (model, axes), words as CF flags. `status` says how each point ended; of a refined sweep the verdict of
-    points between those computed is that of their cell, and their status is "not computed"."""
+    """The columns over (model, axes), words as CF flags. `status`: how each point ended. In a refined sweep, points between the
+    computed ones have the verdict of their cell and the status "not computed"."""
     measure, arrays = measure_of(plan.measure), arrays_of(plan, store)
     levels = int(plan.options.get("refine", 0))
     if levels:

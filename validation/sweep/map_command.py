@@ -1,4 +1,4 @@
-"""`slipwave.map`: figures of a sweep: regimes with the boundaries that theory gives, figures, and how two models differ."""
+"""`slipwave.map`: figures of a sweep: regimes with theoretical boundaries, figures, and differences of models."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ class MapResult(Result):
 
     @property
     def dataset(self) -> Dataset:
-        """What is drawn: the sweep, or the differences."""
+        """The drawn data: the sweep, or the differences."""
         return self.data if self.differences is None else self.differences
 
     @property
@@ -66,7 +66,7 @@ class MapResult(Result):
         return found | {"boundaries": [line.name for line in self.boundaries]}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
-        """What is drawn, and the differences as a table."""
+        """A line on the figure, and the differences as a table."""
         yield f"scene {summary['scene']} over {', '.join(summary['axes'])}"
         yield from (f"boundary: {line.name}" for line in self.boundaries)
         rows = [
@@ -84,7 +84,7 @@ class MapResult(Result):
 
 @command
 def map(source: SceneSource, options: MapOptions) -> MapResult:
-    """Figures of a sweep over one or two axes. Raises SceneError for a file or folder that holds none."""
+    """Figures of a sweep over one or two axes. Raises SceneError for a file or folder without a sweep."""
     data = gathered(source)
     if options.against is not None:
         return MapResult(data, difference(data, options.against), (), options.show)
@@ -98,7 +98,7 @@ def map(source: SceneSource, options: MapOptions) -> MapResult:
 
 
 def gathered(source: SceneSource) -> Dataset:
-    """The dataset of a sweep's folder or file. Raises SceneError if it holds none."""
+    """The dataset of a sweep's folder or file. Raises SceneError if there is none."""
     path = Path(source) if isinstance(source, str | Path) else Path()
     if path.is_dir():
         return dataset_of(stored_plan(path), Store(path))

@@ -1,4 +1,4 @@
-"""Figures of a sweep: regimes over two axes with boundaries over them, a figure over two axes, or everything over one."""
+"""Figures of a sweep: regimes over two axes with boundaries, a column over two axes, or all columns over one."""
 
 import math
 import tomllib
@@ -37,11 +37,11 @@ _BRUSH = ("cycle_period", "cycle_stress_drop")
 
 
 _VELOCITIES, _TRANSITS = ("V", "drive.velocity"), ("r", "log10_r", "slab.r", "slab.log10_r", "slab.thickness")
-"""Keys to whose values, or powers of ten of a logarithm, V and the transit are proportional."""
+"""Keys whose values (for a logarithm, its power of ten) are proportional to V and to the transit."""
 
 
 class Line(NamedTuple):
-    """A boundary over a map: values of both axes, and the model it is of (empty: of all)."""
+    """A boundary over a map: values on both axes, and its model (empty: all)."""
 
     name: str
     across: Any
@@ -52,7 +52,7 @@ class Line(NamedTuple):
 def figure_of(data: Dataset, shown: str | None = None, lines: Sequence[Line] = ()) -> Drawing:
     """The figure of a gathered sweep with `lines` over its maps; `shown` is the column (default: regimes, period, stress drop).
 
-    Raises SceneError for more than two axes, or a column that is not there."""
+    Raises SceneError for more than two axes, or a missing column."""
     axes = [str(name) for name in data["status" if "status" in data else next(iter(data))].dims if name != "model"]
     if shown is not None and shown not in data:
         raise SceneError(f"--show = {shown!r}: must be one of {', '.join(map(str, data.data_vars))}")
@@ -91,7 +91,7 @@ def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Seq
 
 
 def _image(axes: Axes, data: Dataset, names: Sequence[str], column: str, alone: bool) -> dict[str, Any]:
-    """Draw one column of a model, which is all that is drawn of it if `alone`; the colours of words by the words."""
+    """Draw one column of a model (`alone`: the only one); returns the colours by words."""
     across, up = (data[name] for name in names)
     values = data[column].transpose(names[1], names[0])
     _scales(axes, data, across, up)
@@ -135,7 +135,7 @@ def _scales(axes: Axes, data: Dataset, across: DataArray, up: DataArray) -> None
 
 
 def _label(coordinate: DataArray) -> str:
-    """Words, symbol and unit of an axis of a sweep."""
+    """Label of an axis of a sweep: title, symbol and unit."""
     key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
     name, power = key.removeprefix("log10_"), r"$\log_{10}$"
     if name in LABELS:
@@ -144,7 +144,7 @@ def _label(coordinate: DataArray) -> str:
 
 
 def is_logarithmic(values: Any) -> bool:
-    """Whether values are spaced as powers."""
+    """Whether values are spaced logarithmically."""
     if len(values) < 3 or np.min(values) <= 0.0:
         return False
     powers = np.diff(np.log(values))
@@ -172,15 +172,15 @@ def _over_one(data: Dataset, name: str, shown: str | None) -> Drawing:
 
 
 class Scale(NamedTuple):
-    """The second scale of an axis, in SI beside a dimensionless one and the other way round: `factor` times the axis' value, or
-    times its power of ten, is what the other side shows under `label`."""
+    """The second scale of an axis, in SI for a dimensionless one and vice versa: `factor` times the axis' value, or its power of
+    ten, under `label`."""
 
     label: str
     factor: float
     is_power: bool
 
     def add(self, axes: Any, across: bool) -> None:
-        """Draw it above or to the right of `axes`."""
+        """Draw the scale above or to the right of `axes`."""
         functions: Any = (lambda values: self.factor * values, lambda values: values / self.factor)
         if self.is_power:
             there, back = functions

@@ -1,4 +1,4 @@
-"""What a sweep computes at each point. A measure is one function and one line of `MEASURES`."""
+"""The measures that a sweep computes at each point; each is one function and one line of `MEASURES`."""
 
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -24,19 +24,19 @@ VERDICTS: tuple[str, ...] = get_args(Kind)
 """The words of a verdict, in the order of their numbers in files."""
 
 TRANSITS = 4000.0
-"""The longest run of a scene without `run.until`."""
+"""Length (transits) of the longest run of a scene without `run.until`."""
 
 Options = Mapping[str, Any]
 Figures = Mapping[str, float | str | bool | NDArray[np.float64] | None]
 
 MOST_CYCLES = 64
-"""Cycles of a point that are kept one by one: the last."""
+"""Number of last cycles of a point that are stored one by one."""
 
 
 class Measure(NamedTuple):
-    """`of` computes the figures of a model on a scene with the options of the sweep; `columns` says what they are, `words` which
-    of them are words, `lists` which have a number for each cycle, and `regime` which of them tell one regime from
-    another. The columns of a user's own function are what it returns."""
+    """`of` computes the figures of a model on a scene with the options of the sweep; `columns`: their meanings; `words`: those
+    that are words; `lists`: those with a number per cycle; `regime`: those that distinguish regimes. The columns of a user's own
+    function are those it returns."""
 
     of: Callable[[Scene, str, Options], Figures]
     columns: Mapping[str, Meaning] = {}
@@ -50,7 +50,7 @@ _UNKNOWN = Outlook(None, 0.0, math.inf)
 
 @dataclass(frozen=True)
 class UntilSure(UntilSettled):
-    """Until the motion of `model` is settled, but not beyond `until` (transits)."""
+    """Run until the motion of `model` is settled, at most to `until` (transits)."""
 
     expected: Outlook = _UNKNOWN
     model: str = "delay"
@@ -60,7 +60,7 @@ class UntilSure(UntilSettled):
         yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Until`. What is expected is computed only when a motion dies out: what repeats needs no spectrum."""
+        """As `Until`. The outlook is computed only for a decaying motion: a repeating one needs no spectrum."""
         expected = self.expected
         if now.verdict is not None and now.verdict.kind in ("steady", "decaying"):
             stable = is_stable(self.scene, self.model)
@@ -69,9 +69,8 @@ class UntilSure(UntilSettled):
 
 
 def march_point(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
-    """The run of a point: until its verdict is sure, at most to `run.until`, or the `whole` of it.
-
-    Raises SceneError for a scene that the model cannot do, NumericsError where it fails."""
+    """The run of a point: until its verdict is certain, at most to `run.until`, or, if `whole`, to that. Raises SceneError for a
+    scene that the model cannot compute, NumericsError where it fails."""
     solver = prepare(model, scene, tolerance=options.get("tol"), cells=options.get("cells")).solver
     one_port = one_port_of(solver.model)
     until = scene.until if scene.until is not None else TRANSITS
@@ -90,18 +89,18 @@ def _figures(run: Run) -> dict[str, Any]:
 
 
 def verdict_of(scene: Scene, model: str, options: Options) -> Figures:
-    """The verdict on the motion and the means of its cycles; ends when the verdict is sure."""
+    """The verdict on the motion and the means of its cycles, of a run until the verdict is certain."""
     return _figures(march_point(scene, model, options))
 
 
 def run_of(scene: Scene, model: str, options: Options) -> Figures:
-    """As the verdict, of the whole run, and the interface at its end."""
+    """As `verdict_of` for the whole run, and the interface at its end."""
     run = march_point(scene, model, options, whole=True)
     return _figures(run) | ({f"final_{name}": getattr(run.final, name) for name in ("ln_v", "psi", "mu")} if run.final else {})
 
 
 def cycles_of(scene: Scene, model: str, options: Options) -> Figures:
-    """As the verdict, of the whole run, and every cycle of its second half: what a brush diagram shows."""
+    """As `verdict_of` for the whole run, and every cycle of its second half, for a brush diagram."""
     run = march_point(scene, model, options, whole=True)
     late = run.events.time >= 0.5 * run.until
     figures = {"cycle_period": run.events.period[late], "cycle_stress_drop": run.events.stress_drop[late]}
@@ -176,10 +175,8 @@ MEASURES: Mapping[str, Measure] = {
 
 
 def measure_of(name: str) -> Measure:
-    """The measure called `name`; "module:function" is a user's own function of a
-    scene that returns numbers by name; the number `regime`, if it is there, tells regimes apart.
-
-    Raises SceneError if there is none."""
+    """The measure called `name`; "module:function" is a user's own function of a scene that returns numbers by name; a number
+    `regime`, if returned, distinguishes regimes. Raises SceneError for an unknown name."""
     if name in MEASURES:
         return MEASURES[name]
     module, colon, function = name.partition(":")

@@ -1,4 +1,4 @@
-"""What a sweep computes: the points of its axes, in an order that keeps neighbours together, and the scene of each."""
+"""The plan of a sweep: the points of its axes, in an order that keeps neighbours together, and their scenes."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -16,15 +16,15 @@ from slipwave.scene import Scene
 from validation.sweep.axes import Axis, changed
 
 MOST = 10**8
-"""Points of one sweep."""
+"""Most points of a sweep."""
 
 Indices = npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Plan:
-    """`measure` of every model at every point of the `axes` over the `base` scene. The points have one number each: that of an
-    array with the shape (models, *axes), row by row. `rows` replaces the axes where scenes are listed: the changes of each."""
+    """`measure` of every model at every point of the `axes` over the `base` scene. A point's number is its index in a flat array
+    of shape (models, *axes). `rows`: the changes of listed scenes, instead of axes."""
 
     base: Scene
     axes: tuple[Axis, ...]
@@ -55,10 +55,10 @@ class Plan:
 
     def changes(self, point: int) -> dict[str, float | str]:
         """The keys of the scene that a point sets."""
-        place = np.unravel_index(point % math.prod(self.lattice), self.lattice)
+        index = np.unravel_index(point % math.prod(self.lattice), self.lattice)
         if self.rows:
-            return dict(self.rows[int(place[0])])
-        return {axis.key: axis.written(int(number)) for axis, number in zip(self.axes, place, strict=True)}
+            return dict(self.rows[int(index[0])])
+        return {axis.key: axis.written(int(number)) for axis, number in zip(self.axes, index, strict=True)}
 
     def scene(self, point: int) -> Scene:
         """The scene of a point. Raises SceneError if its values are out of range.
@@ -83,7 +83,7 @@ class Plan:
 
     @cached_property
     def manifest(self) -> dict[str, Any]:
-        """All that the result depends on, but the program: the text of `manifest.json`."""
+        """All that determines the result except the program, for `manifest.json`."""
         return {
             "scene": self.base.name,
             "scene_digest": self.base.digest,
@@ -96,7 +96,7 @@ class Plan:
 
 
 class _Alone(NamedTuple):
-    """The fields of a scene that one changed key changes, and whether that scene was read."""
+    """The fields of a scene that a changed key affects, and whether that scene was read."""
 
     fields: dict[str, Any]
     is_read: bool
@@ -123,18 +123,18 @@ def morton(shape: Sequence[int]) -> Indices:
 
     The bits of the coordinates are interleaved, those of the longest axis first where it has more.
     """
-    places = np.indices(shape, dtype=np.int64).reshape(len(shape), -1)
-    code = np.zeros(places.shape[1], dtype=np.int64)
+    points = np.indices(shape, dtype=np.int64).reshape(len(shape), -1)
+    code = np.zeros(points.shape[1], dtype=np.int64)
     position = 0
     for bit in range(max(max(shape) - 1, 1).bit_length()):
         for axis, count in enumerate(shape):
             if (count - 1) >> bit:
-                code |= ((places[axis] >> bit) & 1) << position
+                code |= ((points[axis] >> bit) & 1) << position
                 position += 1
     return np.argsort(code, kind="stable").astype(np.int64)
 
 
 def order_of(plan: Plan) -> Indices:
-    """All points of a plan in the order in which they are computed: place by place along the Morton curve, all models at each."""
-    places, count = morton(plan.lattice), math.prod(plan.lattice)
-    return (places[:, None] + count * np.arange(len(plan.models))[None, :]).reshape(-1)
+    """All points of a plan in the order in which they are computed: along the Morton curve, all models at each point."""
+    points, count = morton(plan.lattice), math.prod(plan.lattice)
+    return (points[:, None] + count * np.arange(len(plan.models))[None, :]).reshape(-1)

@@ -1,8 +1,8 @@
-"""Where a map needs points: a coarse lattice, and from level to level the cells in which the regime changes.
+"""Refines a map: a coarse lattice and, from level to level, the cells in which the regime changes.
 
-A cell is divided if its corners are not of one regime, or if a neighbour's are not. Each level is computed whole before the next
-is chosen, so the result does not depend on the order in which points arrive. One in a hundred of the other cells, chosen by its
-number, is divided too: the share of these that held another regime is the map's own error bar.
+A cell is divided if its corners, or a neighbour's, differ in regime. Each level is completed before the next is chosen, so that
+the result does not depend on the order of computation. One in a hundred of the other cells, selected by its number, is divided
+too: the share of these with another regime inside is the map's error bar.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,7 +26,7 @@ Cells = npt.NDArray[np.bool_]
 
 
 class Audit(NamedTuple):
-    """Cells that were divided though nothing said so, and how many of them held another regime."""
+    """Number of cells divided for the audit, and of those in which another regime was hidden."""
 
     divided: int
     hidden: int
@@ -46,8 +46,8 @@ def require_refinable(plan: Plan, levels: int) -> None:
 
 
 def regime_numbers(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> Regimes:
-    """One number per point for its regime: those columns that tell regimes apart, and its status; -1 where it is not computed.
-    Verdicts that decide no regime are one: they say how long the run was, and have no boundary to be found."""
+    """One number per point for its regime, from the columns that distinguish regimes and its status; -1 if not computed.
+    Undecided verdicts are one regime."""
     found = arrays["status"].astype(np.int64)
     for name in measure.regime:
         values = np.nan_to_num(arrays[name], nan=-1.0) if name in arrays else np.full(found.size, -1.0)
@@ -57,11 +57,9 @@ def regime_numbers(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> 
 
 
 def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes: Callable[[], Regimes]) -> Audit:
-    """Compute what the map of `plan` needs, level by level. `compute` takes the numbers of points, which may be there already;
-    `regimes` tells those of all points.
-
-    A cell beside one whose corners differ may not be there, because the cell around it was not divided: then that is divided
-    too, and all levels are gone through again until nothing is divided any more.
+    """Compute the points that the map of `plan` needs, level by level. `compute` takes numbers of points, which may exist
+    already; `regimes` returns the regimes of all points. A neighbour of a cell whose corners differ may not exist, because its
+    parent was not divided: then the parent is divided too, and all levels are repeated until nothing changes.
     """
     steps = {level: 2**level for level in range(levels, 0, -1)}
     divided = {level: np.zeros(_cells(plan, step), dtype=bool) for level, step in steps.items()}
@@ -79,8 +77,8 @@ def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes:
 
 
 def fill(plan: Plan, levels: int, regimes: Regimes, columns: Mapping[str, npt.NDArray[Any]]) -> None:
-    """Give every point that is not computed the values at the corners of its cell, which are of one regime: numbers by linear
-    interpolation along each axis, words as they are."""
+    """Fill points that are not computed from the corners of their cell, which have one regime: numbers by linear interpolation
+    along each axis, words by copying."""
     known = regimes.reshape(plan.shape)
     given = {name: column.reshape(plan.shape).copy() for name, column in columns.items()}
     for level in range(levels, 0, -1):
@@ -99,10 +97,10 @@ def fill(plan: Plan, levels: int, regimes: Regimes, columns: Mapping[str, npt.ND
                 column.reshape(plan.shape)[wanted] = corners[at][wanted]
 
 
-def _stretched(values: npt.NDArray[Any], axis: int, places: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
-    """`values` along an axis at fractional `places`, by linear interpolation."""
-    before = np.minimum(places.astype(int), values.shape[axis] - 2)
-    share = np.expand_dims(places - before, tuple(range(1, values.ndim - axis)))
+def _stretched(values: npt.NDArray[Any], axis: int, positions: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
+    """`values` along an axis at fractional `positions`, by linear interpolation."""
+    before = np.minimum(positions.astype(int), values.shape[axis] - 2)
+    share = np.expand_dims(positions - before, tuple(range(1, values.ndim - axis)))
     return np.asarray(np.take(values, before, axis) * (1.0 - share) + np.take(values, before + 1, axis) * share)
 
 
@@ -116,7 +114,7 @@ def _coarse(values: npt.NDArray[Any], step: int) -> npt.NDArray[Any]:
 
 
 def _corners(known: Regimes, step: int) -> Regimes:
-    """The regimes at the corners of all cells, those of a cell along the last axis."""
+    """The regimes at the corners of all cells; the corners of a cell are the last axis."""
     pairs = sliding_window_view(_coarse(known, step), (2,) * (known.ndim - 1), tuple(range(1, known.ndim)))
     return pairs.reshape(*pairs.shape[: known.ndim], -1)
 
@@ -127,7 +125,7 @@ def _differing(known: Regimes, step: int) -> Cells:
 
 
 def _changing(known: Regimes, step: int, divided: Cells) -> Cells:
-    """Cells whose corners differ, or in which another regime was found when they were divided."""
+    """Cells whose corners differ, or in which another regime was found by division."""
     return _differing(known, step) | (divided & _coarser(_differing(known, step // 2), 2))
 
 
@@ -153,7 +151,7 @@ def _there(divided: Mapping[int, Cells], level: int, levels: int) -> Cells:
 
 
 def _coarser(cells: Cells, factor: int) -> Cells:
-    """The cells, so many times larger, that hold one of these."""
+    """The cells, larger by `factor`, that contain one of `cells`."""
     for axis in range(1, cells.ndim):
         shape = (*cells.shape[:axis], cells.shape[axis] // factor, factor, *cells.shape[axis + 1 :])
         cells = np.asarray(cells.reshape(shape).any(axis + 1))
@@ -161,7 +159,7 @@ def _coarser(cells: Cells, factor: int) -> Cells:
 
 
 def _points_of(cells: Cells, step: int, parts: int, plan: Plan) -> Cells:
-    """The points of these cells on the lattice that divides each into so many `parts` along each axis."""
+    """The points of these cells on the lattice that divides each into `parts` along each axis."""
     lattice = np.zeros((cells.shape[0], *(n * parts + 1 for n in cells.shape[1:])), dtype=bool)
     for offsets in product(range(parts + 1), repeat=cells.ndim - 1):
         ends = (slice(offset, offset + (n - 1) * parts + 1, parts) for offset, n in zip(offsets, cells.shape[1:], strict=True))
@@ -172,7 +170,7 @@ def _points_of(cells: Cells, step: int, parts: int, plan: Plan) -> Cells:
 
 
 def _audit(plan: Plan, known: Regimes, divided: Mapping[int, Cells], levels: int) -> Audit:
-    """Of the cells divided for nothing but their number, how many held another regime than their corners'."""
+    """Numbers of audited cells, and of those with another regime than their corners."""
     count = hidden = 0
     for level in divided:
         step, there = 2**level, _there(divided, level, levels)

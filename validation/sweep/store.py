@@ -1,9 +1,8 @@
 """The folder of a sweep: `manifest.json` says what is computed, each file in `parts` holds finished points.
 
-A part is written to a temporary name, flushed to disk and renamed, and the folder is flushed too: after a crash of any kind a
-part is there whole or not at all, and what remains to be done follows from the points that are there, whoever computed them.
-Its name has a digest of the manifest that it belongs to: what a process still writes of a sweep that another process has begun
-anew, or left there when it was killed on the way, is never taken for the new one's.
+A part is written to a temporary name, flushed to disk and renamed, and the folder is flushed too: after any crash a part exists
+whole or not at all, and the remaining work follows from the existing points. Its name contains a digest of its manifest, so that
+parts of a former sweep, which another process still writes or left behind, are never taken for those of the present one.
 """
 
 import hashlib
@@ -38,7 +37,7 @@ class Store:
 
     @property
     def manifest(self) -> dict[str, Any] | None:
-        """What the folder holds; None if it holds no sweep. Raises SceneError for a damaged manifest."""
+        """The manifest in the folder; None if there is no sweep. Raises SceneError for a damaged manifest."""
         try:
             found = json.loads((self.folder / _MANIFEST).read_text(encoding="utf-8"))
         except (FileNotFoundError, NotADirectoryError):
@@ -50,8 +49,8 @@ class Store:
         raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep")
 
     def begin(self, manifest: Mapping[str, Any], anew: bool = False) -> None:
-        """Begin the sweep of `manifest`, or go on with it. Raises SceneError if the folder holds another one, naming what
-        differs, unless it shall be computed `anew`; and for a folder with other files."""
+        """Begin or continue the sweep of `manifest`. Raises SceneError if the folder holds another one, naming the differences,
+        unless `anew`; and for a folder with other files."""
         present = self.manifest
         if anew and present is not None:
             (self.folder / _MANIFEST).unlink(missing_ok=True)  # first: parts of a sweep that has none are nobody's
@@ -62,9 +61,9 @@ class Store:
             ):
                 raise SceneError(f"--out = {str(self.folder)!r}: must be a new or empty folder, or one of a sweep")
         elif differing := [key for key in manifest if present.get(key) != manifest[key]]:
-            told = "; ".join(_difference(key, present.get(key), manifest[key]) for key in differing[:_SHOWN])
+            differences = "; ".join(_difference(key, present.get(key), manifest[key]) for key in differing[:_SHOWN])
             raise SceneError(
-                f"--out = {str(self.folder)!r}: holds another sweep ({told}); another folder, or --anew to begin again"
+                f"--out = {str(self.folder)!r}: holds another sweep ({differences}); another folder, or --anew to begin again"
             )
         else:
             self._make_parts()
@@ -95,8 +94,8 @@ class Store:
             temporary.unlink(missing_ok=True)
 
     def write(self, points: Indices, columns: Columns) -> None:
-        """Add finished points of the sweep that was begun. Raises SceneError if the part cannot be written, or if another process
-        has begun another sweep here."""
+        """Add finished points of the sweep. Raises SceneError if the part cannot be written, or if another process has begun
+        another sweep here."""
         present = self.manifest
         if present is None or _digest(present) != self._digest:
             raise SceneError(f"--out = {str(self.folder)!r}: another process has begun another sweep there; this one ends")
@@ -106,8 +105,8 @@ class Store:
         _flush(path.parent)
 
     def parts(self) -> Iterator[tuple[Indices, Columns]]:
-        """Every whole part: its points and their columns. A damaged one counts as absent, and one of another manifest. A sweep of
-        an earlier version, whose parts have no digest, can be read and not gone on with."""
+        """Every whole part: its points and their columns. Damaged parts and those of another manifest count as absent. A sweep of
+        an earlier version, whose parts have no digest, can be read but not continued."""
         ours = self._digest or _digest(self.manifest or {})
         for path in sorted((self.folder / _PARTS).glob("[0-9]*.npz")):
             whose = path.stem.split("-")[1:-1]
@@ -122,7 +121,7 @@ class Store:
             yield points.astype(np.int64), columns
 
     def done(self, size: int) -> npt.NDArray[np.bool_]:
-        """Which of `size` points are there."""
+        """Which of `size` points are finished."""
         found = np.zeros(size, dtype=bool)
         for points, _ in self.parts():
             found[points] = True

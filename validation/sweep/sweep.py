@@ -41,8 +41,8 @@ _PROBE_SECONDS = 5.0
 
 @dataclass(frozen=True)
 class Where:
-    """Where points are computed: on so many `workers` of this machine, on the dask `scheduler`, or on a given `executor`; `part`
-    (i, n) is the i-th of n jobs that share the folder. More than `most_seconds` are refused."""
+    """Where points are computed: on `workers` processes of this machine, on the dask `scheduler`, or on a given `executor`;
+    `part` (i, n) is the i-th of n jobs that share the folder. Sweeps of more than `most_seconds` are refused."""
 
     workers: int = 0
     scheduler: str | None = None
@@ -53,7 +53,8 @@ class Where:
 
 @dataclass(frozen=True)
 class Swept:
-    """What is finished of a `plan` in its `store`: the `audit` of a refined one, and the time of this call (s)."""
+    """The finished part of a `plan` in its `store`: the `audit` of a refined sweep, the time of this call (s) and the points
+    `computed` in it."""
 
     plan: Plan
     store: Store
@@ -63,7 +64,7 @@ class Swept:
 
 
 class Forecast(NamedTuple):
-    """What a sweep will take: points, seconds per point and in all with so many workers, bytes on disk."""
+    """Predicted cost of a sweep: points, seconds per point and in all with `workers` workers, bytes on disk."""
 
     points: int
     seconds_per_point: float
@@ -73,7 +74,7 @@ class Forecast(NamedTuple):
 
 
 def plan_of(scene: Scene, axes: Sequence[Axis], models: Sequence[str], measure: str, **options: Any) -> Plan:
-    """The checked plan. Raises SceneError for anything wrong about it."""
+    """A validated plan. Raises SceneError if it is invalid."""
     names = tuple(dict.fromkeys(resolve(name.strip(), scene)[0] for name in models))
     for name in names:
         parse(name)
@@ -88,7 +89,7 @@ def plan_of(scene: Scene, axes: Sequence[Axis], models: Sequence[str], measure: 
 
 
 def manifest_of(plan: Plan) -> dict[str, Any]:
-    """The plan and the program, which a folder must agree with to be gone on with."""
+    """The plan and the program, with which a folder must agree to be continued."""
     program = {name: version(name) for name in ("slipwave", "numpy", "scipy", "numba")} | {"code": source_digest()}
     source = {"scene_toml": to_toml(plan.base)}
     return dict(json.loads(json.dumps(plan.manifest | source | {"program": program})))
@@ -108,7 +109,7 @@ def stored_plan(folder: Path) -> Plan:
 
 
 def forecast(plan: Plan, where: Where) -> Forecast:
-    """From a few points all over the plan, computed in this process; of a refined plan it is that of the whole lattice."""
+    """Forecast from a few points all over the plan, computed in this process; for a refined plan that of the whole lattice."""
     chosen = order_of(plan)[np.linspace(0, plan.size - 1, min(_PROBES, plan.size)).astype(int)]
     compute(plan, chosen[:1])  # compiled code is loaded
     spent: list[float] = []
@@ -125,10 +126,8 @@ def _size(plan: Plan) -> int:
 
 
 def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) -> Swept:
-    """Compute what is not there yet, or begin `anew`.
-
-    Raises SceneError for more than the disk or `most_seconds`; NumericsError if the scheduler goes away. What is finished stays
-    in the store whatever happens.
+    """Compute the missing points, or all `anew`. Raises SceneError for more than the disk or `most_seconds`; NumericsError if the
+    scheduler disappears. Finished parts stay in the store in any case.
     """
     with _engine(plan, store, where) as engine:
         store.begin(manifest_of(plan), anew)
@@ -136,7 +135,7 @@ def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) ->
 
 
 def swept_here(plan: Plan) -> Dataset:
-    """All points of `plan`, computed in this process with no folder kept: what studies and scripts need."""
+    """All points of `plan`, computed in this process without keeping a folder, for studies and scripts."""
     with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
         swept = perform_sweep(plan, Store(Path(folder)), Where(workers=1, executor=here))
         return dataset_of(plan, swept.store)
@@ -151,8 +150,8 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
     order = order[len(order) * (where.part[0] - 1) // where.part[1] : len(order) * where.part[0] // where.part[1]]
     with progress(f"{plan.base.name}, points", len(order)) as report:
 
-        def told(points: int) -> None:
-            """Show progress and refuse what would take days."""
+        def checked(points: int) -> None:
+            """Show progress and refuse a sweep that would take too long."""
             done_now[0] += points
             report(done_now[0])
             rest = (len(order) - done_now[0]) * engine.sizes.seconds_per_point / engine.workers
@@ -160,10 +159,10 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
                 raise SceneError(f"the sweep would take about {rest / 3600.0:.0f} hours more; --yes computes it all the same")
 
         done_now = [before]
-        engine.report = told
+        engine.report = checked
 
         def missing(wanted: Indices) -> None:
-            """Compute those of the wanted points that are not there, in their order."""
+            """Compute the missing points among `wanted`, in their order."""
             chosen = np.zeros(plan.size, dtype=bool)
             chosen[wanted] = True
             engine.run(order[(chosen & ~store.done(plan.size))[order]])

@@ -1,1 +1,1 @@
-"""`slipwave verify`: a scheme, a law or a scene judged by the rows by which the report judges ours."""
+"""`slipwave verify`: judges a scheme, a law or a scene by the report's own rows."""

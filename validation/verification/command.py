@@ -1,4 +1,4 @@
-"""`slipwave.verify`: does a scheme, a law or a scene keep what it promises? The report's own rows, with exit status 3."""
+"""`slipwave.verify`: verifies a scheme, a law or a scene by the report's own rows; exit status 3 if one fails."""
 
 import xml.etree.ElementTree as xml
 from collections.abc import Iterable, Iterator, Mapping
@@ -46,7 +46,7 @@ class VerifyOptions(ModelOptions):
     )
 
     def load_own(self) -> Self:
-        """Nothing yet: the user's files are loaded where they are judged."""
+        """Does nothing: the user's files are loaded when they are judged."""
         return self
 
 
@@ -55,7 +55,7 @@ _UNCHANGED = VerifyOptions()
 
 @dataclass(frozen=True, repr=False, eq=False)
 class VerifyResult(Result):
-    """The `rows` of what was judged, `subject`."""
+    """The `rows` on a `subject`."""
 
     OUTPUTS: ClassVar = (Output("--junit", (".xml",), "save_junit", "write the rows as JUnit XML, for a CI"),)
 
@@ -129,7 +129,7 @@ def verify(source: "SceneSource | None" = None, options: VerifyOptions = _UNCHAN
 
 
 def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, Iterable[Verdict], tuple[str, ...]]:
-    """What is judged, in words; its rows, to be computed; what they leave out."""
+    """Text of the subject; its rows, computed on iteration; notes on omissions."""
     families = [] if options.family is None else load_families(options.family)
     if options.law is not None:
         return _of_laws(source or _SCENE, options, options.law)
@@ -156,7 +156,7 @@ def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, 
 
 
 def _of_laws(source: SceneSource, options: VerifyOptions, path: Path) -> tuple[str, Iterable[Verdict], tuple[str, ...]]:
-    """The same of the laws that a file registers; one that is refused is a row that is missed."""
+    """As `_judged` for the laws that a file registers; a refused law is a failed row."""
     try:
         names = load_laws(path)
     except LawError as error:

@@ -66,7 +66,7 @@ def noise_row(model: str) -> Verdict:
 
 
 def rows_on_scene(model: str, scene: Scene) -> Iterator[Verdict]:
-    """Energy balance and order of the error of psi against the delay system, or against a finer grid where it cannot do the
+    """Energy balance and order of the error of psi against the delay system, or against a finer grid where it cannot compute the
     scene."""
     cells = grids_for(model)
     yield ledger_row(model, scene, cells)
@@ -80,7 +80,7 @@ def rows_on_scene(model: str, scene: Scene) -> Iterator[Verdict]:
 
 
 def starts_smoothly(scene: Scene) -> bool:
-    """Whether nothing jumps at its start or later."""
+    """Whether nothing jumps, at the start or later."""
     return scene.drive.is_constant and scene.start.kind == "nudge"
 
 
@@ -107,7 +107,7 @@ def _error(model: str, scene: Scene, cells: int, true: np.ndarray) -> float:
 
 
 def agreement_row(model: str, scene: Scene, known: dict[int, float], evidence: Evidence) -> Verdict:
-    """Whether errors (by cells) reach the declared order, or are so small that none can be read."""
+    """Whether errors (by cells) reach the declared order, or are too small to fit one."""
     family, number = grid_of(model)
     declared, other = family.order_interface(number), "the delay system" if evidence is WITNESS else "a finer grid"
     title = f"psi converges to that of {other}"
@@ -124,8 +124,8 @@ def agreement_row(model: str, scene: Scene, known: dict[int, float], evidence: E
 
 
 def ledger_row(model: str, scene: Scene, cells: list[int]) -> Verdict:
-    """Whether the work of the drive is what friction, faces and viscosity take and what stays, but for losses that fall with the
-    grid at the order of the fields."""
+    """Whether the energy balance closes (work of the drive, dissipation by friction, faces and viscosity, stored energy) up to
+    losses that decrease with the grid at the order of the fields."""
     family, number = grid_of(model)
     lost, closed = dict[int, float](), 0.0
     for n in cells:

@@ -42,13 +42,13 @@ def rows_of_law(name: str, scene: Scene) -> Iterator[Verdict]:
 
 def _rows_of_functions(name: str, law: Any, sample: Any) -> Iterator[Verdict]:
     """The functions alone, as plain Python."""
-    places = [
+    points = [
         (law.unknown_of(sample, rate), law.steady_state(sample, rate) + off) for rate, off in itertools.product(_RATES, _OFFSETS)
     ]
-    where = f"`{name}`, {len(places)} places, rates from {_RATES[0]:g} to {_RATES[-1]:g}"
-    wrong = max(derivative_error(law, sample, z, psi) for z, psi in places)
+    where = f"`{name}`, {len(points)} points, rates from {_RATES[0]:g} to {_RATES[-1]:g}"
+    wrong = max(derivative_error(law, sample, z, psi) for z, psi in points)
     yield claim("Its derivatives are those of differences", EXACT, wrong, _SLOPES, f"{where}, relative")
-    least = min(law.respond(sample, z, psi)[3] for z, psi in places)
+    least = min(law.respond(sample, z, psi)[3] for z, psi in points)
     yield holding("Slip speeds up with the stress", EXACT, "F_z above 0", f"{least:.3g}", least > 0.0, where)
     still = max(abs(law.respond(sample, law.unknown_of(sample, v), law.steady_state(sample, v))[5]) / v for v in _RATES)
     yield claim("Nothing changes in steady sliding", EXACT, still, _STEADY, f"`{name}`, G over the rate")
@@ -77,7 +77,7 @@ def _evolution(_: float, psi: Any, law: Any, sample: Any, z: float) -> list[floa
 
 
 def _not_compiled(scene: Scene) -> str:
-    """Why the compiler refuses the law of the scene, in its first line that says so; empty if it takes it."""
+    """First line of the compiler's reason to refuse the law of the scene; empty if it compiles."""
     try:
         build("delay", scene).advance(0.1)
     except NumbaError as error:
@@ -86,8 +86,8 @@ def _not_compiled(scene: Scene) -> str:
 
 
 def growth_row(name: str, scene: Scene) -> Verdict:
-    """Growth of a small disturbance of steady sliding, read off a run, against the root of the characteristic equation, which
-    takes the law's slopes by themselves."""
+    """Growth of a small disturbance of steady sliding in a run, compared with the root of the characteristic equation, which uses
+    only the law's slopes."""
     title = "A small disturbance grows as the law’s slopes say"
     root = complex(analyse(scene, DELAY.name).leading_roots[0]) * scene.transit
     try:

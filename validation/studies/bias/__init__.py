@@ -1,4 +1,4 @@
-"""What leaving waves, or a machine's mass, out does to a, b and L that are fitted, and whether the fits' own intervals say so."""
+"""Bias of fitted a, b and L by neglecting waves, or a machine's mass, and whether the fits' own intervals cover it."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -34,12 +34,12 @@ _SAME = 2e-3  # between two computations of an error: least squares stop at rela
 _LEAST, _MOST = 0.91, 0.995
 _CORNER, _WAVE, _WAVE_SAME = AtlasPoint(0.6, 5.0, None), "dg:5", 2e-2
 _OWN, _OWN_MODEL, _OWN_SAME = AtlasPoint(0.24, 0.8, None), "quasidynamic", 0.02
-_BETWEEN = ((0.9, 1.3, None), (0.9, 3.0, 3.0))  # of the rule's limit; kappa; mass: no places of the atlas
+_BETWEEN = ((0.9, 1.3, None), (0.9, 3.0, 3.0))  # of the rule's limit; kappa; mass: no points of the atlas
 _PART = {"quick": 3, "full": 8}  # fits whose intervals are computed anew
 
 
 def run(budget: Budget) -> StudyResult:
-    """Read the stored fits, compute a part of them anew, and judge the rule where it was not made."""
+    """Read the stored fits, repeat a part of them, and test the rule where it was not derived."""
     if not RECORD.is_file():
         return StudyResult(
             "Not answered in this report.", omissions=(Omission("The stored fits.", "No record of them is here."),)
@@ -47,7 +47,7 @@ def run(budget: Budget) -> StudyResult:
     atlas, covered = Atlas.read(), recorded_coverage()
     verdicts = [*_anew(atlas, budget.quick)]
     budget.report(0.6)
-    verdicts += [_intervals(atlas), *_slips(atlas), _witness(), *_covered(covered, budget.quick)]
+    verdicts += [_intervals(atlas), *_slips(atlas), _by_full_wave(), *_covered(covered, budget.quick)]
     rules = {model: atlas.rule(model) for model in MODELS}
     slips = [f"{100.0 * atlas.slip_error('quasidynamic', quantity):.2g} %" for quantity in ("L", "k")]
     return StudyResult(
@@ -66,9 +66,9 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _anew(atlas: Atlas, quick: bool) -> tuple[Verdict, ...]:
-    """One stored place computed again, and the rule at places between those that it was made of."""
+    """One stored point computed again, and the rule at points between those from which it was derived."""
     number = atlas.middle
-    again, stored = all_biases(scene_of_point(atlas.places[number])), atlas.row(number)
+    again, stored = all_biases(scene_of_point(atlas.points[number])), atlas.row(number)
     apart = max(abs(again[name] - stored[name]) for name in again if " error " in name) if atlas.is_own else math.inf
     limit = atlas.rule("quasidynamic")
     chosen = [AtlasPoint(share * limit, kappa, mass) for share, kappa, mass in _BETWEEN[: 1 if quick else 2]]
@@ -78,7 +78,7 @@ def _anew(atlas: Atlas, quick: bool) -> tuple[Verdict, ...]:
         holding(
             "The stored fits are those of this program",
             SELF,
-            f"scenes and measure the same, and at one place all errors within {_SAME:g}",
+            f"scenes and measure the same, and at one point all errors within {_SAME:g}",
             f"within {apart:.1g}",
             apart < _SAME,
         ).with_margin(apart, _SAME),
@@ -87,19 +87,19 @@ def _anew(atlas: Atlas, quick: bool) -> tuple[Verdict, ...]:
             EXACT,
             worst,
             ALLOWED,
-            f"between the atlas' places, at 0.9 of the limit; at other places of the atlas the limit is up to {spread:.2g} times "
+            f"between the atlas' points, at 0.9 of the limit; at other points of the atlas the limit is up to {spread:.2g} times "
             "as large",
         ),
     )
 
 
-def _quasidynamic_errors(place: AtlasPoint) -> dict[str, float]:
-    scene = scene_of_point(place)
+def _quasidynamic_errors(point: AtlasPoint) -> dict[str, float]:
+    scene = scene_of_point(point)
     return biases_of(scene, seen_record(scene), "quasidynamic")
 
 
 def _intervals(atlas: Atlas) -> Verdict:
-    """An interval knows nothing of the model's error."""
+    """Verdict: intervals do not cover the model's error."""
     excluded = sum(int(atlas.excluded(model, steps).sum()) for model in MODELS for steps in (True, False))
     title, expected = (
         "Some fits' own intervals exclude the truth",
@@ -110,13 +110,13 @@ def _intervals(atlas: Atlas) -> Verdict:
 
 
 def own_errors() -> dict[str, float]:
-    """Errors of a model's fit to its own stick-slip, of slabs as at one place of the atlas."""
+    """Errors of a model's fit to its own stick-slip, of slabs as at one point of the atlas."""
     scene = stand_in(scene_of_point(_OWN))
     return biases_of(scene, seen_record(scene, _OWN_MODEL), _OWN_MODEL)
 
 
 def _slips(atlas: Atlas) -> Iterator[Verdict]:
-    """Stick-slip: a model's own gives back what it was made with, that of the delay system does not."""
+    """Stick-slip: fits to a model's own data recover its parameters, fits to data of the delay system do not."""
     own = max(abs(error) for name, error in own_errors().items() if name.startswith("error"))
     title = "A model's own stick-slip gives back a, b, L and stiffness"
     yield claim(title, EXACT, own, _OWN_SAME, f"{_OWN_MODEL}; with noise {NOISE:g}, so that errors are those of other fits")
@@ -132,13 +132,13 @@ def _slips(atlas: Atlas) -> Iterator[Verdict]:
 
 
 def corner_errors(model: str) -> dict[str, float]:
-    """Errors of the quasi-dynamic fit of what `model` shows in one corner of the atlas."""
+    """Errors of the quasi-dynamic fit to data of `model` in one corner of the atlas."""
     scene = scene_of_point(_CORNER)
     return biases_of(scene, seen_record(scene, model), "quasidynamic")
 
 
-def _witness() -> Verdict:
-    """One corner by a full wave in place of the delay system."""
+def _by_full_wave() -> Verdict:
+    """One corner with data of a full wave instead of the delay system."""
     ours, theirs = corner_errors("delay"), corner_errors(_WAVE)
     apart = max(abs(ours[f"error {q}"] - theirs[f"error {q}"]) for q in QUANTITIES)
     remark = f"{_WAVE}, swing {_CORNER.swing:g}, k/k_{{c}} {_CORNER.kappa:g}"

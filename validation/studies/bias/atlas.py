@@ -1,4 +1,4 @@
-"""The stored fits over the places of the atlas, and the rule that they make."""
+"""The stored fits over the points of the atlas, and the rule derived from them."""
 
 import hashlib
 import json
@@ -30,15 +30,15 @@ class Atlas:
 
     @classmethod
     def read(cls) -> "Atlas":
-        """That of the checkout."""
+        """Read the atlas of the checkout."""
         require("files", "the record of fits")
         import xarray
 
         return cls(xarray.load_dataset(RECORD))
 
     @cached_property
-    def places(self) -> list[AtlasPoint]:
-        """As in the record."""
+    def points(self) -> list[AtlasPoint]:
+        """The points in the order of the record."""
         return atlas_points()
 
     @cached_property
@@ -53,20 +53,20 @@ class Atlas:
     @property
     def is_own(self) -> bool:
         """Whether the record is of the scenes and models of this program."""
-        rows = [dict(place.changes) for place in self.places]
+        rows = [dict(point.changes) for point in self.points]
         return self.digest == _digest(stepped_scene(1.0, 1.0).digest, json.loads(json.dumps(rows)))
 
     @property
     def fits(self) -> int:
-        """How many there are."""
+        """Number of fits."""
         return sum(int(np.isfinite(self.data[f"{model} error L"]).sum()) for model in MODELS)
 
     def row(self, number: int) -> dict[str, float]:
-        """The figures of one place."""
+        """The figures of one point."""
         return {str(name): float(values[number]) for name, values in self.data.items() if values.dtype.kind == "f"}
 
     def of(self, model: str, kind: str, quantity: str, steps: bool = True) -> Array:
-        """Relative errors, or half widths of intervals (machines, swings, kappas), of velocity steps or of stick-slip."""
+        """Relative errors, or half widths of intervals, (machines, swings, kappas) of velocity steps or of stick-slip."""
         count = len(MACHINES) * SWINGS.size * len(STEPPED)
         values = self.data[f"{model} {kind} {quantity}"].values
         part = values[:count] if steps else values[count:]
@@ -78,12 +78,12 @@ class Atlas:
         return np.asarray(np.where(np.isfinite(errors), errors, np.inf).max(axis=0))
 
     def excluded(self, model: str, steps: bool = True) -> Any:
-        """Where the interval of a, b or L does not hold the truth."""
+        """Whether the interval of a, b or L excludes the truth."""
         outside = [np.abs(self.of(model, "error", q, steps)) > self.of(model, "half", q, steps) for q in _CLOSE]
         return np.asarray(np.any(outside, axis=0))
 
     def limits(self, model: str) -> Array:
-        """Up to which swing no error is larger than allowed, by the logarithms between two swings (machines, kappas)."""
+        """Largest swing up to which no error exceeds the limit (machines, kappas), interpolated in logarithms."""
         worst, logs = np.log(np.clip(self.worst(model) / ALLOWED, 1e-9, 1e9)), np.log(SWINGS)
         found = np.full((worst.shape[0], worst.shape[2]), SWINGS[-1])
         for machine, kappa in np.ndindex(found.shape):
@@ -96,17 +96,17 @@ class Atlas:
         return found
 
     def rule(self, model: str) -> float:
-        """The swing up to which no error of a velocity step is larger than allowed, whatever kappa and the machine."""
+        """Largest swing up to which no error of a velocity step exceeds the limit, for every kappa and machine."""
         return float(self.limits(model).min())
 
     def slip_error(self, model: str, quantity: str) -> float:
-        """The median size of its error in fits to stick-slip."""
+        """Median modulus of the error of `quantity` in fits to stick-slip."""
         return float(np.nanmedian(np.abs(self.of(model, "error", quantity, False))))
 
     @property
     def middle(self) -> int:
-        """The number of a velocity step in the middle."""
-        return self.places.index(AtlasPoint(float(SWINGS[SWINGS.size // 2]), STEPPED[2], MACHINES[1]))
+        """Number of a velocity step in the middle of the atlas."""
+        return self.points.index(AtlasPoint(float(SWINGS[SWINGS.size // 2]), STEPPED[2], MACHINES[1]))
 
 
 def _digest(scene: str, rows: Any) -> str:

@@ -17,12 +17,12 @@ _SEEN = (0.01, 300.0)  # %
 
 
 def called(model: str) -> str:
-    """A model as the page calls it."""
+    """Name of a model on the page."""
     return "block, fitted mass" if model == "one mass" else style_of(model).label
 
 
 def table_of_rules(atlas: Atlas) -> Table:
-    """Limits, how often intervals exclude the truth, and errors at one swing."""
+    """Limits, share of intervals that exclude the truth, and errors at one swing."""
     rows: list[list[Cell]] = []
     for model in MODELS:
         limits, out = atlas.limits(model), atlas.excluded(model)
@@ -48,7 +48,7 @@ def table_of_slips(atlas: Atlas) -> Table:
 
 
 def table_of_coverage(covered: Mapping[str, Sequence[Sequence[bool]]]) -> Table:
-    """How often intervals hold the truth."""
+    """Coverage of the intervals."""
     rows = ((model, len(rows), *(100.0 * np.mean(rows, axis=0)).tolist()) for model, rows in covered.items())
     return table("coverage", _COVERAGE, "model | fits .0f | a [%] .1f | b [%] .1f | L [%] .1f", rows)
 
@@ -85,7 +85,7 @@ def draw_atlas(atlas: Atlas) -> Drawing:
 
 
 def _percent(worst: Array) -> Array:
-    """Of the worst kappa, within what is shown; NaN where a fit came to no end."""
+    """Largest error over kappa in per cent, clipped to the axis; NaN where a fit did not converge."""
     most = 100.0 * worst.max(axis=2)
     return np.where(np.isfinite(most), np.clip(most, *_SEEN), np.nan)
 

@@ -1,7 +1,6 @@
-"""What fits without waves, or with some, make of data of the exact delay system at every place of an atlas: a measure of a scene
-that `slipwave sweep` computes.
-
-`python -m validation.studies.bias.measured FOLDER` computes the record again, or goes on with the sweep in this folder.
+"""Fits of models without waves, or with some, to data of the exact delay system at every point of an atlas: a measure for
+`slipwave sweep`. `python -m validation.studies.bias.measured FOLDER` computes the record again, or continues the sweep in this
+folder.
 """
 
 import csv
@@ -36,7 +35,7 @@ else:
 RECORD = ROOT / "reports" / "baseline" / "atlas.nc"
 COVERED_RECORD = RECORD.with_name("fits.json")
 MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "one mass", "kelvin-voigt", "modal:2")
-"""Models that are fitted; `one mass`: a spring and a block whose mass is fitted too."""
+"""Fitted models; `one mass`: a spring and a block whose mass is fitted too."""
 
 MEASURE = "validation.studies.bias.measured:all_biases"
 QUANTITIES = ("a", "b", "b - a", "L", "k")
@@ -45,11 +44,11 @@ SWINGS = np.logspace(-2.5, 0.0, 9)
 STEPPED, SLIPPING = (1.2, 2.0, 5.0, 12.0, 32.0), (0.5, 0.8)
 SLIPPING_SWINGS = SWINGS[4:8]
 RINGING = ("kelvin-voigt", "modal:2")
-"""Not fitted to stick-slip: they swing on while they stick, and are fitted by every sample of a motion that repeats, not by means
-over a recorder's filter."""
+"""Models not fitted to stick-slip: they oscillate during stick, and need every sample of a repeating motion instead of means over
+a recorder's filter."""
 
 COVERED = (0.1, 5.0)
-"""Share and kappa of the records whose intervals are counted."""
+"""Share and kappa of the records for the coverage of intervals."""
 
 FITS = dict.fromkeys(("delay", *(model for model in MODELS if model != "one mass")), 200)
 _ASIDE = 0.05  # spread of the starts, in logarithms
@@ -59,9 +58,9 @@ _SAMPLE, _WITHIN = 0.2, 100  # from sample to sample, the same; each is the mean
 
 
 class AtlasPoint(NamedTuple):
-    """Of the atlas: the period of the slowest `swing` of sample and machine, with a free interface, over the time of slip by L;
-    `kappa` = k/k_c, above 1 a velocity step, below 1 stick-slip; the mass of the machine over that of the slab, or None without
-    a machine."""
+    """A point of the atlas: the period of the slowest vibration of sample and machine with a free interface over the time of slip
+    by L, `swing`; `kappa` = k/k_c, above 1 a velocity step, below 1 stick-slip; the mass of the machine over that of the slab, or
+    None without a machine."""
 
     swing: float
     kappa: float
@@ -69,7 +68,7 @@ class AtlasPoint(NamedTuple):
 
     @property
     def changes(self) -> dict[str, float | str]:
-        """The keys that make this place of any `stepped_scene`. Half of the compliance is the machine's, if there is one."""
+        """The keys that give this point of any `stepped_scene`. Half of the compliance is the machine's, if there is one."""
         slab = (stepped_scene(1.0, self.kappa).tables or {})["slab"]
         thickness, modulus, angle = slab["thickness"], slab["shear_modulus"], math.pi / 2.0
         face: dict[str, float | str] = {"kind": "rigid"}
@@ -86,16 +85,16 @@ class AtlasPoint(NamedTuple):
 
 
 def atlas_points() -> list[AtlasPoint]:
-    """All places, in the order of the record."""
+    """All points, in the order of the record."""
     steps = [AtlasPoint(swing, kappa, mass) for mass in MACHINES for swing in SWINGS.tolist() for kappa in STEPPED]
     return steps + [
         AtlasPoint(swing, kappa, mass) for mass in MACHINES for swing in SLIPPING_SWINGS.tolist() for kappa in SLIPPING
     ]
 
 
-def scene_of_point(place: AtlasPoint) -> Scene:
-    """The scene of a place."""
-    return slipwave.read(stepped_scene(1.0, 1.0), place.changes)
+def scene_of_point(point: AtlasPoint) -> Scene:
+    """The scene of a point."""
+    return slipwave.read(stepped_scene(1.0, 1.0), point.changes)
 
 
 def kappa_of(scene: Scene) -> float:
@@ -104,7 +103,7 @@ def kappa_of(scene: Scene) -> float:
 
 
 def seen_record(scene: Scene, model: str = "delay") -> Experiment:
-    """What a laboratory would see of this scene: a velocity step, or stick-slip where kappa < 1."""
+    """The record of this scene in a laboratory: a velocity step, or stick-slip where kappa < 1."""
     if kappa_of(scene) > 1.0:
         record = stepped_record()
         return record._replace(friction=OfSolver(Variants(scene, (), STEP), record.times, model, 1e-8).friction(np.empty(0)))
@@ -117,8 +116,8 @@ def seen_record(scene: Scene, model: str = "delay") -> Experiment:
 
 
 def all_biases(scene: Scene) -> dict[str, float]:
-    """Of each model the relative errors of a, b, b - a, L and stiffness that it finds in data of the delay system, and the half
-    widths of its own 95 % intervals; NaN where its fit finds no minimum or does not determine them."""
+    """For each model the relative errors of a, b, b - a, L and stiffness fitted to data of the delay system, and the half widths
+    of the 95 % intervals; NaN without a minimum and for undetermined parameters."""
     record = seen_record(scene)
     return {f"{model} {name}": value for model in MODELS for name, value in biases_of(scene, record, model).items()}
 
@@ -129,7 +128,7 @@ def stand_in(scene: Scene) -> Scene:
 
 
 def biases_of(scene: Scene, record: Experiment, model: str) -> dict[str, float]:
-    """The same of one model, from a record of the scene."""
+    """As `all_biases` for one model, from a record of the scene."""
     kappa, none = kappa_of(scene), {f"{kind} {name}": math.nan for kind in ("error", "half") for name in QUANTITIES}
     if kappa < 1.0 and model in RINGING:
         return none
@@ -157,7 +156,7 @@ def biases_of(scene: Scene, record: Experiment, model: str) -> dict[str, float]:
 
 
 def intervals_held(model: str, seeds: Sequence[int]) -> list[list[bool]]:
-    """Whether the 95 % intervals of a, b and L hold the truth, for each of `seeds`: noisy data of a model fitted by itself."""
+    """Whether the 95 % intervals of a, b and L contain the truth, for each of `seeds`: noisy data of a model fitted by itself."""
     scene = stepped_scene(*COVERED)
     exact = problem_for(scene, model, stepped_record())
     truth, friction = truth_of(exact), true_friction(exact)
@@ -174,14 +173,14 @@ def intervals_held(model: str, seeds: Sequence[int]) -> list[list[bool]]:
 
 
 def recorded_coverage() -> dict[str, list[list[bool]]]:
-    """By model, what `intervals_held` found."""
+    """Model -> recorded results of `intervals_held`."""
     return dict(json.loads(COVERED_RECORD.read_text(encoding="utf-8")))
 
 
-def sweep_places(folder: Path) -> Dataset:
-    """All places by `slipwave.sweep` into a folder, in which a table of their scenes is too; goes on with what is there."""
+def sweep_points(folder: Path) -> Dataset:
+    """Sweep all points into a folder, with a table of their scenes; continues an existing sweep."""
     folder.mkdir(parents=True, exist_ok=True)
-    rows = [place.changes for place in atlas_points()]
+    rows = [point.changes for point in atlas_points()]
     with (folder / "places.csv").open("w", encoding="utf-8", newline="") as file:
         table = csv.DictWriter(file, list(dict.fromkeys(key for row in rows for key in row)))
         table.writeheader()
@@ -191,6 +190,6 @@ def sweep_places(folder: Path) -> Dataset:
 
 
 if __name__ == "__main__":
-    sweep_places(Path(sys.argv[1])).to_netcdf(RECORD)
+    sweep_points(Path(sys.argv[1])).to_netcdf(RECORD)
     with whole_or_absent(COVERED_RECORD) as part:
         part.write_text(json.dumps({model: intervals_held(model, range(count)) for model, count in FITS.items()}))

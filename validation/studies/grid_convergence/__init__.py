@@ -14,7 +14,7 @@ from slipwave.observe.pieces import Array
 from slipwave.sources import ROOT, import_closure
 from validation.compute.models import FAMILIES, GRIDS, grid_of
 from validation.measure import grid_ladders
-from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, ROUGH_FROM, STEEP, STEEP_FROM, Course
+from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, ROUGH_FROM, STEEP, STEEP_FROM, LadderRun
 from validation.measure.order_fit import FEWEST_DENSE, TREND
 from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, QUANTITIES, RESOLVED, Climb, climb
 from validation.studies.grid_convergence import in_time, orbits
@@ -32,10 +32,10 @@ _DRAWN = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:2", "fem:4", "fem:7", "dg:2", "d
 """Families of the figure."""
 
 _QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:7", "dg:2", "dg:7")
-"""Families whose orders the quick report reads."""
+"""Families whose orders the quick report fits."""
 
 _THINNED = 2
-"""The figure, which compares all on the gentler scene, has one of so many grids."""
+"""Thinning of the grids in the figure, which compares all families on the gentler scene."""
 
 _ENOUGH = 1e-4  # error of the state for which run times are given
 
@@ -45,7 +45,7 @@ COMPARED = tuple(family.name for family in FAMILIES if family.exact is not Exact
 _SCENES = {GENTLE.log10_r: "s", ROUGH.log10_r: "r", STEEP.log10_r: "t"}
 
 Curves: TypeAlias = Mapping[str, tuple[Array, Array, Array]]
-"""By family: points per slab, seconds, error of the state."""
+"""Family -> points per slab, seconds, error of the state."""
 
 
 def run(budget: Budget) -> StudyResult:
@@ -54,7 +54,7 @@ def run(budget: Budget) -> StudyResult:
     curves = {model: _curve(model, climbs) for model in (*_DRAWN, *_others(_DRAWN))}
     families, marches = orbits.FAMILIES[budget.quick], [in_time.marches_of(model) for model in in_time.GRIDS]
     own = orbits.grid_orbits(families)
-    beside = orbits.as_r_grows(orbits.ORBITS_AT[budget.quick], orbits.MEANS_AT[budget.quick])
+    compared = orbits.as_r_grows(orbits.ORBITS_AT[budget.quick], orbits.MEANS_AT[budget.quick])
     return StudyResult(
         answer=_answer(climbs, own, curves),
         figures=(Figure("families", _CAPTION, lambda: _convergence_and_cost(curves), timed=True),),
@@ -62,14 +62,14 @@ def run(budget: Budget) -> StudyResult:
             orders_table(climbs, [family for family in GRIDS if not family.ladder]),
             finest_table(climbs),
             orbits.grid_orbit_table(own),
-            *([orbits.growth_table(beside)] if beside else []),
+            *([orbits.growth_table(compared)] if compared else []),
             in_time.time_table(marches),
             code_table(),
         ),
         verdicts=(
             *(order_verdict(climbed) for climbed in climbs),
             *orbits.orbit_verdicts(own, families),
-            *orbits.growth_verdicts(beside),
+            *orbits.growth_verdicts(compared),
             *in_time.time_verdicts(marches),
         ),
         notes=(code_note(), in_time.TIME_NOTE, *_NOTES),
@@ -83,7 +83,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def judged_models(quick: bool) -> tuple[str, ...]:
-    """The members whose order is read: in a quick report some of those below, and one of every other family with a ladder."""
+    """The members whose order is fitted: in a quick report some of those below, and one of every other family with a ladder."""
     return (*_QUICK, *_others(_QUICK)) if quick else tuple(LADDERS)
 
 
@@ -94,16 +94,16 @@ def _others(models: Iterable[str]) -> list[str]:
 
 
 def climb_of(model: str) -> Climb:
-    """Errors of the family without error in time, which the leapfrog has."""
+    """Errors of the family without error in time (except for the leapfrog)."""
     ladder = grid_ladders.in_space(grid_ladders.ladder_of(*grid_of(model)))
-    return climb(ladder, in_time.delay_reference(ladder.course), without_error_in_time)
+    return climb(ladder, in_time.delay_reference(ladder.run), without_error_in_time)
 
 
 def _curve(model: str, climbs: list[Climb]) -> tuple[Array, Array, Array]:
-    """(points per slab, seconds, error of the state) on the figure's grids; those of its climb, if that was on their scene."""
-    course = replace(GENTLE, density=GENTLE.density // _THINNED)
-    found = next((one for one in climbs if one.ladder.model == model and one.ladder.course.scene is GENTLE.scene), None)
-    climbed = found or climb(replace(LADDERS[model], course=course), in_time.delay_reference(GENTLE), without_error_in_time)
+    """(points per slab, seconds, error of the state) on the figure's grids, from its climb if that used their scene."""
+    run = replace(GENTLE, density=GENTLE.density // _THINNED)
+    found = next((one for one in climbs if one.ladder.model == model and one.ladder.run.scene is GENTLE.scene), None)
+    climbed = found or climb(replace(LADDERS[model], run=run), in_time.delay_reference(GENTLE), without_error_in_time)
     family, number = grid_of(model)
     shown = slice(None, None, _THINNED if found else 1)
     return climbed.cells[shown] * family.points(number), climbed.seconds[shown], climbed.errors["state"][shown]
@@ -117,7 +117,7 @@ def _answer(climbs: list[Climb], own: list[orbits.GridOrbit], curves: Curves) ->
 
 
 def _cost(curves: Curves) -> str:
-    """Run times for one error of the state, where it is reached."""
+    """Text on run times for one error of the state, where it is reached."""
     times = {model: float(seconds[error < _ENOUGH].min(initial=np.inf)) for model, (_, seconds, error) in curves.items()}
     listed = ", ".join(
         f"{1e3 * times[model]:.0f} ms with `{model}`" for model in ("fd", *_NAMED) if np.isfinite(times.get(model, np.inf))
@@ -137,7 +137,7 @@ def order_verdict(climbed: Climb) -> Verdict:
     title = "Every full-wave family reaches its order in space in every output, from the smooth start"
     if climbed.lost:
         return holding(title, WITNESS, f"order {climbed.ladder.promised:g}", f"no order: {climbed.lost}", False, remark)
-    (expected, off, allowed), ours = climbed.beside, f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}"
+    (expected, off, allowed), ours = climbed.against_promise, f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}"
     return holding(title, WITNESS, expected, ours, not short, remark).with_margin(off, allowed)
 
 
@@ -173,7 +173,7 @@ _CAPTION = (
 
 
 def orders_table(climbs: list[Climb], unjudged: Iterable[FullWave] = ()) -> Table:
-    """One row per family: every quantity's order with its interval, or why there is none."""
+    """One row per family: every quantity's order with its interval, or the reason for none."""
     rows: list[tuple[Cell, ...]] = []
     for one in climbs:
         grids, together = None, f"no order: {one.lost}"
@@ -191,14 +191,14 @@ def orders_table(climbs: list[Climb], unjudged: Iterable[FullWave] = ()) -> Tabl
         "Fitted orders with their 95 % confidence intervals, rounded up. T, Δμ, Δy, v_{max}: period, stress drop, elastic drop "
         "and largest rate, errors as root mean squares over all complete cycles; state: ψ, ln v and μ over the last transits; "
         "all together: geometric mean of the five errors. Cells: grids on which the waves are resolved. Smooth start, V = "
-        f"{GENTLE.scene.velocity:g}; scene s: log_{{10}} r = {_course(GENTLE)}; scene r (rougher, for orders from {ROUGH_FROM:g} "
-        f"on): {_course(ROUGH)}; scene t (steeper still, for orders from {STEEP_FROM:g} on): {_course(STEEP)}."
+        f"{GENTLE.scene.velocity:g}; scene s: log_{{10}} r = {_run_text(GENTLE)}; scene r (rougher, for orders from "
+        f"{ROUGH_FROM:g} on): {_run_text(ROUGH)}; scene t (steeper still, for orders from {STEEP_FROM:g} on): {_run_text(STEEP)}."
     )
     return table("orders", caption, heading, rows)
 
 
-def _course(course: Course) -> str:
-    return f"{places([course.log10_r])}, {course.until:g} transits"
+def _run_text(run: LadderRun) -> str:
+    return f"{places([run.log10_r])}, {run.until:g} transits"
 
 
 def finest_table(climbs: list[Climb]) -> Table:
@@ -217,7 +217,7 @@ def finest_table(climbs: list[Climb]) -> Table:
 
 
 def _scene(climb: Climb) -> str:
-    return _SCENES[climb.ladder.course.log10_r]
+    return _SCENES[climb.ladder.run.log10_r]
 
 
 def _convergence_and_cost(curves: Curves) -> Drawing:
@@ -235,7 +235,7 @@ def _convergence_and_cost(curves: Curves) -> Drawing:
 
 
 def modules_of(family: str) -> frozenset[str]:
-    """Modules of this package that a family's solver is made of, as `fullwave.lines.march`."""
+    """Modules of the project that a family's solver uses, as `fullwave.lines.march`."""
     module = next(facts.module for facts in FAMILIES if facts.name == family)
     start = ROOT.joinpath(*module.split(".")).with_suffix(".py")
     files = (path.relative_to(ROOT).with_suffix("") for path in import_closure([start], packages=False))
@@ -243,7 +243,7 @@ def modules_of(family: str) -> frozenset[str]:
 
 
 def shared(one: str, other: str) -> tuple[str, ...]:
-    """Modules beyond `slipwave` that two families have in common; the tables of facts, which compute nothing, left out."""
+    """Modules outside `slipwave` that two families share, without the tables of facts, which compute nothing."""
     common = modules_of(one) & modules_of(other)
     return tuple(sorted(name for name in common if not name.startswith("slipwave") and not name.endswith(".families")))
 
@@ -263,7 +263,7 @@ def code_table() -> Table:
 
 
 def code_note() -> str:
-    """What the pairs are worth as witnesses."""
+    """Text on the independence of the pairs."""
     alike = set(shared("sbp", "fem")) & set(shared("sbp", "dg"))
     leapfrog = shared("fd", "sbp")
     exact = max(len(shared("delay", family)) for family in COMPARED[1:])

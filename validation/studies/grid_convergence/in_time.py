@@ -1,4 +1,4 @@
-"""The error in time: a grid's march without one, and both marches of one grid, each measured against the other."""
+"""The error in time: the exact and the explicit march of one grid, each compared with the other."""
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cache
@@ -12,7 +12,7 @@ from slipwave.scene import Scene
 from slipwave.solve import Solver
 from validation.compute.build import build
 from validation.compute.models import explicit_time, grid_of
-from validation.measure.grid_ladders import GENTLE, Course
+from validation.measure.grid_ladders import GENTLE, LadderRun
 from validation.measure.order_fit import Fit, fit_dense
 from validation.measure.orders import QUANTITIES, Measured, errors, measure
 from validation.study import WITNESS, Table, Verdict, claim, table
@@ -25,7 +25,7 @@ REQUESTS = tuple(10.0**-k for k in range(4, 12))
 
 _RESOLUTION = 1e-13
 _STEPS = 32
-"""Steps of the delay system per transit, at least. No quantity differs by more than 9e-13 from `dg:14` with 8 cells."""
+"""Least steps of the delay system per transit. No quantity differs by more than 9e-13 from `dg:14` with 8 cells."""
 
 GRIDS = {"sbp:6": 32, "fem:4": 6, "dg:7": 3}
 """By model: cells on which the error in time is seen over several powers of ten."""
@@ -34,9 +34,9 @@ _FLOOR = 2e-12
 
 
 @cache
-def delay_reference(course: Course) -> Measured:
-    """What the delay system gives over the `course`."""
-    return measure(Delay(course.scene, steps=_STEPS, tolerance=_RESOLUTION), course)
+def delay_reference(run: LadderRun) -> Measured:
+    """The outputs of the delay system over the `run`."""
+    return measure(Delay(run.scene, steps=_STEPS, tolerance=_RESOLUTION), run)
 
 
 def without_error_in_time(model: str, scene: Scene, cells: int, resolution: float = _RESOLUTION, **options: Any) -> Solver:
@@ -75,8 +75,8 @@ class Marches(NamedTuple):
 
     @property
     def excess(self) -> float:
-        """By how much errors of the exact march exceed the requested ones, at most; below 0 if none does. What the explicit steps
-        leave is not counted."""
+        """Largest excess of the exact march's errors over the requested ones, negative if there is none; without the error of the
+        explicit steps."""
         return float((self.exact.max(axis=1) - self.apart - np.array(REQUESTS)).max())
 
 
@@ -89,11 +89,11 @@ def marches_of(model: str) -> Marches:
         return np.array([list(errors(measure(make(setting), GENTLE), other).values()) for setting in settings])
 
     def explicit(courant: float) -> Solver:
-        """Steps of that share of the longest stable one."""
+        """The solver with steps of the share `courant` of the longest stable one."""
         return build(model, scene, cells=cells, cfl=courant, time="explicit")
 
     def exact(request: float) -> Solver:
-        """Steps that resolve friction to that error."""
+        """The solver with steps that resolve friction to the error `request`."""
         return without_error_in_time(model, scene, cells, request)
 
     finest, without = (measure(solver, GENTLE) for solver in (explicit(COURANT[-1]), exact(_RESOLUTION)))

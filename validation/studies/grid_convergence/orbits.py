@@ -1,4 +1,4 @@
-"""The grids' own periodic orbits against the delay system's: on finer and finer grids at one r, and on one grid as r grows."""
+"""The grids' own periodic orbits against the delay system's: on finer grids at one r, and on one grid as r grows."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -17,7 +17,7 @@ from validation.study.text import plain
 _AT = -2.68
 _TOLERANCE = 1e-11
 _FLOOR = {"period": 1e-12, "stress_drop": 5e-12}
-"""Relative errors below which an order is no longer read: rounding errors are left."""
+"""Relative errors, at the level of rounding, below which no order is fitted."""
 
 _WAVE, _WAVE_CELLS = "dg:7", 6
 _UNTIL = 10000.0  # transits
@@ -47,7 +47,7 @@ class GridOrbit(NamedTuple):
     stress_drop: float
 
 
-class Beside(NamedTuple):
+class OnBoth(NamedTuple):
     """Period and stress drop of the full wave and of the delay system at one r: of their orbits, which may be `allowed` so much
     apart, or, with so many `cycles`, means over runs with standard errors."""
 
@@ -83,29 +83,29 @@ def _errors(ours: Figures, exact: Figures) -> tuple[float, float]:
     return period, drop
 
 
-def as_r_grows(orbits_at: Iterable[float], means_at: Iterable[float]) -> list[Beside]:
-    """The full wave beside the delay system: orbits, stable or not, and means where the motion is irregular."""
+def as_r_grows(orbits_at: Iterable[float], means_at: Iterable[float]) -> list[OnBoth]:
+    """The full wave and the delay system: orbits, stable or not, and means where the motion is irregular."""
     started = [(log10_r, begun_at(log10_r)) for log10_r in orbits_at]
     return [*(_beside(log10_r, scene) for log10_r, scene in started), *(_means(log10_r) for log10_r in means_at)]
 
 
-def _beside(log10_r: float, scene: Scene) -> Beside:
+def _beside(log10_r: float, scene: Scene) -> OnBoth:
     coarse, wave = (_orbit(_WAVE, scene, cells) for cells in (_WAVE_CELLS - 1, _WAVE_CELLS))
     exact = _orbit("delay", scene)
     left = error_after(_WAVE, max(_errors(coarse, exact)), _WAVE_CELLS - 1, _WAVE_CELLS)
-    return Beside(log10_r, wave, exact, allowed=left + _TOLERANCE)
+    return OnBoth(log10_r, wave, exact, allowed=left + _TOLERANCE)
 
 
-def _means(log10_r: float) -> Beside:
+def _means(log10_r: float) -> OnBoth:
     wave, delay = (
         late_cycles(model, scene_at(log10_r), _UNTIL, cells) for model, cells in ((_WAVE, _WAVE_CELLS), ("delay", None))
     )
     ours, exact = ((mean_of(one.period), mean_of(one.stress_drop)) for one in (wave, delay))
-    return Beside(log10_r, ours, exact, min(wave.period.size, delay.period.size))
+    return OnBoth(log10_r, ours, exact, min(wave.period.size, delay.period.size))
 
 
 def finest(orbits: list[GridOrbit]) -> dict[str, float]:
-    """By family: the larger error of period and stress drop on the finest grid."""
+    """Family -> the larger error of period and stress drop on the finest grid."""
     return {one.model: max(one.period, one.stress_drop) for one in orbits}
 
 
@@ -118,7 +118,7 @@ def orbit_order(family: list[GridOrbit], quantity: str) -> float:
 
 
 def orbit_verdicts(orbits: Sequence[GridOrbit], families: Iterable[str]) -> Iterator[Verdict]:
-    """By family: the order of the errors, and the errors on the finest grid."""
+    """Verdicts on the order of the errors of each family, and on the errors on the finest grid."""
     approaches = "The grid’s own orbit approaches the delay system’s at the declared order or faster"
     agree = "Discretisations of the wave agree with the delay system on the orbit’s period and stress drop"
     for model in families:
@@ -136,9 +136,9 @@ def orbit_verdicts(orbits: Sequence[GridOrbit], families: Iterable[str]) -> Iter
             yield claim(agree, WITNESS, fine, limit, f"{symbol}, {where}")
 
 
-def growth_verdicts(beside: list[Beside]) -> Iterator[Verdict]:
+def growth_verdicts(compared: list[OnBoth]) -> Iterator[Verdict]:
     """The full wave as r grows: orbits, and means where the motion is irregular."""
-    orbits, means = [one for one in beside if not one.cycles], [one for one in beside if one.cycles]
+    orbits, means = [one for one in compared if not one.cycles], [one for one in compared if one.cycles]
     if orbits:
         title = "The full wave’s own orbit is the delay system’s as r grows, where it is unstable too"
         off, allowed = (max(getattr(one, name) for one in orbits) for name in ("apart", "allowed"))
@@ -149,9 +149,9 @@ def growth_verdicts(beside: list[Beside]) -> Iterator[Verdict]:
         yield claim(title, WITNESS, off, _ERRORS, _where(means), unit="standard errors")
 
 
-def _where(some: list[Beside]) -> str:
-    places = ", ".join(f"{one.log10_r:g}" for one in some)
-    return f"`{_WAVE}` with {_WAVE_CELLS} cells, log_{{10}} r = {places}".replace("-", "−")
+def _where(some: list[OnBoth]) -> str:
+    values = ", ".join(f"{one.log10_r:g}" for one in some)
+    return f"`{_WAVE}` with {_WAVE_CELLS} cells, log_{{10}} r = {values}".replace("-", "−")
 
 
 def grid_orbit_table(orbits: list[GridOrbit]) -> Table:
@@ -163,10 +163,10 @@ def grid_orbit_table(orbits: list[GridOrbit]) -> Table:
     return table("orbits", caption, "family | cells [a slab] .0f | error of T .0e | error of Δμ .0e", orbits)
 
 
-def growth_table(beside: list[Beside]) -> Table:
-    """The full wave beside the delay system as r grows."""
+def growth_table(compared: list[OnBoth]) -> Table:
+    """The full wave and the delay system as r grows."""
     rows = []
-    for one in beside:
+    for one in compared:
         (period, drop), (exact_period, exact_drop) = one.wave, one.delay
         apart = f"{one.apart:.1f} standard errors" if one.cycles else plain(one.apart, ".0e")
         rows.append((one.log10_r, period.value, exact_period.value, drop.value, exact_drop.value, apart, one.cycles or None))
@@ -174,7 +174,7 @@ def growth_table(beside: list[Beside]) -> Table:
         f"log_{{10}} r .3f | T [{_WAVE}] .8g | T [delay] .8g | Δμ [{_WAVE}] .6f | Δμ [delay] .6f | apart | cycles of a run .0f"
     )
     caption = (
-        f"The full wave, `{_WAVE}` with {_WAVE_CELLS} cells a slab, beside the delay system: periodic orbits, relative "
+        f"The full wave, `{_WAVE}` with {_WAVE_CELLS} cells a slab, against the delay system: periodic orbits, relative "
         "difference of T or Δμ; or, where the motion is irregular, means over so many cycles of runs."
     )
     return table("growth", caption, heading, rows)

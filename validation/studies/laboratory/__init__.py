@@ -1,4 +1,4 @@
-"""What do the models say of experiments that nobody here made, and what do waves do there?"""
+"""The models against published laboratory experiments, and the effect of waves there."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -23,7 +23,7 @@ from validation.studies.laboratory.measured import (
     samples,
     steel_blocks,
 )
-from validation.studies.laboratory.programs import beside, on_programs, printed_rows, table_of_programs
+from validation.studies.laboratory.programs import compared_with, on_programs, printed_rows, table_of_programs
 from validation.studies.laboratory.shown import (
     LAWS,
     LEEMAN,
@@ -61,7 +61,7 @@ _SPREAD = 0.05  # of the rise time
 
 
 def run(budget: Budget) -> StudyResult:
-    """Compute every run within the parameters' uncertainty, with and without waves, and hold it against what was measured."""
+    """Compute every run within the parameters' uncertainty, with and without waves, and compare it with the measurement."""
     drawn = samples(_COUNT[budget.quick])
     pairs = [(row, law) for law in LAWS for row in leeman_runs()]
     cases = [_case(row, law, drawn) for row, law in budget.each(pairs, 0.6)]
@@ -71,7 +71,7 @@ def run(budget: Budget) -> StudyResult:
     budget.report(0.7)
     waves = _waves(budget.quick)
     rises = [rise_of(*one) for one in _RISES[: 3 if budget.quick else None]]
-    programs = [beside(row) for row in printed_rows()]
+    programs = [compared_with(row) for row in printed_rows()]
     varied = [_variant(row, name) for row in (leeman_runs()[2], leeman_runs()[6]) for name in _VARIANTS]
     inside = {name: max(sum(_holds(case, name) for case in cases if case.law == law) for law in LAWS) for name in NAMES}
     return StudyResult(
@@ -110,7 +110,7 @@ def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[FrictionFit, f
 
 
 def _near(row: Mapping[str, Any], name: str, value: float) -> bool:
-    """Within twice the scatter from event to event."""
+    """Whether a value lies within twice the scatter from event to event."""
     return bool(abs(value / measured_figure(row, name) - 1.0) <= 2.0 * SCATTER[name])
 
 
@@ -154,7 +154,7 @@ def _variant(row: Mapping[str, Any], name: str) -> Variant:
 
 
 def _reproduced(untuned: Mapping[tuple[float, int], MeasuredCycle | None]) -> list[Verdict]:
-    """Our plain block against another program's."""
+    """Verdicts: our plain block against another program's."""
     printed = laboratory()["leeman-2016"]["plain_spring_block"]
     apart, steady, slides = [], 0, 0
     for (stress, k), found in untuned.items():
@@ -182,7 +182,7 @@ def _reproduced(untuned: Mapping[tuple[float, int], MeasuredCycle | None]) -> li
 
 
 def against_measured(cases: Sequence[Case]) -> list[Verdict]:
-    """Onset, period, drop, peak slip rate: what would have refuted, and whether it did."""
+    """Verdicts on onset, period, drop, peak slip rate."""
     onset = {law: min(case.slips for case in cases if case.law == law) for law in LAWS}
     found = [
         replace(
@@ -217,20 +217,20 @@ def against_measured(cases: Sequence[Case]) -> list[Verdict]:
         )
     met = row_met(cases)
     title = "Leeman et al. 2016: one set of a, b, L and k' meets period, drop and peak slip rate at once"
-    told = f"within twice the scatter from event to event; {sum(case.meets for case in cases)} of all samples"
-    joint = every(title, PAPER, sum(met), len(met), told, "runs")
+    text = f"within twice the scatter from event to event; {sum(case.meets for case in cases)} of all samples"
+    joint = every(title, PAPER, sum(met), len(met), text, "runs")
     return [*found, replace(joint, refuted="a run that no sample of any law meets")]
 
 
 def on_waves(waves: Sequence[tuple[str, MeasuredCycle | None]]) -> list[Verdict]:
-    """What is left out when waves are: nothing, if they are absorbed; all the damping, if they are not."""
+    """Verdicts on the neglect of waves: no effect if they are absorbed; the whole damping if not."""
     block, exact = waves[1][1], waves[2][1]
     assert block
     assert exact
     apart = [abs(one / other - 1.0) for one, other in zip(block, exact, strict=True)]
-    told = ", ".join(f"{name} {100.0 * size:.2g} %" for name, size in zip(NAMES, apart, strict=True))
+    text = ", ".join(f"{name} {100.0 * size:.2g} %" for name, size in zip(NAMES, apart, strict=True))
     title = "Waves that leave blocks of 5 cm differ from radiation damping by less than events scatter"
-    remark = f"{told}: the blocks' own compliance, between friction and what absorbs"
+    remark = f"{text}: the blocks' own compliance, between friction and what absorbs"
     found = [claim(title, WITNESS, max(apart), _SAME, remark)]
     if len(waves) > 3 and waves[3][1] is not None:
         kept, measured = waves[3][1], waves[0][1]
@@ -251,17 +251,17 @@ def on_waves(waves: Sequence[tuple[str, MeasuredCycle | None]]) -> list[Verdict]
 
 
 def on_damping(varied: Sequence[Variant]) -> Verdict:
-    """Whether the damping that others found for another machine suits these runs."""
+    """Verdict: whether the damping found by others for another machine fits these runs."""
     damped = [one for one in varied if one.name.startswith("damping")]
     ratios = [one.cycle.peak / measured_figure(one.row, "peak") if one.cycle else 0.0 for one in damped]
-    told = of_paper(
+    verdict = of_paper(
         "Gualandi et al. 2023: damping by 20 to 35 times ρc/2 gives the peak slip rates of Leeman et al. 2016",
         "within a factor of 2",
         f"{min(ratios):.2g} to {max(ratios):.2g} of what was measured",
         min(ratios) > 0.5 and max(ratios) < 2.0,
         "drop and period fall with it: more damping alone is not what is missing",
     )
-    return replace(told, refuted="a peak slip rate beyond that factor")
+    return replace(verdict, refuted="a peak slip rate beyond that factor")
 
 
 def on_rises(rises: Sequence[Rise]) -> Verdict:
@@ -272,8 +272,8 @@ def on_rises(rises: Sequence[Rise]) -> Verdict:
         f"{min(times):.3g} to {max(times):.3g} ms, drops of {min(drops):.2g} to {max(drops):.2g} MPa: a factor of {factor:.2g}"
     )
     title = "Togo et al. 2015: the rise time does not depend on the stress drop"
-    told = claim(title, WITNESS, spread, _SPREAD, "greatest over least, less 1", shown)
-    return replace(told, refuted=f"rise times that grow with the drop; proportional to it, by a factor of {factor:.2g}")
+    verdict = claim(title, WITNESS, spread, _SPREAD, "greatest over least, less 1", shown)
+    return replace(verdict, refuted=f"rise times that grow with the drop; proportional to it, by a factor of {factor:.2g}")
 
 
 def _numbers(
@@ -282,7 +282,8 @@ def _numbers(
     untuned: Mapping[tuple[float, int], MeasuredCycle | None],
     count: int,
 ) -> dict[str, Number]:
-    """A median's name says of how many samples it is: medians of unlike samples are not compared."""
+    """Numbers for the baseline. The name of a median contains the number of samples: medians of different samples are not
+    compared."""
     medians = {
         f"{case.law} {case.row['sigma_MPa']} MPa {name}, {count} samples": Number(case.bands[name].median, 1e-3)
         for case in cases
@@ -299,7 +300,7 @@ def _numbers(
 
 
 _NOTES = (
-    "Waves need 32 μs to and fro in the blocks, beside events of 0.4 s: nothing of their delay can be measured. What matters is "
+    "Waves need 32 μs to and fro in the blocks, against events of 0.4 s: nothing of their delay can be measured. What matters is "
     "where they go: absorbed, they are the radiation damping that the plain block has; kept, the slip rate is limited by inertia "
     "alone and is far from what was measured. The plain block's damping, ρc/2 of steel, is therefore an assumption on the "
     "machine, not a property of the sample.",

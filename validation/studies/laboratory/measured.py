@@ -1,4 +1,4 @@
-"""The runs of the study: a block under double direct shear, the same with blocks of steel and waves, a metre of gabbro."""
+"""The runs of the study: a block under double direct shear, with and without waves in the steel blocks, and a metre of gabbro."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -75,8 +75,8 @@ def interface_of(row: Mapping[str, Any], fit: FrictionFit, law: str, **more: Any
 def plain_block(
     row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0, damping: float = 1.0, **more: Any
 ) -> Scene:
-    """Spring, `factor` times k', and radiation damping, `damping` times rho c/2 of steel: alike slabs so thick that their own
-    elasticity is the spring, for a model without waves and inertia, which sees nothing else of them."""
+    """Spring, `factor` times k', and radiation damping, `damping` times rho c/2 of steel: alike slabs whose elasticity is the
+    spring, for a model without waves and inertia."""
     stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
     slab = {"density": damping**2 * DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": SHEAR_MODULUS / (2.0 * stiffness)}
     return _scene(interface_of(row, fit, law, **more), slab, _START)
@@ -107,8 +107,8 @@ def _scene(interface: Mapping[str, Any], slab: Mapping[str, Any], size: float, v
 def cycle_in_run(
     scene: Scene, model: str, seconds: float, after: float = 0.5, tolerance: float = _TOLERANCE
 ) -> MeasuredCycle | None:
-    """The last complete cycle of a run of so many seconds, of those that begin `after` this share of it; None if there is none or
-    if the slip rate stays below twice V in it: it slides steadily, or will."""
+    """The last complete cycle, beginning `after` this share, of a run of `seconds`; None if there is none, or if the slip rate
+    stays below twice V: steady sliding, now or later."""
     assert scene.units
     transit = scene.units.size("transit", scene.transit)
     until = seconds / transit
@@ -118,7 +118,7 @@ def cycle_in_run(
 
 
 def in_laboratory_units(scene: Scene, events: Events) -> MeasuredCycle:
-    """The last of the cycles."""
+    """The last of the cycles, in laboratory units."""
     assert scene.units
     period = float(events.period[-1]) * scene.units.size("transit", scene.transit)
     return MeasuredCycle(period, float(events.stress_drop[-1]), 1e3 * float(events.v_max[-1]) * scene.units.reference_velocity)
@@ -133,7 +133,7 @@ def cycles_of_samples(row: Mapping[str, Any], law: str, drawn: Iterable[tuple[Fr
 
 
 def cycle_without_tuning(row: Mapping[str, Any], fit: FrictionFit, law: str, **more: Any) -> MeasuredCycle | None:
-    """The plain block with a fit as it is printed."""
+    """The cycle of the plain block with a printed fit."""
     return cycle_in_run(plain_block(row, fit, law, **more), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
 
 
@@ -176,8 +176,8 @@ def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
 
 
 def rise_time(time: Array, elastic: Array) -> float:
-    """The time in which the elastic stress falls from 90 % to 10 % of its drop, over the share 0.590 that it has of half a period
-    of free swinging."""
+    """The time in which the elastic stress falls from 90 % to 10 % of its drop, over 0.590, the share of this time in half a
+    period of free vibration."""
     top = int(np.argmax(elastic))
     bottom = top + int(np.argmin(elastic[top:]))
     share = (elastic[top:bottom] - elastic[bottom]) / (elastic[top] - elastic[bottom])

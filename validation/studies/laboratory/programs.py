@@ -1,4 +1,4 @@
-"""What other programs print of velocity steps and a hold: the same motion here, and their parameters found in their numbers."""
+"""Velocity steps and a hold printed by other programs: the same motion by ours, and their parameters fitted to their numbers."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -23,8 +23,7 @@ _BAR = 1e-5  # relative error of a fitted value: printed digits in the tail of a
 
 
 class Printed(NamedTuple):
-    """A `row` that a program printed, the largest distance of our friction from its own, and the parameters that a fit finds in
-    it, over the true ones."""
+    """A `row` that a program printed, the largest difference of our friction, and the fitted parameters over the true ones."""
 
     row: Mapping[str, Any]
     apart: float
@@ -36,8 +35,8 @@ def printed_rows() -> list[Mapping[str, Any]]:
     return list(laboratory()["programs"]["rows"])
 
 
-def beside(row: Mapping[str, Any]) -> Printed:
-    """Our quasi-static friction beside a printed series, and what a fit of the series finds from far away."""
+def compared_with(row: Mapping[str, Any]) -> Printed:
+    """Compare our quasi-static friction with a printed series, and fit the series from distant start values."""
     schedule, times = _drive(row)
     ours = OfReduction(Variants(_block(row), (), schedule), times, "quasistatic", _TOLERANCE).friction(np.empty(0))
     apart = float(np.abs(ours - row["friction"]).max())
@@ -58,7 +57,7 @@ def _block(row: Mapping[str, Any], factors: Sequence[float] = (1.0, 1.0, 1.0)) -
 
 
 def _fitted(row: Mapping[str, Any], schedule: Schedule, times: Array) -> FrictionFit:
-    """The parameters that a fit finds, over those that made the series."""
+    """The fitted parameters over those of the series."""
     scene = _block(row, _FAR)
     free = free_parameters(scene, ["a", "b", "memory_length"])
     friction, weight = np.array(row["friction"]), 10.0 ** row["digits"]
@@ -70,11 +69,11 @@ def _fitted(row: Mapping[str, Any], schedule: Schedule, times: Array) -> Frictio
 
 
 def on_programs(found: Sequence[Printed]) -> Iterator[Verdict]:
-    """Whether the same motion, and the same parameters, are found."""
+    """Verdicts on the agreement of the motion and of the parameters."""
     digits = max(one.apart * 10.0 ** one.row["digits"] for one in found)
-    told = f"of {sum(len(one.row['friction']) for one in found)} values with 8 or 9 digits"
+    text = f"of {sum(len(one.row['friction']) for one in found)} values with 8 or 9 digits"
     title = "Quasi-static friction is what rsfmodel and Marone's program print, within one unit of the last digit"
-    yield claim(title, WITNESS, digits, 1.0, told)
+    yield claim(title, WITNESS, digits, 1.0, text)
     worst = max(abs(ratio - 1.0) for one in found for ratio in one.ratios)
     title = "A fit of what these programs print gives back their a, b and L"
     yield claim(title, WITNESS, worst, _BAR, "relative; begun 1.5, 1.2 and 3 times as large")
@@ -91,6 +90,6 @@ def table_of_programs(found: Sequence[Printed]) -> Table:
 
 
 _CAPTION = (
-    "Friction that other programs print after the load point goes from 1 μm/s to another velocity (0: a hold), beside our "
+    "Friction that other programs print after the load point goes from 1 μm/s to another velocity (0: a hold), and our "
     "quasi-static motion; and what a fit of the printed values finds, over the parameters that made them. Spring without inertia."
 )

@@ -15,7 +15,7 @@ LAWS = ("ageing", "slip")
 NAMES = ("period", "drop", "peak")
 _SHOWN = {"period": "period / s", "drop": "drop of friction", "peak": "peak slip rate / (mm/s)"}
 SCATTER = {"period": 0.05, "drop": 0.05, "peak": 0.15}
-"""Of measured figures from event to event, relative."""
+"""Relative scatter of measured figures from event to event."""
 _COLORS = {"ageing": "#0072b2", "slip": "#d55e00"}
 
 
@@ -32,7 +32,7 @@ class Band(NamedTuple):
 
 
 class Case(NamedTuple):
-    """A run of the experiment beside the samples of one law: the share of them that stick and slip, their bands, and how many
+    """A run of the experiment and the samples of one law: the share of them that stick and slip, their bands, and how many
     meet period, drop and peak slip rate at once."""
 
     row: Mapping[str, Any]
@@ -51,7 +51,7 @@ class Variant(NamedTuple):
 
 
 def measured_figure(row: Mapping[str, Any], name: str) -> float:
-    """What was measured in a run."""
+    """The measured figure of a run."""
     return float(row[{"period": "T_s", "drop": "drop", "peak": "peak_mm_s"}[name]])
 
 
@@ -61,12 +61,12 @@ def table_of_cases(cases: Sequence[Case]) -> Table:
     figures = (f"{title} measured{unit} .3g | median{unit} .3g | from{unit} .3g | to{unit} .3g" for title, unit in titles)
     found: list[list[Cell]] = []
     for case in cases:
-        ranges = (_beside(measured_figure(case.row, name), case.bands[name]) for name in NAMES)
+        ranges = (_with_band(measured_figure(case.row, name), case.bands[name]) for name in NAMES)
         found.append([float(case.row["sigma_MPa"]), case.law, 100.0 * case.slips, *chain.from_iterable(ranges)])
     return table("leeman", _CASES, " | ".join(["σ [MPa] .0f | law | slips [%] .0f", *figures]), found)
 
 
-def _beside(measured: float, band: Band) -> list[float]:
+def _with_band(measured: float, band: Band) -> list[float]:
     return [measured, band.median, band.low, band.high]
 
 
@@ -77,7 +77,7 @@ def table_of_waves(waves: Sequence[tuple[str, MeasuredCycle | None]]) -> Table:
 
 
 def table_of_variants(varied: Sequence[Variant]) -> Table:
-    """What other laws and dampings give, and what was measured."""
+    """Cycles with other laws and dampings, and the measured ones."""
     found: list[list[Cell]] = [[float(row["sigma_MPa"]), name, *(one or (None, None, None))] for row, name, one in varied]
     for row in {id(one.row): one.row for one in varied}.values():
         found.append([float(row["sigma_MPa"]), "measured", *(measured_figure(row, name) for name in NAMES)])
@@ -90,7 +90,7 @@ def table_of_rises(rises: Sequence[Rise]) -> Table:
 
 
 def draw_cases(cases: Sequence[Case]) -> Drawing:
-    """Measured values with their scatter beside the ranges of the laws."""
+    """Measured values with their scatter and the ranges of the laws."""
     figure = canvas(9.0, 3.6)
     for axes, name in zip(figure.subplots(1, 3), NAMES, strict=True):
         for law, aside in zip(LAWS, (-0.15, 0.15), strict=True):

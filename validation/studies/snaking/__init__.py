@@ -1,4 +1,4 @@
-"""The delay system's branch of orbits folds back and forth: evidence from two meshes and from runs beside a torus point."""
+"""The delay system's branch of orbits folds back and forth: evidence from two meshes and from runs near a torus point."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -37,14 +37,14 @@ _NUDGES = (0.5, 2.0)
 """log10 r and sizes of the nudges of runs that may end on different orbits."""
 
 _SIDES = {True: (1, 4), False: (0, 1)}
-"""The first special point beside which runs begin, and every which one after it."""
+"""Quick report -> index of the first special point near which runs begin, and the stride to the next ones."""
 
 _BEFORE, _BEYOND = -2.659, -2.6565
 """log10 r of direct runs on both sides of the first torus point, where the branch has one orbit."""
 
 
 def run(budget: Budget) -> StudyResult:
-    """Follow the branch twice, list the orbits at some r, and run the delay system beside the first torus point."""
+    """Follow the branch twice, list the orbits at some r, and run the delay system near the first torus point."""
     branch = branch_of("delay", -2.3, _LONGEST[budget.quick])
     budget.report(0.5)
     finer = branch_of("delay", -2.3, _FINER_LONGEST[budget.quick], _FINER, _SHORT)
@@ -56,7 +56,7 @@ def run(budget: Budget) -> StudyResult:
     again = memo.own_orbit("delay", scene_at(-2.68), 1e-11).closed
     residuals = {turns: measured.in_thicker_slabs(again, turns, again.cycle.period) for turns in range(4)}
     both = sides(branch, *_SIDES[budget.quick])
-    beside = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
+    nearest = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
     return StudyResult(
         answer=_answer(branch, max(map(len, orbits.values()))),
         figures=(
@@ -66,14 +66,14 @@ def run(budget: Budget) -> StudyResult:
         tables=(
             _window_table(branch.corners),
             _coexisting_table(orbits),
-            _beside_table(both),
+            _sides_table(both),
             _attractor_table(attractors),
             _reappearance_table(again, residuals),
         ),
         verdicts=(
             *measured.fold_claims(branch, finer),
-            *settles(runs[0], beside[0]),
-            measured.wanders(runs[1], beside[1]),
+            *settles(runs[0], nearest[0]),
+            measured.wanders(runs[1], nearest[1]),
             *grows(both),
             *coexisting(attractors),
             *measured.on_torus(measured.torus_at(-2.65)),
@@ -142,15 +142,15 @@ def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), _complex_text(lead, ".4f"))
 
 
-def _beside_table(both: Sides) -> Table:
-    def told(side: FoldSide) -> tuple[Cell, ...]:
+def _sides_table(both: Sides) -> Table:
+    def cells(side: FoldSide) -> tuple[Cell, ...]:
         return _complex_text(side.orbit), abs(side.seen), side.apart
 
-    rows = ((one.kind, one.point.parameter, *told(before), *told(beyond)) for one, before, beyond in both)
+    rows = ((one.kind, one.point.parameter, *cells(before), *cells(beyond)) for one, before, beyond in both)
     columns = "before: multiplier | modulus seen in runs .6f | difference [relative] .0e"
     heading = f"kind | log_{{10}} r .7f | {columns} | {columns.replace('before', 'beyond')}"
     caption = (
-        "Direct runs on both sides of special points, each begun beside the next orbit of the branch, off by 1e-6 in the "
+        "Direct runs on both sides of special points, each begun near the next orbit of the branch, off by 1e-6 in the "
         "direction of the multiplier that passes."
     )
     return table("beside", caption, heading, rows)
@@ -165,7 +165,7 @@ def _attractor_table(attractors: Iterable[Attractor]) -> Table:
     heading = (
         "log_{10} r .3f | nudge .1f | T of the run [transits] .7f | T of the orbit [transits] .7f | difference [relative] .0e"
     )
-    caption = "Direct runs from nudges of different size, beside the stable orbit of the branch nearest to each."
+    caption = "Direct runs from nudges of different size, and the stable orbit of the branch nearest to each."
     return table("attractors", caption, heading, rows)
 
 
@@ -182,7 +182,7 @@ def _reappearance_table(closed: Closed, residuals: Mapping[int, float]) -> Table
 
 
 def orbits_along(branch: Branch) -> Drawing:
-    """The stress of some orbits in order along the branch, each raised by `_RAISED`."""
+    """The stress of some orbits in order along the branch, each offset by `_RAISED`."""
     points = [point for point in branch.points if point.closed.cycle.period > _LEAST]
     raised = rf"$\mu$, each orbit {_RAISED:g} above the one before"
     figure, axes = subplots(6.0, 1, 1, "time since the slip event (transits)", raised)
@@ -198,7 +198,7 @@ def orbits_along(branch: Branch) -> Drawing:
 
 
 def snake(branch: Branch, runs: Iterable[PeriodsOfRun]) -> Drawing:
-    """T over log10 r, with the periods of direct runs; beside it the number of unstable multipliers."""
+    """T over log10 r, with the periods of direct runs, and the number of unstable multipliers."""
     corners = [corner for corner in branch.corners if corner.period > _LEAST]
     figure, (left, right) = subplots(6.4, 1, 2, r"$\log_{10} r$", "$T$ (transits)", sharey=True, width_ratios=(4.0, 1.0))
     draw_branch(left, branch.model, corners, "period")

@@ -1,10 +1,10 @@
-"""Direct runs of the delay system beside its branch: where they settle or wander, and the multipliers that they show; an orbit in
-thicker slabs; and what the snake of folds must show.
+"""Direct runs of the delay system near its branch: where they settle or wander, and the multipliers measured in them; an orbit in
+thicker slabs; and the claims on the snake of folds.
 
-Each run beside a special point begins on an orbit on one side of it, a little off it in the direction of the multiplier that
-passes there, and shows that multiplier by how it departs or comes back. An orbit of T transits at r is one of T/(1 + k T)
-transits at r (1 + k T): r enters friction's clock as a delay alone, and the waves are then late by k periods more (Yanchuk and
-Perlikowski, Phys. Rev. E 79, 046221, 2009).
+Each run near a special point begins near an orbit on one side of it, displaced in the direction of the critical multiplier, which
+is measured by how the run departs or returns. An orbit of T transits at r is one of T/(1 + k T) transits at r (1 + k T): r enters
+friction's clock only as a delay, and the waves are then delayed by k more periods (Yanchuk and Perlikowski, Phys. Rev. E 79,
+046221, 2009).
 """
 
 import math
@@ -39,7 +39,7 @@ _LAST = 0.7  # share of a run after which its cycles are judged
 _TRANSIENT, _TORUS = 6000.0, 16000.0
 _APART = 40.0  # transits between two slip events, at least
 _LINEAR = (1e-5, 1e-3)  # deviations of T (transits) between which a multiplier is fitted
-_CYCLES, _SAMPLES = 4, 300  # of a run beside a special point; samples of a cycle
+_CYCLES, _SAMPLES = 4, 300  # of a run near a special point; samples of a cycle
 _OFF = 1e-6  # largest component of the state by which such a run is off its orbit
 _REAL = 1e-9  # imaginary part below which a multiplier is real
 
@@ -89,7 +89,7 @@ class Torus(NamedTuple):
 
 
 class FoldSide(NamedTuple):
-    """An orbit beside a special point, at `log10_r`: the multiplier that passes there, of the `orbit` and as `seen` in runs."""
+    """An orbit near a special point, at `log10_r`: its critical multiplier, of the `orbit` and as `seen` in runs."""
 
     log10_r: float
     orbit: complex
@@ -115,7 +115,7 @@ def run_at(log10_r: float, size: float | None = None) -> PeriodsOfRun:
 
 
 def attractor(log10_r: float, size: float, orbits: list[Closed]) -> Attractor:
-    """Where the run ends; `orbits` are those of the branch at this r."""
+    """The end of a run; `orbits`: those of the branch at this r."""
     run = run_at(log10_r, size)
     stable = [one.cycle.period for one in orbits if count_unstable(one) == 0]
     return Attractor(size, run, min(stable, key=lambda period: abs(period - run.last[-1])))
@@ -134,7 +134,7 @@ def torus_at(log10_r: float) -> Torus:
 
 
 def passages(time: Array, values: Array, level: float) -> Array:
-    """When `values` pass the `level` upwards, the first passage of each cycle; by straight lines."""
+    """Times at which `values` pass the `level` upwards, the first of each cycle, by linear interpolation."""
     above = values - level
     k = np.flatnonzero((above[:-1] < 0.0) & (above[1:] >= 0.0))
     dates = time[k] - above[k] * (time[k + 1] - time[k]) / (above[k + 1] - above[k])
@@ -152,8 +152,8 @@ def multiplier_of(run: PeriodsOfRun, period: float) -> complex:
 
 
 def multiplier_seen(apart: Array, turns: bool) -> complex:
-    """The multiplier m with which the distance `apart` (cycles, values) of two runs changes from cycle to cycle: d_(n+1) = m d_n,
-    or a pair, if it `turns`."""
+    """The multiplier m of the distance `apart` (cycles, values) of two runs from cycle to cycle, d_(n+1) = m d_n, or the pair, if
+    it `turns`."""
     first, second = apart[:-1].ravel(), apart[1:].ravel()
     return _pair(apart, np.ones_like(apart[2:])) if turns else complex(second @ first / (first @ first))
 
@@ -166,12 +166,13 @@ def _pair(d: Array, weights: Array) -> complex:
 
 
 def sides(branch: Branch, first: int = 0, every: int = 1) -> Sides:
-    """Special points of the delay branch, every so many from the `first` on, each with its two sides: the next points."""
-    places = {id(point): n for n, point in enumerate(branch.points)}
+    """Special points of the delay branch, from the `first` on with stride `every`, each with its two sides: the adjacent
+    points."""
+    number = {id(point): n for n, point in enumerate(branch.points)}
     found = []
     for special in branch.special[first::every]:
-        place = places[id(special.point)]
-        before, beyond = (_side(branch.points[n], special.kind) for n in (place - 1, place + 1))
+        n = number[id(special.point)]
+        before, beyond = (_side(branch.points[k], special.kind) for k in (n - 1, n + 1))
         found.append((special, before, beyond))
     return found
 
@@ -184,7 +185,7 @@ def _side(point: OrbitPoint, kind: str) -> FoldSide:
 
 
 def _passing(closed: Closed, kind: str) -> tuple[complex, Array]:
-    """The multiplier that passes at a point of `kind`, and the real part of its eigenvector, with 1 as the largest component."""
+    """The critical multiplier at a point of `kind`, and the real part of its eigenvector, with 1 as the largest component."""
     values, vectors = np.linalg.eig(closed.monodromy)
     others = np.delete(values, np.abs(values - 1.0).argmin())
     passing = critical(kind, others.astype(complex))
@@ -193,7 +194,7 @@ def _passing(closed: Closed, kind: str) -> tuple[complex, Array]:
 
 
 def _cycles(closed: Closed, change: Array) -> Array:
-    """z and psi (cycles, 2 samples) in the cycles of a run that begins on the orbit, but for a `change` of its state."""
+    """z and psi (cycles, 2 samples) in the cycles of a run that begins on the orbit displaced by a `change` of its state."""
     cycle, period = closed.flow.march(closed.cycle.start + change, closed.cycle.period), closed.cycle.period
     solver = build("delay", closed.flow.scene, tolerance=1e-11)
     solver.restore(state_on(solver, replace(closed, cycle=cycle)))
@@ -204,8 +205,8 @@ def _cycles(closed: Closed, change: Array) -> Array:
 
 
 def in_thicker_slabs(closed: Closed, turns: int, period: float) -> float:
-    """Largest difference of psi from that of the delay system's orbit `closed`, after its motion was put into alike slabs
-    1 + `turns` * `period` times as thick and marched over a period there."""
+    """Largest difference of psi from that of the delay system's orbit `closed`, after its motion was transferred to alike slabs 1
+    + `turns` * `period` times as thick and marched over a period."""
     flow, ratio = closed.flow, 1.0 + turns * period
     assert isinstance(flow, DelayFlow)
     other = DelayFlow(with_parameter(flow.scene, "r", flow.scene.transit * ratio), ratio / flow.length)
@@ -229,13 +230,14 @@ def _motion(closed: Closed, times: Array) -> list[Array]:
 
 
 def fold_pairs(branch: Branch) -> list[tuple[Special, Special]]:
-    """Folds after the first, two by two: where the branch turns to smaller r, and where it turns back."""
+    """Pairs of folds after the first: where the branch turns to smaller r, and where it turns back."""
     folds = branch.of_kind("LP")[1:]
     return list(zip(folds[::2], folds[1::2], strict=False))
 
 
 def fold_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
-    """The special points of the branch that a finer mesh and shorter steps find; the growth of T from pair to pair of folds."""
+    """Verdicts: the special points agree with those on a finer mesh with shorter steps; the growth of T from pair to pair of
+    folds."""
     both = list(zip(branch.special, finer.special, strict=False))
     off = max(abs(one.point.parameter - other.point.parameter) for one, other in both)
     sizes = " and ".join(str(one.point.closed.flow.size) for one in both[-1])
@@ -333,7 +335,7 @@ def on_torus(found: Torus) -> Iterator[Verdict]:
 
 
 def reappears(residuals: Mapping[int, float]) -> Verdict:
-    """An orbit put into thicker slabs."""
+    """Verdict on an orbit in thicker slabs."""
     remark = f"largest difference of ψ over a period, k = {', '.join(map(str, residuals))}, the orbit at log_{{10}} r = −2.68"
     title = "An orbit of T transits at r is an orbit at r (1 + k T) too"
     return claim(title, EXACT, max(residuals.values()), _REAPPEARS, remark)

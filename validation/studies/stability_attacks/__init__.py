@@ -29,9 +29,9 @@ _REACH = {4: 2.785, 8: 6.394}
 """How far Runge-Kutta methods are stable on the negative real axis, by their order."""
 
 Media = Mapping[str, Mapping[str, tuple[float, float]]]
-"""By medium and model: growth of noise below and above the limit."""
+"""Medium -> model -> growth of noise below and above the limit."""
 Outcomes = Mapping[str, Mapping[str, AttackOutcome]]
-"""By attack and model."""
+"""Attack -> model -> outcome."""
 
 
 def run(budget: Budget) -> StudyResult:
@@ -86,7 +86,7 @@ def answer(shares_of: Mapping[str, Mapping[int, float]], attacks: Outcomes, nois
 
 
 def limit_verdict(shares_of: Mapping[str, Mapping[int, float]]) -> Verdict:
-    """Whether the limit stays where stiffness moves."""
+    """Verdict: whether the limit is independent of stiffness."""
     pairs = [(value, decade) for shares in shares_of.values() for decade, value in shares.items()]
     returning, (values, decades) = [value for value, decade in pairs if decade != 0], zip(*pairs, strict=True)
     where = (
@@ -98,7 +98,7 @@ def limit_verdict(shares_of: Mapping[str, Mapping[int, float]]) -> Verdict:
 
 
 def medium_verdict(media: Media) -> Verdict:
-    """Whether the limit parts calm from growth in every medium."""
+    """Verdict: whether the limit separates decay from growth in every medium."""
     below, above = zip(*(pair for by_family in media.values() for pair in by_family.values()), strict=True)
     grown = f"at least {plain(min(above), '.0e')}" if math.isfinite(min(above)) else "all beyond any number"
     return holding(
@@ -112,7 +112,7 @@ def medium_verdict(media: Media) -> Verdict:
 
 
 def state_verdict(reach: Mapping[str, float]) -> Verdict:
-    """Whether the state's limit is where theory puts it."""
+    """Verdict: whether the state's limit agrees with theory."""
     wanted = {model: _reach_of(model) for model in reach}
     ratios = [value / wanted[model] for model, value in reach.items() if math.isfinite(wanted[model])]
     sharp = SHARPNESS - 1.0
@@ -147,7 +147,7 @@ def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bo
     through = [outcome for outcome in by_family.values() if not outcome.message]
 
     def words(early: float, late: float) -> str:
-        """Errors of psi, and of the late motion if the run goes on."""
+        """Text of the errors of psi, and of the late motion if the run continues."""
         return f"ψ to {plain(early, '.0e')}" + (f", late {plain(late, '.0e')}" if beyond else "")
 
     title, expected = "Extreme scenes end right or with a message, never silently wrong", f"{words(*right)}, or a message"

@@ -23,10 +23,10 @@ from validation.compute.build import build_full_wave
 from validation.compute.models import GRIDS, grid_of
 
 ATTACKED = {family.called(number): cells for family in GRIDS for number, cells in family.attacks.items()}
-"""The models under attack, with their coarse and fine grids."""
+"""The tested models, with their coarse and fine grids."""
 
 CELLS = {model: cells.coarse for model, cells in ATTACKED.items()}
-"""Cells that make a run cheap: the limit does not depend on them."""
+"""Cells of cheap runs; the limit does not depend on them."""
 
 _ROUND_TRIP = slipwave.read("paper").upper.round_trip
 MEDIA: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
@@ -48,10 +48,10 @@ SOFT_AND_STIFF = (-2.0, 4.0)
 """log10 of a/v over Z."""
 
 STEPS = 400
-"""Steps of a run that looks for the limit."""
+"""Steps of a run that searches for the limit."""
 
 AROUND = ((0.99, STEPS), (1.05, 2000))
-"""Shares of the limit and steps at which noise must stay, and grow."""
+"""Share of the limit and number of steps at which noise must not grow, and at which it must."""
 
 BEYOND = 1.25
 """Share of the limit at which a run has to stop."""
@@ -65,12 +65,12 @@ _LOW, _HIGH = 0.8, 1.5
 
 
 def few_cells(model: str) -> int:
-    """Cells that make a run of any full wave cheap: those of `CELLS`, or the family's usual ones."""
+    """Cells of a cheap run of any full wave: those of `CELLS`, or the family's usual ones."""
     return CELLS.get(model, grid_of(model)[0].cells)
 
 
 def with_step(model: str, scene: Scene, share: float) -> FieldSolver:
-    """The solver at `share` of its declared step limit, which may lie beyond 1; users cannot ask for that."""
+    """The solver at `share` of its declared step limit, which may exceed 1, unlike for users."""
     return build_full_wave(model, scene, cells=few_cells(model), cfl=AnyShare(share))
 
 
@@ -158,5 +158,5 @@ def around_the_limit(model: str, medium: str) -> tuple[float, float]:
 
 
 def stops_beyond(model: str, share: float) -> bool:
-    """Whether a run of the paper's scene at `share` of the declared step ends with a message."""
+    """Whether a run of the paper's scene at `share` of the declared step stops with a message."""
     return not _goes_through(with_step(model, slipwave.read("paper"), share), _LONG)

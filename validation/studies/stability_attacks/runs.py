@@ -1,4 +1,4 @@
-"""The runs behind the study of attacks: each returns its outcome and catches errors of the numerics."""
+"""The runs of the study: each returns its outcome and catches errors of the numerics."""
 
 import math
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ CELLS = {model: cells.fine for model, cells in ATTACKED.items()}
 
 
 class Attack(NamedTuple):
-    """What it is called, the scene, what is changed in it, the errors of psi up to t = 40 and of the late motion that are `right`
-    (the coarsest family's are a tenth to a half of them), how many times finer than CELLS its grids are, and the time (transits)
-    at which the late motion is looked at."""
+    """An extreme scene: its title, the scene and its changes, the errors of psi up to t = 40 and of the late motion that count as
+    `right` (the coarsest family's are a tenth to a half of them), the refinement of its grids over CELLS, and the time (transits)
+    of the late motion."""
 
     title: str
     scene: str
@@ -37,7 +37,7 @@ class Attack(NamedTuple):
 _IMPEDANCES = {-9: (2e-6, 2e-7), -4: (3e-6, 1e-11), -2: (6e-6, 1e-12), 2: (7e-6, 3e-9)}
 _DRIVES = {-6: (2e-6, 1e-9), -2: (2e-6, 1e-10), 3: (1e-2, 4e-3), 4: (2e-3, 3e-2), 5: (2e-8, 2e-5), 6: (3e-9, 1e-8)}
 _GRIDS = {4: (2, 400.0), 5: (4, 200.0), 6: (1, 200.0)}
-"""By the power of ten: what is right of epsilon and of V; how much finer the grids of some V are, and their late time."""
+"""Power of ten -> right errors, of epsilon and of V; refinement of the grids of some V, and their late time."""
 
 _PI = ("upper.r=2e-3", f"lower.r={2e-3 * math.pi:.17g}")
 ATTACKS = {
@@ -58,7 +58,7 @@ MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)
 """Transits at which psi is compared."""
 
 ADVISED = 400.0
-"""Transits of a run that takes the cells it asks for."""
+"""Transits of a run with the cells that messages ask for."""
 
 _FEWEST_CYCLES = 2
 _FINEST = 16  # times the usual cells, at most
@@ -66,26 +66,26 @@ _FINEST = 16  # times the usual cells, at most
 
 @dataclass(frozen=True)
 class AttackOutcome:
-    """Largest error of psi up to t = 40; `late` as `_late_error` gives it; the message of a run that stopped (empty if none
-    did). Only a run that stops need not be right: failed solves that it counted are no excuse."""
+    """Largest error of psi up to t = 40; `late` as `_late_error` gives it; the message of a run that stopped (empty if none did).
+    Only a run that stops need not be right: counted failed solves do not suffice."""
 
     error: float
     late: float = 0.0
     message: str = ""
 
     def silently_wrong(self, allowed: float, late: float = math.inf) -> bool:
-        """The run went through and psi is off by more than `allowed`, or the late motion by more than `late`."""
+        """Whether the run ended with an error of psi above `allowed`, or of the late motion above `late`."""
         return not self.message and not (self.error <= allowed and self.late <= late)
 
     @property
     def wording(self) -> str:
-        """As the table shows it."""
+        """Text of the outcome in the table."""
         if self.message:
             return "message"
         return plain(self.error, ".0e") + (f"; {plain(self.late, '.0e')}" if self.late else "")
 
 
-class _Course(NamedTuple):
+class _Trajectory(NamedTuple):
     psis: list[float]
     late: float
     statistics: RunStatistics
@@ -95,7 +95,7 @@ def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
     """The outcome of attack `name` for every family, in 40 transits or until its late time."""
     scene, finer = _scene(name), ATTACKS[name].finer
     until = ATTACKS[name].late if late else MOMENTS[-1]
-    exact = _course(build("delay", scene, tolerance=1e-10), until)
+    exact = _trajectory(build("delay", scene, tolerance=1e-10), until)
     return {model: _outcome(model, finer * cells, scene, exact, until) for model, cells in CELLS.items()}
 
 
@@ -103,23 +103,23 @@ def _scene(name: str) -> Scene:
     return slipwave.read(ATTACKS[name].scene, list(ATTACKS[name].changes))
 
 
-def _course(solver: Solver, until: float) -> _Course:
+def _trajectory(solver: Solver, until: float) -> _Trajectory:
     watch = EventObserver(solver.scene, solver.nodes)
     psis = [follow(solver, moment, [watch]).psi for moment in MOMENTS]
     late = follow(solver, until, [watch]).psi if until > MOMENTS[-1] else psis[-1]
-    return _Course(psis, late, summarise(watch.events(0.5 * until)))
+    return _Trajectory(psis, late, summarise(watch.events(0.5 * until)))
 
 
-def _outcome(model: str, cells: int, scene: Scene, exact: _Course, until: float) -> AttackOutcome:
+def _outcome(model: str, cells: int, scene: Scene, exact: _Trajectory, until: float) -> AttackOutcome:
     try:
-        ours = _course(build(model, scene, cells=cells, time=explicit_time(model)), until)
+        ours = _trajectory(build(model, scene, cells=cells, time=explicit_time(model)), until)
     except (SceneError, NumericsError) as error:
         return AttackOutcome(math.nan, message=str(error))
     off = max(abs(psi - theirs) for psi, theirs in zip(ours.psis, exact.psis, strict=True))
     return AttackOutcome(off, _late_error(ours, exact) if until > MOMENTS[-1] else 0.0)
 
 
-def _late_error(ours: _Course, exact: _Course) -> float:
+def _late_error(ours: _Trajectory, exact: _Trajectory) -> float:
     """Error of psi at the end or, if that is less, the largest relative error of the mean period, stress drop and v_max of the
     second half's cycles: an orbit may be right while its phase has drifted."""
     of_state = abs(ours.late - exact.late)
@@ -131,7 +131,7 @@ def _late_error(ours: _Course, exact: _Course) -> float:
 
 
 class Cure(NamedTuple):
-    """Cells at which a run stopped with `message` (0 if it never did), cells at which it went through, its error of psi."""
+    """Cells at which a run stopped with `message` (0 if it never did), cells at which it ended, its error of psi."""
 
     stopped: int
     message: str
@@ -140,9 +140,9 @@ class Cure(NamedTuple):
 
 
 def advised(model: str) -> Cure:
-    """V = 1e5 from `model`'s usual cells, doubled for as long as the run ends with a message."""
+    """Run V = 1e5 with `model`'s usual cells, doubled as long as the run stops with a message."""
     scene = _scene("V 5")
-    exact = _course(build("delay", scene, tolerance=1e-10), ADVISED)
+    exact = _trajectory(build("delay", scene, tolerance=1e-10), ADVISED)
     stopped, message, cells = 0, "", CELLS[model]
     while cells <= _FINEST * CELLS[model]:
         outcome = _outcome(model, cells, scene, exact, ADVISED)
