@@ -1,7 +1,7 @@
 """The timer of all comparisons of run times: pieces of work that alternate in the same process, and the ratios of their times.
 
 Times are processor seconds (`validation.measure.stopwatch`), taken after the compiled code is loaded. Errors are those of the
-mean over a run's last cycles, relative to given values. What is timed here is told by `validation.benchmark`, by
+mean over a run's last cycles, relative to given values. What is timed is defined in `validation.benchmark`, by
 `validation.wave_race` and by studies; none of these has a clock of its own.
 """
 

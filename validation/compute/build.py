@@ -24,14 +24,14 @@ def build_full_wave(model: str, scene: Scene, **options: Unpack[Options]) -> Fie
 
 
 def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[Options]) -> Built:
-    """What `made` gives, where the scene starts: one on its orbit marches the model there first, unless the run is `resumed` from
-    a checkpoint. Raises as `made`."""
+    """The solver of `made` at the scene's start. For a start on the orbit the model is first marched there, unless the run is
+    `resumed` from a checkpoint. Raises as `made`."""
     built = made(model, scene, **options)
     return on_its_orbit(built, resumed) if scene.start.kind is StartKind.ORBIT else built
 
 
 def on_its_orbit(built: Built, resumed: bool) -> Built:
-    """`built` on the orbit of its scene; not marched there yet if it is `resumed`."""
+    """`built` on the orbit of its scene; not yet marched there if the run is `resumed`."""
     from validation.compute.orbit_start import on_orbit
 
     orbiting = on_orbit(built.solver)

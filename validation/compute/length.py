@@ -1,8 +1,7 @@
-"""Lengths of a run that its motion decides: until its second half has so many cycles, or until it has shown what it is.
+"""Lengths of a run that its motion decides: until its second half has a number of cycles, or until its motion is settled.
 
-Such a run is marched in stretches. At the end of each the second half of what was run is judged. The ends
-depend on the scene alone and the judgement on the motion alone, so a run continued from a checkpoint ends where it would have
-ended without a stop.
+Such a run is marched in stretches. At the end of each, the second half of the run so far is judged. The ends depend on the scene
+alone and the judgement on the motion alone, so that a continued run ends where the uninterrupted one would.
 """
 
 import math

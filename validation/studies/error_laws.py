@@ -177,7 +177,7 @@ def _onset_verdicts(onsets: Onsets) -> Iterator[Verdict]:
 
 def _next_term(model: str, onset: OnsetErrors) -> float:
     """Twice the next term, as it shows at the paper's epsilon: from there it falls as theta^2, or theta for the one odd law. What
-    a wrong factor leaves does not fall. And the rounding of the ratio of two critical r, beside the error."""
+    a wrong factor leaves does not fall. And the rounding of the ratio of two critical r adds to the error."""
     here, theta = (float(onset.theta[index]) for index in (_HERE, _FINER))
     fall = (theta / here) ** (1 if model == "quasidynamic" else 2)
     return 2.0 * fall * abs(onset.ratio(_HERE) - 1.0) + _ROUNDING / abs(onset.law.at(theta))

@@ -47,7 +47,7 @@ def _answer(ratio: float) -> str:
     """`ratio`: r over the critical r."""
     side = "beyond" if ratio > 1.0 else "short of"
     return (
-        "Two numbers, the impedance ratio ε and the round trip r, beside the drive V and the friction law: the paper’s "
+        "Two numbers, the impedance ratio ε and the round trip r, with the drive V and the friction law: the paper’s "
         f"scene lies {100 * abs(ratio - 1):.1f} % {side} the onset of stick-slip."
     )
 
