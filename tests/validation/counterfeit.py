@@ -195,7 +195,7 @@ PLACES = {
         Place("which_model:run_of_damped", S),
         Place("which_model:fitted_modes"),
         Place("which_model:mean_at", (scaled,)),
-        Place("which_model:own_figures_of", (lambda value: value and scaled(value),)),
+        Place("which_model:own_figures_of", (lambda value: value and scaled(value),), unjudged=("dg:7",)),  # its coarser grid
         Place("which_model:regime_at", (lambda value: scaled(value, 1e-2),)),
     ),
     "beyond-one-scene": (
