@@ -18,7 +18,7 @@ from validation.studies.laboratory.measured import (
     rise_time,
     samples,
 )
-from validation.studies.laboratory.programs import beside, on_programs, printed_rows
+from validation.studies.laboratory.programs import compared_with, on_programs, printed_rows
 from validation.studies.laboratory.shown import LAWS, NAMES, Band, Case, Variant, draw_cases, measured_figure
 from validation.study import Outcome, Verdict
 
@@ -105,11 +105,11 @@ def test_damping_of_a_block_is_that_of_the_steel_times_a_factor() -> None:
 
 @pytest.mark.parametrize("row", printed_rows()[2:], ids=["step", "hold"])
 def test_friction_that_another_program_prints_is_ours_and_gives_its_parameters_back(row: Mapping[str, Any]) -> None:
-    found = beside(row)
+    found = compared_with(row)
     assert 0.0 < found.apart < 1e-9  # nine digits are printed
     assert found.ratios == pytest.approx((1.0, 1.0, 1.0), abs=1e-6)
     friction = [value + 2e-9 * (k == 7) for k, value in enumerate(row["friction"])]
-    wrong = beside({**row, "friction": friction})
+    wrong = compared_with({**row, "friction": friction})
     assert outcomes([*on_programs([found]), *on_programs([wrong])]) == ["pass", "pass", "fail", "pass"]
     off = found._replace(ratios=found.ratios._replace(length=1.0 + 2e-5))
     assert outcomes([*on_programs([off])]) == ["pass", "fail"]
