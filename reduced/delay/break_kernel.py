@@ -130,16 +130,16 @@ def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot
             broken = broken or abs(jump) > ends.jump or abs(slope) * ends.longest > ends.kink
         if not broken:
             continue
-        arrival, slot = start + ends.travel[layer], counts[WAITING]
-        while slot > 0 and arrivals[slot - 1] > arrival:
-            slot -= 1
-        if slot > 0 and arrival - arrivals[slot - 1] < SHORTEST:
+        arrival, rank = start + ends.travel[layer], counts[WAITING]
+        while rank > 0 and arrivals[rank - 1] > arrival:
+            rank -= 1
+        if rank > 0 and arrival - arrivals[rank - 1] < SHORTEST:
             continue
-        if slot < counts[WAITING] and arrivals[slot] - arrival < SHORTEST:
+        if rank < counts[WAITING] and arrivals[rank] - arrival < SHORTEST:
             continue
-        for k in range(counts[WAITING], slot, -1):
+        for k in range(counts[WAITING], rank, -1):
             arrivals[k] = arrivals[k - 1]
-        arrivals[slot] = arrival
+        arrivals[rank] = arrival
         counts[WAITING] += 1
         counts[FOLLOWED] += 1
 

@@ -27,11 +27,11 @@ print(answer[0].hex(), sum(logs_of_return.stats.cache_hits.values()))
 PROBES = {
     "called": """
 from slipwave.compiled import njit
-from slipwave.observe.detector import size_of
+from slipwave.observe.extrema import bounds
 
 @njit
 def probe(knots):
-    return size_of(knots)
+    return bounds(knots)[1]
 """,
     "inlined": """
 from slipwave.compiled import njit
@@ -72,7 +72,7 @@ for module, arguments in given.items():
 # the places that are edited at once, as (file, old, new); every probe whose module imports one of the files is compiled again
 EDITS = {
     "called inlined dispatched": [
-        ("slipwave/observe/detector.py", "swing[DIRECTION] * (swing[END]", "2.0 * swing[DIRECTION] * (swing[END]"),
+        ("slipwave/observe/extrema.py", "return bottom, top\n", "return bottom, 2.0 * top\n"),
         ("slipwave/friction/interface.py", "impedance * v - incoming", "impedance * v - 1.01 * incoming"),
         ("fullwave/lines/system.py", "return state[slot]\n", "return 2.0 * state[slot]\n"),
     ],

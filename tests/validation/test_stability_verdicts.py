@@ -68,7 +68,7 @@ def traced(factor=1.0, first=1.0008, branches=2):
 )
 def test_traced_boundaries_lie_on_the_closed_forms_and_part_what_they_bound(monkeypatch, changes, apart, outcomes):
     monkeypatch.setitem(verdicts.TRACED, "delay", verdicts.TRACED["kelvin-voigt"])  # its second branch lies elsewhere
-    monkeypatch.setattr(verdicts, "_beside", lambda *args: apart)
+    monkeypatch.setattr(verdicts, "_on_both_sides", lambda *args: apart)
     assert [v.outcome for v in verdicts.fig_3(traced(**changes), SLOPES, PAPER)] == outcomes.split()
 
 

@@ -16,7 +16,7 @@ from validation.study.text import minus, places
 ERRORS = 4.0
 """Number of its stated errors by which a figure may deviate."""
 
-OTHERS = 1e-10
+OTHERS = 9e-11
 """How far periods of other programs may be off beyond half of the last digit that is known, relative: those of `block8` are."""
 
 JUST_BELOW = 0.01
