@@ -173,14 +173,15 @@ def noise_verdict(noise: Mapping[str, float], transits: float) -> Verdict:
     """Whether noise gained energy."""
     others = {model: ratio for model, ratio in noise.items() if not grid_of(model)[0].conserves}
     worst, known = max(others, key=others.__getitem__), noise_left(transits)
+    off = max((abs(noise[model] - known.value) / known.error for model in noise.keys() - others.keys()), default=math.inf)
     return holding(
         "Noise at the grid scale gains no energy in a locked slab, and the leapfrog loses none",
         EXACT,
         f"{known.value:.10g}, what friction leaves; less than 1",
         f"{noise['fd']:.10g}; {others[worst]:.3g}",
-        abs(noise["fd"] - known.value) < known.error and all(ratio < 1.0 for ratio in others.values()),
+        off < 1.0 and others[worst] < 1.0,
         f"energy after {transits:,.0f} transits over that in the first ten: `fd`; largest of {len(others)} others: `{worst}`",
-    ).with_margin(max(abs(noise["fd"] - known.value) / known.error, others[worst]), 1.0)
+    ).with_margin(max(off, others[worst]), 1.0)
 
 
 def _limit_table(shares_of: Mapping[str, Mapping[int, float]], reach: Mapping[str, float]) -> Table:
