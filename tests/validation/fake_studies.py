@@ -31,7 +31,7 @@ def result():
         verdicts=(
             Verdict("T is right", Evidence.WITNESS, "73.47", "73.48", Outcome.PASS),
             Verdict("T is right", Evidence.PAPER, "73.5", "80", Outcome.FINDING),
-            Verdict("T is right", Evidence.PAPER, "73.5", "73.5", Outcome.PASS),
+            Verdict("T is printed", Evidence.PAPER, "73.5", "73.5", Outcome.PASS),
         ),
         notes=("Clock: transits.",),
         numbers={"T": Number(73.4721449, 1e-6), "void": Number(math.nan)},

@@ -1,6 +1,7 @@
 """Verdicts that bound a size, and what a study may say when one fails."""
 
 import math
+import re
 import sys
 
 import pytest
@@ -9,9 +10,22 @@ from shown import too_roomy
 from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import Fit
 from validation.references.published import half_digit
-from validation.study import PAPER, WITNESS, Evidence, Outcome, StudyResult, Verdict, at_least, claim, every, holding, in_range
+from validation.study import (
+    PAPER,
+    WITNESS,
+    Evidence,
+    Outcome,
+    StudyAnswer,
+    StudyResult,
+    Verdict,
+    at_least,
+    claim,
+    every,
+    holding,
+    in_range,
+)
 from validation.study.known import as_known, error_after, of_order, rounding
-from validation.study.names import with_names
+from validation.study.names import by_claim, with_names
 
 ORDER = Fit(3.91, 0.11, 1.0, 3.9, 1e-6, slice(0, 4), 0.99, 3.9, 0.1)
 
@@ -96,6 +110,35 @@ def test_each_verdict_has_a_name_that_stays():
     names = ["psi-at-10-minus-9-t", "a.paper-dg-7", "a.paper-root-2", "a.exact", "a.exact-2"]
     assert [verdict.id for verdict in with_names("of-a", verdicts)] == [f"of-a.{name}" for name in names]
     assert [verdict.id for verdict in with_names("of-a", verdicts[:1])] == ["of-a.psi-at-10-minus-9-t"]
+
+
+def test_the_cases_of_a_claim_are_one_verdict_as_bad_as_the_worst():
+    """And each keeps its own name and outcome; a claim by two kinds of evidence is two verdicts."""
+    sizes = {"dg:2": 0.2, "dg:4": 0.9, "fd": 0.5, "exact": 2.0}
+    flat = [claim("Orders hold", Evidence.SELF, size, 1.0, name) for name, size in sizes.items()]
+    flat += [claim("Orders hold", Evidence.EXACT, 0.1, 1.0), claim("Energy closes", Evidence.EXACT, 0.1, 1.0, "fd")]
+    whole = by_claim("a", flat)
+    assert [one.id for one in whole] == ["a.orders-hold.self", "a.orders-hold.exact", "a.energy-closes"]
+    assert [row.id for row in whole[0].rows][:2] == ["a.orders-hold.self-dg-2", "a.orders-hold.self-dg-4"]
+    assert (whole[0].outcome, whole[0].size, whole[0].remark) == (Outcome.FAIL, 2.0, "the worst of 4: exact")
+    assert [row.outcome for row in whole[0].rows] == [Outcome.PASS] * 3 + [Outcome.FAIL]
+    assert by_claim("a", flat[:3])[0].size == 0.9
+    assert by_claim("a", flat[4:])[1].rows == by_claim("a", flat[4:])[1:]
+
+
+def test_every_verdict_is_cited_and_what_is_cited_is_there():
+    held = [claim(f"{name} holds", Evidence.EXACT, 0.1, 1.0, "dg:4") for name in "AAB"]
+    broken = claim("B holds", Evidence.EXACT, 2.0, 1.0)
+    both = StudyAnswer("A does.", ("A holds",)), StudyAnswer("B does.", ("B",))
+    found = StudyResult(answers=both, verdicts=by_claim("a", [*held, broken]))
+    assert [len(found.proofs(one)) for one in both] == [1, 1]
+    assert found.conclusion == "A does. Not shown: 1 of 2 checks fail (B holds)."
+    wrong = [(both[:1], "no answer cites ['B holds']"), ((*both, StudyAnswer("C does.", ("C",))), "rests on ['C']"),
+             ((*both, StudyAnswer("D does.")), "rests on nothing")]  # fmt: skip
+    for answers, told in wrong:
+        with pytest.raises(ValueError, match=re.escape(told)):
+            StudyResult(answers=answers, verdicts=tuple(held))
+    assert StudyResult(answers=(StudyAnswer("Not answered."),)).conclusion == "Not answered."
 
 
 def test_no_study_answers_yes_beside_a_red_light():

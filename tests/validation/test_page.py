@@ -16,7 +16,7 @@ from validation.studies import STUDIES, stability_boundaries
 from validation.studies.stability_boundaries import Curves
 from validation.study import Evidence, Omission, Outcome, StudyResult, Verdict
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
-from validation.study.names import with_names
+from validation.study.names import by_claim
 from validation.study.text import first_sentence
 
 FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "platform", "processor", "cores"), "1")
@@ -24,7 +24,7 @@ FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "p
 
 def stored(name, *verdicts, answer="It does.", **parts):
     """A study that finished."""
-    return Stored(name, f"Does {name} work?", 1.0, True, StudyResult(answer, verdicts=with_names(name, verdicts), **parts))
+    return Stored(name, f"Does {name} work?", 1.0, True, StudyResult(answer, verdicts=by_claim(name, verdicts), **parts))
 
 
 def verdict(outcome=Outcome.PASS, evidence=Evidence.EXACT, title="A holds", **more):
@@ -103,7 +103,8 @@ def test_claims_of_the_paper_are_counted_and_findings_come_first(tmp_path):
 
 
 def test_the_verdicts_rest_on_kinds_of_evidence(tmp_path):
-    html = page_of(tmp_path, stored("energy", verdict(), verdict(Outcome.FAIL), verdict(evidence=Evidence.WITNESS)))
+    told = verdict(), verdict(Outcome.FAIL, title="B holds"), verdict(evidence=Evidence.WITNESS)
+    html = page_of(tmp_path, stored("energy", *told))
     assert "The 3 verdicts rest on five kinds of evidence: 2 exact, 0 self-convergence, 1 independent witness" in html
     assert rows_of(html, "studies and kinds of evidence")[1] == ["energy", "✗ 2", "", "✓ 1", "", ""]
 
@@ -115,9 +116,11 @@ def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
     assert '<i style="width:20%">' in html
 
 
-def test_a_claim_of_several_verdicts_is_told_once(tmp_path):
+def test_a_claim_of_several_cases_is_told_once(tmp_path):
     told = [("B holds", "at 1"), ("A holds", "at 1"), ("B holds", "at 2")]
     html = page_of(tmp_path, stored("energy", *(verdict(title=title, remark=remark) for title, remark in told)))
+    assert '<tbody id="energy.b-holds">' in html
+    assert '<tr id="energy.b-holds.exact-at-2">' in html
     assert [row[1] if row[1:] else row[0] for row in rows_of(html, "verdicts energy")[1:]] == [
         "B holds",
         "at 1",

@@ -29,7 +29,7 @@ from validation.study.model_table import (
     shade_of,
     words_of,
 )
-from validation.study.names import with_names
+from validation.study.names import by_claim
 from validation.study.text import cell, markup, number, places, plain, power
 
 
@@ -80,7 +80,7 @@ def test_stored_result_comes_back_as_it_was(fake, tmp_path):
     read = store.stored_result(tmp_path, module, "key")
     assert repr(read.result) == repr(saved.result)
     assert (repr(read.result.tables), read.result.model_tables) == (repr(given.tables), given.model_tables)
-    assert (read.result.verdicts, read.result.omissions) == (with_names("first", given.verdicts), given.omissions)
+    assert (read.result.verdicts, read.result.omissions) == (by_claim("first", given.verdicts), given.omissions)
     assert (read.fresh, saved.fresh) == (False, True)
     assert store.stored_result(tmp_path, module, "another key") is None
 

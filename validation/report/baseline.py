@@ -48,9 +48,8 @@ def red_lines(report: Record, red: tuple[Word, ...]) -> list[str]:
     lines = []
     for study in report.studies:
         lines += [f"{study.name}: failed: {study.error}"] if study.error else []
-        for verdict in report.verdicts:
-            if verdict.study == study.name and verdict.outcome is Outcome.FAIL:
-                lines.append(f"{study.name}: {reason(verdict)}")
+        cases = [case for verdict in report.verdicts if verdict.study == study.name for case in verdict.rows]
+        lines += [f"{study.name}: {reason(case)}" for case in cases if case.outcome is Outcome.FAIL]
         changes = sorted(report.changes.of(*red), key=lambda change: red.index(change.word))
         lines += [line_of(change) for change in changes if change.study == study.name]
     return [" ".join(bare(line).split()) for line in lines]

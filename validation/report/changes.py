@@ -22,11 +22,15 @@ def changes_since(before: Record, now: Record, since: str) -> Changes:
     other = {study.name for study in now.studies if scenes.get(study.name, study.scenes) != study.scenes}
     whole = set() if now.quick else done
     every = [*_compared(before.numbers, now.numbers, whole)]
-    every += _compared(before.verdicts, now.verdicts, whole) if before.verdicts else ()  # the baseline tells none
+    every += _compared(_rows(before), _rows(now), whole) if before.verdicts else ()  # the baseline tells none
     uncompared = {"word": Word.NOT_COMPARABLE, "why": "another scene of the same name"}
     every = [change.model_copy(update=uncompared) if change.study in other else change for change in every]
     listed = sorted((change for change in every if change.word is not Word.SAME), key=lambda change: -change.over)
     return Changes(since=since, counts=dict(Counter(change.word for change in every)), listed=tuple(listed))
+
+
+def _rows(report: Record) -> list[VerdictRecord]:
+    return [case for verdict in report.verdicts for case in verdict.rows]
 
 
 def _compared(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Iterator[Change]:

@@ -71,19 +71,18 @@ def _headings(columns: Iterable[ColumnRecord]) -> Iterator[str]:
 
 
 def junit_of(report: Record, red: tuple[Word, ...]) -> str:
-    """A suite for each study; a case for each verdict and for each number that was compared. A finding is no failure."""
+    """A suite for each study, with every case of every verdict and every number that was compared. A finding is no failure."""
     root = xml.Element("testsuites", name="slipwave report")
     for study in report.studies:
         suite = xml.SubElement(root, "testsuite", name=study.name, time=f"{report.times.seconds[study.name]:.3f}")
         if study.error:
             xml.SubElement(_case(suite, study.name, "ends"), "error", message=_legal(study.error))
-        for verdict in report.verdicts:
-            if verdict.study == study.name:
-                case = _case(suite, study.name, verdict.id.removeprefix(f"{study.name}."))
-                said = _legal(reason(verdict))
-                if verdict.outcome is Outcome.FAIL:
-                    xml.SubElement(case, "failure", message=said)
-                xml.SubElement(case, "system-out").text = f"{verdict.outcome}: {said}"
+        for row in (row for verdict in report.verdicts if verdict.study == study.name for row in verdict.rows):
+            case = _case(suite, study.name, row.id.removeprefix(f"{study.name}."))
+            said = _legal(reason(row))
+            if row.outcome is Outcome.FAIL:
+                xml.SubElement(case, "failure", message=said)
+            xml.SubElement(case, "system-out").text = f"{row.outcome}: {said}"
         for name, change in _compared(report, study.name):
             case = _case(suite, study.name, f"number {_legal(name)}")
             if change and change.word in red:

@@ -70,7 +70,8 @@ def command_for(table: ModelTable, row: ModelRow, column: ModelColumn, cell: Mod
 
 def proofs(model: str, studies: Sequence[Stored]) -> list[str]:
     """Names of the verdicts that judge the model by its name."""
-    return [verdict.id for verdict in verdicts_of(studies) if f"`{model}`" in verdict.claim + verdict.remark]
+    rows = (row for verdict in verdicts_of(studies) for row in verdict.rows)
+    return [row.id for row in rows if f"`{model}`" in row.claim + row.remark]
 
 
 SHOWN = (anchor, command_for, cost_at, groups_of, joined, shown, starts, usual)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from slipwave.files import whole_or_absent
 from validation.report import first_screen
 from validation.report.figures import with_figures
-from validation.report.questions import ask, by_claim, left_out, verdicts_of
+from validation.report.questions import ask, left_out, verdicts_of
 from validation.report.record import Changes, Record, Word
 from validation.report.store import Stored
 from validation.study import Evidence, Outcome, Verdict, text
@@ -70,7 +70,6 @@ def _templates(studies: Sequence[Stored]) -> "Environment":
         "markup": lambda words: Markup(text.markup(words).replace(" %", "\u00a0%")),
         "cell": lambda value, spec: Markup(text.cell(value, spec)),
         "bare": text.bare,
-        "by_claim": by_claim,
         "sentences": text.first_sentence,
     }
     environment.globals |= {function.__name__: function for function in first_screen.SHOWN}

@@ -77,11 +77,6 @@ def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
     return [verdict for study in studies if study.result for verdict in study.result.verdicts]
 
 
-def by_claim(verdicts: Sequence[Verdict]) -> list[tuple[str, list[Verdict]]]:
-    """Claims in order, each with its verdicts."""
-    return [(title, [v for v in verdicts if v.claim == title]) for title in dict.fromkeys(v.claim for v in verdicts)]
-
-
 def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Verdict], bool]]:
     """Omissions of the report: study, omission, verdicts that check its reason, and whether these are missing although the reason
     has numbers."""

@@ -47,8 +47,21 @@ class StudyRecord(Part):
     """Why it did not finish; empty if it did."""
 
 
+class AnswerRecord(Part):
+    """An answer to one of the page's questions."""
+
+    question: str
+    """Its anchor on the page."""
+    study: str
+    """The study that gives it."""
+    text: str
+    """A sentence or two, or the claims that fail."""
+    verdicts: tuple[str, ...]
+    """Ids of the verdicts that it rests on."""
+
+
 class VerdictRecord(Part):
-    """One claim, one kind of evidence, and how it fared."""
+    """One claim, one kind of evidence, and how it fared; of several cases, how the worst of them did."""
 
     id: str
     """Stable from report to report; the anchor of its row on the page."""
@@ -67,6 +80,13 @@ class VerdictRecord(Part):
     outcome: Outcome
     """`finding`: a published claim, or a promised speed, that does not hold; `fail`: anything else that does not."""
     remark: str
+    cases: tuple["VerdictRecord", ...] = ()
+    """The same claim for several grids, models or scenes, each named by its remark."""
+
+    @property
+    def rows(self) -> tuple["VerdictRecord", ...]:
+        """Its cases; of a claim with a single case the verdict itself."""
+        return self.cases or (self,)
 
 
 class NumberRecord(Part):
@@ -208,6 +228,7 @@ class Record(Part):
     outcomes: dict[str, int]
     """How many verdicts of each outcome, and how many studies did not finish (`broken`)."""
     studies: tuple[StudyRecord, ...]
+    answers: tuple[AnswerRecord, ...] = ()
     verdicts: tuple[VerdictRecord, ...]
     numbers: tuple[NumberRecord, ...]
     tables: tuple[TableRecord, ...]

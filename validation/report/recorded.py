@@ -9,6 +9,7 @@ from slipwave.errors import SceneError
 from slipwave.files import reason_of
 from validation.report.record import (
     FORMAT,
+    AnswerRecord,
     Changes,
     ColumnRecord,
     FigureRecord,
@@ -21,8 +22,8 @@ from validation.report.record import (
     VerdictRecord,
 )
 from validation.report.store import Picture, Stored
-from validation.studies import study_called
-from validation.study import Outcome, Table, Verdict
+from validation.studies import STUDIES, study_called
+from validation.study import Outcome, StudyAnswer, StudyResult, Table, Verdict
 from validation.study.model_table import ModelTable
 
 NAME = "report.json"
@@ -44,6 +45,7 @@ def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, wri
         digests={key: facts[key] for key in _DIGESTS},
         outcomes=counts | {"broken": len(studies) - len(done)},
         studies=tuple(map(_study, studies)),
+        answers=tuple(_answer(name, result, answer) for name, result in done for answer in result.answers),
         verdicts=tuple(verdicts),
         numbers=tuple(
             NumberRecord(id=f"{study}.{name}", study=study, name=name, **asdict(number))
@@ -72,9 +74,15 @@ def _study(stored: Stored) -> StudyRecord:
     )
 
 
+def _answer(study: str, result: StudyResult, answer: StudyAnswer) -> AnswerRecord:
+    rests_on = tuple(verdict.id for verdict in result.proofs(answer))
+    return AnswerRecord(question=STUDIES.get(study, "trust"), study=study, text=result.conclusion_of(answer), verdicts=rests_on)
+
+
 def _verdict(study: str, verdict: Verdict) -> VerdictRecord:
-    facts = {name: getattr(verdict, name) for name in VerdictRecord.model_fields if name not in ("study", "found")}
-    return VerdictRecord(study=study, found=verdict.size, **facts)
+    facts = {name: getattr(verdict, name) for name in VerdictRecord.model_fields if name not in ("study", "found", "cases")}
+    cases = tuple(_verdict(study, case) for case in verdict.cases)
+    return VerdictRecord(study=study, found=verdict.size, cases=cases, **facts)
 
 
 def _table(study: str, table: Table) -> TableRecord:

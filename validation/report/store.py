@@ -14,13 +14,14 @@ from pydantic import TypeAdapter
 
 from slipwave.files import is_running
 from validation.report.sources import sources_digest
-from validation.study import Number, Omission, Study, StudyResult, Table, Verdict
+from validation.study import Number, Omission, Study, StudyAnswer, StudyResult, Table, Verdict
 from validation.study.model_table import ModelTable
-from validation.study.names import with_names
+from validation.study.names import by_claim
 from validation.study.render import SUFFIXES, render
 
-_FORMAT = 3
+_FORMAT = 4
 _PARTS: dict[str, Any] = {
+    "answers": tuple[StudyAnswer, ...],
     "tables": tuple[Table, ...],
     "verdicts": tuple[Verdict, ...],
     "notes": tuple[str, ...],
@@ -141,7 +142,7 @@ def _remove(folder: Path) -> None:
 
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
-    body = {name: getattr(result, name) for name in _PARTS} | {"verdicts": with_names(study.NAME, result.verdicts)}
+    body = {name: getattr(result, name) for name in _PARTS} | {"verdicts": by_claim(study.NAME, result.verdicts)}
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds}
     return record | {"answer": result.conclusion} | {name: jsonable(value) for name, value in body.items()}
 

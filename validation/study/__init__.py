@@ -133,11 +133,21 @@ class Omission:
 
 
 @dataclass(frozen=True)
-class StudyResult:
-    """Result of a study; `answer`: one sentence that is true if no verdict fails (see `conclusion`). `model_tables` compare all
-    models at several values of a parameter (`validation.study.model_table`)."""
+class StudyAnswer:
+    """A sentence or two that answer a study's question, true if no verdict fails that they rest on. `rests_on`: beginnings of the
+    claims of these verdicts, of the same study."""
 
-    answer: str
+    text: str
+    rests_on: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """Result of a study. The first of `answers` is its answer to the page's question. `model_tables` compare all models at
+    several values of a parameter (`validation.study.model_table`). Raises ValueError for an answer that rests on no verdict,
+    though there are verdicts, or on a claim that none has; and for a verdict that no answer cites."""
+
+    answer: str = ""
     tables: tuple[Table, ...] = ()
     figures: tuple[Figure, ...] = ()
     verdicts: tuple[Verdict, ...] = ()
@@ -145,14 +155,37 @@ class StudyResult:
     numbers: dict[str, Number] = field(default_factory=dict)
     omissions: tuple[Omission, ...] = ()
     model_tables: tuple[ModelTable, ...] = ()
+    answers: tuple[StudyAnswer, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.answers:  # until every study has them
+            return
+        claims = dict.fromkeys(verdict.claim for verdict in self.verdicts)
+        for answer in self.answers if claims else ():
+            unknown = [name for name in answer.rests_on if not any(title.startswith(name) for title in claims)]
+            if unknown or not answer.rests_on:
+                raise ValueError(f"the answer {answer.text!r} rests on {unknown or 'nothing'}; the claims are {[*claims]}")
+        beginnings = tuple(name for answer in self.answers for name in answer.rests_on)
+        if uncited := [name for name in claims if not name.startswith(beginnings)]:
+            raise ValueError(f"no answer cites {uncited}")
+
+    def proofs(self, answer: StudyAnswer) -> tuple[Verdict, ...]:
+        """The verdicts that the answer rests on."""
+        return tuple(verdict for verdict in self.verdicts if verdict.claim.startswith(answer.rests_on))
+
+    def conclusion_of(self, answer: StudyAnswer) -> str:
+        """The answer, or the claims that fail of those that it rests on."""
+        proofs = [case for verdict in self.proofs(answer) for case in verdict.rows]
+        failed = [case.claim for case in proofs if case.outcome is Outcome.FAIL]
+        if not failed:
+            return answer.text
+        return f"Not shown: {len(failed)} of {len(proofs)} checks fail ({'; '.join(dict.fromkeys(failed))})."
 
     @property
     def conclusion(self) -> str:
-        """The answer, or the claims that fail."""
-        failed = [verdict.claim for verdict in self.verdicts if verdict.outcome is Outcome.FAIL]
-        if not failed:
-            return self.answer
-        return f"Not shown: {len(failed)} of {len(self.verdicts)} checks fail ({'; '.join(dict.fromkeys(failed))})."
+        """All answers, or the claims that fail."""
+        every = self.answers or (StudyAnswer(self.answer, ("",)),)
+        return " ".join(map(self.conclusion_of, every))
 
 
 class Study(Protocol):
@@ -164,4 +197,4 @@ class Study(Protocol):
     SECONDS: tuple[float, float]
 
     def run(self, budget: Budget) -> StudyResult:
-        """Answer the question within the budget."""
+        """StudyAnswer the question within the budget."""

@@ -1,4 +1,5 @@
-"""Permanent names of verdicts: `study.claim`, and as much of the evidence and the remark as distinguishes those of one claim."""
+"""Permanent names of verdicts: `study.claim`, and as much of the evidence and the remark as distinguishes those of one claim; and
+one verdict for the cases of one claim."""
 
 import re
 import unicodedata
@@ -6,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from validation.study import Verdict
+from validation.study import Evidence, Outcome, Verdict
 from validation.study.text import bare
 
 _WORDS = 8
@@ -16,6 +17,24 @@ _WORDS = 8
 def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
     """The verdicts of a study with their `id`, each once."""
     return tuple(replace(verdict, id=f"{study}.{name}") for verdict, name in zip(verdicts, _names(verdicts), strict=True))
+
+
+def by_claim(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
+    """The verdicts of a study with their `id`; several on one claim by one kind of evidence become the `cases` of one verdict,
+    which has the outcome and the numbers of the worst of them."""
+    alike: dict[tuple[str, Evidence], list[Verdict]] = {}
+    for verdict in with_names(study, verdicts):
+        alike.setdefault((verdict.claim, verdict.evidence), []).append(verdict)
+    whole = [cases[0] if len(cases) == 1 else _over(cases) for cases in alike.values()]
+    named = with_names(study, [replace(verdict, remark="") for verdict in whole])
+    return tuple(replace(verdict, id=name.id) if verdict.cases else verdict for verdict, name in zip(whole, named, strict=True))
+
+
+def _over(cases: Sequence[Verdict]) -> Verdict:
+    """The verdict on a claim with several cases."""
+    order = (Outcome.PASS, Outcome.FINDING, Outcome.FAIL)
+    worst = max(cases, key=lambda case: (order.index(case.outcome), case.margin or 0.0))
+    return replace(worst, remark=f"the worst of {len(cases)}: {worst.remark}".rstrip(": "), cases=tuple(cases))
 
 
 def _names(verdicts: Sequence[Verdict]) -> Iterator[str]:

@@ -44,8 +44,9 @@ class Verdict:
     `size` and `limit`, in `unit` (none: a pure number), are the measured and the allowed value of one quantity: distance of a
     number from another (`claim`) or from the middle of a range (`in_range`), ratio of required to found (`at_least`), number of
     misses (`every`). Without them the claim is one of yes or no. `refuted`: what would refute the claim, if more than the
-    opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`). Raises
-    ValueError for a pass beyond the limit: then `size` and `limit` are different quantities.
+    opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`). `cases`: the
+    verdicts on one claim for several grids, models or scenes, each named by its remark; the verdict itself is then the worst of
+    them. Raises ValueError for a pass beyond the limit: then `size` and `limit` are different quantities.
     """
 
     claim: str
@@ -59,6 +60,7 @@ class Verdict:
     unit: str = ""
     refuted: str = ""
     id: str = ""
+    cases: tuple["Verdict", ...] = ()
 
     def __post_init__(self) -> None:
         if self.outcome is Outcome.PASS and self.margin is not None and not self.margin <= 1.0 + ROUNDING:
@@ -72,6 +74,11 @@ class Verdict:
     def with_margin(self, size: float, limit: float, unit: str = "") -> "Verdict":
         """The verdict with measured `size` and allowed `limit`."""
         return replace(self, size=size if math.isfinite(size) else None, limit=limit, unit=unit)
+
+    @property
+    def rows(self) -> tuple["Verdict", ...]:
+        """Its cases; of a claim with a single case the verdict itself."""
+        return self.cases or (self,)
 
     @property
     def timed(self) -> bool:
