@@ -1,7 +1,8 @@
 """The delay system over one period (`Flow`), for any pair of lossless slabs, by steps that divide its delays where possible.
 
-Delayed values are then nodal values of past steps. A period is no whole number of steps: the state at its end is interpolated in
-the last steps, the only interpolation in a period.
+Delayed values are then nodal values of past steps. A period is no whole number of steps: the waves at its end are the L2
+projection of those of the last steps on steps that end with it. Nodal values of a step are orthogonal, so that with psi held no
+period can gain energy; with interpolated waves noise would grow in a period, in a slab that loses little by a twentieth.
 """
 
 import math
@@ -13,7 +14,7 @@ from reduced.delay.flow_kernel import exchange_of, logs_of_return, march_tangent
 from reduced.delay.kernel import DelayMemory, clock_of, march_delay
 from reduced.delay.march import dense_resolution
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkLines, lines_with
-from reduced.delay.transmission_lines import COINCIDENT, NODES, lines_of, network_of
+from reduced.delay.transmission_lines import COINCIDENT, NODES, lines_of, network_of, shifted_rows
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.friction.law import friction_slopes
@@ -217,9 +218,7 @@ class DelayFlow:
     def _state(self, ring: Array, tops: Array, psi: Array, cursor: int, fraction: float) -> Array:
         """States (n, m) at `fraction` of the last step in the ring, with the faces `tops` at its end."""
         ordered = ring[(cursor + np.arange(self.kept + 1)) % (self.kept + 1)]
-        points = fraction + self.nodes
-        rows = interpolation_matrix(self._basis, np.where(points <= 1.0, points, points - 1.0))
-        early, late = rows * (points <= 1.0)[:, None], rows * (points > 1.0)[:, None]
+        early, late = shifted_rows(fraction, NODES)
         waves = np.moveaxis(early @ ordered[:-1] + late @ ordered[1:], 0, 2)
         faces = self._faces(ordered, tops, fraction) if self.tops_remembered.any() else tops
         return np.concatenate([waves.reshape(-1, psi.size), faces[self.tops_remembered], psi[None]])

@@ -114,18 +114,26 @@ def delay_rows(steps_back: Array, nodes: Array) -> tuple[Integers, Array]:
     The weights give nodal values of the L2 projection of the arriving wave. With interpolated values, noise in a lossless slab
     would grow at every arrival, for some delays by a fifth.
     """
-    s, basis, project, points, parts = _projection(nodes.size)
     older = np.ceil(steps_back - COINCIDENT).astype(np.int64)
-    weights = np.zeros((older.size, 2, s, s))
+    weights = np.zeros((older.size, 2, nodes.size, nodes.size))
     for layer, share in enumerate(np.clip(older - steps_back, 0.0, 1.0)):
         if share < COINCIDENT:
-            weights[layer, 0] = np.eye(s)
-            continue
-        for which, (begin, length) in enumerate(((0.0, 1.0 - share), (1.0 - share, share))):
-            at = begin + length * points
-            moments = length * parts * np.polynomial.legendre.legvander(2.0 * at - 1.0, s - 1).T
-            weights[layer, which] = project @ moments @ interpolation_matrix(basis, at + share - which)
+            weights[layer, 0] = np.eye(nodes.size)
+        else:
+            weights[layer] = shifted_rows(float(share), nodes.size)
     return np.column_stack([older, older - 1]), weights
+
+
+def shifted_rows(share: float, stages: int) -> Array:
+    """Weights (2, s, s) of a step and of the next in the nodal values of the L2 projection of their polynomials on the step that
+    begins the part `share` of a step after the first."""
+    s, basis, project, points, parts = _projection(stages)
+    weights = np.zeros((2, s, s))
+    for which, (begin, length) in enumerate(((0.0, 1.0 - share), (1.0 - share, share))):
+        at = begin + length * points
+        moments = length * parts * np.polynomial.legendre.legvander(2.0 * at - 1.0, s - 1).T
+        weights[which] = project @ moments @ interpolation_matrix(basis, at + share - which)
+    return weights
 
 
 @cache

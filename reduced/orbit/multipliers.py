@@ -43,7 +43,7 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
         others = floquet(coarser.monodromy, coarser.flow.idle)[0]
         nearest = [np.abs(others - one).min() if others.size else np.inf for one in isolated]
         isolated = isolated[np.array(nearest, dtype=float) < _AGREE * np.abs(isolated)]
-    if radius > 1.0 - _NEUTRAL or not is_decided(closed):
+    if not is_decided(closed):
         from reduced.stability.idle import idle_modes
 
         modes = idle_modes(closed.flow.scene)

@@ -34,7 +34,7 @@ class Stability:
 
     `omega_c` and `log10_r_c`: frequency and upper round trip at the first loss of stability as both round trips grow;
     `epsilon_c`: upper epsilon above which the scene's r is stable. `leading_roots`: those of `reduced.stability.leading_roots`,
-    none if all decay faster than waves pass. `essential_abscissa` exists only for exact models.
+    none if all decay faster than waves pass or a viscous slab creeps. `essential_abscissa` exists only for exact models.
     """
 
     model: str
@@ -50,8 +50,16 @@ class Stability:
 
     @property
     def rate(self) -> float:
-        """Re s of the leading root; -inf without one."""
-        return self.leading_roots[0].real if self.leading_roots else -math.inf
+        """Re s of the leading root, or that at which roots accumulate if none is listed; -inf without either."""
+        if self.leading_roots:
+            return self.leading_roots[0].real
+        return -math.inf if math.isnan(self.essential_abscissa) else self.essential_abscissa
+
+    @property
+    def endless(self) -> bool:
+        """Whether the roots that decay most slowly are infinitely many: those that accumulate at `essential_abscissa`, right of
+        all `leading_roots`."""
+        return self.essential_abscissa > max((root.real for root in self.leading_roots), default=-math.inf)
 
 
 def analyse(scene: Scene, model: str = "delay") -> Stability:

@@ -43,6 +43,16 @@ def essential_abscissa(scene: Scene) -> float:
     return max(echoes, accumulation)
 
 
+def fast_pattern(scene: Scene) -> float:
+    """Im s (1/(L/V*)) after which the fast roots of the exact system repeat, nearly; 0 if their travel times are incommensurate,
+    or no fast wave is transmitted."""
+    slabs = scene.slabs
+    if any(isinstance(slab.viscosity, KelvinVoigtViscosity) for slab in slabs):
+        return 0.0
+    grid = _common_grid([layer.fraction * slab.round_trip for slab in slabs for layer in slab.layers])
+    return 2.0 * math.pi / grid[0] if grid else 0.0
+
+
 def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> Echo:
     """F_v p + q of the chain of layers at high frequency; `echoes`: the factor e^(-s T_j) of every layer, upper slab first."""
     direct = friction_slopes(scene.law, scene.velocity).direct

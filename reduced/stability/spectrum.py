@@ -7,6 +7,7 @@ import numpy as np
 
 from reduced.impedance import Complex
 from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.essential import fast_pattern
 from reduced.stability.roots import OnContour, count_zeros, distinct, polish, resolved, upper_half, upper_rectangle, zeros_in
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
@@ -17,8 +18,9 @@ NEUTRAL = 1e-9
 _MARGINS = (1.001, 1.0037, 1.00011)
 """Factors that enlarge the disc of all growing roots; the first whose edge meets no root is used."""
 
-_RIPPLES = 4.6
-"""Leading roots are searched up to this many times pi per longer round trip: two pairs of reverberations."""
+_RIPPLES, _PATTERNS = 4.6, 2.0
+"""Leading roots are searched up to the first many times pi per longer round trip, two pairs of reverberations, and up to the
+second many of the patterns in which fast roots repeat: beyond, they differ from these less and less."""
 
 _DEEPEST_STRIP, _FASTEST = 6.0, 20.0
 """Per transit: fastest decay of the roots searched, and fastest growth of those of active slabs."""
@@ -99,9 +101,9 @@ def unstable_count(problem: Characteristic, active: bool = False, beyond: float 
 
 
 def leading_roots(problem: Characteristic, most: int = _LEADING) -> Complex:
-    """The `most` roots with the largest real parts among those with |Im s| below two ripple frequencies or below that of any root
-    that can grow, including conjugates. The number of roots right of the last one is certified. For a reduction all roots are
-    considered.
+    """The `most` roots with the largest real parts, including conjugates, among those with |Im s| below that of any root that can
+    grow, below two ripple frequencies and below two patterns of the fast roots: beyond, these accumulate at the essential
+    abscissa. The number of roots right of the last one is certified. For a reduction all roots are considered.
 
     Sorted by falling real part; 1/(L/V*). Raises NumericsError if roots lie too close to be distinguished.
     """
@@ -122,7 +124,8 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
     unit, wall = 1.0 / problem.longest, 0.9 * problem.leftmost
     centre, radius = problem.slopes.growing
     bound = np.sqrt(max(radius**2 - centre**2, 0.0)) if problem.slopes.weakening else problem.slopes.reach
-    top, right = max(1.05 * bound, _RIPPLES * np.pi * unit), max(problem.slopes.reach, _FASTEST * unit)
+    top = max(1.05 * bound, _RIPPLES * np.pi * unit, _PATTERNS * fast_pattern(problem.scene))
+    right = max(problem.slopes.reach, _FASTEST * unit)
     deepest = max(-_DEEPEST_STRIP * unit, wall)
     for share in (1.0, 0.983, 0.966, 0.943):
         try:

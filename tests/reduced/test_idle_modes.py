@@ -99,7 +99,7 @@ def test_only_odd_ratios_have_idle_states(ratio, count):
 
 
 def test_what_grows_beside_idle_modes_is_unstable():
-    """Steady sliding that grows: no idle mode is counted, though interpolation makes some grow on a mesh."""
+    """Steady sliding that grows: no idle mode is counted."""
     closed = steady(DelayFlow(unlike(3.0), 4.0), 40.3)
     found = multipliers(closed)
     assert found.stable is False
@@ -109,3 +109,36 @@ def test_what_grows_beside_idle_modes_is_unstable():
     assert count_unstable(closed) == (np.abs(found.values) > 1.0).sum()
     assert "1 and 3 quarter waves, 0.5 cycles a transit, multiplier" in found.reason
     assert [mode.upper for mode in found.idle] == [1, 3, 5, 7]
+
+
+@pytest.mark.parametrize("side", ["upper", "lower"])
+@pytest.mark.parametrize("coefficient", [0.999, 0.9997, 0.9998, 0.9999, 0.99989])
+def test_behind_a_face_that_leaks_nothing_is_idle(coefficient, side):
+    """What both slabs do alike passes the leaking face once in two transits: it is left with R^(T/2) after T."""
+    alike = {"upper.epsilon": 2.8e-5, "upper.r": 0.0021, "lower.epsilon": 2.8e-5, "lower.r": 0.0021}
+    face = {f"{side}.face": {"kind": "reflection", "coefficient": coefficient}}
+    closed = steady(DelayFlow(read_scene("unlike", **alike, **face), 6.0), 73.4)
+    found = multipliers(closed)
+    assert found.essential_radius == pytest.approx(coefficient**36.7, rel=1e-6)
+    assert not found.idle
+
+
+LEAKS = {"kind": "reflection", "coefficient": 0.9999}
+LAYERS = [{"fraction": 0.25, "impedance": 1.0}, {"fraction": 0.75, "impedance": 1.32}]
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        unlike(1.0, **{"upper.layers": LAYERS, "lower.layers": LAYERS, "upper.face": LEAKS}),
+        unlike(1.0, **{"lower.face": LEAKS}),
+        unlike(math.sqrt(2.0), **{"upper.face": LEAKS}),
+        unlike(1.5),
+    ],
+)
+@pytest.mark.parametrize("period", [30.013, 60.87, 73.4])
+def test_no_period_gains_energy_while_friction_holds_its_state(scene, period):
+    """Slabs, faces and friction at a given state are passive: no multiplier of the waves alone lies outside the unit circle."""
+    flow = DelayFlow(scene, 6.0)
+    waves = flow.tangent(flow.march(flow.steady, period), frozen=True)
+    assert np.abs(np.linalg.eigvals(waves[:-1, :-1])).max() < 1.0 + 1e-12

@@ -235,3 +235,47 @@ def test_all_zeros_are_found_each_once(apart):
 def test_a_double_zero_is_refused():
     with pytest.raises(NumericsError, match=r"2 roots near s = 0.3\+0.19999\dj are too close to be distinguished"):
         zeros_in(polynomial(0.3 + 0.2j, 0.3 + 0.2j), -1.0 - 1.0j, 2.0 + 1.5j, 2)
+
+
+LAYERS = [{"fraction": 0.25, "impedance": 1.0}, {"fraction": 0.75, "impedance": 1.3205112733541364}]
+WEAK = {"a": 0.01637744400505154, "b": 0.019652932806061847, "drive.velocity": 64.26056043569865}
+SLABS = {"upper.epsilon": 2.2149407956191375e-05, "upper.r": 0.00720178162771619, "upper.layers": LAYERS}
+BELOW = {"lower.epsilon": 0.00010064574189421088, "lower.r": 0.010802672441574285}
+
+
+def test_the_list_begins_with_the_leading_root_however_fast_it_is():
+    """Another program found -0.00268 + 10.37 i per transit, beyond two ripples of the thicker slab."""
+    scene = slipwave.read_scene("unlike", **WEAK, **SLABS, **BELOW)
+    found = analyse(scene)
+    assert found.leading_roots[0] * scene.transit == pytest.approx(-0.00267959 + 10.3696119j, rel=1e-7)
+    assert abs(complex(characteristic(scene).imbalance(found.leading_roots[0]))) < 1e-12
+    assert not found.endless
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_root_of_many_starts_lies_right_of_the_list_and_of_where_roots_accumulate(seed):
+    random = np.random.default_rng(seed)
+    parts = random.permutation([0.25, 0.25, 0.5])[: random.integers(2, 4)]
+    layers = [{"fraction": part / parts.sum(), "impedance": random.uniform(0.3, 3.0)} for part in parts]
+    ratio = random.choice([1.0, 1.5, 2.0, 3.0])
+    thickness = {"upper.r": 0.003, "lower.r": 0.003 * ratio, "upper.layers": layers}
+    impedances = {"upper.epsilon": 10 ** random.uniform(-5, -4), "lower.epsilon": 10 ** random.uniform(-5, -4)}
+    scene = slipwave.read_scene("unlike", **WEAK, **thickness, **impedances)
+    found, problem = analyse(scene), characteristic(scene)
+    heights, depths = np.linspace(0.1, 200.0, 1500), np.array([0.0, -0.01, -0.1])
+    roots = polish(problem.jet, (depths[:, None] + 1j * heights).ravel() / scene.transit)
+    roots = roots[np.isfinite(roots)]
+    roots = roots[~problem.idle(roots)]
+    assert roots.size > 100
+    assert roots.real.max() * scene.transit < max(found.rate, found.essential_abscissa) * scene.transit + 1e-9
+
+
+def test_a_solid_that_creeps_has_no_finite_list_of_leading_roots():
+    """Its fastest creep, 1/(time (1 + ratio)), is where roots accumulate; all others decay faster."""
+    viscous = {"slab.viscosity": {"kind": "standard-linear", "time": 0.05, "ratio": 1.0}}
+    scene = slipwave.read_scene("paper", **viscous, **{"drive.velocity": 2000.0, "a": 0.03, "b": 0.0301})
+    result = slipwave.stability(scene)
+    assert result.summary["leading_roots"] == []
+    assert result.found.endless
+    assert result.found.rate == result.summary["essential_abscissa"] == pytest.approx(-10.0)
+    assert "no finite list" in " ".join(result.summary["notes"])

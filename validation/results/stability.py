@@ -164,6 +164,11 @@ class StabilityResult(Result):
                 f"neutral within rounding: the leading root's real part {found.rate:.2g} cannot be told from 0; no other root "
                 "grows"
             )
+        if found.endless:
+            notes.append(
+                f"infinitely many roots accumulate at Re s = {found.essential_abscissa:.6g} V*/L, right of all that are listed: "
+                "no finite list holds those that decay most slowly"
+            )
         absent = [] if found.model == "taylor" else self._absent()
         return [*notes, *found.missing, *(self.physical.missing if self.physical else ()), *absent]
 
