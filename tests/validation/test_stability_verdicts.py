@@ -131,5 +131,7 @@ def test_figures_that_do_not_exist_have_a_reason(answer):
     found = answer("stability", "paper", "--set", "interface.b=0.01")
     assert (found["log10_r_c"], found["epsilon_c"]) == (None, None)
     assert found["notes"] == [
-        "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable"
+        f"infinitely many roots accumulate at Re s = {found['essential_abscissa']:.6g} V*/L, right of all that are listed: "
+        "no finite list holds those that decay most slowly",
+        "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable",
     ]
