@@ -1,31 +1,91 @@
-"""Slip events in a record, by the detector of runs (`slipwave.observe.EventObserver`), with the record's friction as elastic
-stress and its slip rate as that of the interface. A fall counts only if it is larger than the range of pure noise in as many
-samples. The rate and the extrema are those of a local parabola over some samples (Savitzky and Golay), because noise in friction
-makes drops too large and rates meaningless. The effect of this smoothing on dates, drops and rates is measured by halving it.
+"""Slip events in a record: falls of friction by much of its range, dated where it passes the middle of the fall.
+
+Events of runs are dated by their slip rate (`slipwave.observe`). A record has none, or the slope of noisy friction in the steps
+of a gauge, and a machine rings after each slip. The passage of the middle of a large fall needs no slope and no smoothing:
+`compare` and `fit` date a record by it. Drops and slip rates need smoothing, by a local parabola over some samples (Savitzky and
+Golay). Its effect is measured by halving it.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
-from slipwave.friction import unknowns
-from slipwave.observe import EventObserver, Events, Pieces
+from slipwave.observe import Events
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.series import Series
 
-_NODES = np.array([0.5, 1.0])  # a straight line between two samples
+FALL = 0.4
+"""Of the range of friction: a smaller fall is no event."""
+
+_ABOVE = 8.0  # times the noise: the smallest fall that is distinguished from it
+_BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
 _SHARE = 0.25  # of the duration of a fall: the smoothing that is chosen
 _QUIET = 1e-6  # share of the range of friction below which a record has no noise
-_LEAST_RATE = 1e-6  # of V, for the detector: noise makes a slow rate negative
+
+
+class SlipEvents(NamedTuple):
+    """The slip events of a record, one a row: the samples of the `top` and the `bottom` of the fall, the last sample `above` its
+    middle, its `drop` and its `date`."""
+
+    top: NDArray[np.intp]
+    bottom: NDArray[np.intp]
+    above: NDArray[np.intp]
+    drop: Array
+    date: Array
+
+
+def slip_events(time: Array, friction: Array) -> SlipEvents:
+    """The slip events of a record: falls by at least `FALL` of the range of friction, or of its means over so many samples that
+    noise is hidden. The date is when friction last falls through the middle between its maximum and its minimum."""
+    found: list[tuple[int, int]] = []
+    for together in sorted({max(1, time.size // blocks) for blocks in (time.size, *_BLOCKS)}):
+        means = friction[: time.size // together * together].reshape(-1, together).mean(axis=1)
+        least = FALL * float(np.ptp(means))
+        if least > _ABOVE * noise_of(np.arange(means.size), means):
+            found = falls(means, least)
+            break
+    first, last = np.array(found, dtype=np.intp).reshape(-1, 2).T
+    top, bottom = together * first, np.minimum(together * last + together, time.size) - 1
+    middle = 0.5 * (means[first] + means[last])
+    passages = [_passage(friction[a : b + 1], level) for a, b, level in zip(top, bottom, middle, strict=True)]
+    above = top + np.array(passages, dtype=np.intp)
+    share = (friction[above] - middle) / (friction[above] - friction[above + 1])
+    return SlipEvents(top, bottom, above, means[first] - means[last], time[above] + share * (time[above + 1] - time[above]))
+
+
+def _passage(values: Array, level: float) -> int:
+    """The last sample above `level` that is followed by one below."""
+    return int(np.flatnonzero((values[:-1] > level) & (values[1:] <= level))[-1])
+
+
+def falls(values: Array, least: float) -> list[tuple[int, int]]:
+    """(maximum, minimum) indices of every fall by at least `least` that is followed by a rise of that size; the last fall needs
+    none."""
+    found, top, bottom, is_falling = [], 0, 0, False
+    for k, value in enumerate(values.tolist()):
+        if not is_falling:
+            top = k if value > values[top] else top
+            if values[top] - value > least:
+                is_falling, bottom = True, k
+        else:
+            bottom = k if value < values[bottom] else bottom
+            if value - values[bottom] > least:
+                found.append((top, bottom))
+                is_falling, top = False, k
+    return [*found, (top, bottom)] if is_falling else found
 
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Samples of the local parabola (1: none), and the change of the figures with half as many: dates (transits), the others
-    relative; NaN without events to compare. `apart`: the change in the number of events."""
+    """Samples of the local parabola (1: none), and the relative change of the mean `stress_drop` and `v_max` with half as many.
+    How events of the smoothed friction differ: in `dates` (transits), mean `period` (relative), and number (`apart`); NaN for
+    another number."""
 
     samples: int
     dates: float = math.nan
@@ -59,19 +119,29 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     """
     own = series.of(scene)
     time, friction = own["time"], own.friction(1.0)
-    noise = noise_of(time, friction)
-    floor = noise * 2.0 * math.sqrt(2.0 * math.log(time.size))
     if smooth is not None and not 1 <= smooth <= time.size // 2:
         raise SceneError(f"smooth = {smooth}: must be from 1 to {time.size // 2}, half of the samples in {series.source!r}")
-    chosen = _chosen(own, scene, friction, floor) if smooth is None else smooth
-    found = _seen(own, scene, friction, floor, chosen)
-    if found.dates.size < 2 or not found.events.time.size:
-        count = {0: "no slip event", 1: "one slip event only"}.get(found.dates.size, "no complete cycle between slip events")
-        text = f": no fall of friction exceeds the range of noise, {floor:.2g} (smooth = N samples lessens it)"
-        more = text if floor and not found.dates.size else "; a comparison of cycles needs two or more"
+    found, noise = slip_events(time, friction), noise_of(time, friction)
+    if (found.top > 0).sum() < 2:
+        count = {0: "no slip event", 1: "one slip event only"}.get(found.date.size, "no complete cycle between slip events")
+        text = f": no fall of friction exceeds the range of noise, {_ABOVE * noise:.2g}"
+        more = text if noise and not found.date.size else "; a comparison of cycles needs two or more"
         raise SceneError(f"{series.source!r}: {count}{more}")
-    half = _seen(own, scene, friction, floor, max(1, chosen // 2))
-    return replace(found, noise=noise, smoothing=_effect(found, half, chosen))
+    samples = smooth or (_chosen(friction, found) if noise else 1)
+    level, rate, rate_from = _smooth_motion(own, scene, friction, samples)
+    cycles = _cycles(found, level, rate)
+    half = _cycles(found, *_smooth_motion(own, scene, friction, max(1, samples // 2))[:2])
+    effect = _effect(samples, found.date, slip_events(time, level).date, cycles, half)
+    return MeasuredMotion(series.source, time, level, rate, rate_from, found.date, cycles, noise, effect)
+
+
+def _cycles(found: SlipEvents, friction: Array, rate: Array) -> Events:
+    """The cycles from one maximum of friction to the next; a fall from the first sample on begins none."""
+    top, date = found.top[found.top > 0], found.date[found.top > 0]
+    parts = [slice(begin, end + 1) for begin, end in pairwise(top)]
+    drop = np.array([np.ptp(friction[part]) for part in parts])
+    highest, lowest = (np.array([extreme(rate[part]) for part in parts]) for extreme in (np.max, np.min))
+    return Events(date[:-1], np.diff(date), drop, drop, highest, lowest)
 
 
 def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:
@@ -94,47 +164,26 @@ def smoothed(values: Array, samples: int, slope: bool = False) -> Array:
     return np.asarray(savgol_filter(values, samples + 1 - samples % 2, 2, deriv=int(slope)))
 
 
-def _seen(own: Series, scene: Scene, friction: Array, floor: float, samples: int) -> MeasuredMotion:
-    """The motion, smoothed over `samples` samples."""
-    rate, rate_from = _slip_rate(own, scene, friction, samples)
-    level = smoothed(friction, samples)
-    observer = EventObserver(scene, _NODES, floor * min(1.0, 1.5 / math.sqrt(samples)))  # what a parabola leaves of white noise
-    observer.scan(_pieces(own["time"], unknowns(scene.law, np.maximum(rate, _LEAST_RATE * scene.velocity)), level))
-    return MeasuredMotion(
-        own.source, own["time"], level, rate, rate_from, observer.dates(), observer.events(), 0.0, Smoothing(samples)
-    )
-
-
-def _pieces(time: Array, z: Array, friction: Array) -> Pieces:
-    """Pieces that are straight lines between samples."""
-    lines = [np.column_stack((0.5 * (values[1:] + values[:-1]), values[1:])) for values in (z, friction)]
-    return Pieces(time[:-1], np.diff(time), lines[0], np.zeros_like(lines[0]), lines[1], lines[1])
-
-
-def _slip_rate(own: Series, scene: Scene, friction: Array, samples: int) -> tuple[Array, str]:
-    """The slip rate (V*) of a record, and its source: its own column, the slope of slip, or the slope of the load point's
+def _smooth_motion(own: Series, scene: Scene, friction: Array, samples: int) -> tuple[Array, Array, str]:
+    """Friction, smoothed; the slip rate (V*), and its source: its own column, the slope of slip, or the slope of the load point's
     displacement minus the elastic one, by the scene's stiffness."""
+    level = smoothed(friction, samples)
     if "slip_rate" in own:
-        return smoothed(own["slip_rate"], samples), "slip_rate"
+        return level, smoothed(own["slip_rate"], samples), "slip_rate"
     pace = scene.transit * smoothed(own["time"], samples, slope=True)  # L/V* per sample
     if "slip" in own:
-        return smoothed(own["slip"], samples, slope=True) / pace, "slip"
+        return level, smoothed(own["slip"], samples, slope=True) / pace, "slip"
     released = scene.transit * smoothed(friction, samples, slope=True) / scene.stiffness
     if "load_point_displacement" in own:
         load = smoothed(own["load_point_displacement"], samples, slope=True)
-        return (load - released) / pace, "load_point_displacement and the scene's stiffness"
-    return scene.velocity - released / pace, "the scene's velocity and stiffness"
+        return level, (load - released) / pace, "load_point_displacement and the scene's stiffness"
+    return level, scene.velocity - released / pace, "the scene's velocity and stiffness"
 
 
-def _chosen(own: Series, scene: Scene, friction: Array, floor: float) -> int:
-    """Samples of the parabola: a quarter of those in the median fall of friction; 1 without noise or events."""
-    first = _seen(own, scene, friction, floor, 1)
-    if floor == 0.0 or not first.events.time.size:
-        return 1
-    starts = np.searchsorted(own["time"], first.events.time - 0.5 * first.events.period[0])
-    ends = np.searchsorted(own["time"], first.events.time + 0.5 * first.events.period)
-    lasting = [_fall(friction[begin:end]) for begin, end in zip(starts, ends, strict=True) if end - begin > 2]
-    return max(1, int(_SHARE * float(np.median(lasting)))) if lasting else 1
+def _chosen(friction: Array, found: SlipEvents) -> int:
+    """Samples of the parabola: a quarter of those in the median fall of friction."""
+    lasting = [_fall(friction[a : b + 1]) for a, b in zip(found.top, found.bottom, strict=True)]
+    return max(1, int(_SHARE * float(np.median(lasting))))
 
 
 def _fall(values: Array) -> int:
@@ -146,12 +195,12 @@ def _fall(values: Array) -> int:
     return int(np.count_nonzero((share < 0.9) & (share > 0.1)))
 
 
-def _effect(found: MeasuredMotion, half: MeasuredMotion, samples: int) -> Smoothing:
-    """How the figures change with half the smoothing."""
-    apart = half.dates.size - found.dates.size
-    if apart or half.events.time.size != found.events.time.size:
-        return Smoothing(samples, apart=apart)
-    changes = [
-        abs(float(np.mean(other) / np.mean(one)) - 1.0) for one, other in zip(found.events[1:], half.events[1:], strict=True)
-    ]
-    return Smoothing(samples, float(np.abs(half.dates - found.dates).max()), changes[0], changes[1], changes[3])
+def _effect(samples: int, dates: Array, others: Array, cycles: Events, half: Events) -> Smoothing:
+    """Changes of dates to the `others` of the smoothed friction, of the cycles' figures to those with `half` the smoothing."""
+    drop, v_max = (
+        abs(float(getattr(half, name).mean() / getattr(cycles, name).mean()) - 1.0) for name in ("stress_drop", "v_max")
+    )
+    if others.size != dates.size:
+        return Smoothing(samples, stress_drop=drop, v_max=v_max, apart=others.size - dates.size)
+    period = abs(float(np.ptp(others) / np.ptp(dates)) - 1.0)
+    return Smoothing(samples, float(np.abs(others - dates).max()), period, drop, v_max)

@@ -1,8 +1,8 @@
 """Stick-slip records: the period and the shape of the mean cycle by its phase, measured and of a model.
 
-Late waveforms are not compared: cycles drift apart, and waves ring differently in each. An event is dated where friction falls
-through the middle between its maximum and its minimum. Phases close to events are left out: samples there depend on the recording
-more than on friction.
+Late waveforms are not compared: cycles drift apart, and waves ring differently in each. A model's events are dated as those of a
+record are (`validation.data.events`). Phases close to events are left out: samples there depend on the recording more than on
+friction.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, 
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
 from slipwave.step.collocation import radau
-from validation.data.events import noise_of
+from validation.data.events import FALL, SlipEvents, falls, noise_of, slip_events
 from validation.fit.forward import Reduced, marched, sampled
 from validation.fit.parameters import Variants, sizes
 
@@ -30,9 +30,6 @@ _NODES, _WEIGHTS = (part / 2.0 for part in np.polynomial.legendre.leggauss(3))  
 _FEWEST = 12  # bins that have samples
 _ALIKE = 5  # cycles, that say what is settled
 _STANDS_OUT = 4.0  # standard errors, beyond which cycles differ by more than noise
-_FALL = 0.4  # of the range of friction: a smaller fall is no event
-_ABOVE = 8.0  # times the noise: the smallest fall that is distinguished from it
-_BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
 _SETTLED = 7  # events; the last cycle of so many is taken
 _LONGER = (1.0, 2.5, 6.0, 15.0)  # times the expected length of a march
 _BISECTIONS = 60
@@ -58,49 +55,25 @@ class MeanCycle(NamedTuple):
     early: int
 
 
-def falls(values: Array, least: float) -> list[tuple[int, int]]:
-    """(maximum, minimum) indices of every fall by at least `least` that is followed by a rise of that size; the last fall needs
-    none."""
-    found, top, bottom, is_falling = [], 0, 0, False
-    for k, value in enumerate(values.tolist()):
-        if not is_falling:
-            top = k if value > values[top] else top
-            if values[top] - value > least:
-                is_falling, bottom = True, k
-        else:
-            bottom = k if value < values[bottom] else bottom
-            if value - values[bottom] > least:
-                found.append((top, bottom))
-                is_falling, top = False, k
-    return [*found, (top, bottom)] if is_falling else found
-
-
-def dated_events(name: str, times: Array, friction: Array) -> tuple[list[tuple[int, int]], Array]:
-    """(maximum, minimum) indices of every slip event of a record, and their dates. Raises SceneError for fewer than three."""
-    noise, size, events = noise_of(times, friction), float(np.ptp(friction)), []
-    for together in sorted({max(1, times.size // blocks) for blocks in (times.size, *_BLOCKS)}):
-        means = friction[: times.size // together * together].reshape(-1, together).mean(axis=1)
-        least = _FALL * float(np.ptp(means))
-        if least > _ABOVE * noise_of(np.arange(means.size), means):
-            events = [(together * a, min(together * b + together - 1, times.size - 1)) for a, b in falls(means, least)]
-            break
-    dates = np.array([_date(times, friction, *one) for one in events])
-    if dates.size < 3:
-        found = f"{dates.size} slip events" if dates.size else "no slip event"
+def dated_events(name: str, times: Array, friction: Array) -> SlipEvents:
+    """The slip events of a record. Raises SceneError for fewer than three."""
+    events = slip_events(times, friction)
+    if (count := events.date.size) < 3:
+        found = f"{count} slip events" if count else "no slip event"
         raise SceneError(
-            f"{name!r}: {found} (friction changes by {size:.3g}, noise {noise:.2g}); a fit of stick-slip needs 3; for "
-            "steps and holds give drive.velocity, or a column of the load point's displacement"
+            f"{name!r}: {found} (friction changes by {np.ptp(friction):.3g}, noise {noise_of(times, friction):.2g}); a fit of "
+            "stick-slip needs 3; for steps and holds give drive.velocity, or a column of the load point's displacement"
         )
-    return events, dates
+    return events
 
 
 def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
     """The mean cycle of a record, without unsettled first cycles and without a significant drift from cycle to cycle. Raises
     SceneError for fewer than three slip events."""
-    noise, (events, dates) = noise_of(times, friction), dated_events(name, times, friction)
-    early = _unsettled(np.diff(dates), _date_errors(times, friction, events, noise))
-    events, dates = events[early:], dates[early:]
-    periods = np.diff(dates)
+    noise, events = noise_of(times, friction), dated_events(name, times, friction)
+    early = _unsettled(np.diff(events.date), _date_errors(times, friction, events, noise))
+    events = SlipEvents._make(column[early:] for column in events)
+    dates, periods = events.date, np.diff(events.date)
     which = np.searchsorted(dates, times, side="right") - 1
     inside = (which >= 0) & (which < periods.size)
     where = (times[inside] - dates[which[inside]]) / periods[which[inside]]
@@ -124,10 +97,9 @@ def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
     moved = float(np.abs(slope).mean() * np.sqrt(np.mean(errors**2)) / periods.mean())  # what a date's error adds to a cycle
     rows, drift = _level(rows - slope * (at - phases), phases, moved)  # each as at the mean phase
     values, seen = np.nanmean(rows, axis=0), np.isfinite(rows).mean(axis=0)
-    own, together = _dating(dates, errors, _leaning(times, friction, events, dates), times, slope / periods.mean(), phases)
+    own, together = _dating(dates, errors, _leaning(times, friction, events), times, slope / periods.mean(), phases)
     error, common = _scatter(rows - values, counts, noise)
     together = np.column_stack([together, np.append(0.0, np.full(values.size, common))])
-    drops = [friction[a] - friction[b] for a, b in events]
     return MeanCycle(
         float(periods.mean()),
         max(own, 1e-9 * float(periods.mean()), 0.01 * together[0, 1]),
@@ -136,7 +108,7 @@ def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
         phases,
         together,
         dates.size,
-        float(np.median(drops)),
+        float(np.median(events.drop)),
         drift,
         early,
     )
@@ -181,21 +153,18 @@ def _scatter(away: Array, counts: Array, noise: float) -> tuple[Array, float]:
     return np.sqrt(excess * np.sum(white * seen, axis=0)) / seen.sum(axis=0), (more / cycles) ** 0.5 if stands_out else 0.0
 
 
-def _date_errors(times: Array, friction: Array, events: list[tuple[int, int]], noise: float) -> Array:
+def _date_errors(times: Array, friction: Array, events: SlipEvents, noise: float) -> Array:
     """Standard deviations of the dates of events: a fall between two samples is uniformly distributed between them."""
-    above = np.array([_above(friction, *one) for one in events])
-    gap, fall = times[above + 1] - times[above], friction[above] - friction[above + 1]
-    drop = np.array([friction[a] - friction[b] for a, b in events])
-    return np.asarray(gap * np.hypot(np.minimum(fall / drop, 1.0) / 12.0**0.5, noise / np.maximum(fall, noise)))
+    gap, fall = (step[events.above] for step in (np.diff(times), -np.diff(friction)))
+    return np.asarray(gap * np.hypot(np.minimum(fall / events.drop, 1.0) / 12.0**0.5, noise / np.maximum(fall, noise)))
 
 
-def _leaning(times: Array, friction: Array, events: list[tuple[int, int]], dates: Array) -> float:
+def _leaning(times: Array, friction: Array, events: SlipEvents) -> float:
     """Common bias of all dates: a fall between two samples is on average in their middle, but friction that falls slowly before
     gives an earlier date."""
-    above = np.array([_above(friction, *one) for one in events])
-    drop = np.array([friction[a] - friction[b] for a, b in events])
-    share = np.minimum((friction[above] - friction[above + 1]) / drop, 1.0)
-    return float(np.mean(share * (dates - 0.5 * (times[above] + times[above + 1]))))
+    above = events.above
+    share = np.minimum((friction[above] - friction[above + 1]) / events.drop, 1.0)
+    return float(np.mean(share * (events.date - 0.5 * (times[above] + times[above + 1]))))
 
 
 def _dating(dates: Array, errors: Array, leaning: float, times: Array, slope: Array, phases: Array) -> tuple[float, Array]:
@@ -211,19 +180,6 @@ def _dating(dates: Array, errors: Array, leaning: float, times: Array, slope: Ar
     own = (max(varied - 2.0 * float(np.mean(errors**2)), 0.0) / count) ** 0.5
     by_shift, by_length = np.append(0.0, slope * shift), np.append(1.0, slope * (phases - 0.5)) * ends
     return own, np.column_stack([by_shift, by_length])
-
-
-def _above(friction: Array, top: int, bottom: int) -> int:
-    """The last sample above the middle between its maximum and its minimum."""
-    return top + int(np.flatnonzero(friction[top:bottom] > 0.5 * (friction[top] + friction[bottom]))[-1])
-
-
-def _date(times: Array, friction: Array, top: int, bottom: int) -> float:
-    """Time at which friction last falls through the middle between its maximum and its minimum."""
-    middle = 0.5 * (friction[top] + friction[bottom])
-    above = _above(friction, top, bottom)
-    share = (friction[above] - middle) / (friction[above] - friction[above + 1])
-    return float(times[above] + share * (times[above + 1] - times[above]))
 
 
 class CycleOfReduction(Reduced):
@@ -265,7 +221,7 @@ class CycleOfReduction(Reduced):
     def _falls(self, pieces: Pieces) -> list[tuple[int, int]]:
         """Events of the later half of a march, and earlier ones that are as large."""
         late = pieces.mu[pieces.mu.shape[0] // 2 :]
-        return falls(pieces.mu.ravel(), max(_FALL * float(np.ptp(late)), 1e-6))[:-1]
+        return falls(pieces.mu.ravel(), max(FALL * float(np.ptp(late)), 1e-6))[:-1]
 
     def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
         """Period and friction of the last whole cycle, and their derivatives."""

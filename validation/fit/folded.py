@@ -35,7 +35,7 @@ class FoldedRecord(NamedTuple):
 def folded(name: str, times: Array, friction: Array, transit: float) -> FoldedRecord:
     """The samples of whole cycles away from events, sorted by phase. Raises SceneError for a record whose cycles are not
     equal."""
-    dates = dated_events(name, times, friction)[1]
+    dates = dated_events(name, times, friction).date
     count = np.arange(dates.size)
     period, first = np.polyfit(count, dates, 1)
     astray, step = float(np.std(dates - first - period * count)), float(np.median(np.diff(times)))

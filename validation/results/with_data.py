@@ -9,7 +9,7 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.data.events import MeasuredMotion
+from validation.data.events import MeasuredMotion, slip_events
 from validation.measure.cycle import OneCycle
 from validation.results.quantities import EVENTS, cycle_in_si, shown_in
 from validation.results.result import aligned, rounded
@@ -86,15 +86,17 @@ def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
 
 
 def effect_in_words(smoothing: Mapping[str, Any], scene: Scene) -> Iterator[str]:
-    """Text on the change by half the smoothing."""
+    """Text on the change by half the smoothing, and on events in the smoothed record."""
     if smoothing["samples"] == 1:
         return
+    changes = ", ".join(f"{name.replace('_', ' ')} {100.0 * smoothing[name]:.2g} %" for name in FIGURES_OF_CYCLES[1:])
+    yield f"with half as many, means change by: {changes}"
     if smoothing["apart"]:
-        yield f"with half as many there would be {smoothing['apart']:+d} events: the number of events depends on the smoothing"
-    elif smoothing["dates"] is not None:
+        yield f"the smoothed record has {smoothing['apart']:+d} events: the number of events depends on the smoothing"
+    else:
         size, unit = shown_in("transit", scene)
-        changes = ", ".join(f"{name.replace('_', ' ')} {100.0 * smoothing[name]:.2g} %" for name in FIGURES_OF_CYCLES)
-        yield f"with half as many, dates of events move by at most {smoothing['dates'] * size:.2g} {unit}, means by: {changes}"
+        moved = f"at most {smoothing['dates'] * size:.2g} {unit}, the mean period by {100.0 * smoothing['period']:.2g} %"
+        yield f"events are dated in the record as it is; smoothed, it would move dates by {moved}"
 
 
 def averaged(motion: MeasuredMotion, most: float) -> Averaged:
@@ -115,6 +117,7 @@ def averaged(motion: MeasuredMotion, most: float) -> Averaged:
 def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
     """A model's cycle, with one of its `stress`es as friction, at `time` since its event; its second half precedes the event."""
     phase = np.concatenate((cycle.time - cycle.period, cycle.time))
+    phase -= min(slip_events(phase, np.tile(cycle.stress, 2)).date, key=abs, default=0.0)  # dated as the record
     friction = np.interp(time, phase, np.tile(stress, 2))
     rate = np.exp(np.interp(time, phase, np.tile(np.log(np.abs(cycle.slip_rate)), 2)))
     level = float(np.trapezoid(friction, time) / (time[-1] - time[0]))
