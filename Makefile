@@ -5,7 +5,7 @@ STAMP := .venv/installed
 # small matrices gain nothing from more threads, and lose a factor of 50 where processes share the machine
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: install test studies report wheel bench docs cf page browser faults mutants
+.PHONY: install test studies report wheel bench docs cf page browser faults
 
 install: $(STAMP)
 
@@ -65,9 +65,3 @@ browser: $(STAMP) requirements-page.lock
 # make faults PART=4 plants one in four of the faults; the commit decides which
 faults: $(STAMP)
 	$(BIN)/python -m tests.faults $(if $(PART),--part $(PART))
-
-# a random sample of small changes; the first step records which functions each test runs
-mutants: $(STAMP)
-	mkdir -p reports/reach
-	REACH=reports/reach $(BIN)/python -m pytest -p tests.faults.reach -m "not slow" -n 2
-	$(BIN)/python -m tests.faults.mutants --reach reports/reach

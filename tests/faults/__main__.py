@@ -1,26 +1,30 @@
-"""`python -m tests.faults`: exit status 0 if all planted faults are caught, 3 if any survives, 2 if a name is unknown."""
+"""`python -m tests.faults`: exit status 0 if all planted faults are caught, 3 if any survives, 2 if nothing can be said.
+
+The named checks run on a clean copy, where all must pass, and then each with its fault.
+"""
 
 import argparse
 import json
+import queue
 import subprocess
 import sys
-from functools import partial
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from tests.faults.planting import ROOT, read_faults
-from tests.faults.programme import Record, Store, run_all, try_fault
+from slipwave.compiled.cache import cache_folder
+from tests.faults.planting import ROOT, Fault, read_faults
+from tests.faults.trial import Copy
 
-RESULT = ROOT / "reports" / "faults.json"
-BASELINE = ROOT / "reports" / "baseline" / "faults.json"
+RECORD = ROOT / "reports" / "baseline" / "faults.json"
 
 
 def main() -> int:
-    """Run the programme of planted faults."""
+    """Plant the faults and say which test notices each."""
     parser = argparse.ArgumentParser(prog="python -m tests.faults", description="Plant faults, and see which check catches each.")
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults to try (default: all)")
     parser.add_argument("--part", type=int, metavar="N", help="one N-th of them; which one, the commit decides")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="tried at a time (default: 2)")
-    parser.add_argument("--named", action="store_true", help="run the named checks only, never the whole suite")
     parser.add_argument("--record", action="store_true", help="put what was tried into the table that the report shows")
     options = parser.parse_args()
     faults = read_faults()
@@ -35,23 +39,53 @@ def main() -> int:
         number = int(commit, 16) % options.part
         print(f"part {number + 1} of {options.part} (from commit {commit[:10]})")
         faults = faults[number :: options.part]
-    work = partial(try_fault, whole=not options.named)
-    records = run_all(faults, work, options.jobs, Store(RESULT, "faults"))
-    survivors = [record["name"] for record in records if not record["caught"]]
-    print(
-        f"{len(records) - len(survivors)} of {len(records)} planted faults caught",
-        *(f"survives: {s}" for s in survivors),
-        sep="\n",
-    )
+    with tempfile.TemporaryDirectory(prefix="slipwave-faults-") as folder:
+        clean = Copy(Path(folder) / "clean", known=cache_folder())
+        found = clean.run(sorted({check for fault in faults for check in fault.check}), "-n", str(options.jobs))
+        if not found.is_green:
+            print("checks fail without any fault:", found.trouble or "", *found.accidents, sep="\n  ")
+            return 2
+        records = try_all(faults, [Copy(Path(folder) / str(n), known=clean.cache) for n in range(options.jobs)])
+    survivors = [record["name"] for record in records if not record["caught_by"]]
+    print(f"{len(records) - len(survivors)} of {len(records)} planted faults caught", *survivors, sep="\nsurvives: ")
     if options.record:
-        recorded(records, BASELINE)
+        put_on_record(records, RECORD)
     return 3 if survivors else 0
 
 
-def recorded(records: list[Record], table: Path) -> None:
+def try_all(faults: list[Fault], copies: list[Copy]) -> list[dict[str, str]]:
+    """The record of each fault, tried one at a time in each of the `copies`."""
+    free: queue.Queue[Copy] = queue.Queue()
+    for copy in copies:
+        free.put(copy)
+
+    def one(fault: Fault) -> dict[str, str]:
+        copy = free.get()
+        try:
+            return try_fault(fault, copy)
+        finally:
+            free.put(copy)
+
+    with ThreadPoolExecutor(len(copies)) as pool:
+        return list(pool.map(one, faults))
+
+
+def try_fault(fault: Fault, copy: Copy) -> dict[str, str]:
+    """What a fault is and which test of its check notices it, empty if none does; printed with what the test says."""
+    with copy.with_text(fault.file, fault.planted((copy.tree / fault.file).read_text(encoding="utf-8"))):
+        found = copy.run(fault.check, "--maxfail=3")
+    if found.caught_by:
+        print(f"caught   {fault.name}  {found.caught_by}\n         {found.says}", flush=True)
+    else:
+        why = found.trouble or "; ".join(found.accidents)
+        said = f"by accident only: {why}" if why else "its check stays green"
+        print(f"SURVIVES {fault.name}  {fault.where}: {fault.what}\n         {said}", flush=True)
+    return {"name": fault.name, "where": fault.where, "what": fault.what, "user": fault.user, "caught_by": found.caught_by}
+
+
+def put_on_record(records: list[dict[str, str]], table: Path) -> None:
     """Put `records` into the `table`, in the order of the faults; those of faults that are planted no more are removed."""
-    known = {record["name"]: record for record in json.loads(table.read_text(encoding="utf-8"))["faults"]}
-    known |= {record["name"]: {key: value for key, value in record.items() if key != "key"} for record in records}
+    known = {record["name"]: record for record in (*json.loads(table.read_text(encoding="utf-8"))["faults"], *records)}
     rows = [known[fault.name] for fault in read_faults() if fault.name in known]
     table.write_text(json.dumps({"faults": rows}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 

@@ -42,11 +42,6 @@ class Fault:
         return f"{self.file}::{self.within}" if self.within else self.file
 
     @property
-    def decided_by(self) -> list[str]:
-        """The changed file and those of its check."""
-        return [self.file, *(check.partition("::")[0] for check in self.check)]
-
-    @property
     def what(self) -> str:
         """The change in one line."""
         return " ".join(f"{self.old.strip()} -> {self.new.strip() or 'nothing'}".split())
@@ -61,14 +56,6 @@ class Fault:
         if self.file.endswith(".py") and _program(changed) == _program(text[begin:end]):
             raise AnchorError(f"{self.name}: the program is the same after the change")
         return text[:begin] + changed + text[end:]
-
-    def tripwire(self, text: str) -> str:
-        """The file's text with an exception at the fault's function instead: shows whether a check runs that code at all."""
-        body = _named(ast.parse(text), self.within).body
-        first = body[1] if len(body) > 1 and isinstance(body[0], ast.Expr) else body[0]
-        lines = text.splitlines(keepends=True)
-        lines.insert(first.lineno - 1, " " * first.col_offset + 'raise RuntimeError("the planted fault is reached")\n')
-        return "".join(lines)
 
 
 def read_faults(folder: Path = FOLDER) -> list[Fault]:

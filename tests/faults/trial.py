@@ -1,45 +1,39 @@
 """A copy of the checkout in which faults are tried one at a time; the original is never touched."""
 
-import json
-import math
 import os
 import shutil
-import signal
 import subprocess
 import sys
-import time
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from tests.faults.planting import ROOT
 
-WHOLE_SUITE = ("tests", "--ignore=tests/faults")
-_WAITING = 10.0  # seconds on the clock for one of processor time, on a machine that does other things too
-_ENDINGS = {
-    -signal.SIGXCPU: "endless",
-    1: "tests fail",
-    2: "the tests cannot be collected",
-    4: "the check does not exist",
-    5: "no test was run",
-}
+_SECONDS = 900.0  # for one check; what ends no earlier is endless
+_ASSERTS = (
+    "assert ",
+    "AssertionError",
+    "Failed: ",
+)  # how the message of an assertion begins, or of an exception that did not come
+_ENDINGS = {2: "the tests cannot be collected", 4: "the check does not exist", 5: "no test was run"}
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a run of tests showed. `caught` is the first failure that says what is wrong; `trouble` any other ending."""
+    """What a run of tests showed: the test whose assertion failed first and what it says, all that failed, any other ending."""
 
-    seconds: float
-    caught: dict[str, str] | None = None
-    accidents: tuple[dict[str, str], ...] = ()
+    caught_by: str = ""
+    says: str = ""
+    accidents: tuple[str, ...] = ()
     trouble: str = ""
 
     @property
     def is_green(self) -> bool:
         """Every test passed."""
-        return not (self.caught or self.accidents or self.trouble)
+        return not (self.caught_by or self.accidents or self.trouble)
 
 
 def tracked_files(root: Path = ROOT) -> list[Path]:
@@ -51,18 +45,16 @@ def tracked_files(root: Path = ROOT) -> list[Path]:
 
 
 class Copy:
-    """A copy in `folder` with a cache of compiled code of its own, which starts with what `cache` holds."""
+    """A copy in `folder` with a cache of compiled code of its own, which starts with what the folder `known` holds."""
 
-    def __init__(self, folder: Path, root: Path = ROOT, cache: Path | None = None) -> None:
-        self.tree = folder / "tree"
-        self._note, self._cache = folder / "witness.json", folder / "cache"
-        self._clean: dict[tuple[str, ...], Outcome] = {}
+    def __init__(self, folder: Path, root: Path = ROOT, known: Path | None = None) -> None:
+        self.tree, self.cache, self._note = folder / "tree", folder / "cache", folder / "note.xml"
         for path in tracked_files(root):
             target = self.tree / path.relative_to(root)
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(path, target)
-        if cache is not None and cache.is_dir():
-            shutil.copytree(cache, self._cache, ignore=lambda _, names: [n for n in names if not n.endswith(".compiled")])
+        if known is not None and known.is_dir():
+            shutil.copytree(known, self.cache, ignore=lambda _, names: [n for n in names if not n.endswith(".compiled")])
 
     @contextmanager
     def with_text(self, file: str, text: str) -> Iterator[None]:
@@ -75,31 +67,29 @@ class Copy:
         finally:
             path.write_text(kept, encoding="utf-8")
 
-    def run_clean(self, tests: Sequence[str], limit: float) -> Outcome:
-        """As `run`, once for each set of tests: the copy has no fault in it."""
-        if tuple(tests) not in self._clean:
-            self._clean[tuple(tests)] = self.run(tests, limit)
-        return self._clean[tuple(tests)]
-
-    def run(self, tests: Sequence[str], limit: float) -> Outcome:
-        """Run pytest in the copy for at most `limit` seconds of processor time, until one failure says what is wrong."""
+    def run(self, tests: Sequence[str], *options: str, limit: float = _SECONDS) -> Outcome:
+        """Run pytest in the copy for at most `limit` seconds."""
         self._note.unlink(missing_ok=True)
-        begun = time.monotonic()
-        command = [sys.executable, "-m", "pytest", "-q", "-p", "tests.faults.witness", "-p", "no:cacheprovider", "-m", "not slow"]
-        own = {
-            "PYTHONPATH": self.tree,
-            "NUMBA_CACHE_DIR": self._cache,
-            "WITNESS": self._note,
-            "WITNESS_SECONDS": math.ceil(limit),
+        told = [f"--junitxml={self._note}", "--override-ini=junit_family=xunit1", "-p", "no:cacheprovider", "-m", "not slow"]
+        environment = os.environ | {
+            "PYTHONPATH": str(self.tree),
+            "NUMBA_CACHE_DIR": str(self.cache),
             "PYTHONDONTWRITEBYTECODE": "1",  # Python tells byte code from the source by second and size, which a fault may share
         }
-        environment, most = os.environ | {name: str(value) for name, value in own.items()}, _WAITING * limit
+        command = [sys.executable, "-m", "pytest", "-q", *told, *options, *tests]
         try:
-            done = subprocess.run([*command, *tests], cwd=self.tree, env=environment, capture_output=True, timeout=most)
+            done = subprocess.run(command, cwd=self.tree, env=environment, capture_output=True, timeout=limit)
         except subprocess.TimeoutExpired:
-            return Outcome(time.monotonic() - begun, trouble=f"no end after {most:.0f} s")
-        seconds = time.monotonic() - begun
-        if done.returncode > 1 or (done.returncode and not self._note.exists()):
-            return Outcome(seconds, trouble=_ENDINGS.get(done.returncode, f"pytest ended with {done.returncode}"))
-        noted: dict[str, Any] = json.loads(self._note.read_text(encoding="utf-8"))
-        return Outcome(seconds, noted["caught"], tuple(noted["accidents"]))
+            return Outcome(trouble=f"no end after {limit:.0f} s")
+        if done.returncode > 1 or not self._note.exists():
+            return Outcome(trouble=_ENDINGS.get(done.returncode, f"pytest ended with {done.returncode}"))
+        return _outcome(self._note)
+
+
+def _outcome(note: Path) -> Outcome:
+    failures = []
+    for case in ElementTree.parse(note).iter("testcase"):
+        for problem in (*case.findall("failure"), *case.findall("error")):
+            failures.append((f"{case.get('file')}::{case.get('name')}", problem.get("message", "")))
+    said = [(test, message.splitlines()[0]) for test, message in failures if message.startswith(_ASSERTS)]
+    return Outcome(*(said or [("", "")])[0], tuple(f"{message.partition(':')[0]} in {test}" for test, message in failures))
