@@ -174,14 +174,15 @@ PLACES = {
         Place("grid_convergence.orbits:own_orbit", (part("orbit"),)),
         Place("grid_convergence.in_time:marches_of", tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact"))),
     ),
-    "stability-boundaries": (
-        Place("stability_boundaries:boundary", (each(part("second")),), 1),
-        Place("stability_boundaries:critical_round_trip", S, 1),
-        Place("stability_boundaries:_gaps"),
-        Place("stability_boundaries:_on_both_sides"),
-        Place("stability_boundaries:taylor"),
-        Place("stability_boundaries:analyse", (part("log10_r_c"),), few=True),
+    "onset": (
+        Place("onset:boundary", (each(part("second")),), 1),
+        Place("onset:critical_round_trip", S, 1),
+        Place("onset:gaps_at", (displaced(6e-14),)),
+        Place("onset:counts_across"),
+        Place("onset:taylor"),
+        Place("onset:analyse", (part("log10_r_c"),), unjudged=("paper",), few=True),
     ),
+    "energy": (Place("energy:balance", (lambda found: (found[0] | {"residual": found[0]["residual"] + 1e-6}, found[1]),)),),
     "slip-event": (Place("slip_event:_record", (part("field.upper.velocity"),)),),
     "unlike-slabs": (Place("unlike_slabs:march_pair", (part("figures"),), 1), Place("unlike_slabs:costs")),
     "partial-reflection": (

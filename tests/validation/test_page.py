@@ -3,7 +3,6 @@
 import dataclasses
 import re
 
-import numpy as np
 import pytest
 from fake_studies import result
 
@@ -12,8 +11,7 @@ from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask, left_out
 from validation.report.recorded import record_of
 from validation.report.store import Stored
-from validation.studies import STUDIES, stability_boundaries
-from validation.studies.stability_boundaries import Curves
+from validation.studies import STUDIES
 from validation.study import Evidence, Omission, Outcome, StudyResult, Verdict
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.names import by_claim
@@ -81,13 +79,6 @@ def test_a_question_is_answered_by_its_first_study_and_by_no_study_that_fails(tm
     assert answers["exact"] == "They agree. But: 1 check of `energy` failed; `slip-event` did not finish."
     assert (answers["changed"], answers["cost"]) == ("Nothing.", "Not computed in this report.")
     assert "They agree." in summary_of(page_of(tmp_path, sound), "exact")
-
-
-def test_the_answer_on_the_onset_says_where_its_errors_are():
-    """1 % at V = 100, 2 % at 10^3, 8 % at 10^4."""
-    curves = Curves(np.array([1e2, 1e3, 1e4]), np.ones(3), np.array([1.01, 1.02, 1.08]), 0.0)
-    told = stability_boundaries._answer(curves, {"delay": (1.0, 0.0), "kelvin-voigt": (1.01, 0.0)})
-    assert told.endswith("by 1 · 10^{−2} at V = 100, by 2.0 · 10^{−2} at V = 10^{3} and by 8 % at V = 10^{4}.")
 
 
 def test_claims_of_the_paper_are_counted_and_findings_come_first(tmp_path):

@@ -67,8 +67,9 @@ STUDIES = {
     "asymmetry-map": Expected(1),
     "manufactured": Expected(24),
     "slip-event": Expected(3, (), {"largest slip rate": (4412.3, 1e-3)}),
-    "stability-boundaries": Expected(
-        9, (), {"log10 r_c, quasistatic": (-2.698970004336, 1e-11), "error of (27) at V = 1e4": (-0.07672436, 1e-6)}
+    "energy": Expected(21, (), {"order of dg:2": (5.0217, 1e-4)}),
+    "onset": Expected(
+        25, (), {"log10 r_c, quasistatic": (-2.698970004336, 1e-11), "error of (27) at V = 1e4": (-0.07672436, 1e-6)}
     ),
 }
 
@@ -91,7 +92,7 @@ def held(name):
 ELSEWHERE = {"which-model", "period-against-delay", "claims"}
 """Studies that a test file of their own runs, once."""
 SLOW = {"regime-map", "asymmetry-map", "laboratory", "manufactured"}
-LONG = {"beyond-one-scene", "bifurcation", "partial-reflection", "snaking", "stability-boundaries"}
+LONG = {"beyond-one-scene", "bifurcation", "partial-reflection", "snaking", "onset", "energy"}
 
 
 @pytest.mark.parametrize(

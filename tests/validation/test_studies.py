@@ -11,12 +11,10 @@ from test_quick_studies import held
 
 import slipwave
 from slipwave.observe.statistics import Estimate
-from validation.measure.order_fit import fit_order
 from validation.references.lsoda import PlainRun
-from validation.studies import cost_and_error, energy, scene_facts, slip_event, stability_attacks
+from validation.studies import cost_and_error, scene_facts, slip_event, stability_attacks
 from validation.studies import period_against_delay as measured
 from validation.studies.cost_and_error import _race_factor
-from validation.studies.energy import LADDERS, history_of, ledger_order, residual_of
 from validation.studies.error_laws import MODELS, CycleErrors, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
 from validation.studies.partial_reflection import Pair, Point, agreement, dies, keeps, locking_leak, locks
 from validation.studies.period_against_delay import Periods, period_of
@@ -86,20 +84,6 @@ def test_characteristics_notice_a_wrong_wave_speed_and_an_event_that_never_ends_
     assert slip_event.characteristics(replace(field, upper=replace(upper, depth=1.05 * upper.depth))) > 1e-2
     endless = replace(event, field=replace(field, upper=replace(upper, velocity=np.full_like(upper.velocity, 1e3))))
     assert outcomes(slip_event._verdicts(endless, 0.0)).endswith("fail")
-
-
-def test_leapfrog_closes_to_rounding_and_others_at_their_order():
-    assert residual_of("fd", 12) < 1e-13
-    found = ledger_order("dg:1", np.array([residual_of("dg:1", n) for n in LADDERS["dg:1"][:4]]))
-    assert found.order == pytest.approx(3.0, abs=0.02)
-
-
-@pytest.mark.parametrize(("name", "lost"), [("rigid faces", ()), ("grips", ("radiated",)), ("viscous", ("viscous",))])
-def test_history_shows_the_losses_a_scene_has(name, lost):
-    history = history_of(name, 2)
-    balance = history.total("input") - sum(history.total(entry) for entry in ("friction", "stored", "radiated", "viscous"))
-    assert abs(balance) < 1e-6 * history.total("input")
-    assert {entry for entry in ("radiated", "viscous") if history.total(entry) > 0.0} == set(lost)
 
 
 def test_unlike_slabs():
@@ -218,15 +202,6 @@ def in_si(off):
     return SimpleNamespace(upper=SimpleNamespace(epsilon=PAPER.upper.epsilon * (1.0 + off)), transit=PAPER.transit)
 
 
-def ledgers(residual, off):
-    return np.array([1e-15, residual]), {"dg:2": fit_order(GRID, 1e-6 * (GRID / 8.0) ** -(5.0 + off), 1e-9)}
-
-
-def closing(share):
-    sizes = {name: share * energy.closes_to("dg:7", 4, name) for name in energy.BOUNDARIES}
-    return ({"dg:4": dict.fromkeys(sizes, 0.0), "dg:7": sizes},)
-
-
 def beside(figure, off):
     """A grip by two models, one figure of the wave off by a share."""
     wave = (value * (1.0 + off * (k == figure)) for k, value in enumerate(FIGURES))
@@ -266,9 +241,6 @@ JUDGED = [
       ((5e-9, 6e-8, "pass"), (-1.5e-7, -1e-7, "fail"))),
     *((cost_and_error._right, ([ours(0.02, off), ours(0.02, other, 1e-3)],), end)
       for off, other, end in ((6e-11, 1e-3, "pass"), (-2e-10, 0.0, "fail"))),
-    *((energy.ladder_verdicts, ledgers(*case), reds) for *case, reds in
-      ((2e-14, 0.09, 0), (6e-14, -0.09, 1), (np.nan, 0.0, 1), (0.0, 0.3, 1), (0.0, -0.3, 1))),
-    (energy.high_verdicts, closing(0.9), 0), (energy.high_verdicts, closing(3.0), 3),
     (cost_verdicts, (COSTS,), "pass finding pass pass pass"),
     (keeps, ((1e-3, 0.1), [Point(*FIGURES), Point()]), "fail"), (keeps, ((1e-3, 0.1), [Point(*FIGURES)] * 2), "pass"),
     (locks, ({0.1: "steady", 0.15: "steady", 0.25: "locks"}, EDGE), "pass"),

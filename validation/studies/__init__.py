@@ -23,7 +23,7 @@ STUDIES = {
     "unlike-slabs": "exact",
     "partial-reflection": "exact",
     "slip-event": "exact",
-    "stability-boundaries": "onset",
+    "onset": "onset",
     "bifurcation": "onset",
     "snaking": "onset",
     "special-curves": "onset",

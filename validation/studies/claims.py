@@ -301,7 +301,7 @@ def verdicts_on_paper(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, 
 
 
 def onset_claims() -> Iterator[Verdict]:
-    """P1 and P2, by closed forms; `stability-boundaries` compares these with roots."""
+    """P1 and P2, by closed forms; `onset` compares these with roots."""
     onset = onset_at(100.0)
     ours = {"delay": onset.r_delay, "kelvin-voigt": onset.r_kelvin_voigt}
     onsets = {model: math.log10(r) for model, r in ours.items()}
