@@ -6,6 +6,7 @@ from typing import Any
 
 from validation.report.questions import verdicts_of
 from validation.report.store import Stored
+from validation.study import Verdict
 from validation.study.model_table import ModelCell, ModelColumn, ModelRow, ModelTable, shade_of, words_of
 
 
@@ -68,10 +69,10 @@ def command_for(table: ModelTable, row: ModelRow, column: ModelColumn, cell: Mod
     return f"slipwave {name} {table.name} --model {row.model} {column.settings or f'--set slab.log10_r={column.log10_r:g}'}"
 
 
-def proofs(model: str, studies: Sequence[Stored]) -> list[str]:
-    """Names of the verdicts that judge the model by its name."""
+def proofs(model: str, studies: Sequence[Stored]) -> list[Verdict]:
+    """The verdicts, or cases of them, that judge the model by its name."""
     rows = (row for verdict in verdicts_of(studies) for row in verdict.rows)
-    return [row.id for row in rows if f"`{model}`" in row.claim + row.remark]
+    return [row for row in rows if f"`{model}`" in row.claim + row.remark]
 
 
 SHOWN = (anchor, command_for, cost_at, groups_of, joined, shown, starts, usual)

@@ -34,24 +34,12 @@ QUESTIONS = (
 
 @dataclass(frozen=True)
 class Asked:
-    """A question with the studies of this report that answer it; `said`: their common answer, if no single study gives it."""
+    """A question with the studies of this report that answer it; its `answer`, and the verdicts that this rests on, by study."""
 
     question: Question
     studies: tuple[Stored, ...]
-    said: str = ""
-
-    @property
-    def answer(self) -> str:
-        """The answer, with reservations: failed checks and unfinished studies."""
-        lead = next((study for study in self.studies if study.result), None)
-        said = self.said or (lead.result.conclusion if lead and lead.result else "Not computed in this report.")
-        doubts = [
-            f"{len(failed)} check{'s' if len(failed) > 1 else ''} of `{study.name}` failed"
-            for study in self.studies
-            if (failed := [verdict for verdict in verdicts_of([study]) if verdict.outcome is Outcome.FAIL])
-        ]
-        doubts += [f"`{study.name}` did not finish" for study in self.studies if study.error]
-        return f"{said} But: {'; '.join(doubts)}." if doubts else said
+    answer: str
+    rests_on: tuple[tuple[Stored, tuple[Verdict, ...]], ...]
 
 
 def ask(studies: Sequence[Stored], changed: str) -> list[Asked]:
@@ -59,17 +47,34 @@ def ask(studies: Sequence[Stored], changed: str) -> list[Asked]:
     question."""
     listed = {name for question in QUESTIONS for name in question.studies}
     known = {study.name: study for study in studies}
-    said = {"paper": _of_paper(studies), "trust": _of_checks(studies), "changed": changed}
-    if any(study.result and study.result.model_tables for study in studies):
-        said["which"] = (
-            "The table above, every number of it with what proves it, other scenes, and where a model has the wrong regime."
-        )
     found = []
     for question in QUESTIONS:
         mine = [known[name] for name in question.studies if name in known]
         mine += [study for study in studies if question.name == "trust" and study.name not in listed]
-        found.append(Asked(question, tuple(mine), said.get(question.name, "")))
+        found.append(_asked(question, mine, studies, changed))
     return found
+
+
+def _asked(question: Question, mine: Sequence[Stored], studies: Sequence[Stored], changed: str) -> Asked:
+    """The answers of its studies, with reservations: failed checks and unfinished studies."""
+    done = [(study, study.result) for study in mine if study.result]
+    said = [result.headline for _, result in done if not result.model_tables]  # the sentences of tables stand above all questions
+    rests_on = [(study, result.proofs(result.answers[0])) for study, result in done if result.answers]
+    if question.name == "paper":
+        judged = [(study, tuple(v for v in verdicts_of([study]) if v.evidence is Evidence.PAPER)) for study in studies]
+        said, rests_on = _of_paper([v for _, some in judged for v in some]), [(study, some) for study, some in judged if some]
+    elif question.name == "trust":
+        said += _of_checks(studies)
+    elif question.name == "changed":
+        said = [changed]
+    doubts = [
+        f"{len(failed)} check{'s' if len(failed) > 1 else ''} of `{study.name}` failed"
+        for study in mine
+        if (failed := [verdict for verdict in verdicts_of([study]) if verdict.outcome is Outcome.FAIL])
+    ]
+    doubts += [f"`{study.name}` did not finish" for study in mine if study.error]
+    said = said or ["Not computed in this report."]
+    return Asked(question, tuple(mine), " ".join([*said, *([f"But: {'; '.join(doubts)}."] if doubts else [])]), tuple(rests_on))
 
 
 def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
@@ -88,23 +93,17 @@ def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Ver
     return found
 
 
-def _of_paper(studies: Sequence[Stored]) -> str:
-    """Text: how many of the paper's claims hold, and which do not."""
-    judged = [verdict for verdict in verdicts_of(studies) if verdict.evidence is Evidence.PAPER]
+def _of_paper(judged: Sequence[Verdict]) -> list[str]:
+    """How many of the verdicts on the paper's claims hold, and which do not."""
     if not judged:
-        return ""
+        return []
     wrong = [verdict for verdict in judged if verdict.outcome is not Outcome.PASS]
-    said = (
-        f"Of {len(judged)} checks against printed numbers and claims, under all seven questions, {len(judged) - len(wrong)} hold"
-    )
-    return f"{said}; {len(wrong)} do not, and are listed first." if wrong else f"{said}."
+    said = f"Of {len(judged)} checks against the paper’s claims, under all seven questions, {len(judged) - len(wrong)} hold"
+    return [f"{said}; {len(wrong)} do not, and are listed first." if wrong else f"{said}."]
 
 
-def _of_checks(studies: Sequence[Stored]) -> str:
-    """Text: the evidence of the verdicts, and the results of the planted faults."""
+def _of_checks(studies: Sequence[Stored]) -> list[str]:
+    """The evidence of all verdicts."""
     verdicts = verdicts_of(studies)
     kinds = [f"{sum(v.evidence is kind for v in verdicts)} {kind.value}" for kind in Evidence]
-    programmes = ("planted-faults", "coverage", "manufactured")
-    known = {study.name: study.result.conclusion for study in studies if study.result}
-    answers = [known[name] for name in programmes if name in known]
-    return " ".join([*answers, f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."])
+    return [f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."]

@@ -182,6 +182,11 @@ class StudyResult:
         return f"Not shown: {len(failed)} of {len(proofs)} checks fail ({'; '.join(dict.fromkeys(failed))})."
 
     @property
+    def headline(self) -> str:
+        """The first answer, or the claims that fail."""
+        return self.conclusion_of(self.answers[0]) if self.answers else self.conclusion
+
+    @property
     def conclusion(self) -> str:
         """All answers, or the claims that fail."""
         every = self.answers or (StudyAnswer(self.answer, ("",)),)
