@@ -9,11 +9,12 @@ import pytest
 from counterfeit import green, tapes_of
 
 from slipwave.input import source
+from validation.chart import Chart
+from validation.chart.draw import draw, styled
 from validation.measure import stopwatch
 from validation.report.sources import sources_of
 from validation.studies import study_called
 from validation.study import Budget, Evidence, Verdict
-from validation.study.drawing import styled
 from validation.study.known import WITHIN
 
 ROOMY, ROUNDING = 30.0, 1e-10
@@ -53,7 +54,8 @@ def quick(name):
     assert scenes <= {path.stem for path in sources_of(study) if path.suffix == ".toml"}
     with styled():
         for figure in result.figures:
-            panels = figure.draw().axes
+            chart = figure.draw()
+            panels = (draw(chart) if isinstance(chart, Chart) else chart).axes
             curves = [np.asarray(line.get_ydata(), dtype=float) for panel in panels for line in panel.get_lines()]
             assert any(panel.get_xlabel() or panel.texts for panel in panels), figure.name
             assert all(np.isfinite(curve).any() for curve in curves if curve.size), figure.name

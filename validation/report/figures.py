@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from validation.chart.svg import colors_of, inline
 from validation.report.store import Picture, Stored
 from validation.study import Verdict
-from validation.study.vector import colors_of, inline
 
 if TYPE_CHECKING:
     from jinja2 import Environment

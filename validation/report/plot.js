@@ -65,7 +65,7 @@
     const home = { x: facts.limits[0], y: facts.limits[1] };
     const distr = facts.scales.map((scale) => (scale === "log" ? 3 : 1));
     const axis = (label) => ({ label, stroke: ink, grid: { stroke: "#8885" }, ticks: { stroke: "#8885" } });
-    const shown = curves.filter((curve) => !/^(area|cells)/.test(curve.look));
+    const shown = curves.filter((curve) => !/^(area|cells|text|arrow)/.test(curve.look));
     const nearest = (u) => {
       let best = null, least = 30 * 30;
       for (const curve of shown) for (let k = 0; k < curve.x.length; k++) {
@@ -136,7 +136,6 @@
       motion.replaceChildren(Object.assign(document.createElement("p"), { textContent: best.name }));
       const range = (values) => [Math.min(...values.filter((v) => v !== null)), Math.max(...values.filter((v) => v !== null))];
       const own = JSON.parse(beside.dataset.panels)[0];
-      // the figure raises each orbit above the one before
       const least = range(best.y)[0], y = best.y.map((v) => (v === null ? v : v - least));
       const facts = { ...own, y_label: "above its least", limits: [range(best.x), range(y)] };
       small = plot(motion, facts, [{ ...best, y, color: "#111111", look: "solid" }], () => {}, 160);
@@ -144,7 +143,11 @@
     const show = () => {
       shown?.u.destroy();
       const panel = facts[+select.value];
-      const curves = (found.get(panel.name) || []).map((curve, k) => ({ ...curve, color: panel.colors[k] || "#777777" }));
+      const moved = (values, by) => values.map((v) => (v === null ? v : v + by));
+      const curves = (found.get(panel.name) || []).map((curve, k) => {
+        const [right, up] = panel.shifts[k];
+        return { ...curve, x: moved(curve.x, right), y: moved(curve.y, up), color: panel.colors[k] || "#777777" };
+      });
       shown = plot(place, panel, curves, told, Math.round(innerHeight * (motions.length ? 0.5 : 0.72)));
     };
     select.addEventListener("change", show);

@@ -13,11 +13,13 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from slipwave.files import is_running
+from validation.chart.draw import styled
+from validation.chart.render import SUFFIXES
 from validation.report.sources import sources_digest
 from validation.study import Number, Omission, Study, StudyAnswer, StudyResult, Table, Verdict
 from validation.study.model_table import ModelTable
 from validation.study.names import by_claim
-from validation.study.render import SUFFIXES, render
+from validation.study.render import render_figure
 
 _FORMAT = 4
 _PARTS: dict[str, Any] = {
@@ -35,7 +37,7 @@ _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "b
 
 @dataclass(frozen=True)
 class Picture:
-    """A stored figure of a study: caption, description in words (`study.description`), labels, scales and limits of its panels,
+    """A stored figure of a study: caption, description in words (`chart.words`), labels, scales and limits of its panels,
     and files."""
 
     study: str
@@ -106,8 +108,6 @@ def _files(folder: Path, figure: str) -> list[Path]:
 
 def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
     """Write the result with its figures under folder/NAME, whole or not at all."""
-    from validation.study.drawing import styled
-
     target = folder / study.NAME
     part = folder / f".{study.NAME}.{os.getpid()}"
     for left in folder.glob(f".{study.NAME}.*"):
@@ -118,9 +118,8 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
         figures = []
         for figure in result.figures:
             with styled():
-                words = render(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
-            facts = {"title": words.title, "description": words.description, "panels": [panel.facts for panel in words.panels]}
-            figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | facts)
+                words = render_figure(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
+            figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | words)
         record = _record(study, key, result, wall_seconds) | {"figures": figures}
         whole = {"digest": _digest(record, part)} | record
         (part / "result.json").write_text(json.dumps(whole, indent=1, allow_nan=False) + "\n", encoding="utf-8")

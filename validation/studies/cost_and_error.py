@@ -5,13 +5,14 @@ from collections.abc import Iterator
 
 import slipwave
 from slipwave.observe.statistics import Estimate
+from validation.chart import Chart, Look, Panel, Scale, Trace
 from validation.compute.build import build
+from validation.compute.looks import style_of
 from validation.measure.settle import settle
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.study import ROUNDING, WITNESS, Budget, Figure, Omission, StudyResult, Table, Verdict, claim, table
-from validation.study.drawing import Drawing, ruled, style_of, subplots
 from validation.study.known import as_known, error_after, error_of
 from validation.study.text import places, plain, power, run_time
 from validation.timing import Setting, TimedRun, time_final, time_run
@@ -217,26 +218,20 @@ _CAPTION = (
 )
 
 
-def _work_precision(points: list[TimedRun]) -> Drawing:
-    figure, axes = subplots(4.6, 1, 1, "run time (ms)", "relative error of the period")
+def _work_precision(points: list[TimedRun]) -> Chart:
     lines: dict[tuple[str, float | None, str | None], list[TimedRun]] = {}
     for point in points:
         lines.setdefault((point.setting.model, point.setting.cfl, point.setting.time), []).append(point)
+    series = []
     for (model, cfl, time), chosen in lines.items():
         style = style_of(model)
         if model == _ELEMENTS:  # its own plot style is as black and round as the delay system's
             style = style._replace(color="#a6761d", marker="P")
         half = (cfl is not None and cfl < 1.0) or time == "explicit"
-        axes.loglog(
-            [1e3 * point.seconds for point in chosen],
-            [max(_FLOOR, abs(point.period_error)) for point in chosen],
-            color=style.color,
-            linestyle="-" if model in ("delay", "fd", _ELEMENTS) else style.dashes,
-            linewidth=1.0,
-            marker=style.marker,
-            markerfacecolor="white" if half else style.color,
-            label=style.label + (f", CFL {cfl:g}" if cfl else "") + (f", {time} in time" if time else ""),
-        )
-    ruled(axes)
-    figure.legend(loc="outside right center")
-    return figure
+        dashes = "-" if model in ("delay", "fd", _ELEMENTS) else style.dashes
+        look = Look(style.color, dashes, style.marker, 1.0, hollow=half)
+        name = style.label + (f", CFL {cfl:g}" if cfl else "") + (f", {time} in time" if time else "")
+        errors = [abs(point.period_error) for point in chosen]
+        series.append(Trace(name, [1e3 * point.seconds for point in chosen], errors, look))
+    axes = Scale("run time (ms)", "log"), Scale("relative error of the period", "log", floor=_FLOOR)
+    return Chart([Panel("", *axes, series, grid=True)], 4.6, legend="outside right center")

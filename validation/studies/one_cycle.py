@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,14 +12,16 @@ from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import approach
 from reduced.orbit.periodic import relative_error
 from reduced.stability import analyse
+from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
+from validation.chart import PALE, Chart, Look, Panel, Scale, Trace, outline, with_gaps
+from validation.compute.looks import model_line, style_of
 from validation.compute.orbits import moving
 from validation.measure.cycle import OneCycle
 from validation.measure.settle import SYMBOLS, WINDOW, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, memo, stated, table
-from validation.study.drawing import WIDTH, Drawing, canvas, key, line, style_of, subplots
 from validation.study.known import OTHERS
 from validation.study.over_r import begun_at, scene_at
 from validation.study.text import minus, places, plain
@@ -154,7 +157,8 @@ _GROWTH = (
 _SHOWN = ("delay", "fd", "modal:1", "kelvin-voigt", "block12")
 _PANELS = ("fd", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 _ZOOM = (46.0, 53.0)
-_SINCE = "time since the slip event (transits)"
+_SINCE = Scale("time since the slip event (transits)")
+_STRESS, _RATE = Scale(r"stress $\mu$"), Scale("slip rate $v/V^*$", "log")
 
 
 def _orbits(runs: dict[str, CycleRun]) -> Table:
@@ -184,68 +188,54 @@ def _reference_table(runs: dict[str, CycleRun]) -> Table:
     return table("reference", caption, "model | quantity | reference .10g | ours .10g | difference [relative] .0e", rows)
 
 
-def overlay(cycles: Mapping[str, OneCycle]) -> Drawing:
-    """Stress and slip rate over the cycle, left, and in the slow phase, right."""
-    figure, grid = subplots(5.2, 2, 2, _SINCE, sharex="col", width_ratios=(1.9, 1.0))
-    for model in _SHOWN:
-        cycle, style = cycles[model], style_of(model)
-        for row, values in zip(grid, (cycle.stress, cycle.slip_rate), strict=True):
-            for axes, share in zip(row, (0.6, 1.0), strict=True):
-                axes.plot(cycle.time, values, **line(model, linewidth=share * style.width))
-    for axes in grid[1]:
-        axes.set_yscale("log")
-    grid[0, 0].set_ylabel(r"stress $\mu$")
-    grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
-    for axes in grid[:, 0]:
-        axes.axvspan(*_ZOOM, color="#efeee8", zorder=0, linewidth=0)
-        axes.set_xlim(-4.0, 82.0)
-    _zoom(grid[:, 1], cycles["delay"])
-    handles = grid[0, 1].get_lines()
-    figure.legend(handles, [style_of(model).label for model in _SHOWN], loc="outside upper left", ncols=3, handlelength=3.2)
-    return figure
-
-
-def _zoom(column: np.ndarray, exact: OneCycle) -> None:
-    """Frame the slow phase by the delay system's range there."""
-    inside = (exact.time >= _ZOOM[0]) & (exact.time <= _ZOOM[1])
-    stress, rate = exact.stress[inside], np.log(exact.slip_rate[inside])
-    column[0].set_xlim(*_ZOOM)
-    margin = 0.6 * np.ptp(stress)
-    column[0].set_ylim(stress.min() - margin, stress.max() + margin)
-    margin = 0.6 * np.ptp(rate)
-    column[1].set_ylim(np.exp(rate.min() - margin), np.exp(rate.max() + margin))
-    column[1].set_yticks([4, 6, 10, 15, 20], ["4", "6", "10", "15", "20"])
-    column[1].minorticks_off()
-    column[0].set_title("slow phase, enlarged")
-
-
-def panels(cycles: Mapping[str, OneCycle], errors: Mapping[str, float]) -> Drawing:
-    """One panel per model, its stress over the delay system's; relative `errors` of the period next to its name."""
+def overlay(cycles: Mapping[str, OneCycle]) -> Chart:
+    """Stress and slip rate over the cycle, left, and in the slow phase, framed by the delay system's range there, right."""
     exact = cycles["delay"]
-    figure, grid = subplots(5.2, (len(_PANELS) + 1) // 2, 2, _SINCE, r"$\mu$", sharex=True, sharey=True)
-    for axes, model in zip(grid.flat, _PANELS, strict=True):
-        cycle, style = cycles[model], style_of(model)
-        axes.plot(exact.time, exact.stress, color="#b5b5b0", linewidth=2.4, label=style_of("delay").label)
-        axes.plot(cycle.time, cycle.stress, color=style.color, linewidth=1.0, label=style.label)
-        axes.set_title(f"{style.label}: {_signed(errors[model])}", fontsize=11)
-    return figure
+    slow = (exact.time >= _ZOOM[0]) & (exact.time <= _ZOOM[1])
+    shade = Trace("", *outline(_ZOOM, [-np.inf] * 2, [np.inf] * 2), Look("#efeee8", kind="area"))
+    shown = []
+    for name, axis in (("stress", _STRESS), ("slip_rate", _RATE)):
+        ends = _framed(getattr(exact, name)[slow], axis.kind)
+        lines = [(cycles[model].time, getattr(cycles[model], name), style_of(model).width) for model in _SHOWN]
+        whole = [model_line(model, *xy, width=0.6 * width) for model, (*xy, width) in zip(_SHOWN, lines, strict=True)]
+        close = [model_line(model, *xy) for model, (*xy, _) in zip(_SHOWN, lines, strict=True)]
+        ticks = {value: f"{value:g}" for value in (4.0, 6.0, 10.0, 15.0, 20.0)} if name == "slip_rate" else None
+        title = "slow phase, enlarged" if name == "stress" else ""
+        shown += [Panel("", replace(_SINCE, limits=(-4.0, 82.0)), axis, [shade, *whole])]
+        shown += [Panel(title, replace(_SINCE, limits=_ZOOM), replace(axis, limits=ends, ticks=ticks), close)]
+    return Chart(shown, 5.2, 2, widths=(1.9, 1.0), legend="outside upper left", legend_columns=3, keys=shown[1].series)
 
 
-def _ode_orbit(cycle: OneCycle) -> Drawing:
-    figure = canvas(WIDTH, 5.6)
-    grid = figure.subplot_mosaic([["stress", "stress"], ["rate", "rate"], ["plane", "state"]], height_ratios=(1.0, 1.0, 1.2))
-    look = line("kelvin-voigt")
-    grid["stress"].plot(cycle.time, cycle.stress, **look | {"label": r"$\mu$"})
-    grid["stress"].plot(cycle.time, cycle.elastic_stress, color="#111111", linewidth=1.0, linestyle="--", label="$y$")
-    grid["rate"].semilogy(cycle.time, cycle.slip_rate, **look)
-    grid["plane"].semilogx(cycle.slip_rate, cycle.stress, **look)
-    grid["state"].semilogx(cycle.slip_rate, cycle.psi / math.log(10.0), **look)
-    grid["stress"].set(ylabel=r"$\mu$, $y$")
-    grid["stress"].legend(ncols=2)
-    grid["rate"].set(xlabel=_SINCE, ylabel="$v/V^*$")
-    grid["plane"].set(xlabel="$v/V^*$", ylabel=r"$\mu$")
-    grid["state"].set(xlabel="$v/V^*$", ylabel=r"$\log_{10}\phi$")
-    return figure
+def _framed(values: Array, scale: str) -> tuple[float, float]:
+    """Limits that leave 0.6 of the range free on both sides."""
+    values = np.log(values) if scale == "log" else values
+    ends = values.min() - 0.6 * np.ptp(values), values.max() + 0.6 * np.ptp(values)
+    low, high = np.exp(ends) if scale == "log" else ends
+    return float(low), float(high)
+
+
+def panels(cycles: Mapping[str, OneCycle], errors: Mapping[str, float]) -> Chart:
+    """One panel per model, its stress over the delay system's; relative `errors` of the period next to its name."""
+    exact = model_line("delay", cycles["delay"].time, cycles["delay"].stress, color=PALE, width=2.4)
+    shown = []
+    for model in _PANELS:
+        own = model_line(model, cycles[model].time, cycles[model].stress, dashes="-", width=1.0)
+        shown.append(Panel(f"{own.name}: {_signed(errors[model])}", _SINCE, Scale(r"$\mu$"), [exact, own]))
+    return Chart(shown, 5.2, 2, share=("all", "all"))
+
+
+def _ode_orbit(cycle: OneCycle) -> Chart:
+    time, rate, stress = cycle.time, cycle.slip_rate, cycle.stress
+    elastic = Trace("$y$", time, cycle.elastic_stress, Look(dashes="--", width=1.0))
+    across = Scale("$v/V^*$", "log")
+    state = model_line("kelvin-voigt", rate, cycle.psi / math.log(10.0))
+    shown = (
+        Panel("", _SINCE, Scale(r"$\mu$, $y$"), [model_line("kelvin-voigt", time, stress, r"$\mu$"), elastic], "best"),
+        Panel("", _SINCE, Scale("$v/V^*$", "log"), [model_line("kelvin-voigt", time, rate)]),
+        Panel("", across, Scale(r"$\mu$"), [model_line("kelvin-voigt", rate, stress)]),
+        Panel("", across, Scale(r"$\log_{10}\phi$"), [state]),
+    )
+    return Chart(shown, 5.6, layout=((0, 0), (1, 1), (2, 3)), heights=(1.0, 1.0, 1.2))
 
 
 def _signed(error: float) -> str:
@@ -269,19 +259,18 @@ def _over_r_table(found: Mapping[float, Mapping[str, AtR]]) -> Table:
     return table("growth", caption, heading, rows)
 
 
-def _cycles_over_r(found: Mapping[float, Mapping[str, AtR]]) -> Drawing:
-    rows = (len(found) + 1) // 2
-    figure, grid = subplots(2.4 * rows + 0.6, rows, 2, _SINCE, r"$y$ above its least", sharex=True, sharey=True)
-    for axes, (log10_r, models) in zip(grid.flat, found.items(), strict=True):
+def _cycles_over_r(found: Mapping[float, Mapping[str, AtR]]) -> Chart:
+    shown = []
+    for log10_r, models in found.items():
+        curves = []
         for model, one in models.items():
-            style, share = style_of(model), 1.0 if one.cycles == 0 else 0.5
-            for cycle in one.drawn:
-                height = cycle.elastic_stress - cycle.elastic_stress.min()
-                axes.plot(cycle.time, height, **line(model, linewidth=share * style.width))
-        axes.set_title(rf"$\log_{{10}} r$ = {minus(f'{log10_r:g}')}")
-    handles = [key(**line(model)) for model in COMPARED]
-    figure.legend(handles=handles, loc="outside upper left", ncols=3, handlelength=3.2)
-    return figure
+            width = style_of(model).width * (1.0 if one.cycles == 0 else 0.5)
+            heights = ((cycle.time, cycle.elastic_stress - cycle.elastic_stress.min()) for cycle in one.drawn)
+            curves.append(model_line(model, *with_gaps(heights), width=width))
+        shown.append(Panel(rf"$\log_{{10}} r$ = {minus(f'{log10_r:g}')}", _SINCE, Scale("$y$ above its least"), curves))
+    keys = [model_line(model, [], []) for model in COMPARED]
+    height = 2.4 * ((len(found) + 1) // 2) + 0.6
+    return Chart(shown, height, 2, share=("all", "all"), legend="outside upper left", legend_columns=3, keys=keys)
 
 
 def run_model(model: str) -> CycleRun:

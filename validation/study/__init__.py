@@ -23,7 +23,8 @@ from validation.study.verdict import *  # noqa: F403
 from validation.study.verdict import ROUNDING, RUN_TIMES, Outcome, Verdict
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
+    from validation.chart import Chart
+    from validation.chart.draw import Drawing
 
 Item = TypeVar("Item")
 
@@ -82,14 +83,14 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture drawn on demand by matplotlib, stored as SVG, PNG and CSV. A `lead` figure is shown at the top of the page; a
+    """A chart made on demand, stored as SVG, PNG and CSV. A `lead` figure is shown at the top of the page; a
     `timed` one shows run times; `paper` names the figure of the paper that it redraws ("Fig 5"), and `carries` the beginnings of
     the claims that it shows; a reader may `zoom` into its curves; `beside` names another figure, with curves called "T = ...,
     log10 r = ...", of which the one nearest to the pointed orbit is shown."""
 
     name: str
     caption: str
-    draw: "Callable[[], Drawing]"
+    draw: "Callable[[], Chart | Drawing]"
     lead: bool = False
     timed: bool = False
     paper: str = ""

@@ -1,35 +1,18 @@
-"""Reads the content of a drawing from its matplotlib axes: panels with their curves, as rows of a CSV file from which it can be
-redrawn.
+"""Reads the content of a drawing from its matplotlib axes as a chart, until every study gives charts."""
 
-A curve keeps at most `MOST` points, none beyond its panel. Its points are divided into equal runs; of each, the first and last
-are kept, and those of least and largest y (and of x where the curve turns back), so that every extremum is kept.
-"""
-
-import csv
-import io
-import re
 from collections.abc import Iterable, Iterator
-from dataclasses import asdict, dataclass, field, replace
-from itertools import groupby, pairwise
+from dataclasses import dataclass, field, replace
+from itertools import groupby
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from slipwave.observe.pieces import Array
-from validation.study.drawing import Drawing, canvas
-from validation.study.vector import legible
+from validation.chart import Chart, Panel, Scale, Trace
+from validation.chart.draw import Drawing
+from validation.chart.labels import look_from_words, plain_label
+from validation.chart.thin import CELLS, MOST, staying
 
-MOST = 2000
-"""Most points of a curve in a panel."""
-
-CELLS = 64
-"""Most written cells of a picture in each direction."""
-
-HEADER = ("panel", "series", "look", "x", "y", "x_error", "y_error", "value")
-"""Columns of the file; the last ones only if a figure has them. An empty row of a series is a gap in its curve."""
-
-_DIGITS = ".8g"
 _FEW = 12  # points that are never thinned
 _DOTTED = 2.0  # a dash of less, in line widths, is a dot
 
@@ -45,59 +28,8 @@ class Drawn:
     y: Array
     errors: tuple[Array | None, Array | None] = (None, None)
     value: Array | None = None
-    color: str = ""
+    color: str = "#777777"
     guide: bool = field(default=False, compare=False)
-
-
-@dataclass(frozen=True)
-class Panel:
-    """One pair of axes: its name, labels, scales and limits, and all that is drawn in it."""
-
-    name: str
-    x_label: str
-    y_label: str
-    scales: tuple[str, str]
-    limits: tuple[tuple[float, float], tuple[float, float]]
-    colors: tuple[str, ...] = ()
-    curves: tuple[Drawn, ...] = ()
-
-    @property
-    def facts(self) -> dict[str, Any]:
-        """The panel without its curves."""
-        return {name: value for name, value in asdict(self).items() if name != "curves"}
-
-
-def plain_label(text: str) -> str:
-    r"""A label without the markup of formulas: "$\log_{10} r$" as "log10 r"."""
-    return " ".join(re.sub(r"\$([^$]*)\$", lambda found: _plain_formula(found[1]), text).split())
-
-
-def _plain_formula(text: str) -> str:
-    from matplotlib._mathtext_data import tex2uni
-
-    text = (
-        re.sub(r"\\(rm|mathrm|mathit)\b\s*", "", text)
-        .replace(r"\,", " ")
-        .replace("\\%", "%")
-        .replace("\\ ", " ")
-        .replace(r"\log_", "log")
-    )
-    text = re.sub(r"\\sqrt\{(\w+)\}", "√\\1", text)
-    text = re.sub(r"\\([A-Za-z]+)\s?", lambda found: chr(tex2uni[found[1]]) if found[1] in tex2uni else f"{found[1]} ", text)
-    return re.sub(r"[{}_]|\^(?=\*)", "", text).replace("^*", "*")
-
-
-def staying(x: Array, y: Array, most: int = MOST) -> NDArray[np.intp]:
-    """Indices of the points that are kept (see the docstring of this module)."""
-    if x.size <= most:
-        return np.arange(x.size)
-    both = (y,) if np.all(np.diff(x) >= 0.0) else (x, y)
-    edges = np.linspace(0, x.size, max(1, most // (2 + 2 * len(both))) + 1).astype(int)
-    chosen = [*edges[:-1], *(edges[1:] - 1)]
-    for begin, end in pairwise(edges):
-        finite = [values[begin:end] for values in both if np.isfinite(values[begin:end]).any()]
-        chosen += [begin + int(find(values)) for values in finite for find in (np.nanargmin, np.nanargmax)]
-    return np.unique(chosen)
 
 
 def thin_out(figure: Drawing) -> None:
@@ -132,10 +64,11 @@ def _shown(x: Array, y: Array, low: float, high: float) -> tuple[Array, Array]:
     return x[stays], np.where(hidden, np.nan, y)[stays]
 
 
-def drawn(figure: Drawing) -> tuple[Panel, ...]:
+def drawn(figure: Drawing) -> Chart:
     """All panels of a figure, with what they show; colour bars are left out."""
     taken: dict[str, int] = {}
-    return tuple(_panel(axes, figure, taken) for axes in _panels(figure))
+    panels = [_panel(axes, figure, taken) for axes in _panels(figure)]
+    return Chart(panels, columns=len(panels), share=("", ""))
 
 
 def _panels(figure: Drawing) -> list[Any]:
@@ -147,15 +80,23 @@ def _panel(axes: Any, figure: Drawing, taken: dict[str, int]) -> Panel:
     title = plain_label(axes.get_title(loc="left") or axes.get_title()).strip()
     name = title or y_label or "panel"
     taken[name] = taken.get(name, 0) + 1
-    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
-    limits = (float(left), float(right)), (float(low), float(high))
-    scales = axes.get_xscale(), axes.get_yscale()
+    limits = [(float(low), float(high)) for low, high in (axes.get_xlim(), axes.get_ylim())]
     legends = [axes.get_legend(), *figure.legends, *(other.get_legend() for other in figure.axes if other is not axes)]
     entries = [entry for legend in legends for entry in _entries(legend)]
     curves = _joined(one for one in (*_curves(axes, entries, title), *_areas(axes)) if one.x.size)
-    every, name = tuple(curves), name + (f" ({taken[name]})" if taken[name] > 1 else "")
-    colors = tuple(legible(one.color) if one.color else "" for one in every)
-    return Panel(name, x_label, y_label, scales, limits, colors, every)
+    name += f" ({taken[name]})" if taken[name] > 1 else ""
+    x, y = Scale(x_label, axes.get_xscale(), limits[0]), Scale(y_label, axes.get_yscale(), limits[1])
+    return Panel(name, x, y, [_series(one) for one in curves])
+
+
+def _series(one: Drawn) -> Trace:
+    look = look_from_words(one.look, one.color)
+    if one.guide and look.kind != "area":
+        look = replace(look, kind="guide")
+    if one.value is not None:
+        width = int(np.flatnonzero(np.r_[one.x[1:] == one.x[0], True])[0]) + 1
+        return Trace(one.name, one.x[:width], one.y[::width], look, value=one.value.reshape(-1, width))
+    return Trace(one.name, one.x, one.y, look, *one.errors)
 
 
 def _shared(axes: Any, which: str) -> str:
@@ -286,65 +227,3 @@ def _joined(curves: Iterable[Drawn]) -> Iterator[Drawn]:
 def _chained(parts: Iterable[Any], apart: bool) -> Array:
     pieces = [piece for part in parts for piece in ([np.nan], np.asarray(part, float))] if apart else list(parts)
     return np.concatenate(pieces[1:] if apart else pieces)
-
-
-def curves_csv(panels: Iterable[Panel]) -> str:
-    """The text of the CSV file."""
-    rows = [(panel.name, *row) for panel in panels for curve in panel.curves for row in _rows(curve)]
-    used = [k for k in range(len(HEADER)) if k < 5 or any(row[k] for row in rows)]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerows([row[k] for k in used] for row in (HEADER, *rows))
-    return text.getvalue()
-
-
-def _rows(curve: Drawn) -> Iterator[tuple[str, ...]]:
-    for k in range(curve.x.size):
-        columns = (curve.x, curve.y, *curve.errors, curve.value)
-        yield curve.name, curve.look, *("" if column is None else _number(float(column[k])) for column in columns)
-
-
-def _number(value: float) -> str:
-    return "" if np.isnan(value) else format(value, _DIGITS)
-
-
-def read_curves(text: str, facts: Iterable[dict[str, Any]]) -> tuple[Panel, ...]:
-    """Inverse of `curves_csv`; `facts` are those of the panels (`Panel.facts`)."""
-    rows = list(csv.DictReader(io.StringIO(text)))
-    every = {panel: list(mine) for panel, mine in groupby(rows, key=lambda row: row["panel"])}
-
-    def curve(name: str, look: str, mine: list[dict[str, str]]) -> Drawn:
-        def column(key: str) -> Array | None:
-            known = key in mine[0] and any(row[key] for row in mine)
-            return np.array([float(row[key] or "nan") for row in mine]) if known else None
-
-        x, y = (np.array([float(row[key] or "nan") for row in mine]) for key in ("x", "y"))
-        return Drawn(name, look, x, y, (column("x_error"), column("y_error")), column("value"))
-
-    def panel(fact: dict[str, Any]) -> Panel:
-        grouped = groupby(every.get(fact["name"], []), key=lambda row: (row["series"], row["look"]))
-        return Panel(**fact, curves=tuple(curve(name, look, list(mine)) for (name, look), mine in grouped))
-
-    return tuple(map(panel, facts))
-
-
-def redraw(panels: Iterable[Panel]) -> Drawing:
-    """Draw the panels side by side, from their curves alone. Call it inside `styled()`."""
-    every = list(panels)
-    figure = canvas(height=4.0)
-    styles = {"dashed": "--", "dotted": ":", "dash-dotted": "-.", "points": "none"}
-    for axes, panel in zip(figure.subplots(1, len(every), squeeze=False)[0], every, strict=True):
-        for curve in panel.curves:
-            style, _, marker = re.sub(" steps[a-z-]*", "", curve.look).partition(" ")
-            if style == "cells":
-                axes.scatter(curve.x, curve.y, c=curve.value, s=4.0, label=curve.name)
-            elif style == "area":
-                axes.fill(curve.x, curve.y, alpha=0.2, label=curve.name)
-            else:
-                look: Any = {"linestyle": styles.get(style, "-"), "marker": marker or ("." if style == "points" else "None")}
-                if steps := re.search("steps[a-z-]*", curve.look):
-                    look["drawstyle"] = steps[0]
-                axes.errorbar(curve.x, curve.y, curve.errors[1], curve.errors[0], label=curve.name, **look)
-        axes.set(xscale=panel.scales[0], yscale=panel.scales[1], xlim=panel.limits[0], ylim=panel.limits[1])
-        axes.set(xlabel=panel.x_label, ylabel=panel.y_label, title=panel.name)
-    return figure

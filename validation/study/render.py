@@ -1,42 +1,32 @@
-"""Writes a drawing: SVG and PNG, a CSV file from which it can be redrawn, and its description in words."""
+"""Writes the files of a figure: of a chart or, until every study gives charts, of a drawing."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from validation.study.description import description_of, title_of
-from validation.study.drawing import Drawing
-from validation.study.drawn import Panel, curves_csv, drawn, thin_out
-from validation.study.vector import legible, svg_of
-
-PNG_DOTS_PER_INCH = 110
-SUFFIXES = (".svg", ".png", ".csv")
-
-
-@dataclass(frozen=True)
-class Words:
-    """Description of a drawing: one sentence, the full text, and its panels."""
-
-    title: str
-    description: str
-    panels: tuple[Panel, ...]
+from validation.chart import Chart
+from validation.chart.colors import legible
+from validation.chart.draw import Drawing
+from validation.chart.render import PNG_DOTS_PER_INCH, render
+from validation.chart.svg import svg_of
+from validation.chart.table import curves_csv, panel_facts
+from validation.chart.words import described
+from validation.study.drawn import drawn, thin_out
 
 
-def render(figure: Drawing, stem: Path, name: str) -> Words:
-    """Write stem.svg, stem.png and stem.csv, byte for byte the same for the same drawing; ids in the SVG begin with `name`."""
-    import matplotlib as mpl
-
+def render_figure(figure: Chart | Drawing, stem: Path, name: str) -> dict[str, Any]:
+    """As `render`, of a chart or a drawing."""
+    if isinstance(figure, Chart):
+        return render(figure, stem, name)
     figure.draw_without_rendering()  # only then do axes know their limits, and lie where they stay
     figure.set_layout_engine("none")
     thin_out(figure)
-    panels = drawn(figure)
-    words = Words(title_of(panels), description_of(panels), panels)
+    chart = drawn(figure)
+    title, description = described(chart)
     _make_legible(figure)
-    with mpl.rc_context({"svg.fonttype": "none"}):
-        stem.with_name(stem.name + ".svg").write_text(svg_of(figure, name, words.title, words.description), encoding="utf-8")
+    stem.with_name(stem.name + ".svg").write_text(svg_of(figure, name, title, description), encoding="utf-8")
     figure.savefig(stem.with_name(stem.name + ".png"), dpi=PNG_DOTS_PER_INCH, metadata={"Software": None})
-    stem.with_name(stem.name + ".csv").write_text(curves_csv(panels), encoding="utf-8")
-    return words
+    stem.with_name(stem.name + ".csv").write_text(curves_csv(chart), encoding="utf-8")
+    return {"title": title, "description": description, "panels": panel_facts(chart)}
 
 
 def _make_legible(figure: Drawing) -> None:

@@ -11,6 +11,8 @@ import slipwave
 from reduced.parameters import LABELS
 from slipwave.errors import SceneError
 from slipwave.input.overrides import label_of
+from validation.chart import Second
+from validation.chart.draw import draw_second
 from validation.results.result import DataArray, Dataset
 from validation.study.drawing import Axes, Drawing, canvas, styled
 from validation.sweep.axes import changed
@@ -130,7 +132,7 @@ def _scales(axes: Axes, data: Dataset, across: DataArray, up: DataArray) -> None
             axis.set_major_formatter("{x:g}")
         other = other_side(data, coordinate)
         if other:
-            other.add(axes, coordinate is across)
+            draw_second(axes, "x" if coordinate is across else "y", other)
         label(_label(coordinate))
 
 
@@ -171,25 +173,7 @@ def _over_one(data: Dataset, name: str, shown: str | None) -> Drawing:
     return figure
 
 
-class Scale(NamedTuple):
-    """The second scale of an axis, in SI for a dimensionless one and vice versa: `factor` times the axis' value, or its power of
-    ten, under `label`."""
-
-    label: str
-    factor: float
-    is_power: bool
-
-    def add(self, axes: Any, across: bool) -> None:
-        """Draw the scale above or to the right of `axes`."""
-        functions: Any = (lambda values: self.factor * values, lambda values: values / self.factor)
-        if self.is_power:
-            there, back = functions
-            functions = (lambda values: there(10.0**values), lambda values: np.log10(np.maximum(back(values), 1e-300)))
-        second = axes.secondary_xaxis("top", functions) if across else axes.secondary_yaxis("right", functions)
-        (second.set_xlabel if across else second.set_ylabel)(self.label)
-
-
-def other_side(data: Dataset, coordinate: DataArray) -> Scale | None:
+def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     """The other scale of this axis of a sweep; None for a scene without units, and for a key that is no velocity or thickness."""
     key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
     if key not in (*_VELOCITIES, *_TRANSITS) or "scene_toml" not in data.attrs:
@@ -206,4 +190,4 @@ def other_side(data: Dataset, coordinate: DataArray) -> Scale | None:
     if key in _VELOCITIES:
         (plain, value), (label, size) = ("V/V*", scene.velocity), ("V [m/s]", scene.velocity * scene.units.reference_velocity)
     here = 10.0**first if is_power else first
-    return Scale(label, size / here, is_power) if in_si else Scale(plain, value / here, is_power)
+    return Second(label, size / here, is_power) if in_si else Second(plain, value / here, is_power)

@@ -10,13 +10,13 @@ from reduced.continuation.branch import Control
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
+from validation.chart.thin import staying
 from validation.compute.points import BranchPoint
 from validation.studies.snaking import measured
 from validation.studies.snaking.measured import Attractor, FoldSide, PeriodsOfRun, Sides, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
 from validation.study.drawing import Drawing, ruled, style_of, subplots
-from validation.study.drawn import staying
 from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts, scene_at
 from validation.study.text import minus, plain
 

@@ -1,0 +1,249 @@
+"""Draws a chart with matplotlib: legible on paper; dashes and markers distinguish the series without colour."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from slipwave.extras import require
+from slipwave.observe.pieces import Array
+from validation.chart import EMPTY, Chart, Look, Panel, Scale, Second, Trace, with_limits
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes as Axes
+    from matplotlib.figure import Figure
+
+    Drawing: TypeAlias = Figure
+else:  # matplotlib is loaded only when something is drawn
+    Axes = Drawing = Any
+
+STYLE: Any = {
+    "font.family": "serif",
+    "font.serif": ["STIXGeneral"],
+    "mathtext.fontset": "stix",
+    "font.size": 11,
+    "axes.labelsize": 11.5,
+    "axes.titlesize": 11.5,
+    "axes.titlelocation": "left",
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": False,
+    "errorbar.capsize": 2.0,
+    "grid.color": "#d8d8d4",
+    "grid.linewidth": 0.6,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.labelsize": 10,
+    "ytick.labelsize": 10,
+    "legend.frameon": False,
+    "legend.fontsize": 10,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 5,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "slipwave",
+    "savefig.bbox": "tight",
+    "savefig.pad_inches": 0.04,
+    "path.simplify_threshold": 0.2,
+}
+_MANY, _SMALL = 12, 8.5  # entries of a legend, from which on its letters are small
+_FINE = 6  # points of a spline for each interval
+_APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
+
+
+def styled() -> Any:
+    """Context in which drawings have the common style: where they are made, and where they are saved."""
+    require("plot", "a figure")
+    import matplotlib as mpl
+
+    return mpl.rc_context(STYLE)
+
+
+def draw(chart: Chart) -> Drawing:
+    """Draw the chart; lines darker where they would not be clear on white paper."""
+    with styled():
+        from matplotlib.figure import Figure
+
+        whole = with_limits(chart)
+        figure = Figure(figsize=(chart.width, chart.height), layout="constrained")
+        ratios: dict[str, Any] = {"width_ratios": chart.widths or None, "height_ratios": chart.heights or None}
+        grid: Any = whole.grid
+        places = figure.subplot_mosaic(grid, empty_sentinel=EMPTY, **ratios)
+        for number, panel in enumerate(whole.panels):
+            _draw_panel(places[number], panel)
+        _share(places, whole)
+        keys = [key for one in chart.keys or _named(chart.panels) for key in _keys(one)]
+        if chart.title:
+            figure.suptitle(chart.title, x=0.0, ha="left", size="medium")
+        if chart.legend and keys:
+            size = _SMALL if len(keys) > _MANY else None
+            place: Any = chart.legend
+            figure.legend(handles=keys, loc=place, ncols=chart.legend_columns, handlelength=2.8, fontsize=size)
+        return figure
+
+
+def _draw_panel(axes: Axes, panel: Panel) -> None:
+    for which, axis in (("x", panel.x), ("y", panel.y)):
+        axes.set(**{f"{which}scale": axis.kind, f"{which}label": axis.label, f"{which}lim": axis.ends})
+        _draw_scale(axes, which, axis)
+    axes.set_title(panel.name)
+    if panel.grid:
+        axes.grid(True)
+        axes.set_axisbelow(True)
+    if panel.bare:
+        axes.set_axis_off()
+    for series in panel.series:
+        _draw_series(axes, panel, series)
+    keys = [key for one in _named([panel]) for key in _keys(one)] if panel.legend else []
+    if keys:
+        place: Any = panel.legend
+        axes.legend(handles=keys, loc=place)
+
+
+def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    lines: Any = getattr(axes, f"{which}axis")
+    low, high = axis.ends
+    if axis.ticks is not None:
+        lines.set_ticks(list(axis.ticks), list(axis.ticks.values()))
+        lines.set_minor_locator(MaxNLocator(1))
+        lines.set_minor_formatter("")
+    elif axis.kind == "log" and high < 10.0 * low:  # powers of ten alone would be one tick
+        lines.set_minor_formatter("")
+        lines.set_major_locator(MaxNLocator(5))
+        lines.set_major_formatter("{x:g}")
+    if axis.second:
+        draw_second(axes, which, axis.second)
+
+
+def draw_second(axes: Axes, which: str, second: Second) -> None:
+    """Draw the second scale of "x" or "y", above the axes or on their right."""
+    label, factor, is_power = second
+    functions: Any = (lambda values: factor * values, lambda values: values / factor)
+    if is_power:
+        there, back = functions
+        functions = (lambda values: there(10.0**values), lambda values: np.log10(np.maximum(back(values), 1e-300)))
+    other: Any = axes.secondary_xaxis("top", functions) if which == "x" else axes.secondary_yaxis("right", functions)
+    other.set(**{f"{which}label": label})
+
+
+def _draw_series(axes: Axes, panel: Panel, series: Trace) -> None:
+    look, columns = series.look, series.columns
+    x, y = (
+        np.maximum(values + move, axis.floor)
+        for values, move, axis in zip(panel.placed(series), series.shift, (panel.x, panel.y), strict=True)
+    )
+    if look.kind == "cells":
+        _draw_cells(axes, series)
+    elif look.kind == "area":
+        axes.fill(x, y, color=look.ink, linewidth=0.0)
+    elif look.kind == "text":
+        for place in zip(x, y, strict=True):
+            axes.text(*place, series.name, color=look.ink, rotation=look.angle, ha=look.marker or "left", va="center")
+    elif look.kind == "arrow":
+        ends = [(float(x[k]), float(y[k])) for k in (0, -1)]
+        axes.annotate(
+            "", ends[1], ends[0], arrowprops={"arrowstyle": look.marker or "-|>", "linewidth": look.width, "color": look.ink}
+        )
+    else:
+        x, y = _smooth(x, y) if look.kind == "smooth" else (x, y)
+        bars = [_bars(columns, which, axis) for which, axis in (("x", panel.x), ("y", panel.y))]
+        if bars == [None, None]:
+            axes.plot(x, y, **_style(look))
+        else:
+            axes.errorbar(x, y, bars[1], bars[0], elinewidth=0.9, **_style(look))
+
+
+def _style(look: Look) -> dict[str, Any]:
+    """The look of a line or of points, for matplotlib."""
+    steps = {"drawstyle": look.kind} if look.kind == "steps-pre" else {}
+    line = {"linestyle": look.dashes or "none", "linewidth": look.width, "marker": look.marker or "none", **steps}
+    return {"color": look.ink, "markersize": look.size, "markerfacecolor": "white" if look.hollow else look.ink} | line
+
+
+def _bars(columns: dict[str, Array], which: str, axis: Scale) -> Any:
+    """Half widths below and above; on a logarithmic scale none below where they reach zero."""
+    half = columns.get(f"{which}_error")
+    if half is None:
+        return None
+    return [np.where(half < columns[which], half, 0.0) if axis.kind == "log" else half, half]
+
+
+def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
+    """Curves through the points, a gap between them where there was one: cubic splines over the length along them, each axis in
+    units of its range."""
+    from scipy.interpolate import make_interp_spline
+
+    found, gaps = [], [-1, *np.flatnonzero(np.isnan(x)), x.size]
+    for before, after in pairwise(gaps):
+        part = np.column_stack([x, y])[before + 1 : after]
+        sizes = np.ptp(part, axis=0) if len(part) > 1 else np.zeros(2)
+        along = np.r_[0.0, np.cumsum(np.hypot(*(np.diff(part, axis=0) / np.where(sizes > 0.0, sizes, 1.0)).T))]
+        apart = np.r_[True, np.diff(along) > _APART]
+        if apart.sum() > 1:
+            curve = make_interp_spline(along[apart], part[apart], k=min(3, int(apart.sum()) - 1))
+            part = curve(np.interp(np.linspace(0.0, len(part) - 1.0, _FINE * (len(part) - 1) + 1), np.arange(len(part)), along))
+        found += [part, np.full((1, 2), np.nan)]
+    whole = np.concatenate(found[:-1])
+    return whole[:, 0], whole[:, 1]
+
+
+def _draw_cells(axes: Axes, series: Trace) -> None:
+    from matplotlib.colors import BoundaryNorm, ListedColormap, SymLogNorm
+
+    look, values = series.look, np.ma.masked_invalid(np.asarray(series.value, float))
+    colors: Any = look.colors
+    if isinstance(colors, str):
+        largest = float(np.abs(values).max())
+        norm: Any = SymLogNorm(linthresh=min(look.linear, largest), vmin=-largest, vmax=largest) if look.linear else None
+    else:  # those below 0 are absent
+        norm = BoundaryNorm(np.arange(-1.5, len(colors) + 0.5), len(colors) + 1)
+        colors = ListedColormap(["#ffffff", *colors.values()])
+    x, y = np.asarray(series.x, float), np.asarray(series.y, float)
+    mesh = axes.pcolormesh(x, y, values, shading="nearest", cmap=colors, norm=norm, rasterized=True)
+    if isinstance(look.colors, str):
+        axes.figure.colorbar(mesh, ax=axes, label=series.name)
+
+
+def _named(panels: Sequence[Panel]) -> list[Trace]:
+    """The first series of each name."""
+    first: dict[str, Trace] = {}
+    for series in (one for panel in panels for one in panel.series if one.name and one.look.kind not in ("text", "arrow")):
+        first.setdefault(series.name, series)
+    return list(first.values())
+
+
+def _keys(series: Trace) -> Iterator[Any]:
+    """The entries of a series in a legend: one, or one for each colour that a picture has."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
+    look = series.look
+    if look.kind == "area":
+        yield Patch(facecolor=look.ink, label=series.name)
+    elif look.kind != "cells":
+        yield Line2D([], [], label=series.name, **_style(look))
+    elif not isinstance(look.colors, str):
+        there = set(np.asarray(series.value, float).ravel().tolist())
+        for number, (word, color) in enumerate(look.colors.items()):
+            if number in there:
+                yield Patch(facecolor=color, edgecolor="#888888", linewidth=0.4, label=word)
+
+
+def _share(places: dict[int, Axes], chart: Chart) -> None:
+    """Leave out what the panel below, or on the left, says too: the same label, and ticks at the same limits."""
+    grid = np.array(chart.grid)
+    above = zip(grid[:-1].ravel().tolist(), grid[1:].ravel().tolist(), strict=True)
+    right = zip(grid[:, 1:].ravel().tolist(), grid[:, :-1].ravel().tolist(), strict=True)
+    for which, pairs in (("x", above), ("y", right)):
+        for one, other in pairs:
+            if EMPTY in (one, other) or one == other:
+                continue
+            own, same = (getattr(chart.panels[number], which) for number in (one, other))
+            if own.label == same.label:
+                places[one].set(**{f"{which}label": ""})
+                if own.limits == same.limits:
+                    none: Any = {"labelbottom": False} if which == "x" else {"labelleft": False}
+                    places[one].tick_params(which="both", **none)

@@ -1,0 +1,98 @@
+"""The CSV file of a chart, from which it can be drawn again, and the facts of its panels, which the file lacks."""
+
+import csv
+import io
+from collections.abc import Iterable, Iterator
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from slipwave.observe.pieces import Array
+from validation.chart import Chart, Panel, Scale, Trace, with_limits
+from validation.chart.labels import look_from_words, look_in_words, numbered, plain_label
+
+HEADER = ("panel", "series", "look", "x", "y", "x_error", "y_error", "value")
+"""Columns of the file; the last ones only if a chart has them. An empty row of a series is a gap in its curve."""
+
+_DIGITS = ".8g"
+_NUMBERS = HEADER[3:]
+
+
+def curves_csv(chart: Chart) -> str:
+    """The text of the file: every number as it was computed."""
+    chart = with_limits(chart)
+    rows = [(name, *row) for name, panel in zip(_names(chart), chart.panels, strict=True) for row in _rows(panel)]
+    used = [k for k in range(len(HEADER)) if k < 5 or any(row[k] for row in rows)]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerows([row[k] for k in used] for row in (HEADER, *rows))
+    return text.getvalue()
+
+
+def _names(chart: Chart) -> list[str]:
+    return list(numbered(panel.name or panel.y.label or "panel" for panel in chart.panels))
+
+
+def series_names(panel: Panel) -> list[str]:
+    """The names of its series in the file and in words, no two alike."""
+    return list(numbered(series.name or series.look.kind for series in panel.series))
+
+
+def _rows(panel: Panel) -> Iterator[tuple[str, ...]]:
+    for name, series in zip(series_names(panel), panel.series, strict=True):
+        look, columns = look_in_words(series.look), series.columns
+        columns["x"], columns["y"] = panel.placed(series)
+        for k in range(columns["x"].size):
+            numbers = (float(columns[name][k]) if name in columns else np.nan for name in _NUMBERS)
+            yield name, look, *("" if np.isnan(number) else format(number, _DIGITS) for number in numbers)
+
+
+def panel_facts(chart: Chart) -> list[dict[str, Any]]:
+    """Name, labels, scales and limits of every panel, and of its series the colours and by how much they are drawn moved."""
+    chart = with_limits(chart)
+    return [
+        {
+            "name": name,
+            "x_label": plain_label(panel.x.label),
+            "y_label": plain_label(panel.y.label),
+            "scales": [panel.x.kind, panel.y.kind],
+            "limits": [list(panel.x.ends), list(panel.y.ends)],
+            "colors": [series.look.ink for series in panel.series if series.columns["x"].size],
+            "shifts": [list(series.shift) for series in panel.series if series.columns["x"].size],
+        }
+        for name, panel in zip(_names(chart), chart.panels, strict=True)
+    ]
+
+
+def read_chart(text: str, facts: Iterable[dict[str, Any]]) -> Chart:
+    """The chart of a file and of the `facts` of its panels, side by side."""
+    rows = groupby(csv.DictReader(io.StringIO(text)), key=lambda row: row["panel"])
+    every = {panel: list(mine) for panel, mine in rows}
+    panels = [_panel(every.get(fact["name"], []), **fact) for fact in facts]
+    return Chart(panels, columns=len(panels), share=("", ""), legend="outside upper left", legend_columns=4)
+
+
+def _panel(rows: list[dict[str, str]], name: str, scales: list[str], limits: list[list[float]], **fact: Any) -> Panel:
+    groups = [(*key, list(mine)) for key, mine in groupby(rows, key=lambda row: (row["series"], row["look"]))]
+    series = [_series(*each) for each in zip(groups, fact["colors"], fact["shifts"], strict=True)]
+    labels = (fact["x_label"], fact["y_label"])
+    x, y = (Scale(label, scale, (low, high)) for label, scale, (low, high) in zip(labels, scales, limits, strict=True))
+    return Panel(name, x, y, series)
+
+
+def _series(group: tuple[str, str, list[dict[str, str]]], color: str, shift: list[float]) -> Trace:
+    name, look, rows = group
+
+    def column(key: str) -> Array | None:
+        known = key in rows[0] and (key in ("x", "y") or any(row[key] for row in rows))
+        return np.array([float(row[key] or "nan") for row in rows]) if known else None
+
+    found = {key: column(key) for key in _NUMBERS}
+    x, y, value = found["x"], found["y"], found["value"]
+    assert x is not None
+    assert y is not None
+    if value is not None:  # cells, a row for each y
+        width = int(np.flatnonzero(np.r_[x[1:] == x[0], True])[0]) + 1
+        x, y, value = x[:width], y[::width], value.reshape(-1, width)
+    return Trace(name, x, y, look_from_words(look, color), found["x_error"], found["y_error"], value, (shift[0], shift[1]))

@@ -1,0 +1,67 @@
+"""Which of the computed numbers a file keeps.
+
+A curve keeps at most `MOST` points, none beyond its panel. Its points are divided into equal runs; of each, the first and last
+are kept, and those of least and largest y (and of x where the curve turns back), so that every extremum is kept.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from slipwave.observe.pieces import Array
+from validation.chart import Chart, Panel, Trace, with_limits
+
+MOST = 2000
+"""Most points of a curve in a panel."""
+
+CELLS = 64
+"""Most cells of a picture in each direction."""
+
+_FEW = 12  # points that are never thin
+
+
+def with_fewer(chart: Chart) -> Chart:
+    """The chart with some of its numbers, none of them changed."""
+    chart = with_limits(chart)
+    panels = [replace(panel, series=[_thinned(panel, one) for one in panel.series]) for panel in chart.panels]
+    return replace(chart, panels=panels)
+
+
+def _thinned(panel: Panel, series: Trace) -> Trace:
+    columns = series.columns
+    if series.value is not None:
+        x, y, value = (np.asarray(values, float) for values in (series.x, series.y, series.value))
+        rows, across = (np.unique(np.linspace(0, n - 1, min(n, CELLS)).astype(int)) for n in value.shape)
+        return replace(series, x=x[across], y=y[rows], value=value[np.ix_(rows, across)])
+    if columns["x"].size <= _FEW or not series.is_said:
+        return series
+    inside = _shown(columns["x"] + series.shift[0], *sorted(panel.x.ends))
+    columns["y"] = np.where(inside > 0, columns["y"], np.nan)
+    columns = {name: values[inside >= 0] for name, values in columns.items()}
+    chosen = staying(columns["x"], columns["y"])
+    changes: dict[str, Any] = {name: values[chosen] for name, values in columns.items()}
+    return replace(series, **changes)
+
+
+def staying(x: Array, y: Array, most: int = MOST) -> NDArray[np.intp]:
+    """Indices of the points that are kept (see the docstring of this module)."""
+    if x.size <= most:
+        return np.arange(x.size)
+    both = (y,) if np.all(np.diff(x) >= 0.0) else (x, y)
+    edges = np.linspace(0, x.size, max(1, most // (2 + 2 * len(both))) + 1).astype(int)
+    chosen = [*edges[:-1], *(edges[1:] - 1)]
+    for begin, end in pairwise(edges):
+        finite = [values[begin:end] for values in both if np.isfinite(values[begin:end]).any()]
+        chosen += [begin + int(find(values)) for values in finite for find in (np.nanargmin, np.nanargmax)]
+    return np.unique(chosen)
+
+
+def _shown(x: Array, low: float, high: float) -> NDArray[np.intp]:
+    """1 for points in a panel and those next to it, where the curve leaves it; 0 for one that stands for a gap; -1 for others."""
+    hidden = np.zeros(x.size, bool)
+    for beyond in (x < low, x > high):
+        hidden |= beyond & np.r_[True, beyond[:-1]] & np.r_[beyond[1:], True]
+    return np.where(hidden, np.where(np.r_[True, hidden[:-1]], -1, 0), 1)
