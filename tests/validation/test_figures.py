@@ -107,11 +107,11 @@ def test_the_file_holds_what_was_computed():
     for _, name, look, *numbers in rows[1:]:
         found.setdefault((name, look), []).append([float(word or "nan") for word in numbers])
     for panel in CHART.panels:
-        for series in (one for one in panel.series if one.name):
-            (mine,) = (np.array(numbers) for (name, _), numbers in found.items() if name == plain_label(series.name))
+        for trace in (one for one in panel.traces if one.name):
+            (mine,) = (np.array(numbers) for (name, _), numbers in found.items() if name == plain_label(trace.name))
             for column, name in enumerate(("x", "y", "x_error", "y_error", "value")):
-                expected = series.columns.get(name, np.full(len(mine), np.nan))
-                np.testing.assert_allclose(mine[:, column], expected, rtol=1e-7, atol=1e-15, err_msg=series.name)
+                expected = trace.columns.get(name, np.full(len(mine), np.nan))
+                np.testing.assert_allclose(mine[:, column], expected, rtol=1e-7, atol=1e-15, err_msg=trace.name)
     assert {look for _, look in found} == {
         "area", "solid", "dashed", "solid steps-pre", "solid guide", "dotted smooth", "points o", "text", "arrow",
         "cells", "solid o",
@@ -175,12 +175,12 @@ def test_thinning_keeps_every_extremum_and_changes_no_number():
     curves = [Trace("", x, np.sin(x)), Trace("", np.sin(x / 9e3), x, y_error=x)]
     whole = Chart([Panel("", Scale("", limits=(-2.0, 2e4)), Scale(), curves), Panel("", Scale(), Scale(), [cells])])
     for panel, kept in zip(whole.panels, with_fewer(whole).panels, strict=True):
-        for before, after in zip(panel.series, kept.series, strict=True):
+        for before, after in zip(panel.traces, kept.traces, strict=True):
             rows = {tuple(row) for row in np.column_stack(list(before.columns.values())).tolist()}
             found = [tuple(row) for row in np.column_stack(list(after.columns.values())).tolist() if not np.isnan(row[1])]
             assert len(found) <= max(MOST, CELLS**2)
             assert set(found) <= rows
-    assert max(with_fewer(whole).panels[0].series[0].columns["x"]) == 20_002.0  # one for the end of the line, one for the gap
+    assert max(with_fewer(whole).panels[0].traces[0].columns["x"]) == 20_002.0  # one for the end of the line, one for the gap
 
 
 def test_words_are_the_numbers_that_were_computed():
@@ -202,7 +202,7 @@ def test_pictures_within_a_chart_follow_a_dark_page(tmp_path):
     shown = [Trace("", [0.0, 1.0], [0.0, 1.0], few, value=[[0, 1], [1, 0]]), Trace("", 0.5, 0.5, Look("#c44e52", kind="area"))]
     many = Trace("", range(20), range(20), Look(kind="cells"), value=np.arange(400.0))
     many = replace(many, value=np.arange(400.0).reshape(20, 20))
-    panels = [Panel(name, Scale(), Scale(), series) for name, series in (("few: two", shown), ("many", [many]))]
+    panels = [Panel(name, Scale(), Scale(), traces) for name, traces in (("few: two", shown), ("many", [many]))]
     render(Chart(panels, 2.0, 2, legend="outside upper left"), tmp_path / "a", "a")
     svg = (tmp_path / "a.svg").read_text()
     assert ">few: two<" in svg

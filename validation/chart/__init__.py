@@ -1,4 +1,4 @@
-"""Charts are data: panels of named series, with what was computed, units, errors, looks and limits.
+"""Charts are data: panels of named traces, with what was computed, units, errors, looks and limits.
 
 `validation.chart.draw` draws one with matplotlib, `table` writes and reads its CSV file, `words` says it in words, and `render`
 writes all files of one. Labels name the quantity and its unit; formulas in them stand between $.
@@ -28,12 +28,12 @@ _UNSAID = ("text", "arrow", "area", "guide")
 
 @dataclass(frozen=True)
 class Look:
-    """How a series is drawn: colour, dashes as in matplotlib ("" for points alone), marker and its size, width of the line.
+    """How a trace is drawn: colour, dashes as in matplotlib ("" for points alone), marker and its size, width of the line.
 
     `kind`: "line"; "steps-pre"; "smooth", a spline through the points; "guide", a line whose infinite ends lie on the edges of
-    the panel; "area", within an outline; "cells", a picture; "text", the name of the series at its points, with `angle` and
+    the panel; "area", within an outline; "cells", a picture; "text", the name of the trace at its points, with `angle` and
     alignment (`marker`); "arrow", with its style as `marker`. Cells are coloured by `colors`, words with colours for the values
-    0, 1 ...; or by the map `colors`, logarithmic beyond `linear` if that is not 0, with the name of the series at a bar."""
+    0, 1 ...; or by the map `colors`, logarithmic beyond `linear` if that is not 0, with the name of the trace at a bar."""
 
     color: str = INK
     dashes: Any = "-"
@@ -132,23 +132,23 @@ class Panel:
     name: str
     x: Scale
     y: Scale
-    series: Sequence[Trace]
+    traces: Sequence[Trace]
     legend: str = ""
     grid: bool = False
     bare: bool = False
 
-    def placed(self, series: Trace) -> tuple[Array, Array]:
-        """Points of one of its series: infinite ends of guides on its edges."""
-        columns, axes = series.columns, (self.x, self.y)
+    def placed(self, trace: Trace) -> tuple[Array, Array]:
+        """Points of one of its traces: infinite ends of guides on its edges."""
+        columns, axes = trace.columns, (self.x, self.y)
         x, y = (np.where(np.isinf(v), np.clip(v, *a.ends), v) for v, a in zip((columns["x"], columns["y"]), axes, strict=True))
-        return (x, y) if series.look.kind in ("guide", "area") else (columns["x"], columns["y"])
+        return (x, y) if trace.look.kind in ("guide", "area") else (columns["x"], columns["y"])
 
 
 @dataclass(frozen=True)
 class Chart:
     """Panels row by row in `columns`, or as the rows of `layout` place their numbers; sizes in inches, `widths` and `heights`
     of columns and rows relative to each other. Panels of one label `share` their limits along x in a "column" and along y in a
-    "row"; or "all" do, or none (""). `legend`: its place, for `keys` or all series."""
+    "row"; or "all" do, or none (""). `legend`: its place, for `keys` or all traces."""
 
     panels: Sequence[Panel]
     height: float = 4.0
@@ -207,12 +207,12 @@ def _range(panel: Panel, which: str) -> tuple[float, float]:
     """The range of what a panel shows along "x" or "y", with a margin unless it is a picture's."""
     scale: Scale = getattr(panel, which)
     found, margin = [np.array([])], 0.0
-    for series in (one for one in panel.series if one.look.kind != "text"):
-        columns = series.columns
-        values = columns[which] + series.shift["xy".index(which)]
+    for trace in (one for one in panel.traces if one.look.kind != "text"):
+        columns = trace.columns
+        values = columns[which] + trace.shift["xy".index(which)]
         bars = columns.get(f"{which}_error", 0.0)
         found += [np.maximum(values, scale.floor), values - bars, values + bars]
-        margin = margin if series.look.kind == "cells" else _MARGIN
+        margin = margin if trace.look.kind == "cells" else _MARGIN
     every = np.concatenate(found)
     is_log = scale.kind == "log"
     every = np.log10(every[every > 0.0]) if is_log else every

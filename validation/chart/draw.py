@@ -1,4 +1,4 @@
-"""Draws a chart with matplotlib: legible on paper; dashes and markers distinguish the series without colour."""
+"""Draws a chart with matplotlib: legible on paper; dashes and markers distinguish traces without colour."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -93,8 +93,8 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         axes.set_axisbelow(True)
     if panel.bare:
         axes.set_axis_off()
-    for series in panel.series:
-        _draw_series(axes, panel, series)
+    for trace in panel.traces:
+        _draw_trace(axes, panel, trace)
     keys = [key for one in _named([panel]) for key in _keys(one)] if panel.legend else []
     if keys:
         place: Any = panel.legend
@@ -129,19 +129,19 @@ def draw_second(axes: Axes, which: str, second: Second) -> None:
     other.set(**{f"{which}label": label})
 
 
-def _draw_series(axes: Axes, panel: Panel, series: Trace) -> None:
-    look, columns = series.look, series.columns
+def _draw_trace(axes: Axes, panel: Panel, trace: Trace) -> None:
+    look, columns = trace.look, trace.columns
     x, y = (
         np.maximum(values + move, axis.floor)
-        for values, move, axis in zip(panel.placed(series), series.shift, (panel.x, panel.y), strict=True)
+        for values, move, axis in zip(panel.placed(trace), trace.shift, (panel.x, panel.y), strict=True)
     )
     if look.kind == "cells":
-        _draw_cells(axes, series)
+        _draw_cells(axes, trace)
     elif look.kind == "area":
         axes.fill(x, y, color=look.ink, linewidth=0.0)
     elif look.kind == "text":
         for place in zip(x, y, strict=True):
-            axes.text(*place, series.name, color=look.ink, rotation=look.angle, ha=look.marker or "left", va="center")
+            axes.text(*place, trace.name, color=look.ink, rotation=look.angle, ha=look.marker or "left", va="center")
     elif look.kind == "arrow":
         ends = [(float(x[k]), float(y[k])) for k in (0, -1)]
         axes.annotate(
@@ -190,10 +190,10 @@ def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
     return whole[:, 0], whole[:, 1]
 
 
-def _draw_cells(axes: Axes, series: Trace) -> None:
+def _draw_cells(axes: Axes, trace: Trace) -> None:
     from matplotlib.colors import BoundaryNorm, ListedColormap, SymLogNorm
 
-    look, values = series.look, np.ma.masked_invalid(np.asarray(series.value, float))
+    look, values = trace.look, np.ma.masked_invalid(np.asarray(trace.value, float))
     colors: Any = look.colors
     if isinstance(colors, str):
         largest = float(np.abs(values).max())
@@ -201,32 +201,32 @@ def _draw_cells(axes: Axes, series: Trace) -> None:
     else:  # those below 0 are absent
         norm = BoundaryNorm(np.arange(-1.5, len(colors) + 0.5), len(colors) + 1)
         colors = ListedColormap(["#ffffff", *colors.values()])
-    x, y = np.asarray(series.x, float), np.asarray(series.y, float)
+    x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
     mesh = axes.pcolormesh(x, y, values, shading="nearest", cmap=colors, norm=norm, rasterized=True)
     if isinstance(look.colors, str):
-        axes.figure.colorbar(mesh, ax=axes, label=series.name)
+        axes.figure.colorbar(mesh, ax=axes, label=trace.name)
 
 
 def _named(panels: Sequence[Panel]) -> list[Trace]:
-    """The first series of each name."""
+    """The first trace of each name."""
     first: dict[str, Trace] = {}
-    for series in (one for panel in panels for one in panel.series if one.name and one.look.kind not in ("text", "arrow")):
-        first.setdefault(series.name, series)
+    for trace in (one for panel in panels for one in panel.traces if one.name and one.look.kind not in ("text", "arrow")):
+        first.setdefault(trace.name, trace)
     return list(first.values())
 
 
-def _keys(series: Trace) -> Iterator[Any]:
-    """The entries of a series in a legend: one, or one for each colour that a picture has."""
+def _keys(trace: Trace) -> Iterator[Any]:
+    """The entries of a trace in a legend: one, or one for each colour that a picture has."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    look = series.look
+    look = trace.look
     if look.kind == "area":
-        yield Patch(facecolor=look.ink, label=series.name)
+        yield Patch(facecolor=look.ink, label=trace.name)
     elif look.kind != "cells":
-        yield Line2D([], [], label=series.name, **_style(look))
+        yield Line2D([], [], label=trace.name, **_style(look))
     elif not isinstance(look.colors, str):
-        there = set(np.asarray(series.value, float).ravel().tolist())
+        there = set(np.asarray(trace.value, float).ravel().tolist())
         for number, (word, color) in enumerate(look.colors.items()):
             if number in there:
                 yield Patch(facecolor=color, edgecolor="#888888", linewidth=0.4, label=word)

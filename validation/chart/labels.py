@@ -13,7 +13,7 @@ _WORDLESS = ("cells", "area", "text", "arrow")
 
 
 def look_in_words(look: Look) -> str:
-    """Look of a series except its colour, as in the file: dashes, kind unless it is a line, marker."""
+    """Look of a trace except its colour, as in the file: dashes, kind unless it is a line, marker."""
     if look.kind in _WORDLESS:
         return look.kind
     tuples = "dashed" if isinstance(look.dashes, str) or look.dashes[1][0] >= _DOTTED else "dotted"

@@ -13,7 +13,7 @@ from validation.chart import Chart, Panel, Scale, Trace, with_limits
 from validation.chart.labels import look_from_words, look_in_words, numbered, plain_label
 
 HEADER = ("panel", "series", "look", "x", "y", "x_error", "y_error", "value")
-"""Columns of the file; the last ones only if a chart has them. An empty row of a series is a gap in its curve."""
+"""Columns of the file; the last ones only if a chart has them. An empty row of a trace is a gap in its curve."""
 
 _DIGITS = ".8g"
 _NUMBERS = HEADER[3:]
@@ -34,22 +34,22 @@ def _names(chart: Chart) -> list[str]:
     return list(numbered(panel.name or panel.y.label or "panel" for panel in chart.panels))
 
 
-def series_names(panel: Panel) -> list[str]:
-    """The names of its series in the file and in words, no two alike."""
-    return list(numbered(series.name or series.look.kind for series in panel.series))
+def trace_names(panel: Panel) -> list[str]:
+    """The names of its traces in the file and in words, no two alike."""
+    return list(numbered(trace.name or trace.look.kind for trace in panel.traces))
 
 
 def _rows(panel: Panel) -> Iterator[tuple[str, ...]]:
-    for name, series in zip(series_names(panel), panel.series, strict=True):
-        look, columns = look_in_words(series.look), series.columns
-        columns["x"], columns["y"] = panel.placed(series)
+    for name, trace in zip(trace_names(panel), panel.traces, strict=True):
+        look, columns = look_in_words(trace.look), trace.columns
+        columns["x"], columns["y"] = panel.placed(trace)
         for k in range(columns["x"].size):
             numbers = (float(columns[name][k]) if name in columns else np.nan for name in _NUMBERS)
             yield name, look, *("" if np.isnan(number) else format(number, _DIGITS) for number in numbers)
 
 
 def panel_facts(chart: Chart) -> list[dict[str, Any]]:
-    """Name, labels, scales and limits of every panel, and of its series the colours and by how much they are drawn moved."""
+    """Name, labels, scales and limits of every panel, and of its traces the colours and by how much they are drawn moved."""
     chart = with_limits(chart)
     return [
         {
@@ -58,8 +58,8 @@ def panel_facts(chart: Chart) -> list[dict[str, Any]]:
             "y_label": plain_label(panel.y.label),
             "scales": [panel.x.kind, panel.y.kind],
             "limits": [list(panel.x.ends), list(panel.y.ends)],
-            "colors": [series.look.ink for series in panel.series if series.columns["x"].size],
-            "shifts": [list(series.shift) for series in panel.series if series.columns["x"].size],
+            "colors": [trace.look.ink for trace in panel.traces if trace.columns["x"].size],
+            "shifts": [list(trace.shift) for trace in panel.traces if trace.columns["x"].size],
         }
         for name, panel in zip(_names(chart), chart.panels, strict=True)
     ]
@@ -75,13 +75,13 @@ def read_chart(text: str, facts: Iterable[dict[str, Any]]) -> Chart:
 
 def _panel(rows: list[dict[str, str]], name: str, scales: list[str], limits: list[list[float]], **fact: Any) -> Panel:
     groups = [(*key, list(mine)) for key, mine in groupby(rows, key=lambda row: (row["series"], row["look"]))]
-    series = [_series(*each) for each in zip(groups, fact["colors"], fact["shifts"], strict=True)]
+    traces = [_trace(*each) for each in zip(groups, fact["colors"], fact["shifts"], strict=True)]
     labels = (fact["x_label"], fact["y_label"])
     x, y = (Scale(label, scale, (low, high)) for label, scale, (low, high) in zip(labels, scales, limits, strict=True))
-    return Panel(name, x, y, series)
+    return Panel(name, x, y, traces)
 
 
-def _series(group: tuple[str, str, list[dict[str, str]]], color: str, shift: list[float]) -> Trace:
+def _trace(group: tuple[str, str, list[dict[str, str]]], color: str, shift: list[float]) -> Trace:
     name, look, rows = group
 
     def column(key: str) -> Array | None:

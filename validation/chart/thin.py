@@ -26,24 +26,24 @@ _FEW = 12  # points that are never thin
 def with_fewer(chart: Chart) -> Chart:
     """The chart with some of its numbers, none of them changed."""
     chart = with_limits(chart)
-    panels = [replace(panel, series=[_thinned(panel, one) for one in panel.series]) for panel in chart.panels]
+    panels = [replace(panel, traces=[_thinned(panel, one) for one in panel.traces]) for panel in chart.panels]
     return replace(chart, panels=panels)
 
 
-def _thinned(panel: Panel, series: Trace) -> Trace:
-    columns = series.columns
-    if series.value is not None:
-        x, y, value = (np.asarray(values, float) for values in (series.x, series.y, series.value))
+def _thinned(panel: Panel, trace: Trace) -> Trace:
+    columns = trace.columns
+    if trace.value is not None:
+        x, y, value = (np.asarray(values, float) for values in (trace.x, trace.y, trace.value))
         rows, across = (np.unique(np.linspace(0, n - 1, min(n, CELLS)).astype(int)) for n in value.shape)
-        return replace(series, x=x[across], y=y[rows], value=value[np.ix_(rows, across)])
-    if columns["x"].size <= _FEW or not series.is_said:
-        return series
-    inside = _shown(columns["x"] + series.shift[0], *sorted(panel.x.ends))
+        return replace(trace, x=x[across], y=y[rows], value=value[np.ix_(rows, across)])
+    if columns["x"].size <= _FEW or not trace.is_said:
+        return trace
+    inside = _shown(columns["x"] + trace.shift[0], *sorted(panel.x.ends))
     columns["y"] = np.where(inside > 0, columns["y"], np.nan)
     columns = {name: values[inside >= 0] for name, values in columns.items()}
     chosen = staying(columns["x"], columns["y"])
     changes: dict[str, Any] = {name: values[chosen] for name, values in columns.items()}
-    return replace(series, **changes)
+    return replace(trace, **changes)
 
 
 def staying(x: Array, y: Array, most: int = MOST) -> NDArray[np.intp]:

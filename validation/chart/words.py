@@ -10,7 +10,7 @@ import numpy as np
 from slipwave.observe.pieces import Array
 from validation.chart import Chart, Panel
 from validation.chart.labels import look_in_words
-from validation.chart.table import panel_facts, series_names
+from validation.chart.table import panel_facts, trace_names
 
 _COMPARED = 8  # curves of which each pair is looked at for crossings
 _LISTED = 12  # curves that are described one by one
@@ -63,10 +63,10 @@ def _axes(fact: dict[str, Any]) -> str:
 def _described(panel: Panel) -> list[_Curve]:
     """Trace with finite values, without guides, areas and texts."""
     curves = []
-    for name, series in zip(series_names(panel), panel.series, strict=True):
-        columns = series.columns
-        one = _Curve(name, look_in_words(series.look), columns["x"], columns["y"], columns.get("value"))
-        curves += [one] if series.is_said and np.isfinite(one.values).any() else []
+    for name, trace in zip(trace_names(panel), panel.traces, strict=True):
+        columns = trace.columns
+        one = _Curve(name, look_in_words(trace.look), columns["x"], columns["y"], columns.get("value"))
+        curves += [one] if trace.is_said and np.isfinite(one.values).any() else []
     return curves
 
 

@@ -203,7 +203,7 @@ def overlay(cycles: Mapping[str, OneCycle]) -> Chart:
         title = "slow phase, enlarged" if name == "stress" else ""
         shown += [Panel("", replace(_SINCE, limits=(-4.0, 82.0)), axis, [shade, *whole])]
         shown += [Panel(title, replace(_SINCE, limits=_ZOOM), replace(axis, limits=ends, ticks=ticks), close)]
-    return Chart(shown, 5.2, 2, widths=(1.9, 1.0), legend="outside upper left", legend_columns=3, keys=shown[1].series)
+    return Chart(shown, 5.2, 2, widths=(1.9, 1.0), legend="outside upper left", legend_columns=3, keys=shown[1].traces)
 
 
 def _framed(values: Array, scale: str) -> tuple[float, float]:
