@@ -5,7 +5,7 @@ STAMP := .venv/installed
 # small matrices gain nothing from more threads, and lose a factor of 50 where processes share the machine
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: install test studies report wheel bench docs cf page browser faults
+.PHONY: install test studies slow report wheel bench docs cf page browser faults
 
 install: $(STAMP)
 
@@ -28,6 +28,11 @@ test: $(STAMP)
 studies: export PYTHONDONTWRITEBYTECODE =
 studies: $(STAMP)
 	$(BIN)/pytest -m studies -n 2
+
+# verification that is too slow for every change: orders, growth, noise
+slow: export PYTHONDONTWRITEBYTECODE =
+slow: $(STAMP)
+	$(BIN)/pytest -m slow -n 2 --dist worksteal
 
 # make report QUICK=1 takes the cheap version of every study
 report: $(STAMP)

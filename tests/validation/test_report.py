@@ -331,7 +331,7 @@ INTERRUPTED = """
 
 
 def test_what_a_study_starts_can_be_interrupted(fake, tmp_path):
-    """As the slow tests do: processes side by side are deaf to the terminal, not to each other."""
+    """Processes side by side are deaf to the terminal, not to each other."""
     for name in ("first", "second"):
         fake.write(name, INTERRUPTED)
     assert answers(make_report(tmp_path / "out", processes=2)) == [str(-signal.SIGINT)] * 2

@@ -1,19 +1,22 @@
 """python -m validation.coverage orbits 20       # the first 20 computations of a kind, as a table
-python -m validation.coverage --record        # all kinds into reports/baseline/coverage-record.json; resumes
+python -m validation.coverage --record        # all kinds into tests/verification/coverage-record.json; resumes
 python -m validation.coverage --record means  # one kind
 """
 
+import json
 import sys
 
 from validation.coverage.held import coverage_of
-from validation.coverage.record import KINDS, computation, make_record
+from validation.coverage.record import KINDS, SUMMARY, computation, known_computations, make_record, summary
 from validation.results.result import aligned
 
 
 def main(words: list[str]) -> None:
     """Run the command line `words`."""
     if words[0] == "--record":
-        return make_record(words[1:] or KINDS)
+        make_record(words[1:] or KINDS)
+        SUMMARY.write_text(json.dumps(summary(known_computations()), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        return
     kind, count = words
     found = coverage_of(computation(kind, number) for number in range(int(count)))
     rows = [

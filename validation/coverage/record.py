@@ -6,24 +6,28 @@ import json
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 from zlib import crc32
 
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import whole_or_absent
-from slipwave.sources import ROOT
+from slipwave.sources import ROOT, source_digest
 from validation.coverage import scenes
-from validation.coverage.held import Held
+from validation.coverage.held import Held, coverage_of
 from validation.coverage.irregular import exponents, irregular_means
 from validation.coverage.repeating import WITNESS as KNOWING
 from validation.coverage.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
 from validation.measure.settle import NoCycle
 from validation.study import SELF, WITNESS, Evidence
 
-RECORD = ROOT / "reports" / "baseline" / "coverage-record.json"
+RECORD = ROOT / "tests" / "verification" / "coverage-record.json"
+SUMMARY = ROOT / "reports" / "baseline" / "coverage-record.json"
 _AT_ONCE = 10  # computations between two writings
+# how closely a computation is repeated: share of what is compared, share of the bar, and what is left of rounding
+_NEAR, _LITTLE, _ROUNDING = 0.05, 1e-3, 3e-12
+_ALIKE = 3.0  # ratio of two bars over one irregular motion, and of an error to them
 _REPEATED = 10  # computations by which what an earlier definition found is confirmed
 
 Record: TypeAlias = dict[str, list[list[Held]]]
@@ -134,3 +138,49 @@ def make_record(kinds: Iterable[str], path: Path = RECORD) -> None:
                 store_computations(kind, found, path)
                 print(f"{kind}: {len(found)} of {wanted}", file=sys.stderr, flush=True)
         store_computations(kind, found, path)
+
+
+def summary(record: Record) -> dict[str, Any]:
+    """What the report shows of a record: for each kind and figure how many stated errors there are, how many hold the truth, and
+    the median of stated over true error."""
+    return {
+        kind: {
+            "bar": one.bar,
+            "truth": one.truth,
+            "evidence": one.evidence.value,
+            "figures": {
+                found.figure: {
+                    "number": found.many,
+                    "held": round(found.share * found.many),
+                    "width": float(f"{found.width:.3g}"),
+                }
+                for found in coverage_of(record[kind])
+            },
+        }
+        for kind, one in KINDS.items()
+    }
+
+
+def chosen(record: Record, kind: str) -> list[int]:
+    """Numbers of a few computations to be repeated, which depend on the text of the solvers."""
+    able = [number for number, held in enumerate(record[kind]) if held]
+    random = np.random.default_rng(int(source_digest(), 16))
+    return sorted(random.choice(able, min(KINDS[kind].repeated // 4, len(able)), replace=False).tolist())
+
+
+def agree(kind: str, ours: list[Held], known: list[Held]) -> bool:
+    """Whether a repeated computation agrees with the recorded one in each bar and each error; for a motion that never repeats,
+    which rounding changes between machines, in their sizes."""
+    near = _near if KINDS[kind].exact else _alike
+    return [one.figure for one in ours] == [one.figure for one in known] and all(map(near, ours, known))
+
+
+def _near(one: Held, other: Held) -> bool:
+    bar, error = max(one.bar, other.bar), max(one.error, other.error)
+    same = abs(one.bar - other.bar) < _NEAR * bar + _ROUNDING
+    return same and abs(one.error - other.error) < _NEAR * error + _LITTLE * bar + _ROUNDING
+
+
+def _alike(one: Held, other: Held) -> bool:
+    bar = max(one.bar, other.bar)
+    return bar < _ALIKE * min(one.bar, other.bar) and max(one.error, other.error) < _ALIKE * bar

@@ -31,10 +31,8 @@ STUDIES = {
     "period-against-delay": "onset",
     "claims": "paper",
     "scene-facts": "paper",
-    "planted-faults": "trust",
-    "coverage": "trust",
-    "slow-verification": "trust",
     "stability-attacks": "trust",
+    "checks": "trust",
 }
 """Name of a study, whose module has underscores for hyphens -> the question that it answers (`validation.report.questions`); the
 first study of a question gives its answer."""
