@@ -152,9 +152,6 @@ def green(study, tapes):
 
 
 S = (scaled,)
-UNCOUNTED = ("delay", "quasistatic", "block8", "block12", "kelvin-voigt", "modal:2")
-"""Models whose intervals the study reads from its record: those of one model are counted anew."""
-
 PLACES = {
     "scene-facts": (Place("scene_facts:_onset"),),
     "one-cycle": (
@@ -251,12 +248,6 @@ PLACES = {
         Place("claims:run_deep"),
         Place("claims:measure_ripples", S),
         Place("claims:from_large_nudge"),
-    ),
-    "bias": (
-        Place("bias:all_biases", (displaced(0.02),)),
-        Place("bias:own_errors", (displaced(0.05),)),
-        Place("bias:corner_errors", (displaced(0.03),)),
-        Place("bias:intervals_held", (lambda rows: [[not held for held in row] for row in rows],), unjudged=UNCOUNTED),
     ),
 }
 """By study: those whose quick run a test holds (`shown.quick`)."""

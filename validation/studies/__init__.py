@@ -14,7 +14,6 @@ STUDIES = {
     "regime-map": "which",
     "asymmetry-map": "which",
     "laboratory": "which",
-    "bias": "which",
     "cost-and-error": "cost",
     "grid-convergence": "exact",
     "manufactured": "exact",
