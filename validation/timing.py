@@ -20,8 +20,8 @@ from slipwave.observe import EventObserver
 from slipwave.scene import Scene
 from slipwave.solve import Final, Solver, follow
 from validation.compute.build import build
+from validation.compute.settle import estimate
 from validation.measure.cycle import watch
-from validation.measure.settle import estimate
 from validation.measure.stopwatch import timed
 
 _WARM_UP = 2.0  # transits

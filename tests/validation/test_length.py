@@ -19,15 +19,14 @@ from tests.granite import GRANITE
 from validation.cli import main
 from validation.compute.build import build
 from validation.compute.history_file import HistoryFile, Kept
-from validation.compute.length import JudgedHalf, UntilCycles, UntilSettled, halves_agree
-from validation.compute.outlook import Outlook, outlook
-from validation.compute.run import Until, length_of, simulate
+from validation.compute.outlook import outlook
+from validation.compute.run import JudgedHalf, Length, UntilCycles, UntilSettled, halves_agree, length_of, simulate
 from validation.results.quantities import stored_name
 
 PAPER = slipwave.read("paper")
 FAST = slipwave.read("paper", ["drive.velocity=2000"])
-UNSTABLE = Outlook(False, 0.01, 80.0)
-STABLE = Outlook(True, -0.01, 80.0)
+OPEN = dataclasses.replace(PAPER, until=None)
+UNSTABLE, STABLE = (UntilSettled(scene, "delay") for scene in (OPEN, slipwave.read("paper", ["slab.log10_r=-2.75"])))
 
 
 def judged(sizes, rests=True, slides=False, until=4000.0):
@@ -68,7 +67,7 @@ NONE = np.empty(0)
     ],
 )
 def test_a_transient_goes_on_and_what_is_settled_ends(sizes, expected, ended):
-    assert UntilSettled(PAPER, expected).ended(judged(sizes)) == ended
+    assert expected.ended(judged(sizes)) == ended
 
 
 def test_a_drift_that_a_verdict_of_irregular_does_not_see_goes_on():
@@ -76,7 +75,7 @@ def test_a_drift_that_a_verdict_of_irregular_does_not_see_goes_on():
     assert drifts.verdict is not None
     assert drifts.verdict.kind == "irregular"
     assert not halves_agree(drifts)
-    assert UntilSettled(PAPER, UNSTABLE).ended(drifts) is None
+    assert UNSTABLE.ended(drifts) is None
 
 
 def test_halves_are_compared_over_whole_periods():
@@ -86,44 +85,47 @@ def test_halves_are_compared_over_whole_periods():
 
 def test_steady_sliding_is_settled_where_it_is_stable_or_nothing_disturbs_it():
     slides = judged(NONE, slides=True)
-    assert UntilSettled(PAPER, STABLE).ended(slides) == "settled"
-    assert UntilSettled(PAPER, UNSTABLE).ended(slides._replace(until=3999.0)) is None
-    assert UntilSettled(PAPER, UNSTABLE).ended(slides._replace(until=4001.0)) == "settled"  # 40 growth times
-    assert UntilSettled(PAPER, UNSTABLE).ended(judged(np.ones(2), rests=False)) == "settled"
-    assert UntilCycles(5, STABLE).ended(slides) == "settled"
-    assert UntilCycles(5, UNSTABLE).ended(slides) is None
+    assert STABLE.ended(slides) == "settled"
+    grown = 40.0 / outlook(OPEN, "delay").rate
+    assert UNSTABLE.ended(slides._replace(until=0.999 * grown)) is None
+    assert UNSTABLE.ended(slides._replace(until=1.001 * grown)) == "settled"
+    assert UNSTABLE.ended(judged(np.ones(2), rests=False)) == "settled"
+    assert UntilCycles(5, STABLE.scene, "delay").ended(slides) == "settled"
+    assert UntilCycles(5, OPEN, "delay").ended(slides) is None
 
 
 @pytest.mark.parametrize(("cycles", "ended"), [(4, None), (5, "cycles"), (6, "cycles")])
 def test_a_number_of_cycles_is_enough_when_it_is_reached(cycles, ended):
-    assert UntilCycles(5, UNSTABLE).ended(judged(np.ones(cycles))) == ended
+    assert UntilCycles(5, OPEN, "delay").ended(judged(np.ones(cycles))) == ended
 
 
 def test_stretches_begin_with_the_expected_cycles_and_grow_by_a_quarter():
-    ends = list(itertools.islice(UntilSettled(PAPER, UNSTABLE).ends(0.0), 3))
-    assert ends == [26.0 + 16 * 80.0, 1.25 * (26.0 + 16 * 80.0), 1.25**2 * (26.0 + 16 * 80.0)]
-    assert next(UntilSettled(PAPER, Outlook(True, -0.5, 80.0)).ends(0.0)) == 26.0 + 16.0 / 0.5
-    assert next(UntilSettled(PAPER, UNSTABLE).ends(ends[0] + 1.0)) == ends[1]  # from a checkpoint
-    changing = slipwave.read("paper", ["drive.velocity=[[0, 100], [300, 200]]"])
-    assert next(UntilSettled(changing, UNSTABLE).ends(0.0)) == 600.0 + ends[0]
-    assert max(UntilSettled(PAPER, UNSTABLE).ends(0.0)) < 1e9
-    assert list(Until(5.0).ends(7.0)) == [5.0]
+    ends, first = list(itertools.islice(UNSTABLE.ends(0.0), 3)), 26.0 + 16.0 * outlook(OPEN, "delay").period
+    assert ends == [first, 1.25 * first, 1.25**2 * first]
+    far = UntilSettled(slipwave.read("paper", ["slab.log10_r=-3.2"]), "delay")
+    assert (
+        next(far.ends(0.0)) == 26.0 - 16.0 / outlook(far.scene, "delay").rate < 26.0 + 16.0 * outlook(far.scene, "delay").period
+    )
+    assert next(UNSTABLE.ends(ends[0] + 1.0)) == ends[1]  # from a checkpoint
+    changing = slipwave.read("paper", ["drive.velocity=[[0, 50], [300, 100]]"])
+    assert next(UntilSettled(changing, "delay").ends(0.0)) == 600.0 + ends[0]
+    assert max(UNSTABLE.ends(0.0)) < 1e9
+    assert list(Length(until=5.0).ends(7.0)) == [5.0]
+    assert list(UntilSettled(OPEN, "delay", until=400.0).ends(150.0)) == [200.0, 400.0]
 
 
 def test_the_length_of_a_scene():
     """So many cycles, else the scene's, else until it is settled or, where nothing is watched, until the first look at that."""
-    open_end, expected = dataclasses.replace(PAPER, until=None), outlook(PAPER, "delay")
-    assert length_of(PAPER, "delay", 7) == UntilCycles(7, expected)
-    assert length_of(dataclasses.replace(PAPER, until=12.0), "delay") == Until(12.0)
-    settled = UntilSettled(open_end, expected)
-    assert (length_of(open_end, "delay"), settled.most_seconds) == (settled, 300.0)
-    assert length_of(dataclasses.replace(open_end, record=frozenset()), "delay") == Until(next(settled.ends(0.0)))
-    assert length_of(open_end, "block8") == UntilSettled(open_end, outlook(PAPER, "block8")) != settled
+    assert length_of(PAPER, "delay", 7) == UntilCycles(7, PAPER, "delay")
+    assert length_of(dataclasses.replace(PAPER, until=12.0), "delay") == Length(until=12.0)
+    assert (length_of(OPEN, "delay"), UNSTABLE.most_seconds) == (UNSTABLE, 300.0)
+    assert length_of(dataclasses.replace(OPEN, record=frozenset()), "delay") == Length(until=next(UNSTABLE.ends(0.0)))
+    assert length_of(OPEN, "block8") == UntilSettled(OPEN, "block8") != UNSTABLE
 
 
 def test_a_run_to_a_number_of_cycles_has_them_in_its_second_half():
     for wanted in (5, 12):
-        done = simulate(build("delay", FAST, tolerance=1e-6), UntilCycles(wanted, outlook(FAST, "delay")))
+        done = simulate(build("delay", FAST, tolerance=1e-6), UntilCycles(wanted, FAST, "delay"))
         assert done.ended == "cycles"
         assert done.verdict is not None
         assert wanted <= done.verdict.cycles <= wanted + 1
@@ -133,7 +135,7 @@ def test_a_run_to_a_number_of_cycles_has_them_in_its_second_half():
 def test_a_run_that_does_not_settle_ends_at_the_limit_of_work():
     """A limit of what three stretches take, counted in pieces."""
     solver = build("delay", FAST, tolerance=1e-6)
-    never = UntilSettled(FAST, outlook(FAST, "delay"), math.inf)
+    never = UntilSettled(FAST, "delay")
     ends = list(itertools.islice(never.ends(0.0), 4))
 
     class Unsettled(UntilSettled):
@@ -141,7 +143,7 @@ def test_a_run_that_does_not_settle_ends_at_the_limit_of_work():
             return None
 
     per_transit = _pieces(ends[2]) / ends[2] * solver.seconds_per_piece
-    done = simulate(solver, Unsettled(FAST, never.expected, per_transit * 1.01 * ends[2]))
+    done = simulate(solver, Unsettled(FAST, "delay", most_seconds=per_transit * 1.01 * ends[2]))
     assert (done.ended, done.until) == ("limit", ends[2])
     assert done.final == simulate(build("delay", FAST, tolerance=1e-6), ends[2]).final
 

@@ -14,8 +14,9 @@ from slipwave.observe import EventObserver, HistoryObserver, Pieces
 from slipwave.solve import follow
 from validation.cli import main
 from validation.compute.build import build
+from validation.compute.settle import MOST_TRANSITS, NoCycle, settle
+from validation.measure.cycle import one_cycle
 from validation.measure.order_fit import fit_order, shortfall
-from validation.measure.settle import MOST_TRANSITS, NoCycle, one_cycle, settle
 from validation.references.published import reference_orbit
 from validation.study.memo import cycle_of, cycles_in_turn, late_cycles, own_orbit
 

@@ -120,7 +120,7 @@ def changes(monkeypatch, study, path):
 
 
 USED = """slipwave/friction/ageing.py slipwave/friction/__init__.py slipwave/gallery/paper.toml reduced/impedance/fit.py
-fullwave/finite_element.py validation/measure/settle.py validation/references/published.json validation/studies/claims.py"""
+fullwave/finite_element.py validation/compute/settle.py validation/references/published.json validation/studies/claims.py"""
 UNUSED = "validation/cli.py validation/report/page.py validation/studies/energy.py README.md"
 
 

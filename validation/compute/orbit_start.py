@@ -22,8 +22,7 @@ from slipwave.solve.follow import require_time
 from slipwave.step.flow import InterfaceState
 from validation.compute.models import family_of
 from validation.compute.orbits import find_orbit, has_flow
-from validation.compute.progress import progress
-from validation.measure.settle import MOST_TRANSITS, NoCycle, settle
+from validation.compute.settle import MOST_TRANSITS, NoCycle, settle
 
 BEGIN = float(math.ceil(NUDGE_CENTRE + NUDGE_REACH))
 """Date (transits) of the orbit's start on the solver's own clock: a whole transit after the nudge."""
@@ -148,8 +147,7 @@ def _by_settling(solver: Solver) -> float:
     scene = solver.scene
     try:
         require_time(solver, MOST_TRANSITS)
-        with progress(f"{scene.name}, {solver.model}, on the way to its orbit", MOST_TRANSITS) as report:
-            settled = settle(solver, _TOLERANCE, progress=report)
+        settled = settle(solver, _TOLERANCE)
     except NoCycle as reason:
         raise NumericsError(f"start.kind = 'orbit': {reason} (scene {scene.name!r})") from None
     if not settled.settled:

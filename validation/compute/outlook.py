@@ -63,6 +63,7 @@ class Outlook:
     period: float
 
 
+@lru_cache(maxsize=32)
 def is_stable(scene: Scene, model: str) -> bool | None:
     """`stable` of the `outlook`, in a third of its time."""
     from reduced.stability import scaled

@@ -1,12 +1,17 @@
 """One model on one scene from start to end, as `slipwave run`, `compare` and `bench` need it: how long it is, what is kept of it,
-the march, the verdict."""
+the march, the verdict.
+
+A run lasts to a given time, until its second half has a number of cycles, or until its motion is settled. Where the motion
+decides, it is marched in stretches. At the end of each, the second half of the run so far is judged. The ends depend on the scene
+alone and the judgement on the motion alone, so that a continued run ends where the uninterrupted one would.
+"""
 
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
@@ -14,14 +19,14 @@ from slipwave.observe.envelope import Envelope
 from slipwave.observe.events import NO_EVENTS
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.observe.stages import stages_of
-from slipwave.observe.verdict import Kind, repeating
+from slipwave.observe.torus import MANY
+from slipwave.observe.verdict import REPEATS, Kind, repeating
 from slipwave.scene import Scene
-from slipwave.scene.drive import Drive
+from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH, Drive
 from slipwave.solve import Energy, Final, Mark, Observer, Resumable, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers, require_time
 from validation.compute.history_file import ALL, HistoryFile, Kept
-from validation.compute.length import LONGEST_RUN, Ended, JudgedHalf, UntilCycles, UntilSettled
 from validation.compute.outlook import LEFT_BY_ROUNDING, is_stable, outlook
 from validation.compute.progress import LongRunAdvice, progress
 from validation.compute.recording import fields_for, history_for
@@ -30,6 +35,23 @@ if TYPE_CHECKING:
     from fullwave.fields.record import FieldRecord
 
 _EVERY = 1000.0  # transits between two checkpoints
+
+Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
+"""Reason of the end of a run: at the given time, with the requested cycles, settled, or at the limit of work."""
+
+LIMIT = 300.0
+"""Longest run time (s), by a count of the work, of a run until it is settled."""
+
+LONGEST_RUN = 1e9
+"""Transits; the longest run."""
+
+MOST_CYCLES = 1_000_000
+
+_FIRST = 16.0  # expected cycles, half of them judged
+_LONGER = 1.25  # from one look to the next
+_DIES_OUT = 16.0  # decay times until 1e-7 of a disturbance is left
+_ENOUGH = 8  # cycles that repeat
+_STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
 
 
 class Wanted(NamedTuple):
@@ -109,50 +131,138 @@ def _is_wanted(asked: bool | None, name: str, scene: Scene) -> bool:
     return name in scene.record if asked is None else asked
 
 
-class Length(Protocol):
-    """How long a run is. `until` (transits) is infinite where it is not known before the run, and no stretch is begun beyond
-    which the whole run would take more than `most_seconds`."""
-
-    @property
-    def until(self) -> float:
-        """Its end, if it is known."""
-
-    @property
-    def most_seconds(self) -> float:
-        """The limit of work."""
-
-    def ends(self, after: float) -> Iterator[float]:
-        """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
-
-    def ended(self, now: JudgedHalf) -> Ended | None:
-        """Why the run ends here, if it does."""
-
-
-@dataclass(frozen=True)
-class Until:
-    """To a given time (transits)."""
+class JudgedHalf(NamedTuple):
+    """The second half of a run `until` now (transits): its `cycles`, and the verdict, None if events are not recorded."""
 
     until: float
+    verdict: MotionVerdict | None
+    cycles: Events
+
+
+@dataclass(kw_only=True)
+class Length:
+    """How long a run is: to the time `until` (transits). No stretch is begun beyond which the whole run would take more than
+    `most_seconds`."""
+
+    until: float = math.inf
     most_seconds: float = math.inf
 
     def ends(self, after: float) -> Iterator[float]:
-        """One."""
+        """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
         yield self.until
 
     def ended(self, now: JudgedHalf) -> Ended | None:
-        """There."""
+        """Reason to end the run here; None to continue."""
         return "until"
+
+
+@dataclass
+class UntilSettled(Length):
+    """Run until the motion is no longer a transient, as far as its cycles show, at most to `until`. `model` is one with the
+    one-port of the model that runs.
+
+    Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 16 or more, and if the means of
+    period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that
+    never repeat. A decaying run is settled if steady sliding is stable; a driven run always.
+    """
+
+    scene: Scene
+    model: str
+    most_seconds: float = field(default=LIMIT, kw_only=True)
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`: a quarter of a given time, a half and the whole. Else the first is after the start and 16 expected cycles,
+        late enough that the drive rests in the second half, and each later one is a quarter later."""
+        if math.isfinite(self.until):
+            yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
+            return
+        changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
+        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST_RUN)
+        while end <= LONGEST_RUN:
+            if end > after:
+                yield end
+            end *= _LONGER
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """As `Length`. Only a motion without cycles needs the roots of steady sliding."""
+        return "settled" if self._settled(now) else None
+
+    def _first(self) -> float:
+        expected = outlook(self.scene, self.model)
+        if math.isinf(expected.period):
+            return 0.0
+        dies_out = _DIES_OUT / -expected.rate if expected.stable else math.inf
+        return min(dies_out, _FIRST * expected.period)
+
+    def _settled(self, now: JudgedHalf) -> bool:
+        if now.verdict is None:
+            return True
+        match now.verdict.kind:
+            case "driven":
+                return True
+            case "decaying":
+                return is_stable(self.scene, self.model) is not False
+            case "steady":
+                if is_stable(self.scene, self.model) is not False:
+                    return True
+                return outlook(self.scene, self.model).rate * now.until > LEFT_BY_ROUNDING
+            case "periodic":
+                return now.verdict.cycles >= max(_ENOUGH, 2 * (now.verdict.multiplicity or 1)) and halves_agree(now)
+            case "torus" | "irregular":
+                return now.verdict.cycles >= MANY and halves_agree(now)
+        return False
+
+
+def halves_agree(now: JudgedHalf) -> bool:
+    """Whether period and stress drop have the same mean over the earlier and the later half of the cycles, each of whole
+    periods: within 1e-3, or the larger of the margins if they never repeat."""
+    assert now.verdict is not None
+    events = now.verdict.multiplicity or 1
+    half = now.verdict.cycles // (2 * events) * events
+    parts = [Events(*(column[part] for column in now.cycles)) for part in (slice(-2 * half, -half), slice(-half, None))]
+    earlier, later = (summarise(part, not now.verdict.wanders) for part in parts)
+    for name in ("period", "stress_drop"):
+        one, other = getattr(earlier, name).mean, getattr(later, name).mean
+        margins = [getattr(part.margins, name) for part in (earlier, later) if now.verdict.wanders]
+        if abs(one - other) > max([REPEATS * one, *margins]):
+            return False
+    return True
+
+
+@dataclass
+class UntilCycles(Length):
+    """Run until the second half of the run so far has `wanted` complete cycles, checked once per expected cycle. Stable steady
+    sliding ends it too, because no cycles will follow. `model` as for `UntilSettled`."""
+
+    wanted: int
+    scene: Scene
+    model: str
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`."""
+        period = outlook(self.scene, self.model).period
+        end = cycle = period if math.isfinite(period) else 1.0
+        while end < LONGEST_RUN:
+            if end > after:
+                yield end
+            end = max(end + cycle, _STEP * end)
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """As `Length`."""
+        if now.verdict is None or now.verdict.cycles >= self.wanted:
+            return "cycles"
+        return "settled" if now.verdict.kind == "steady" and is_stable(self.scene, self.model) is not False else None
 
 
 def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
     """The length of a run: `cycles` if given, else that of the scene, else until settled. `model`: one with the one-port of the
     model that runs."""
     if cycles is not None:
-        return UntilCycles(cycles, outlook(scene, model))
+        return UntilCycles(cycles, scene, model)
     if scene.until is not None:
-        return Until(scene.until)
-    settled = UntilSettled(scene, outlook(scene, model))
-    return settled if scene.record else Until(next(settled.ends(0.0)))
+        return Length(until=scene.until)
+    settled = UntilSettled(scene, model)
+    return settled if scene.record else Length(until=next(settled.ends(0.0)))
 
 
 def require_counted(scene: Scene, cycles: int | None) -> None:
@@ -166,8 +276,7 @@ def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
     infinite if no run may be so long. `model` as for `length_of`."""
     if verdict is None or verdict.cycles or verdict.kind != "too short":
         return verdict.needed if verdict else math.nan
-    settled = UntilSettled(replace(scene, until=None), outlook(scene, model))
-    expected = next(settled.ends(0.0))
+    expected = next(UntilSettled(scene, model).ends(0.0))
     return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
 
 
@@ -217,11 +326,11 @@ def simulate(
     SceneError if the run would take more than `most_seconds` (`slipwave.solve.follow`).
     """
     watch = watch or EventObserver(solver.scene, solver.nodes)
-    wanted = Until(length) if isinstance(length, int | float) else length
-    marched = _Marched(solver, watch, bool(solver.scene.record))
+    wanted = Length(until=length) if isinstance(length, int | float) else length
+    marched = JudgedMarch(solver, watch, bool(solver.scene.record))
     failed, stopped, began = "", False, time.perf_counter()
     try:
-        marched.march(wanted, observers, marks, most_seconds)
+        marched.to(wanted, observers, marks, most_seconds)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
@@ -229,18 +338,18 @@ def simulate(
     return marched.run(time.perf_counter() - began, failed, stopped)
 
 
-class _Marched:
-    """A run in stretches, judged at the end of each. `until`: end of the last stretch begun (transits); `final`, the state there,
-    and `ended`, the reason, are None if it was not reached."""
+class JudgedMarch:
+    """A run of `solver` in stretches, judged at the end of each by the events of `watch`, if it is `watched`. `until`: end of the
+    last stretch begun (transits); `final`, the state there, and `ended`, the reason, are None if it was not reached."""
 
-    def __init__(self, solver: Solver, watch: EventObserver, watched: bool) -> None:
+    def __init__(self, solver: Solver, watch: EventObserver, watched: bool = True) -> None:
         self.solver, self.watch, self.watched = solver, watch, watched
         self.until = 0.0
         self.final: Final | None = None
         self._judged: JudgedHalf | None = None
         self.ended: Ended | None = None
 
-    def march(self, length: Length, observers: Sequence[Observer], marks: Sequence[Mark], most: float) -> None:
+    def to(self, length: Length, observers: Sequence[Observer] = (), marks: Sequence[Mark] = (), most: float = DAY) -> None:
         """March to the end of `length`. Raises NumericsError where the solver fails, and SceneError if it would take more than
         `most` seconds."""
         work = Foresight(self.solver, 0.0, most)

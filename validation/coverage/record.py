@@ -14,12 +14,12 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import whole_or_absent
 from slipwave.sources import ROOT, source_digest
+from validation.compute.settle import NoCycle
 from validation.coverage import scenes
 from validation.coverage.held import Held, coverage_of
 from validation.coverage.irregular import exponents, irregular_means
 from validation.coverage.repeating import WITNESS as KNOWING
 from validation.coverage.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
-from validation.measure.settle import NoCycle
 from validation.study import SELF, WITNESS, Evidence
 
 RECORD = ROOT / "tests" / "verification" / "coverage-record.json"

@@ -14,10 +14,10 @@ from slipwave.solve import Solver, follow
 from validation.compute.build import build, build_full_wave, prepare
 from validation.compute.default_grid import judged_grid
 from validation.compute.orbits import find_orbit
+from validation.compute.settle import settle
 from validation.coverage.held import Held
 from validation.coverage.scenes import SLABS, random_scene
 from validation.measure.order_fit import richardson
-from validation.measure.settle import settle
 
 WITNESS = "dg:9"
 """The reference model for viscous slabs."""

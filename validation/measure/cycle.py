@@ -1,5 +1,6 @@
 """One cycle of the interface's motion: of a settled orbit, or the last complete one of a run."""
 
+from copy import deepcopy
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,10 @@ from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.solve import Observer, Solver, follow
+from validation.compute.settle import Settled
+
+SYMBOLS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
+"""The figures of an orbit, and their symbols."""
 
 _RIPPLES = (25.0, 55.0)  # transits after the event's date in which the interface creeps and the stress ripples
 _FIRST_MOST = 16  # chunks of pieces that are kept before the first check whether they are still needed
@@ -96,3 +101,16 @@ def _vertex(x: np.ndarray, y: np.ndarray) -> float:
     slope, bend = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
     curvature = (bend - slope) / (x[2] - x[0])
     return float(0.5 * (x[0] + x[1]) - 0.5 * slope / curvature)
+
+
+def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> OneCycle:
+    """A cycle of the next two periods, from `before` transits ahead of its event to `after` transits past its end. The solver's
+    state is restored."""
+    solver, observer, period = settled.solver, deepcopy(settled.observer), settled.orbit.period.value
+    begin, here = solver.time, solver.state()
+    history = HistoryObserver(solver.scene.law, solver.nodes)
+    follow(solver, begin + 2.02 * period + before + after, [history, observer])
+    solver.restore(here)
+    dates = observer.dates()
+    date = float(dates[dates >= begin + before][0])
+    return cut(solver.scene.law, history.samples(per_piece), date, period, before, after)

@@ -10,7 +10,7 @@ from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from validation.compute.models import honouring, one_port_of
 from validation.compute.progress import progress
-from validation.compute.run import Length, Run, Until, length_of, simulate
+from validation.compute.run import Length, Run, length_of, simulate
 from validation.results.command import command
 from validation.results.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.results.options import RunsOptions
@@ -95,7 +95,7 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     reference = _reference(scene, trials, options.most_seconds)
     if nothing(reference):
         raise SceneError(f"until = {reference.until:g}: {nothing(reference)}")
-    length = Until(reference.until)
+    length = Length(until=reference.until)
     runs: list[tuple[Run, dict[str, Any]]] = []
     stopped = ""
     with progress("bench", len(trials)) as report:

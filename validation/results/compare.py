@@ -14,7 +14,7 @@ from slipwave.solve import Solver
 from slipwave.solve.follow import require_time
 from validation.compute.build import build_all
 from validation.compute.models import one_port_of
-from validation.compute.run import Run, Until, length_of, reconsidered, second_half, simulate
+from validation.compute.run import Length, Run, length_of, reconsidered, second_half, simulate
 from validation.data.events import MeasuredMotion, measured_motion
 from validation.data.series import read_series
 from validation.measure.cycle import CycleObserver, OneCycle
@@ -206,7 +206,7 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
         found[solver.model] = run, observer.cycle(second_half(solver, run.until))
         if stopped:
             break
-        length = Until(run.until)
+        length = Length(until=run.until)
     return [found[solver.model] for solver in solvers if solver.model in found], stopped
 
 

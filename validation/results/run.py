@@ -20,11 +20,11 @@ from validation.compute.build import on_its_orbit
 from validation.compute.default_grid import grid_in_words, judged_grid, note_on, note_on_given
 from validation.compute.exponent import exponent_of, require_constant
 from validation.compute.history_file import ALL
-from validation.compute.length import MOST_CYCLES
 from validation.compute.models import made, one_port_of
 from validation.compute.outlook import amplified_rounding, costly_steps
 from validation.compute.recording import FIELD_FILES, Window, how_to_resume, kept_of, time_between
 from validation.compute.run import (
+    MOST_CYCLES,
     Length,
     Records,
     Run,
@@ -317,7 +317,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     """Run one model on a scene.
 
     Without `until` and `cycles` the scene gives the length, or the run ends when its motion is settled
-    (`validation.compute.length`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options
+    (`validation.compute.run`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options
     apply where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the

@@ -15,8 +15,7 @@ from slipwave.observe.statistics import Orbit
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.compute.build import build
-from validation.measure.cycle import OneCycle, ripple_period, watch
-from validation.measure.settle import one_cycle
+from validation.measure.cycle import OneCycle, one_cycle, ripple_period, watch
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.study import Budget, Cell, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict, memo, stated, table

@@ -8,7 +8,7 @@ from slipwave.observe.statistics import Estimate
 from validation.chart import Chart, Look, Panel, Scale, Trace
 from validation.compute.build import build
 from validation.compute.looks import style_of
-from validation.measure.settle import settle
+from validation.compute.settle import settle
 from validation.references.lsoda import PlainRun, plain_kelvin_voigt
 from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference, reference_orbit

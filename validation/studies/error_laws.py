@@ -11,7 +11,7 @@ from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.compute.build import build
-from validation.measure.settle import settle
+from validation.compute.settle import settle
 from validation.study import (
     ASYMPTOTIC,
     Budget,

@@ -10,8 +10,9 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.compute.build import build
+from validation.compute.settle import settle
+from validation.measure.cycle import SYMBOLS
 from validation.measure.order_fit import Fit, fit_order, richardson, shortfall
-from validation.measure.settle import SYMBOLS, settle
 from validation.study import SELF, WITNESS, Budget, Evidence, Figure, StudyResult, Table, Verdict, claim, stated, table
 from validation.study.drawing import Axes, Drawing, subplots
 from validation.study.known import ERRORS, of_order

@@ -18,8 +18,8 @@ from slipwave.scene import Scene
 from validation.chart import PALE, Chart, Look, Panel, Scale, Trace, outline, with_gaps
 from validation.compute.looks import model_line, style_of
 from validation.compute.orbits import moving
-from validation.measure.cycle import OneCycle
-from validation.measure.settle import SYMBOLS, WINDOW, one_cycle
+from validation.compute.settle import WINDOW
+from validation.measure.cycle import SYMBOLS, OneCycle, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.study import Budget, Figure, Number, Omission, StudyResult, Table, memo, stated, table
 from validation.study.known import OTHERS

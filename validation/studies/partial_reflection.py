@@ -13,8 +13,8 @@ from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.compute.build import build
 from validation.compute.models import explicit_time
+from validation.compute.settle import NoCycle
 from validation.measure.cycle import watch
-from validation.measure.settle import NoCycle
 from validation.study import Budget, Figure, Number, StudyResult, Table, memo, stated, table
 from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain

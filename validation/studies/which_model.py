@@ -13,7 +13,7 @@ from reduced.impedance.fit import exact_impedance
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate
-from validation.measure.settle import estimate
+from validation.compute.settle import estimate
 from validation.references.onset import onset_of
 from validation.study import Budget, Figure, Number, Omission, StudyResult, memo, stated
 from validation.study.advice import AS_CHEAP, GOOD, costs_of_good_reductions

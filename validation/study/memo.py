@@ -18,9 +18,9 @@ from slipwave.scene import Scene
 from validation.compute.build import build
 from validation.compute.orbit_start import first_event
 from validation.compute.orbits import find_orbit
+from validation.compute.settle import MOST_TRANSITS, Settled, settle
 from validation.measure.correlated import mean_of
 from validation.measure.cycle import OneCycle, cut, watch
-from validation.measure.settle import MOST_TRANSITS, Settled, settle
 
 TRANSIENT = 1500.0  # transits
 LATE_TOLERANCE = 1e-7  # of a run whose cycles never repeat

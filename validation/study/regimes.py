@@ -10,8 +10,8 @@ from slipwave.scene import Scene
 from validation.compute.build import build
 from validation.compute.models import one_port_of
 from validation.compute.run import reconsidered, simulate
+from validation.compute.settle import estimate
 from validation.measure.correlated import mean_of
-from validation.measure.settle import estimate
 from validation.study import Number, stated
 from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
 

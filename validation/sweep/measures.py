@@ -1,8 +1,7 @@
 """The measures that a sweep computes at each point; each is one function and one line of `MEASURES`."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import Any, NamedTuple, get_args
 
@@ -14,10 +13,8 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.verdict import Kind
 from slipwave.scene import Scene
 from validation.compute.build import prepare
-from validation.compute.length import Ended, JudgedHalf, UntilSettled
 from validation.compute.models import one_port_of
-from validation.compute.outlook import Outlook, is_stable, outlook
-from validation.compute.run import Length, Run, Until, reconsidered, simulate
+from validation.compute.run import Length, Run, UntilSettled, reconsidered, simulate
 from validation.results.quantities import Meaning
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
@@ -45,36 +42,13 @@ class Measure(NamedTuple):
     regime: tuple[str, ...] = ()
 
 
-_UNKNOWN = Outlook(None, 0.0, math.inf)
-
-
-@dataclass(frozen=True)
-class UntilSure(UntilSettled):
-    """Run until the motion of `model` is settled, at most to `until` (transits)."""
-
-    expected: Outlook = _UNKNOWN
-    model: str = "delay"
-
-    def ends(self, after: float) -> Iterator[float]:
-        """As `Until`: a quarter, a half and the whole."""
-        yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
-
-    def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Until`. The outlook is computed only for a decaying motion: a repeating one needs no spectrum."""
-        expected = self.expected
-        if now.verdict is not None and now.verdict.kind in ("steady", "decaying"):
-            stable = is_stable(self.scene, self.model)
-            expected = outlook(self.scene, self.model) if stable is False else replace(expected, stable=stable)
-        return UntilSettled(self.scene, expected).ended(now)
-
-
 def march_point(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
     """The run of a point: until its verdict is certain, at most to `run.until`, or, if `whole`, to that. Raises SceneError for a
     scene that the model cannot compute, NumericsError where it fails."""
     solver = prepare(model, scene, tolerance=options.get("tol"), cells=options.get("cells")).solver
     one_port = one_port_of(solver.model)
     until = scene.until if scene.until is not None else TRANSITS
-    length: Length = Until(until) if whole else UntilSure(scene, until=until, model=one_port)
+    length = Length(until=until) if whole else UntilSettled(scene, one_port, until=until)
     run = reconsidered(simulate(solver, length), one_port)
     if run.failed:
         raise NumericsError(run.failed)
