@@ -13,11 +13,12 @@ from slipwave.observe.statistics import Estimate
 from validation.compute.build import build
 from validation.measure import stopwatch
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
+from validation.measure.grids.in_space import delay_reference, without_error_in_time
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
 from validation.studies import grid_convergence
 from validation.studies.grid_convergence import in_time, orbits, shared
-from validation.studies.grid_convergence.in_time import delay_reference, without_error_in_time
 from validation.study import Outcome
+from validation.study.grid_verdicts import order_verdict
 
 
 def test_an_order_ends_where_rounding_begins():
@@ -71,7 +72,7 @@ def test_a_scheme_short_of_its_order_is_red(exact, displaced, changes, red):
     """The reference displaced by 1e-6, as a friction clock that is off would: errors stop falling."""
     wrong = {name: values * (1 + displaced) for name, values in exact.items()}
     found = climb(replace(LADDERS["dg:2"], **changes), wrong, build)
-    assert judged(grid_convergence.order_verdict(found), red)
+    assert judged(order_verdict(found), red)
     assert red or found.fit_together().order == pytest.approx(4.0, abs=0.02)
 
 
@@ -116,7 +117,7 @@ def test_a_ladder_without_an_order_is_named_and_the_others_keep_their_rows():
     none = replace(
         right, ladder=replace(right.ladder, model="fv"), errors=dict.fromkeys(QUANTITIES, np.full(right.cells.size, np.inf))
     )
-    verdict = grid_convergence.order_verdict(none)
+    verdict = order_verdict(none)
     assert (verdict.outcome, verdict.ours, verdict.remark) == (Outcome.FAIL, lost, "`fv`")
     rows = grid_convergence.orders_table([none, right], [replace(GALERKIN, pattern="volumes:P", ladder={})]).rows
     assert [(row[0], row[-1]) for row in rows] == [

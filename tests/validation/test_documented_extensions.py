@@ -114,13 +114,15 @@ import sys
 from pathlib import Path
 from reduced.stability import scaled
 from validation.compute.own import load_families
-from validation.measure.orders import climb
+from validation.measure.grids import in_space
 from validation.studies import grid_convergence as study
+from validation.study.grid_verdicts import order_verdict
 load_families(Path("finite_volume.py"))
 assert "fv" in study.judged_models(quick=True)
-true = study.without_error_in_time
-study.without_error_in_time = lambda model, scene, cells, **o: true(model, scaled(scene, epsilon=float(sys.argv[1])), cells, **o)
-verdict = study.order_verdict(study.climb_of("fv"))
+true = in_space.without_error_in_time
+factor = float(sys.argv[1])
+in_space.without_error_in_time = lambda model, scene, cells, **o: true(model, scaled(scene, epsilon=factor), cells, **o)
+verdict = order_verdict(in_space.climb_of("fv"))
 print(verdict.outcome, verdict.ours)
 """
 """The verdict on the volumes' order, in slabs whose impedance is off by a factor."""

@@ -11,6 +11,7 @@ from test_quick_studies import held
 
 import slipwave
 from slipwave.observe.statistics import Estimate
+from validation.measure.grids.limits import _largest, stops_beyond
 from validation.references.lsoda import PlainRun
 from validation.studies import cost_and_error, scene_facts, slip_event, stability_attacks
 from validation.studies import period_against_delay as measured
@@ -18,11 +19,10 @@ from validation.studies.cost_and_error import _race_factor
 from validation.studies.error_laws import MODELS, CycleErrors, _cycle_verdict, _onset_verdicts, measure_cycle, measure_onsets
 from validation.studies.partial_reflection import Pair, Point, agreement, dies, keeps, locking_leak, locks
 from validation.studies.period_against_delay import Periods, period_of
-from validation.studies.stability_attacks.limits import _largest, stops_beyond
 from validation.studies.stability_attacks.runs import ATTACKS, AttackOutcome, Cure, advised, attack
 from validation.studies.stability_attacks.runs import CELLS as ATTACKED
 from validation.studies.unlike_slabs import cost_verdicts
-from validation.study import Outcome
+from validation.study import Outcome, grid_verdicts
 from validation.study.memo import Means
 from validation.timing import Setting, TimedRun, time_final, time_run
 
@@ -259,16 +259,16 @@ JUDGED = [
       (({}, "pass"), ({"ode": 73.5}, "finding"), ({"block": 72.5}, "finding"), ({"mean": Estimate(74.0, 0.9)}, "pass"),
        ({"mean": Estimate(74.0, 1.1)}, "finding"), ({"mean": Estimate(71.0, 0.6)}, "finding"))),
     (measured.thick, thick(0.98), "pass"), (measured.thick, thick(0.97), "fail"), (measured.thick, thick(1.03), "fail"),
-    *((stability_attacks.limit_verdict, limits(*case), end) for *case, end in (
+    *((grid_verdicts.limit_verdict, limits(*case), end) for *case, end in (
       (1.0, 1.3, 1.031, "pass"), (0.969, 1.3, 1.0, "pass"), (1, 1.3, 1.12, "fail"), (0.88, 1.3, 1, "fail"),
       (1, 0.88, 1, "fail"))),
-    *((stability_attacks.medium_verdict, medium(*case), end) for *case, end in
+    *((grid_verdicts.medium_verdict, medium(*case), end) for *case, end in
       ((90.0, 110.0, "pass"), (90.0, math.inf, "pass"), (300.0, math.inf, "fail"), (5.0, 33.0, "fail"))),
-    *((stability_attacks.state_verdict, (RATIOS | one,), end) for one, end in
+    *((grid_verdicts.state_verdict, (RATIOS | one,), end) for one, end in
       (({}, "pass"), ({"sbp:2": 2.785 * 1.009}, "pass"), ({"dg:4": 6.394 * 0.991}, "pass"), ({"fd": 9.0}, "fail"),
        ({"sbp:2": 2.785 * 0.97}, "fail"), ({"dg:4": 6.394 * 1.03}, "fail"))),
-    (stability_attacks.stop_verdict, ({"fd": True, "dg:4": True},), "pass"),
-    (stability_attacks.stop_verdict, ({"fd": True, "dg:4": False},), "fail"),
+    (grid_verdicts.stop_verdict, ({"fd": True, "dg:4": True},), "pass"),
+    (grid_verdicts.stop_verdict, ({"fd": True, "dg:4": False},), "fail"),
     *((stability_attacks.advice_verdict, cured(model, share * limit), end) for model, limit in ADVISED.items()
       for share, end in ((0.95, "pass"), (3.0, "fail"))),
     # noise gains nothing, and the leapfrog loses what friction takes: 1.60458e-6 in 1000 transits, known to 1.6e-3

@@ -11,7 +11,7 @@ import slipwave
 from fullwave.finite_difference import Leapfrog
 from validation.compute.build import build
 from validation.compute.models import explicit_time
-from validation.studies.stability_attacks.limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
+from validation.measure.grids.limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
 
 
 def explicit_step(model, scene):

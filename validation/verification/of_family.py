@@ -12,10 +12,8 @@ from slipwave.solve import follow
 from validation.compute.build import build, build_full_wave
 from validation.compute.models import DELAY, explicit_time, grid_of
 from validation.measure.grid_ladders import ladder_of
-from validation.measure.order_fit import fit_order, shortfall
-from validation.studies.grid_convergence import climb_of, order_verdict
-from validation.studies.stability_attacks import limit_verdict, medium_verdict, state_verdict, stop_verdict
-from validation.studies.stability_attacks.limits import (
+from validation.measure.grids.in_space import climb_of
+from validation.measure.grids.limits import (
     BEYOND,
     MEDIA,
     around_the_limit,
@@ -24,8 +22,10 @@ from validation.studies.stability_attacks.limits import (
     state_reach,
     stops_beyond,
 )
-from validation.studies.stability_attacks.runs import MOMENTS, locked_noise, noise_left
+from validation.measure.grids.noise import locked_noise, noise_left
+from validation.measure.order_fit import fit_order, shortfall
 from validation.study import EXACT, SELF, WITNESS, Evidence, Verdict, claim, holding
+from validation.study.grid_verdicts import limit_verdict, medium_verdict, order_verdict, state_verdict, stop_verdict
 from validation.study.known import rounding
 
 _DECADES = (-4, 0, 4)
@@ -34,6 +34,7 @@ _SCENES = ("paper", "unlike", "grip", "layered")
 _NOISE_UNTIL = 200.0  # transits
 _LEDGER_UNTIL, _GRIDS, _FINER = 40.0, 6, 1.5
 _RESOLUTION = 1e-11
+_MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)  # transits at which psi is compared
 _REACHED, _SHORT = 1e-8, 0.5
 """An error below the first is small enough, whatever the order; a fitted order may miss the declared one by the second."""
 _WIDE = 2.0  # half-width of the interval of an order from few grids, from which on it tells nothing
@@ -74,7 +75,7 @@ def rows_on_scene(model: str, scene: Scene) -> Iterator[Verdict]:
         return
     witness = not DELAY.refusal(scene)
     reference = build("delay", scene, tolerance=_RESOLUTION) if witness else _explicit(model, scene, 2 * cells[-1])
-    true = np.array([follow(reference, moment).psi for moment in MOMENTS])
+    true = np.array([follow(reference, moment).psi for moment in _MOMENTS])
     known = {n: error for n in cells if math.isfinite(error := _error(model, scene, n, true))}
     yield agreement_row(model, scene, known, WITNESS if witness else SELF)
 
@@ -101,7 +102,7 @@ def _error(model: str, scene: Scene, cells: int, true: np.ndarray) -> float:
     """Largest error of psi at the moments; NaN where the grid is too coarse to run."""
     try:
         solver = _explicit(model, scene, cells)
-        return float(max(abs(follow(solver, moment).psi - psi) for moment, psi in zip(MOMENTS, true, strict=True)))
+        return float(max(abs(follow(solver, moment).psi - psi) for moment, psi in zip(_MOMENTS, true, strict=True)))
     except (NumericsError, SceneError):
         return math.nan
 
@@ -112,7 +113,7 @@ def agreement_row(model: str, scene: Scene, known: dict[int, float], evidence: E
     declared, other = family.order_interface(number), "the delay system" if evidence is WITNESS else "a finer grid"
     title = f"psi converges to that of {other}"
     finest = min(known.values(), default=math.inf)
-    remark = f"`{model}`, scene {scene.name}, up to t = {MOMENTS[-1]:g}; on {max(known, default=0)} cells off by {finest:.1e}"
+    remark = f"`{model}`, scene {scene.name}, up to t = {_MOMENTS[-1]:g}; on {max(known, default=0)} cells off by {finest:.1e}"
     expected = f"order {declared:g} or more, or errors below {_REACHED:.0e}"
     try:
         above = {n: error for n, error in known.items() if error > _REACHED}

@@ -13,14 +13,14 @@ from slipwave.family import Exact
 from slipwave.observe.pieces import Array
 from slipwave.sources import ROOT, import_closure
 from validation.compute.models import FAMILIES, GRIDS, grid_of
-from validation.measure import grid_ladders
 from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, ROUGH_FROM, STEEP, STEEP_FROM, LadderRun
+from validation.measure.grids.in_space import climb_of, delay_reference, without_error_in_time
 from validation.measure.order_fit import FEWEST_DENSE, TREND
-from validation.measure.orders import ALMOST, KNOWN, OUTPUTS, QUANTITIES, RESOLVED, Climb, climb
+from validation.measure.orders import ALMOST, KNOWN, QUANTITIES, RESOLVED, Climb, climb
 from validation.studies.grid_convergence import in_time, orbits
-from validation.studies.grid_convergence.in_time import without_error_in_time
-from validation.study import WITNESS, Budget, Cell, Figure, StudyResult, Table, Verdict, holding, stated, table
+from validation.study import Budget, Cell, Figure, StudyResult, Table, stated, table
 from validation.study.drawing import Drawing, grid_styles, ruled, subplots
+from validation.study.grid_verdicts import order_verdict
 from validation.study.text import places, plain, run_time
 
 NAME = "grid-convergence"
@@ -93,17 +93,11 @@ def _others(models: Iterable[str]) -> list[str]:
     return [family.called(next(iter(family.ladder))) for family in GRIDS if family.ladder and family.name not in seen]
 
 
-def climb_of(model: str) -> Climb:
-    """Errors of the family without error in time (except for the leapfrog)."""
-    ladder = grid_ladders.in_space(grid_ladders.ladder_of(*grid_of(model)))
-    return climb(ladder, in_time.delay_reference(ladder.run), without_error_in_time)
-
-
 def _curve(model: str, climbs: list[Climb]) -> tuple[Array, Array, Array]:
     """(points per slab, seconds, error of the state) on the figure's grids, from its climb if that used their scene."""
     run = replace(GENTLE, density=GENTLE.density // _THINNED)
     found = next((one for one in climbs if one.ladder.model == model and one.ladder.run.scene is GENTLE.scene), None)
-    climbed = found or climb(replace(LADDERS[model], run=run), in_time.delay_reference(GENTLE), without_error_in_time)
+    climbed = found or climb(replace(LADDERS[model], run=run), delay_reference(GENTLE), without_error_in_time)
     family, number = grid_of(model)
     shown = slice(None, None, _THINNED if found else 1)
     return climbed.cells[shown] * family.points(number), climbed.seconds[shown], climbed.errors["state"][shown]
@@ -127,21 +121,6 @@ def _cost(curves: Curves) -> str:
 
 _NAMED = {"sbp:6": "summation by parts", "fem:4": "finite elements", "dg:7": "discontinuous Galerkin"}
 
-
-def order_verdict(climbed: Climb) -> Verdict:
-    """Whether a family reaches its order in every output."""
-    short, (low, high) = climbed.shortfall(), (0.0, 0.0) if climbed.lost else climbed.span
-    symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
-    names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short if not climbed.lost)
-    remark = f"`{climbed.ladder.model}`" + (f": short in {names}" if names else _REMARKS.get(climbed.ladder.model, ""))
-    title = "Every full-wave family reaches its order in space in every output, from the smooth start"
-    if climbed.lost:
-        return holding(title, WITNESS, f"order {climbed.ladder.promised:g}", f"no order: {climbed.lost}", False, remark)
-    (expected, off, allowed), ours = climbed.against_promise, f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}"
-    return holding(title, WITNESS, expected, ours, not short, remark).with_margin(off, allowed)
-
-
-_REMARKS = {"fem:1": ": the same numbers as `sbp:2`, not an independent witness"}
 
 _NOTES = (
     "Orders are those of space: from order 3 on families are marched exactly in time. At order 2, explicit steps of order 4 "

@@ -1,18 +1,16 @@
 """The error in time: the exact and the explicit march of one grid, each compared with the other."""
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from reduced.delay.alike import Delay
 from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 from slipwave.solve import Solver
 from validation.compute.build import build
-from validation.compute.models import explicit_time, grid_of
-from validation.measure.grid_ladders import GENTLE, LadderRun
+from validation.compute.models import grid_of
+from validation.measure.grid_ladders import GENTLE
+from validation.measure.grids.in_space import RESOLUTION, without_error_in_time
 from validation.measure.order_fit import Fit, fit_dense
 from validation.measure.orders import QUANTITIES, Measured, errors, measure
 from validation.study import WITNESS, Table, Verdict, claim, table
@@ -23,30 +21,10 @@ COURANT = tuple(2.0 ** (-k / 4) for k in range(1, 9))
 REQUESTS = tuple(10.0**-k for k in range(4, 12))
 """Errors requested of the exact march."""
 
-_RESOLUTION = 1e-13
-_STEPS = 32
-"""Least steps of the delay system per transit. No quantity differs by more than 9e-13 from `dg:14` with 8 cells."""
-
 GRIDS = {"sbp:6": 32, "fem:4": 6, "dg:7": 3}
 """By model: cells on which the error in time is seen over several powers of ten."""
 
 _FLOOR = 2e-12
-
-
-@cache
-def delay_reference(run: LadderRun) -> Measured:
-    """The outputs of the delay system over the `run`."""
-    return measure(Delay(run.scene, steps=_STEPS, tolerance=_RESOLUTION), run)
-
-
-def without_error_in_time(model: str, scene: Scene, cells: int, resolution: float = _RESOLUTION, **options: Any) -> Solver:
-    """The full wave `model` with its exact march, in steps that resolve friction to `resolution`. At order 2 as `build` makes it
-    with `options`: grids are large, and explicit steps of order 4 leave 3 % of the error in space on 48 cells, less on finer."""
-    family, number = grid_of(model)
-    if family.order_interface(number) <= 2:
-        return build(model, scene, cells=cells, **options, time=explicit_time(model))
-    solver: Solver = family.maker()(scene, number, cells=cells, time="exact", resolution=resolution)
-    return solver
 
 
 class Marches(NamedTuple):
@@ -96,7 +74,7 @@ def marches_of(model: str) -> Marches:
         """The solver with steps that resolve friction to the error `request`."""
         return without_error_in_time(model, scene, cells, request)
 
-    finest, without = (measure(solver, GENTLE) for solver in (explicit(COURANT[-1]), exact(_RESOLUTION)))
+    finest, without = (measure(solver, GENTLE) for solver in (explicit(COURANT[-1]), exact(RESOLUTION)))
     return Marches(model, rows(explicit, COURANT, without), rows(exact, REQUESTS, finest))
 
 

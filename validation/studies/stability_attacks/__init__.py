@@ -4,12 +4,15 @@ import math
 from collections.abc import Mapping
 
 from validation.compute.models import grid_of
-from validation.studies.stability_attacks import limits, runs
-from validation.studies.stability_attacks.limits import AROUND, BEYOND, GROWN, MEDIA, SHARPNESS, SOFT_AND_STIFF, STEPS
-from validation.studies.stability_attacks.runs import ADVISED, ATTACKS, CELLS, MOMENTS, AttackOutcome, Cure, noise_left
+from validation.measure.grids import limits
+from validation.measure.grids.limits import AROUND, BEYOND, MEDIA, SOFT_AND_STIFF, STEPS
+from validation.measure.grids.noise import locked_noise, noise_left
+from validation.studies.stability_attacks import runs
+from validation.studies.stability_attacks.runs import ADVISED, ATTACKS, CELLS, MOMENTS, AttackOutcome, Cure
 from validation.study import Budget, Cell, Number, StudyResult, Table, table
+from validation.study.grid_verdicts import SHARP, Media, limit_verdict, medium_verdict, state_verdict, stop_verdict
 from validation.study.text import places, plain
-from validation.study.verdict import EXACT, WITNESS, Verdict, claim, every, holding, in_range
+from validation.study.verdict import EXACT, WITNESS, Verdict, claim, every, holding
 
 NAME = "stability-attacks"
 QUESTION = "Can extreme inputs make the full-wave solvers fail without a message?"
@@ -20,16 +23,8 @@ _QUICK_DECADES, _FULL_DECADES = (-4, 0, 2, 4, 8), (-4, -2, *range(9))
 _QUICK_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
 _ADVISED = ("sbp:4", "fem:4", "dg:3")
 
-_SHARP = (1.0 - AROUND[0][0]) + (SHARPNESS - 1.0) + math.log(GROWN) / STEPS
-"""How far a step limit may lie from the declared one: that is 1 per cent below the spectrum's, limits are found to 1 per cent,
-and growth is seen if it exceeds so much a step."""
 _CURED = {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5}  # error of psi on the grid that was asked for: 3e-4, 3e-4, 8e-7 and at most
 _CURED_OTHERS = 2e-6  # 8e-8 was measured
-_REACH = {4: 2.785, 8: 6.394}
-"""How far Runge-Kutta methods are stable on the negative real axis, by their order."""
-
-Media = Mapping[str, Mapping[str, tuple[float, float]]]
-"""Medium -> model -> growth of noise below and above the limit."""
 Outcomes = Mapping[str, Mapping[str, AttackOutcome]]
 """Attack -> model -> outcome."""
 
@@ -44,7 +39,7 @@ def run(budget: Budget) -> StudyResult:
     stopped = {model: limits.stops_beyond(model, BEYOND) for model in budget.each(CELLS, 0.6, 0.4)}
     attacks = {name: runs.attack(name, late) for name in budget.each(ATTACKS, 0.8, 0.6)}
     advice = {model: runs.advised(model) for model in (_ADVISED if budget.quick else CELLS)}
-    noise = {model: runs.locked_noise(model, transits) for model in budget.each(CELLS, 1.0, 0.8)}
+    noise = {model: locked_noise(model, transits) for model in budget.each(CELLS, 1.0, 0.8)}
     return StudyResult(
         answer=answer(steps, attacks, noise),
         tables=(
@@ -68,7 +63,7 @@ def run(budget: Budget) -> StudyResult:
             "Users cannot pass the limit: cfl beyond 1 is refused before a run begins. The runs of the first two tables "
             "set their steps inside the solvers.",
         ),
-        numbers={f"limit of {model}": Number(shares[decades[-1]], _SHARP) for model, shares in steps.items()},
+        numbers={f"limit of {model}": Number(shares[decades[-1]], SHARP) for model, shares in steps.items()},
     )
 
 
@@ -83,61 +78,6 @@ def answer(shares_of: Mapping[str, Mapping[int, float]], attacks: Outcomes, nois
         f"{len(outcomes)} attacks {len(outcomes) - stopped - silent} end right, {stopped} with a message, {silent} silently "
         f"wrong; at most {max(noise.values()):.6g} of the energy of noise in a locked slab is left."
     )
-
-
-def limit_verdict(shares_of: Mapping[str, Mapping[int, float]]) -> Verdict:
-    """Verdict: whether the limit is independent of stiffness."""
-    pairs = [(value, decade) for shares in shares_of.values() for decade, value in shares.items()]
-    returning, (values, decades) = [value for value, decade in pairs if decade != 0], zip(*pairs, strict=True)
-    where = (
-        f"largest stable step over the declared one, {len(shares_of)} families, a/v from 10^{{{min(decades)}}} to "
-        f"10^{{{max(decades)}}} times Z; where friction absorbs the waves (a/v = Z) up to {max(values):.2f}"
-    )
-    ends, title = (1.0 - _SHARP, 1.0 + _SHARP), "The step limit does not move with the stiffness of friction"
-    return in_range(title, EXACT, ends, [*returning, min(values)], where, ".2f")
-
-
-def medium_verdict(media: Media) -> Verdict:
-    """Verdict: whether the limit separates decay from growth in every medium."""
-    below, above = zip(*(pair for by_family in media.values() for pair in by_family.values()), strict=True)
-    grown = f"at least {plain(min(above), '.0e')}" if math.isfinite(min(above)) else "all beyond any number"
-    return holding(
-        f"Noise stays at {AROUND[0][0]:g} of the limit and grows at {AROUND[1][0]:g}, for all slabs and faces",
-        EXACT,
-        f"below {GROWN:g}, above {GROWN:g}",
-        f"at most {max(below):.1f}, {grown}",
-        max(below) < GROWN < min(above),
-        f"{len(media)} media by {len(next(iter(media.values())))} families, over the noise put in",
-    ).with_margin(max(max(below) / GROWN, GROWN / min(above)), 1.0)
-
-
-def state_verdict(reach: Mapping[str, float]) -> Verdict:
-    """Verdict: whether the state's limit agrees with theory."""
-    wanted = {model: _reach_of(model) for model in reach}
-    ratios = [value / wanted[model] for model, value in reach.items() if math.isfinite(wanted[model])]
-    sharp = SHARPNESS - 1.0
-    unlimited = all(math.isinf(value) for model, value in reach.items() if math.isinf(wanted[model]))
-    return holding(
-        "Fast relaxation of ψ limits the step at the real stability limit of the time stepping",
-        EXACT,
-        f"1, ± {100 * sharp:.0f} %",
-        f"{min(ratios):.3f} to {max(ratios):.3f}",
-        all(abs(ratio - 1.0) <= sharp for ratio in ratios) and unlimited,
-        f"Δt r V over {_REACH[4]:g} (Runge-Kutta of order 4) or {_REACH[8]:g} (order 8); the leapfrog takes ψ "
-        "implicitly and has no such limit",
-    ).with_margin(max(abs(ratio - 1.0) for ratio in ratios), sharp)
-
-
-def _reach_of(model: str) -> float:
-    family, number = grid_of(model)
-    return math.inf if family.implicit_state else _REACH[family.order_in_time(number)]
-
-
-def stop_verdict(stopped: Mapping[str, bool]) -> Verdict:
-    """Whether steps that are too long end with a message."""
-    silent, total = [model for model, stops in stopped.items() if not stops], len(stopped)
-    remark = f"steps {BEYOND:g} times the limit, paper’s scene{'; silent: ' + ', '.join(silent) if silent else ''}"
-    return every("A step past the limit ends the run with a message", EXACT, total - len(silent), total, remark)
 
 
 def attack_verdict(name: str, by_family: Mapping[str, AttackOutcome], beyond: bool) -> Verdict:
