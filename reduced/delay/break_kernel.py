@@ -31,21 +31,21 @@ class History(NamedTuple):
 
 
 class Ends(NamedTuple):
-    """`travel` (layers,); rows (s,) that give a step's polynomial at its `left` end and its slopes at both ends, and the nodes'
-    `barycentric` weights; per slab `resistance` Z_g + e and `mass` of its top; `inverse` (s, s) A^-1; scratch (s, 2s) to invert
-    `system`; the smallest `jump` and `kink` that become break points; the `longest` step (transits)."""
+    """`travel` (layers,); rows (4, s) that give value and first three derivatives of a step's polynomial, over its length, at its
+    `left` and at its `right` end; the nodes' `barycentric` weights; per slab `resistance` Z_g + e and `mass` of its top;
+    `inverse` (s, s) A^-1; scratch (s, 2s) to invert `system`; `coefficients` (s, s), rows that give the Legendre coefficients;
+    the `smallest` error that makes a break point; the `longest` step (transits)."""
 
     travel: Array
     left: Array
-    slope_left: Array
-    slope_right: Array
+    right: Array
     barycentric: Array
     resistance: Array
     mass: Array
     inverse: Array
     system: Array
-    jump: float
-    kink: float
+    coefficients: Array
+    smallest: float
     longest: float
 
 
@@ -112,23 +112,10 @@ def set_tops(nodes: Nodes, ends: Ends, rule: Rule, network: Network, length: flo
 
 @njit
 def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot: int) -> None:
-    """Add the arrivals of the waves that have just jumped or kinked to the break points."""
-    ring, arrivals, counts = history.starts.size, history.arrivals, history.counts
-    before, start = (slot - 1) % ring, history.starts[slot]
+    """Add the arrivals of the waves that have just jumped, in value or in one of three derivatives, to the break points."""
+    arrivals, counts, start = history.arrivals, history.counts, history.starts[slot]
     for layer in range(ends.travel.size):
-        broken = False
-        for way in (OUTWARD, INWARD):
-            jump, slope = 0.0, 0.0
-            for k in range(len(nodes)):
-                now = waves[layer, way, slot, k]
-                jump += ends.left[k] * now
-                slope += ends.slope_left[k] * now / history.lengths[slot]
-                if start > 0.0:
-                    slope -= ends.slope_right[k] * waves[layer, way, before, k] / history.lengths[before]
-            if start > 0.0:
-                jump -= waves[layer, way, before, len(nodes) - 1]
-            broken = broken or abs(jump) > ends.jump or abs(slope) * ends.longest > ends.kink
-        if not broken:
+        if not (breaks(ends, waves[layer, OUTWARD], history, slot) or breaks(ends, waves[layer, INWARD], history, slot)):
             continue
         arrival, rank = start + ends.travel[layer], counts[WAITING]
         while rank > 0 and arrivals[rank - 1] > arrival:
@@ -142,6 +129,49 @@ def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot
         arrivals[rank] = arrival
         counts[WAITING] += 1
         counts[FOLLOWED] += 1
+
+
+@njit
+def breaks(ends: Ends, wave: Array, history: History, slot: int) -> bool:
+    """Whether `wave` (ring, s) breaks at the start of the step in the `slot`.
+
+    Within a step h, a polynomial of degree n misses a jump q of the m-th derivative by about q (h/n)^m/2^(m + 1). A break is one
+    that is missed by more than the `smallest` error, and by more than the jump that the rest of both polynomials feigns."""
+    s, ring = wave.shape[1], history.starts.size
+    before, started, degree = (slot - 1) % ring, history.starts[slot] > 0.0, wave.shape[1] - 1
+    here, there = rest_of(ends.coefficients, wave[slot]), rest_of(ends.coefficients, wave[before]) if started else 0.0
+    missed, ends_of_rest = 1.0, 1.0
+    for m in range(ends.left.shape[0]):
+        jump, last = 0.0, 0.0
+        for k in range(s):
+            jump += ends.left[m, k] * wave[slot, k]
+            last += ends.right[m, k] * wave[before, k]
+        share, share_before = (ends.longest / history.lengths[slot]) ** m, (ends.longest / history.lengths[before]) ** m
+        jump *= share
+        if started:
+            jump -= last * share_before
+        feigned = ends_of_rest * (here * share + there * share_before)
+        if abs(jump) > feigned and abs(jump) * missed > ends.smallest:
+            return True
+        missed *= 0.5 / degree
+        ends_of_rest *= (degree + m + 2) * (degree - m + 1) / (m + 1)
+    return False
+
+
+@njit
+def rest_of(coefficients: Array, values: Array) -> float:
+    """Size of the Legendre coefficient that follows those of a polynomial with these nodal `values`: the last, times the ratio
+    of the last to the larger of both before it."""
+    s, last, before = values.size, 0.0, 0.0
+    for row in range(s - 3, s):
+        total = 0.0
+        for k in range(s):
+            total += coefficients[row, k] * values[k]
+        if row == s - 1:
+            last = abs(total)
+        else:
+            before = max(before, abs(total))
+    return last * min(1.0, last / before) if before > 0.0 else last
 
 
 @njit

@@ -1,9 +1,10 @@
 """The delay system for jumps or kinks whose echoes fall within equal steps: here steps end on the break points.
 
 A jump at t = 0 returns after every round trip, and after every sum of round trips, for ever (MODEL.md section 7). The same holds
-for the kink that a knot of the drive causes. Breaks are measured: at each step's start the waves just launched at every end of
-every layer are compared, in value and in slope, with those of the step before. If the difference is above the tolerance, its
-arrival at the layer's other end becomes a break point, where a step ends. Smaller breaks are not followed.
+for the kink that a knot of the drive causes, and for the jump of a higher derivative that it causes behind a mass. Breaks are
+measured: at each step's start the waves just launched at every end of every layer are compared, in value and three derivatives,
+with those of the step before. If a step without an end there would err by more than the tolerance, its arrival at the layer's
+other end becomes a break point, where a step ends. Smaller breaks are not followed.
 """
 
 import numpy as np
@@ -12,7 +13,7 @@ from reduced.delay.break_kernel import FILLED, FOLLOWED, TOO_MANY, WAITING, Ends
 from reduced.delay.kernel import DelayMemory
 from reduced.delay.march import next_count
 from reduced.delay.network import DelayNetwork
-from reduced.delay.transmission_lines import Lines
+from reduced.delay.transmission_lines import NODES, Lines
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
@@ -23,7 +24,7 @@ from slipwave.step.nodal import PSI, TIME, Interface, constant_guess
 
 _RING = 8192
 _PIECES = 256
-_KINK = 100.0  # smallest kink over the largest coefficient left out of a step: slopes are so much less accurate than values
+_DERIVATIVES = 3  # a jump of V makes a face with a mass and no dashpot jump in the second, a kink of V in the third
 
 
 class DelayBreaks(DelayNetwork):
@@ -66,20 +67,20 @@ class DelayBreaks(DelayNetwork):
 
     def _ends_for(self, tolerance: float) -> Ends:
         scene, lines, basis = self.scene, self._layers, lagrange_basis(self.nodes)
-        smallest = respond(scene.law, float(self._memory.guess.z[0]), scene.steady_psi)[3]
+        friction_z = respond(scene.law, float(self._memory.guess.z[0]), scene.steady_psi)[3]
+        each = [np.linalg.matrix_power(basis.derivative, m) for m in range(_DERIVATIVES + 1)]
         left = interpolation_matrix(basis, np.zeros(1))[0]
         return Ends(
             travel=lines.travel,
-            left=left,
-            slope_left=left @ basis.derivative,
-            slope_right=basis.derivative[-1].copy(),
+            left=np.array([left @ one for one in each]),
+            right=np.array([one[-1] for one in each]),
             barycentric=basis.weights,
             resistance=np.array([top.dashpot for top in lines.tops]) + lines.impedance[list(lines.last)],
             mass=np.array([top.mass for top in lines.tops]),
             inverse=radau(self._stages).inverse,
             system=np.zeros((self._stages, 2 * self._stages)),
-            jump=tolerance * smallest,
-            kink=max(tolerance, _KINK * self._limits.resolution) * smallest,
+            coefficients=np.linalg.inv(np.polynomial.legendre.legvander(2.0 * self.nodes - 1.0, NODES - 1)),
+            smallest=tolerance * friction_z,
             longest=self._length,
         )
 

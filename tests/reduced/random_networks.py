@@ -92,6 +92,33 @@ def drive(rng, motion, velocity):
     return knots
 
 
+def random_jumps(seed):
+    """A scene whose V jumps two or three times off every grid of travel times, behind any faces, also those that only a mass and
+    a spring hold."""
+    rng = np.random.default_rng(seed)
+    held = {"kind": "machine", "stiffness": 10.0 ** rng.uniform(0.0, 1.5), "mass": 10.0 ** rng.uniform(-1.5, 0.3)}
+    faces = [
+        {"kind": "rigid"},
+        {"kind": "grip", "stiffness": 10.0 ** rng.uniform(0.0, 1.7), "impedance": 10.0 ** rng.uniform(-1.0, 1.5)},
+        {"kind": "reflection", "coefficient": rng.uniform(0.9, 0.9999)},
+        held | {"impedance": 10.0 ** rng.uniform(-1.0, 1.0)},
+        held | {"impedance": 0.0},
+        held | {"impedance": 0.0},
+    ]
+    slabs, r = {}, 10.0 ** rng.uniform(-3.3, -2.6)
+    for side, ratio in (("upper", 1.0), ("lower", rng.choice([1.0, 1.0, 1.5, 2.0, np.sqrt(2.0)]))):
+        share = rng.choice([0.25, 0.3, 0.5])
+        layers = [{"fraction": share, "impedance": 1.0}, {"fraction": 1.0 - share, "impedance": 10.0 ** rng.uniform(-1.0, 0.5)}]
+        slabs[side] = {"epsilon": 10.0 ** rng.uniform(-5.3, -3.9), "r": r * ratio, "face": faces[rng.integers(6)]}
+        slabs[side] |= {"layers": layers} if rng.random() < 0.5 else {}
+    knots, now = [[0.0, 100.0]], 100.0
+    for place in np.sort(rng.uniform(10.0, 25.0, rng.integers(2, 4))):
+        later = rng.choice([v for v in (0.0, 10.0, 50.0, 200.0, 1000.0) if v != now])
+        knots, now = [*knots, [place, now], [place, later]], later
+    interface = {"law": rng.choice(["ageing", "slip"]).item(), "a_star": 0.369, "a": 0.0349, "b": 0.0489}
+    return read({"interface": interface, "drive": {"velocity": knots}, "start": {"size": 0.0}, **slabs})
+
+
 def judge(seed, until=None):
     """The march of the scene of that number against the plain transcription."""
     scene, tolerance, words = random_network(seed)

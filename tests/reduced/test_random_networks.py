@@ -12,7 +12,7 @@ from slipwave.observe.pieces import SAME
 from slipwave.solve import follow
 from slipwave.step.nodal import NOT_SMOOTH
 from tests.reduced.plain_network import break_points, plain_network
-from tests.reduced.random_networks import ALLOWED, judge, random_network
+from tests.reduced.random_networks import ALLOWED, judge, random_jumps, random_network
 
 LIGHT_MASS = 52
 """A step of V behind a light mass, which follows within a small part of a step: 5e-7 off at t = 10 where nobody looked."""
@@ -80,3 +80,51 @@ def test_a_march_resumed_at_an_awkward_moment_equals_the_uninterrupted_one(seed)
         for one in (again.state(), solver.state()):
             one["counts"][-1] = straight.state()["counts"][-1]
             assert all(np.array_equal(one[label], kept) for label, kept in straight.state().items() if label != "tries")
+
+
+def end_of(scene, tolerance, shorter=1):
+    solver = delay_system(scene, tolerance)
+    solver._count *= shorter
+    final = follow(solver, 40.0)
+    return np.array([final.ln_v, final.psi, final.mu])
+
+
+def missed(seed, tolerance):
+    """Error at the end, over the tolerance: from a march to 1e-11 in steps half as long at most."""
+    scene = random_jumps(seed)
+    return np.abs(end_of(scene, tolerance) - end_of(scene, 1e-11, shorter=2)).max() / tolerance
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
+def test_echoes_of_several_jumps_are_followed_to_the_tolerance(seed, tolerance):
+    assert missed(seed, tolerance) < ALLOWED
+
+
+@pytest.mark.slow
+def test_echoes_of_several_jumps_are_followed_in_two_hundred_scenes():
+    assert not [
+        (seed, tolerance) for seed in range(12, 212) for tolerance in (1e-9, 1e-11) if not missed(seed, tolerance) < ALLOWED
+    ]
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
+def test_two_jumps_behind_masses_without_dashpots(tolerance):
+    """The leapfrog on 1600 and 3200 cells, extrapolated, gives 4.0433733124; steps that began anew at the second jump missed the
+    echoes of the first."""
+
+    def held(stiffness, mass, layer):
+        face = {"kind": "machine", "stiffness": stiffness, "impedance": 0.0, "mass": mass}
+        layers = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": layer}]
+        return {"r": 0.0018186162538895193, "face": face, "layers": layers}
+
+    scene = read(
+        {
+            "interface": {"law": "ageing", "a_star": 0.369, "a": 0.0349, "b": 0.0489},
+            "drive": {"velocity": [[0.0, 100.0], [10.775, 100.0], [10.775, 10.0], [20.425, 10.0], [20.425, 100.0]]},
+            "start": {"size": 0.0},
+            "upper": held(18.847059642886936, 1.188961096192115, 1.3514247148314107) | {"epsilon": 3.298642333038383e-05},
+            "lower": held(17.536828501149362, 0.17707671481449488, 0.20680029446) | {"epsilon": 7.07028651326295e-05},
+        }
+    )
+    assert end_of(scene, tolerance)[0] == pytest.approx(4.0433733124, abs=1e-9)
