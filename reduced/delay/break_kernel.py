@@ -16,6 +16,7 @@ TOO_MANY = 10
 
 SHORTEST = 1e-7
 _SAME = 1e-10
+_LONGER = 4.0  # where a break arrives, steps are at most so much longer than where it was launched
 FILLED, WAITING, FOLLOWED = range(3)  # `History.counts`
 
 
@@ -115,14 +116,16 @@ def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot
     """Add the arrivals of the waves that have just jumped, in value or in one of three derivatives, to the break points."""
     arrivals, counts, start = history.arrivals, history.counts, history.starts[slot]
     for layer in range(ends.travel.size):
-        if not (breaks(ends, waves[layer, OUTWARD], history, slot) or breaks(ends, waves[layer, INWARD], history, slot)):
+        outward, inward = waves[layer, OUTWARD], waves[layer, INWARD]
+        within = min(leeway(ends, outward, history, slot), leeway(ends, inward, history, slot))
+        if within == math.inf:
             continue
         arrival, rank = start + ends.travel[layer], counts[WAITING]
         while rank > 0 and arrivals[rank - 1] > arrival:
             rank -= 1
-        if rank > 0 and arrival - arrivals[rank - 1] < SHORTEST:
+        if rank > 0 and arrival - arrivals[rank - 1] < within:
             continue
-        if rank < counts[WAITING] and arrivals[rank] - arrival < SHORTEST:
+        if rank < counts[WAITING] and arrivals[rank] - arrival < within:
             continue
         for k in range(counts[WAITING], rank, -1):
             arrivals[k] = arrivals[k - 1]
@@ -132,30 +135,34 @@ def follow_breaks(nodes: Nodes, ends: Ends, waves: Array, history: History, slot
 
 
 @njit
-def breaks(ends: Ends, wave: Array, history: History, slot: int) -> bool:
-    """Whether `wave` (ring, s) breaks at the start of the step in the `slot`.
+def leeway(ends: Ends, wave: Array, history: History, slot: int) -> float:
+    """How far a step's end may lie from the break of `wave` (ring, s) at the start of the step in the `slot`; infinite without
+    one.
 
     Within a step h, a polynomial of degree n misses a jump q of the m-th derivative by about q (h/n)^m/2^(m + 1). A break is one
-    that is missed by more than the `smallest` error, and by more than the jump that the rest of both polynomials feigns."""
-    s, ring = wave.shape[1], history.starts.size
+    that is missed by more than the `smallest` error, and by more than the jump that the rest of both polynomials feigns; if its
+    end is off by d, it is missed by q d^m."""
+    s, ring, nearest = wave.shape[1], history.starts.size, math.inf
     before, started, degree = (slot - 1) % ring, history.starts[slot] > 0.0, wave.shape[1] - 1
     here, there = rest_of(ends.coefficients, wave[slot]), rest_of(ends.coefficients, wave[before]) if started else 0.0
     missed, ends_of_rest = 1.0, 1.0
+    longest = min(ends.longest, _LONGER * max(history.lengths[slot], history.lengths[before]))
     for m in range(ends.left.shape[0]):
         jump, last = 0.0, 0.0
         for k in range(s):
             jump += ends.left[m, k] * wave[slot, k]
             last += ends.right[m, k] * wave[before, k]
-        share, share_before = (ends.longest / history.lengths[slot]) ** m, (ends.longest / history.lengths[before]) ** m
+        share, share_before = (longest / history.lengths[slot]) ** m, (longest / history.lengths[before]) ** m
         jump *= share
         if started:
             jump -= last * share_before
         feigned = ends_of_rest * (here * share + there * share_before)
         if abs(jump) > feigned and abs(jump) * missed > ends.smallest:
-            return True
+            own = longest * (ends.smallest / abs(jump)) ** (1.0 / m) if m else 0.0
+            nearest = min(nearest, max(own, SHORTEST))
         missed *= 0.5 / degree
         ends_of_rest *= (degree + m + 2) * (degree - m + 1) / (m + 1)
-    return False
+    return nearest
 
 
 @njit

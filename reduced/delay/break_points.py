@@ -79,7 +79,7 @@ class DelayBreaks(DelayNetwork):
             mass=np.array([top.mass for top in lines.tops]),
             inverse=radau(self._stages).inverse,
             system=np.zeros((self._stages, 2 * self._stages)),
-            coefficients=np.linalg.inv(np.polynomial.legendre.legvander(2.0 * self.nodes - 1.0, NODES - 1)),
+            coefficients=np.asarray(np.linalg.inv(np.polynomial.legendre.legvander(2.0 * self.nodes - 1.0, NODES - 1)), float),
             smallest=tolerance * friction_z,
             longest=self._length,
         )
