@@ -14,16 +14,16 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import whole_or_absent
 from slipwave.sources import ROOT, source_digest
+from tests.verification.coverage import scenes
+from tests.verification.coverage.held import Held, coverage_of
+from tests.verification.coverage.irregular import exponents, irregular_means
+from tests.verification.coverage.repeating import WITNESS as KNOWING
+from tests.verification.coverage.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
 from validation.compute.settle import NoCycle
-from validation.coverage import scenes
-from validation.coverage.held import Held, coverage_of
-from validation.coverage.irregular import exponents, irregular_means
-from validation.coverage.repeating import WITNESS as KNOWING
-from validation.coverage.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
 from validation.study import SELF, WITNESS, Evidence
 
-RECORD = ROOT / "tests" / "verification" / "coverage-record.json"
-SUMMARY = ROOT / "reports" / "baseline" / "coverage-record.json"
+RECORD = ROOT / "reports" / "baseline" / "coverage-computations.json"
+SUMMARY = RECORD.with_name("coverage-record.json")
 _AT_ONCE = 10  # computations between two writings
 # how closely a computation is repeated: share of what is compared, share of the bar, and what is left of rounding
 _NEAR, _LITTLE, _ROUNDING = 0.05, 1e-3, 3e-12
@@ -36,27 +36,26 @@ Record: TypeAlias = dict[str, list[list[Held]]]
 
 class Kind(NamedTuple):
     """A kind of stated error: whose `bar`, the `truth` it is compared with, the kind of `evidence`, the function that `measure`s
-    it, the numbers of computations `recorded` and `repeated` by a report. `exact`: whether they repeat exactly on another
-    machine, as irregular motions do not."""
+    it, the number of computations `recorded`. `exact`: whether they repeat exactly on another machine, as irregular motions do
+    not."""
 
     bar: str
     truth: str
     evidence: Evidence
     measure: Callable[[np.random.Generator], list[Held]]
     recorded: int
-    repeated: int
     exact: bool = True
 
 
 _KNOWN = f"delay system; with viscosity `{KNOWING}`"
 KINDS = {
-    "orbits": Kind("`slipwave orbit`: error of each figure", "a mesh three times finer", SELF, any_orbit, 110, 6),
-    "tolerances": Kind("`--tol` of models without a grid", "the orbit, by Newton’s method", SELF, steps, 250, 4),
-    "chosen grids": Kind("`--tol` of full waves: estimated error", _KNOWN, WITNESS, chosen_grid, 135, 4),
-    "default grids": Kind("default grids of full waves: estimated error", _KNOWN, WITNESS, default_grid, 110, 4),
-    "extrapolation": Kind("Richardson’s limit of three grids", "delay system", WITNESS, limits_of_grids, 104, 4),
-    "means": Kind("means of motions that never repeat: margin", "1000 cycles more", SELF, irregular_means, 165, 1, False),
-    "exponents": Kind("largest Lyapunov exponents: margin", "600 intervals more", SELF, exponents, 175, 1, False),
+    "orbits": Kind("`slipwave orbit`: error of each figure", "a mesh three times finer", SELF, any_orbit, 110),
+    "tolerances": Kind("`--tol` of models without a grid", "the orbit, by Newton’s method", SELF, steps, 250),
+    "chosen grids": Kind("`--tol` of full waves: estimated error", _KNOWN, WITNESS, chosen_grid, 135),
+    "default grids": Kind("default grids of full waves: estimated error", _KNOWN, WITNESS, default_grid, 110),
+    "extrapolation": Kind("Richardson’s limit of three grids", "delay system", WITNESS, limits_of_grids, 104),
+    "means": Kind("means of motions that never repeat: margin", "1000 cycles more", SELF, irregular_means, 165, False),
+    "exponents": Kind("largest Lyapunov exponents: margin", "600 intervals more", SELF, exponents, 175, False),
 }
 """Kinds by name."""
 
@@ -161,11 +160,10 @@ def summary(record: Record) -> dict[str, Any]:
     }
 
 
-def chosen(record: Record, kind: str) -> list[int]:
-    """Numbers of a few computations to be repeated, which depend on the text of the solvers."""
+def chosen(record: Record, kind: str) -> int:
+    """Number of a computation to be repeated, which depends on the text of the solvers."""
     able = [number for number, held in enumerate(record[kind]) if held]
-    random = np.random.default_rng(int(source_digest(), 16))
-    return sorted(random.choice(able, min(KINDS[kind].repeated // 4, len(able)), replace=False).tolist())
+    return int(np.random.default_rng(int(source_digest(), 16)).choice(able))
 
 
 def agree(kind: str, ours: list[Held], known: list[Held]) -> bool:

@@ -10,9 +10,9 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import summarise
 from slipwave.solve import Solver
 from slipwave.solve.lyapunov import INTERVALS, largest_exponent
+from tests.verification.coverage.held import Held
+from tests.verification.coverage.scenes import random_scene
 from validation.compute.build import build
-from validation.coverage.held import Held
-from validation.coverage.scenes import random_scene
 from validation.measure.cycle import watch
 
 _BEYOND = (1.15, 2.5)  # times the round trip at which steady sliding loses its stability: many motions never repeat there

@@ -11,12 +11,12 @@ from reduced.orbit.figures import figures_of
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 from slipwave.solve import Solver, follow
+from tests.verification.coverage.held import Held
+from tests.verification.coverage.scenes import SLABS, random_scene
 from validation.compute.build import build, build_full_wave, prepare
 from validation.compute.default_grid import judged_grid
 from validation.compute.orbits import find_orbit
 from validation.compute.settle import settle
-from validation.coverage.held import Held
-from validation.coverage.scenes import SLABS, random_scene
 from validation.measure.order_fit import richardson
 
 WITNESS = "dg:9"
