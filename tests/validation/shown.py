@@ -16,15 +16,17 @@ from validation.report.sources import sources_of
 from validation.studies import study_called
 from validation.study import Budget, Evidence, Verdict
 from validation.study.known import WITHIN
+from validation.study.names import by_claim
 
 ROOMY, ROUNDING = 30.0, 1e-10
 """A limit of more than this many times the measured size lets faults pass. Below `ROUNDING` machines may differ by more."""
 
 
 def too_roomy(verdicts):
-    """Claims whose limit lies more than `ROOMY` times above what was measured, and above rounding."""
-    bounds = [(v, v.size, v.limit) for v in verdicts if v.size is not None and v.limit is not None and not none_is_nearer(v)]
-    return [f"{v.claim}: {v.ours} ({v.remark}), {v.expected}" for v, size, limit in bounds if limit > max(ROOMY * size, ROUNDING)]
+    """Claims whose limit lies more than `ROOMY` times above what was measured in the worst of its cases, and above rounding."""
+    limited = [v for v in by_claim("", verdicts) if v.size is not None and v.limit is not None and not none_is_nearer(v)]
+    roomy = [v for v in limited if v.limit > max(ROOMY * v.size, ROUNDING)]
+    return [f"{v.claim}: {v.ours} ({v.remark}), {v.expected}" for v in roomy]
 
 
 def none_is_nearer(verdict):

@@ -1,4 +1,4 @@
-"""Studies of branches, snake, curves, doubling: their verdicts from both sides."""
+"""Studies of branches and of the snake: their verdicts from both sides."""
 
 import math
 from dataclasses import replace
@@ -9,26 +9,22 @@ import pytest
 from shown import outcomes
 
 from slipwave.observe.statistics import Estimate
-from validation.compute.points import CurvePoint
 from validation.studies import bifurcation as claims
-from validation.studies import period_doubling as doubling
-from validation.studies import special_curves
-from validation.studies.bifurcation import structure_table
-from validation.studies.period_doubling import Bubble, bubble_table, doubled
+from validation.studies.bifurcation import doubling
+from validation.studies.bifurcation.doubling import bubble, doubled
+from validation.studies.bifurcation.folds import fold_verdicts
 from validation.studies.snaking import measured as snake
 from validation.studies.snaking.measured import (
     Attractor,
     PeriodsOfRun,
     attractor,
-    in_thicker_slabs,
     multiplier_of,
     multiplier_seen,
     passages,
     sides,
 )
 from validation.study import Outcome
-from validation.study.memo import own_orbit
-from validation.study.over_r import branch_of, scene_at, unaccounted
+from validation.study.over_r import branch_of, unaccounted
 
 
 def run(periods, settled=True):
@@ -61,27 +57,11 @@ def test_the_multiplier_by_which_two_runs_part(multiplier):
 def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():
     """Beside the first fold: on the stable side and on the unstable one."""
     branch = branch_of("delay", -2.69, 60.0)
-    ((fold, before, beyond),) = sides(branch)
-    assert (fold.kind, before.log10_r < -2.69, beyond.log10_r < -2.69) == ("LP", True, True)
+    before, beyond = sides(branch)
+    assert ([one.kind for one in branch.special], before.log10_r < -2.69, beyond.log10_r < -2.69) == (["LP"], True, True)
     assert before.orbit.real > 1.0 > beyond.orbit.real
     assert before.seen == pytest.approx(before.orbit, abs=1e-6)
     assert beyond.seen == pytest.approx(beyond.orbit, abs=1e-6)
-
-
-@pytest.fixture(scope="module")
-def exact():
-    return own_orbit("delay", scene_at(-2.68), 1e-11).closed
-
-
-@pytest.mark.parametrize("turns", [0, 1, 2, 3])
-def test_an_orbit_is_one_of_much_thicker_slabs_too(exact, turns):
-    """r only sets the delay of the waves on the clock of friction: the motion of an orbit of T transits at r is that of one of
-    T/(1 + k T) transits at r (1 + k T), where waves are late by k periods more. Measured: 6e-12;
-    an error of the period enters k times."""
-    period = exact.cycle.period
-    assert in_thicker_slabs(exact, turns, period) < 1e-10
-    wrong = [in_thicker_slabs(exact, turns, period * (1.0 + change)) for change in (1e-8, 1e-7)]
-    assert wrong == pytest.approx([5.304e-6 * turns, 5.304e-5 * turns], rel=0.01, abs=1e-10)
 
 
 def attracted(last, period, settled=True, log10_r=-2.66):
@@ -147,20 +127,7 @@ def test_coexisting_orbits_are_all_found():
     assert periods == pytest.approx([55.082257, 60.584973], abs=1e-5)
     assert branch.orbits_at(-2.69) == []
     shifted = replace(branch, onset=branch.onset._replace(parameter=branch.onset.parameter + 1e-8))
-    assert [claims.published(one).outcome for one in (branch, shifted)] == [Outcome.PASS, Outcome.FAIL]
-
-
-def test_how_much_of_the_structure_a_model_has():
-    delay = made("delay", special("LP", -2.7002), special("LP", -2.66), special("NS", -2.65))
-    ode = made("kelvin-voigt", special("LP", -2.7001), special("PD", -2.6))
-    rows = {str(row[0]): row[1:] for row in structure_table(delay, [ode]).rows}
-    assert (rows["Hopf point"], rows["fold 1"]) == ((-2.7, 0.0), (-2.7002, pytest.approx(1e-4)))
-    assert (rows["fold 2"], rows["torus point 1"]) == ((-2.66, None), (-2.65, None))
-    assert rows["period doubling 1"] == (None, None)
-
-
-def curve_point(log10_r=-2.7002517, log10_v=2.0):
-    return CurvePoint(log10_r, log10_v, 59.1, 0.09, 0.09, 900.0, 20.0, 1e-12, 1, 0, 1.0, 0.0)
+    assert outcomes(claims.published([branch, shifted])) == "pass fail"
 
 
 SHARE = math.log10(1.001)
@@ -172,12 +139,15 @@ def found():
     return doubled()
 
 
+@pytest.fixture(scope="module")
+def ode_branch():
+    return branch_of("kelvin-voigt", -2.579, 200.0)
+
+
 def test_the_doubled_orbit(found):
     assert found.double.orbit.period.value == pytest.approx(158.1976822682, abs=1e-8)
     assert found.double.multipliers.stable is True
     assert found.single.multipliers.stable is False
-    assert all(left.parameter < right.parameter for left, right in zip(found.bubble, found.bubble[1:], strict=False))
-    assert {point.unstable for point in found.bubble} == {0}
 
 
 def longer(orbit, share):
@@ -185,21 +155,22 @@ def longer(orbit, share):
     return replace(orbit, orbit=replace(orbit.orbit, period=Estimate(period, 0.0)))
 
 
-def test_p10_the_run_and_the_bubble_from_both_sides(found):
-    """P10 needs an unstable orbit beside a stable one; each end of the bubble is at a doubling."""
+def test_p10_the_run_and_the_bubble_from_both_sides(found, ode_branch):
+    """P10 needs an unstable orbit beside a stable one; the bubble ends at a doubling."""
     stable = replace(found.single, multipliers=found.double.multipliers)
-    for one, expected in (
-        (found, "pass pass pass pass pass"),
-        (found._replace(single=longer(found.single, 1e-6)), "fail pass pass pass pass"),
-        (found._replace(single=longer(found.single, 1e-4)), "fail pass finding pass pass"),
-        (found._replace(double=replace(found.double, multipliers=found.single.multipliers)), "pass pass finding pass pass"),
-        (found._replace(single=stable), "pass pass finding pass pass"),
-        (found._replace(last_two=found.last_two * (1.0 + 2e-10)), "pass fail pass pass pass"),
-        (found._replace(bubble=found.bubble[4:]), "pass pass pass pass fail"),
-        (found._replace(special=found.special[:1]), "pass pass pass pass fail"),
+    double = replace(found.double, multipliers=found.single.multipliers)
+    closed = bubble(*doubling.PAIRS[0])
+    assert closed.born == pytest.approx(ode_branch.of_kind("PD")[0].point.parameter, abs=1e-10)
+    for one, own, expected in (
+        (found, closed, "pass pass pass pass pass"),
+        (found._replace(single=longer(found.single, 1e-6)), closed, "fail pass pass pass pass"),
+        (found._replace(single=longer(found.single, 1e-4)), closed, "fail pass finding pass pass"),
+        (found._replace(double=double), closed, "pass pass finding pass pass"),
+        (found._replace(single=stable), closed, "pass pass finding pass pass"),
+        (found._replace(last_two=found.last_two * (1.0 + 2e-10)), closed, "pass fail pass pass pass"),
+        (found, closed._replace(ends=closed.ends + 2e-5), "pass pass pass pass fail"),
     ):
-        assert outcomes(doubling.verdicts_on_doubling(one)) == expected
-    assert bubble_table([bubble(-1.02)]).rows[0][2:] == ("−2.5600000, −2.5450000", "−2.5500000")
+        assert outcomes(doubling.doubling_verdicts(one, ode_branch, [own])) == expected
 
 
 def test_the_doubled_orbit_has_two_peaks(found):
@@ -221,22 +192,9 @@ def folds(*growth, last=-2.7):
     return [special("LP", -2.7, period=59.0), *pairs]
 
 
-def bubble(multiplier):
-    return Bubble(-2.57, -2.54, multiplier, [], [("PD", -2.56), ("LP", -2.55), ("PD", -2.545)])
-
-
-def modal(last):
-    return made("delay", special("LP", -2.7002)), [made("modal", special("LP", place)) for place in (-2.7002 + 1e-6, last)]
-
-
-def curves(here=KNOWN, shift=0.0, beside=KNOWN):
+def folds_over(shift=0.0, beside=KNOWN):
     """V larger and r smaller by a thousandth are one fold."""
-    both = [curve_point(here), curve_point(KNOWN - SHARE, 2.0 + SHARE)]
-    return {
-        ("delay", "LP"): both,
-        ("kelvin-voigt", "LP"): [curve_point(beside)],
-        ("delay", "NS"): [curve_point(-2.6)],
-    }, KNOWN + shift
+    return {"delay": [(KNOWN, 100.0), (KNOWN - SHARE, 100.1)], "kelvin-voigt": [(beside, 100.0)]}, KNOWN - SHARE + shift
 
 
 ROUND, FOLD = run(spiral(0.5 + 0.6j)), made("delay", special("LP", -2.7007, 1, 0))
@@ -259,31 +217,26 @@ JUDGED = [
     *((snake.fold_claims, (branch(*folds(n)),) * 2, f"pass pass {end}") for n, end in
       ((1.15, "pass"), (1.25, "fail"), (0.75, "fail"))),
     (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0)],), "pass pass"),
-    (snake.coexisting, ([ATTRACTED, attracted(77.0, 77.0)],), "pass fail"),
-    (snake.coexisting, ([ATTRACTED, attracted(78.0 + 5e-7, 78.0)],), "fail pass"),
-    (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0, settled=False)],), "fail pass"),
-    (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0, log10_r=-2.65)],), "pass fail"),
+    (snake.coexisting, ([ATTRACTED, attracted(77.0, 77.0)],), "fail pass"),
+    (snake.coexisting, ([ATTRACTED, attracted(78.0 + 5e-7, 78.0)],), "pass fail"),
+    (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0, settled=False)],), "pass fail"),
+    (snake.coexisting, ([ATTRACTED, attracted(78.0, 78.0, log10_r=-2.65)],), "fail pass fail pass"),
     # P8 needs a fold below the onset that gives stability
     (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("LP", -2.7007, 1, 0))), "pass"),
     (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("LP", -2.6993, 1, 0))), "finding"),
     (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("LP", -2.7007, 2, 1))), "finding"),
     (claims.mildly_subcritical, (FOLD, made("kelvin-voigt", special("PD", -2.7007, 1, 0))), "finding"),
     # P9 needs the order of the points and the place of the torus, P14 compares what takes stability first
-    (claims.bubbles, (ode(BUBBLES, -2.4682),), "pass pass"),
-    (claims.bubbles, (ode(BUBBLES, -2.469),), "pass finding"),
-    (claims.bubbles, (ode("LP PD PD LP LP PD PD NS", -2.468),), "finding pass"),
+    (claims.bubbles_of, (ode(BUBBLES, -2.4682),), "pass pass"),
+    (claims.bubbles_of, (ode(BUBBLES, -2.469),), "pass finding"),
+    (claims.bubbles_of, (ode("LP PD PD LP LP PD PD NS", -2.468),), "finding pass"),
     (claims.unlike, (made("delay", TORUS, DOUBLING), made("kelvin-voigt", DOUBLING, TORUS)), "finding"),
     (claims.unlike, (made("delay", DOUBLING, TORUS), made("kelvin-voigt", DOUBLING, TORUS)), "pass"),
-    (claims.modes_converge, modal(-2.7002 - 1e-7), "pass"),
-    (claims.modes_converge, modal(-2.7002 - 9e-7), "fail"),
     # at V = 100 the Hopf point lies at -2.6995497; one per cent of r is 0.0044
-    (special_curves.curve_verdicts, curves(shift=5e-12), "pass pass pass"),
-    (special_curves.curve_verdicts, curves(shift=2e-11), "fail pass pass"),
-    (special_curves.curve_verdicts, curves(here=-2.70025169), "pass fail pass"),
-    (special_curves.curve_verdicts, curves(beside=-2.6993), "pass pass finding"),
-    (special_curves.curve_verdicts, curves(beside=-2.7045), "pass pass finding"),
-    *((doubling.ends_simple, (bubble(one),), end) for one, end in
-      ((-1.02, "pass"), (-0.98, "pass"), (-1.05, "fail"), (0.3, "fail"))),
+    (fold_verdicts, folds_over(shift=5e-12), "pass pass pass"),
+    (fold_verdicts, folds_over(shift=2e-11), "fail pass pass"),
+    (fold_verdicts, folds_over(beside=-2.6993), "pass pass finding"),
+    (fold_verdicts, folds_over(beside=-2.7045), "pass pass finding"),
 ]  # fmt: skip
 
 

@@ -61,7 +61,7 @@ def run(budget: Budget) -> StudyResult:
         omissions=(
             Omission(
                 "Costs in these scenes.",
-                "They are those of `which-model`, but for slabs that differ: two are marched instead of one (`unlike-slabs`).",
+                "They are those of `which-model`, but for slabs that differ: two are marched instead of one.",
             ),
         ),
         model_tables=tables,

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from slipwave.input import read_scene
-from slipwave.observe import Events, HistoryObserver
+from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.compute.build import build
@@ -65,43 +65,30 @@ def samples(count: int) -> list[tuple[FrictionFit, float]]:
     ]
 
 
-def interface_of(row: Mapping[str, Any], fit: FrictionFit, law: str, **more: Any) -> dict[str, Any]:
-    """[interface] of a run."""
-    stress = row["sigma_MPa"] * 1e6
-    units = {"normal_stress": stress, "memory_length": fit.length * 1e-6, "reference_velocity": 1e-6}
-    return {"law": law, "a_star": 0.6, "a": fit.a, "b": fit.b, **units, **more}
-
-
-def plain_block(
-    row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0, damping: float = 1.0, **more: Any
-) -> Scene:
+def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0, damping: float = 1.0) -> Scene:
     """Spring, `factor` times k', and radiation damping, `damping` times rho c/2 of steel: alike slabs whose elasticity is the
     spring, for a model without waves and inertia."""
     stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
     slab = {"density": damping**2 * DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": SHEAR_MODULUS / (2.0 * stiffness)}
-    return _scene(interface_of(row, fit, law, **more), slab, _START)
+    return _scene(row, fit, law, slab)
 
 
-def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, law: str, dashpot: float, mass: float = 0.0) -> Scene:
+def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, dashpot: float, mass: float = 0.0) -> Scene:
     """Two blocks of steel, each behind a spring with a dashpot (of `dashpot` times rho c) and a mass (kg/m2)."""
     stiffness = row["k_per_um"] * row["sigma_MPa"] * 1e12
     spring = 1.0 / (1.0 / (2.0 * stiffness) - THICKNESS / SHEAR_MODULUS)
     impedance = dashpot * math.sqrt(DENSITY * SHEAR_MODULUS)
     face = {"kind": "machine", "stiffness": spring, "impedance": impedance, "mass": mass}
     slab = {"density": DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": THICKNESS, "face": face}
-    return _scene(interface_of(row, fit, law), slab, _START)
+    return _scene(row, fit, "ageing", slab)
 
 
-def _scene(interface: Mapping[str, Any], slab: Mapping[str, Any], size: float, velocity: float = 10.0) -> Scene:
-    """A scene of alike slabs, V in um/s."""
-    tables = {
-        "name": "laboratory",
-        "interface": interface,
-        "slab": slab,
-        "drive": {"velocity": velocity},
-        "start": {"size": size},
-    }
-    return read_scene(tables)
+def _scene(row: Mapping[str, Any], fit: FrictionFit, law: str, slab: Mapping[str, Any]) -> Scene:
+    """A run between alike slabs."""
+    interface = {"law": law, "a_star": 0.6, "a": fit.a, "b": fit.b, "memory_length": fit.length * 1e-6}
+    interface |= {"normal_stress": row["sigma_MPa"] * 1e6, "reference_velocity": 1e-6}
+    drive, start = {"velocity": 10.0}, {"size": _START}
+    return read_scene({"name": "laboratory", "interface": interface, "slab": slab, "drive": drive, "start": start})
 
 
 def cycle_in_run(
@@ -113,15 +100,10 @@ def cycle_in_run(
     transit = scene.units.size("transit", scene.transit)
     until = seconds / transit
     events = watch(build(model, scene, tolerance=tolerance), until).events(after * until)
-    slips = events.time.size > 0 and events.v_max[-1] > 2.0 * scene.velocity
-    return in_laboratory_units(scene, events) if slips else None
-
-
-def in_laboratory_units(scene: Scene, events: Events) -> MeasuredCycle:
-    """The last of the cycles, in laboratory units."""
-    assert scene.units
-    period = float(events.period[-1]) * scene.units.size("transit", scene.transit)
-    return MeasuredCycle(period, float(events.stress_drop[-1]), 1e3 * float(events.v_max[-1]) * scene.units.reference_velocity)
+    if events.time.size == 0 or events.v_max[-1] <= 2.0 * scene.velocity:
+        return None
+    peak = 1e3 * float(events.v_max[-1]) * scene.units.reference_velocity
+    return MeasuredCycle(float(events.period[-1]) * transit, float(events.stress_drop[-1]), peak)
 
 
 def cycles_of_samples(row: Mapping[str, Any], law: str, drawn: Iterable[tuple[FrictionFit, float]]) -> list[MeasuredCycle | None]:
@@ -132,17 +114,14 @@ def cycles_of_samples(row: Mapping[str, Any], law: str, drawn: Iterable[tuple[Fr
     ]
 
 
-def cycle_without_tuning(row: Mapping[str, Any], fit: FrictionFit, law: str, **more: Any) -> MeasuredCycle | None:
+def cycle_without_tuning(row: Mapping[str, Any], fit: FrictionFit, law: str, damping: float = 1.0) -> MeasuredCycle | None:
     """The cycle of the plain block with a printed fit."""
-    return cycle_in_run(plain_block(row, fit, law, **more), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
+    return cycle_in_run(plain_block(row, fit, law, damping=damping), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
 
 
 class Rise(NamedTuple):
-    """A slip event of the gabbro under a normal stress (MPa), with b - a, at V (mm/s): its drop (MPa) and rise time (ms)."""
+    """A slip event of the gabbro: its drop (MPa) and rise time (ms)."""
 
-    normal_stress: float
-    weakening: float
-    velocity: float
     drop: float
     time: float
 
@@ -166,13 +145,8 @@ def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
     seen = watch(solver, 6.0 * expected / transit, history).events()
     near = 0.1 / transit
     cycle = cut(scene.law, history.samples(), float(seen.time[-1]), near, before=near)
-    return Rise(
-        normal_stress,
-        weakening,
-        velocity,
-        float(seen.elastic_stress_drop[-1]) * normal_stress,
-        1e3 * transit * rise_time(cycle.time, cycle.elastic_stress),
-    )
+    drop = float(seen.elastic_stress_drop[-1]) * normal_stress
+    return Rise(drop, 1e3 * transit * rise_time(cycle.time, cycle.elastic_stress))
 
 
 def rise_time(time: Array, elastic: Array) -> float:

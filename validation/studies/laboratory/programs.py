@@ -14,7 +14,7 @@ from validation.fit.problem import problem_of
 from validation.fit.records import Experiment, travelled
 from validation.references.published import laboratory
 from validation.studies.laboratory.measured import FrictionFit, plain_block
-from validation.study import WITNESS, Table, Verdict, claim, table
+from validation.study import WITNESS, Verdict, claim
 
 _BEFORE = 1.0  # s of steady sliding
 _FAR = FrictionFit(1.5, 1.2, 3.0)  # times the printed values: where a fit begins
@@ -70,26 +70,11 @@ def _fitted(row: Mapping[str, Any], schedule: Schedule, times: Array) -> Frictio
 
 def on_programs(found: Sequence[Printed]) -> Iterator[Verdict]:
     """Verdicts on the agreement of the motion and of the parameters."""
-    digits = max(one.apart * 10.0 ** one.row["digits"] for one in found)
-    text = f"of {sum(len(one.row['friction']) for one in found)} values with 8 or 9 digits"
-    title = "Quasi-static friction is what rsfmodel and Marone's program print, within one unit of the last digit"
-    yield claim(title, WITNESS, digits, 1.0, text)
-    worst = max(abs(ratio - 1.0) for one in found for ratio in one.ratios)
-    title = "A fit of what these programs print gives back their a, b and L"
-    yield claim(title, WITNESS, worst, _BAR, "relative; begun 1.5, 1.2 and 3 times as large")
-
-
-def table_of_programs(found: Sequence[Printed]) -> Table:
-    """A row for each series."""
-    columns = "program | law | step to V/V* .0f | values .0f | largest distance .1e | a, fitted/true .7f | b .7f | L .7f"
-    cells = (
-        (one.row["program"], one.row["law"], float(one.row["velocity"]), float(len(one.row["friction"])), one.apart, *one.ratios)
-        for one in found
-    )
-    return table("programs", _CAPTION, columns, cells)
-
-
-_CAPTION = (
-    "Friction that other programs print after the load point goes from 1 μm/s to another velocity (0: a hold), and our "
-    "quasi-static motion; and what a fit of the printed values finds, over the parameters that made them. Spring without inertia."
-)
+    for one in found:
+        name = f"{one.row['program']}, {one.row['law']} law, step to {one.row['velocity']:g} V*"
+        title = "Quasi-static friction is what rsfmodel and Marone's program print, within one unit of the last digit"
+        size, text = one.apart * 10.0 ** one.row["digits"], f"{name}: {len(one.row['friction'])} values"
+        yield claim(title, WITNESS, size, 1.0, text)
+        worst = max(abs(ratio - 1.0) for ratio in one.ratios)
+        title = "A fit of what these programs print gives back their a, b and L"
+        yield claim(title, WITNESS, worst, _BAR, f"{name}: relative; begun 1.5, 1.2 and 3 times as large")

@@ -1,8 +1,7 @@
 """The delay system's branch of orbits folds back and forth: evidence from two meshes and from runs near a torus point."""
 
-import math
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,11 +12,11 @@ from reduced.orbit.multipliers import count_unstable, floquet
 from validation.chart.thin import staying
 from validation.compute.points import BranchPoint
 from validation.studies.snaking import measured
-from validation.studies.snaking.measured import Attractor, FoldSide, PeriodsOfRun, Sides, coexisting, grows, settles, sides
-from validation.study import Budget, Cell, Figure, StudyResult, Table, memo, table
+from validation.studies.snaking.measured import PeriodsOfRun, coexisting, grows, settles, sides
+from validation.study import Budget, Cell, Figure, StudyAnswer, StudyResult, Table, memo, table
 from validation.study.branch_drawing import draw_branch, draw_special, special_keys
 from validation.study.drawing import Drawing, ruled, style_of, subplots
-from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts, scene_at
+from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts
 from validation.study.text import minus, plain
 
 NAME = "snaking"
@@ -25,59 +24,55 @@ QUESTION = "How many orbits does the exact system have at one r, and which of th
 SCENES = ("paper",)
 SECONDS = (12.0, 54.0)
 
-_LONGEST = {True: 78.5, False: 85.0}
-_FINER_LONGEST = {True: 75.2, False: 78.3}
-_FINER = 1e-8
-_SHORT = Control(longest=0.01)
-_SHOWN = {True: (-2.66,), False: (-2.66, -2.65, -2.64, -2.63, -2.62)}
-"""log10 r at which coexisting orbits are listed."""
-
-_COEXIST = {True: (-2.66,), False: (-2.6655, -2.66, -2.6595)}
+_FINER, _SHORT = 1e-8, Control(longest=0.01)
 _NUDGES = (0.5, 2.0)
-"""log10 r and sizes of the nudges of runs that may end on different orbits."""
-
-_SIDES = {True: (1, 4), False: (0, 1)}
-"""Quick report -> index of the first special point near which runs begin, and the stride to the next ones."""
+"""Sizes of the nudges of runs that may end on different orbits."""
 
 _BEFORE, _BEYOND = -2.659, -2.6565
 """log10 r of direct runs on both sides of the first torus point, where the branch has one orbit."""
 
 
+class _Plan(NamedTuple):
+    """Periods (transits) up to which the branch is followed, and its finer copy; log10 r at which coexisting orbits are listed,
+    and at which runs may end on different ones; the first special point beside which runs begin, and the stride to the next."""
+
+    longest: float
+    finer: float
+    shown: tuple[float, ...]
+    coexist: tuple[float, ...]
+    beside: tuple[int, int]
+
+
+_QUICK = _Plan(78.5, 75.2, (-2.66,), (-2.66,), (1, 4))
+_FULL = _Plan(85.0, 78.3, (-2.66, -2.65, -2.64, -2.63, -2.62), (-2.6655, -2.66, -2.6595), (0, 1))
+
+
 def run(budget: Budget) -> StudyResult:
     """Follow the branch twice, list the orbits at some r, and run the delay system near the first torus point."""
-    branch = branch_of("delay", -2.3, _LONGEST[budget.quick])
+    plan = _QUICK if budget.quick else _FULL
+    branch = branch_of("delay", -2.3, plan.longest)
     budget.report(0.5)
-    finer = branch_of("delay", -2.3, _FINER_LONGEST[budget.quick], _FINER, _SHORT)
+    finer = branch_of("delay", -2.3, plan.finer, _FINER, _SHORT)
     budget.report(0.9)
-    orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in _SHOWN[budget.quick]}
+    orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in plan.shown}
     runs = [measured.run_at(log10_r) for log10_r in (_BEFORE, _BEYOND)]
-    starts = [(log10_r, size) for log10_r in _COEXIST[budget.quick] for size in _NUDGES]
+    starts = [(log10_r, size) for log10_r in plan.coexist for size in _NUDGES]
     attractors = [measured.attractor(log10_r, size, branch.orbits_at(log10_r)) for log10_r, size in starts]
-    again = memo.own_orbit("delay", scene_at(-2.68), 1e-11).closed
-    residuals = {turns: measured.in_thicker_slabs(again, turns, again.cycle.period) for turns in range(4)}
-    both = sides(branch, *_SIDES[budget.quick])
     nearest = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
     return StudyResult(
-        answer=_answer(branch, max(map(len, orbits.values()))),
+        answers=_answers(branch, max(map(len, orbits.values()))),
         figures=(
             Figure("snake", _CAPTION, lambda: snake(branch, runs), zoom=True, beside="orbits"),
             Figure("orbits", _ORBITS, lambda: orbits_along(branch), zoom=True),
         ),
-        tables=(
-            _window_table(branch.corners),
-            _coexisting_table(orbits),
-            _sides_table(both),
-            _attractor_table(attractors),
-            _reappearance_table(again, residuals),
-        ),
+        tables=(_window_table(branch.corners), _coexisting_table(orbits)),
         verdicts=(
             *measured.fold_claims(branch, finer),
             *settles(runs[0], nearest[0]),
             measured.wanders(runs[1], nearest[1]),
-            *grows(both),
+            grows(sides(branch, *plan.beside)),
             *coexisting(attractors),
             *measured.on_torus(measured.torus_at(-2.65)),
-            measured.reappears(residuals),
         ),
         notes=(_WHY,),
         numbers={
@@ -88,14 +83,22 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _answer(branch: Branch, most: int) -> str:
+def _answers(branch: Branch, most: int) -> tuple[StudyAnswer, ...]:
     torus, last = branch.of_kind("NS")[0].point, branch.points[-1].closed.cycle.period
-    pairs = len(measured.fold_pairs(branch))
     return (
-        f"Up to {most}, at the r shown. The branch folds back and forth, with {pairs} pairs of folds up to "
-        f"T = {last:.1f} transits. Its orbits are stable up to a torus point at log_{{10}} r = {torus.parameter:.7f}, except "
-        "between the two folds of a pair; beyond it they are stable in short windows only."
-    ).replace("= -", "= −")
+        StudyAnswer(
+            f"Up to {most}, at the r shown. The branch folds back and forth, with {len(measured.fold_pairs(branch))} pairs of "
+            f"folds up to T = {last:.1f} transits; where two of its orbits are stable, the start decides.",
+            ("Special points depend", "Folds come in pairs", "Two stable orbits coexist"),
+        ),
+        StudyAnswer(
+            minus(
+                f"Its orbits are stable up to a torus point at log_{{10}} r = {torus.parameter:.7f}, except between the folds of "
+                "a pair; beyond it they are stable in short windows only."
+            ),
+            ("Before the first torus point", "Beyond the first torus point", "On both sides", "A run on the torus"),
+        ),
+    )
 
 
 _CAPTION = (
@@ -109,8 +112,7 @@ _ORBITS = (
 )
 _WHY = (
     "Ripples of one transit decorate the cycle. As r grows, T grows, and a new ripple enters the cycle about once per transit of "
-    "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays. The study "
-    "`bifurcation` lists r and T of every fold."
+    "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays."
 )
 
 _ALONG, _POINTS, _RAISED = 24, 400, 0.15
@@ -139,46 +141,8 @@ def _coexisting_table(found: dict[float, list[Closed]]) -> Table:
 
 def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     lead, found = floquet(closed.monodromy)[0][0], figures_of(closed)
-    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), _complex_text(lead, ".4f"))
-
-
-def _sides_table(both: Sides) -> Table:
-    def cells(side: FoldSide) -> tuple[Cell, ...]:
-        return _complex_text(side.orbit), abs(side.seen), side.apart
-
-    rows = ((one.kind, one.point.parameter, *cells(before), *cells(beyond)) for one, before, beyond in both)
-    columns = "before: multiplier | modulus seen in runs .6f | difference [relative] .0e"
-    heading = f"kind | log_{{10}} r .7f | {columns} | {columns.replace('before', 'beyond')}"
-    caption = (
-        "Direct runs on both sides of special points, each begun near the next orbit of the branch, off by 1e-6 in the "
-        "direction of the multiplier that passes."
-    )
-    return table("beside", caption, heading, rows)
-
-
-def _complex_text(value: complex, spec: str = ".6f") -> str:
-    return plain(value.real, spec) + (f" ± {plain(abs(value.imag), spec)} i" if value.imag else "")
-
-
-def _attractor_table(attractors: Iterable[Attractor]) -> Table:
-    rows = ((one.run.log10_r, one.size, float(one.run.last[-1]), one.orbit, one.apart) for one in attractors)
-    heading = (
-        "log_{10} r .3f | nudge .1f | T of the run [transits] .7f | T of the orbit [transits] .7f | difference [relative] .0e"
-    )
-    caption = "Direct runs from nudges of different size, and the stable orbit of the branch nearest to each."
-    return table("attractors", caption, heading, rows)
-
-
-def _reappearance_table(closed: Closed, residuals: Mapping[int, float]) -> Table:
-    period, r = closed.cycle.period, closed.flow.scene.transit
-    rows = [
-        (turns, math.log10(r * (1.0 + turns * period)), period / (1.0 + turns * period), off) for turns, off in residuals.items()
-    ]
-    caption = (
-        "The orbit of log_{10} r = −2.68 put into slabs that are 1 + k T times as thick, where it has T/(1 + k T) transits: "
-        "largest difference of ψ in a march over the period there."
-    )
-    return table("reappearance", caption, "k .0f | log_{10} r .6f | T [transits] .8f | difference of ψ .0e", rows)
+    words = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
+    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), words)
 
 
 def orbits_along(branch: Branch) -> Drawing:

@@ -1,14 +1,12 @@
-"""Direct runs of the delay system near its branch: where they settle or wander, and the multipliers measured in them; an orbit in
-thicker slabs; and the claims on the snake of folds.
+"""Direct runs of the delay system near its branch: where they settle or wander, and the multipliers measured in them; and the
+claims on the snake of folds.
 
 Each run near a special point begins near an orbit on one side of it, displaced in the direction of the critical multiplier, which
-is measured by how the run departs or returns. An orbit of T transits at r is one of T/(1 + k T) transits at r (1 + k T): r enters
-friction's clock only as a delay, and the waves are then delayed by k more periods (Yanchuk and Perlikowski, Phys. Rev. E 79,
-046221, 2009).
+is measured by how the run departs or returns.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -16,13 +14,11 @@ import numpy as np
 
 from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special, critical
-from reduced.delay.flow import DelayFlow
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, floquet
-from reduced.parameters import with_parameter
-from slipwave.friction import rates, unknown_of
+from slipwave.friction import unknown_of
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Array, lagrange_basis, values_at
+from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate
 from slipwave.observe.torus import rotation
 from slipwave.solve import follow
@@ -30,7 +26,7 @@ from validation.compute.build import build
 from validation.compute.orbit_start import BEGIN, state_on
 from validation.measure.correlated import mean_of
 from validation.references.published import reference
-from validation.study import ASYMPTOTIC, EXACT, SELF, WITNESS, Verdict, claim, every, holding, memo
+from validation.study import ASYMPTOTIC, SELF, WITNESS, Verdict, claim, every, holding, memo
 from validation.study.over_r import Branch, scene_at
 from validation.study.text import minus
 
@@ -43,14 +39,13 @@ _CYCLES, _SAMPLES = 4, 300  # of a run near a special point; samples of a cycle
 _OFF = 1e-6  # largest component of the state by which such a run is off its orbit
 _REAL = 1e-9  # imaginary part below which a multiplier is real
 
-_MESHES = 1e-8
+_MESHES = 1e-10
 _ONE = 0.2  # distance from 1 of the last growth of T
 _SAME = 4e-9  # the rest of the run
 _PAIR = 1e-3
 _ATTRACTED = 2e-9
-_REAPPEARS = 1e-10
 _ROTATION = 5e-4
-_PASSES = 1e-4
+_PASSES = 4e-6
 _RANGE = 5e-3  # transits
 _WANDERS = 1e-2  # transits, on both sides of the unstable orbit's period
 
@@ -89,7 +84,7 @@ class Torus(NamedTuple):
 
 
 class FoldSide(NamedTuple):
-    """An orbit near a special point, at `log10_r`: its critical multiplier, of the `orbit` and as `seen` in runs."""
+    """An orbit beside a special point, at `log10_r`: its critical multiplier, of the `orbit` and as `seen` in runs."""
 
     log10_r: float
     orbit: complex
@@ -99,9 +94,6 @@ class FoldSide(NamedTuple):
     def apart(self) -> float:
         """Relative difference of both multipliers."""
         return abs(self.seen / self.orbit - 1.0)
-
-
-Sides = list[tuple[Special, FoldSide, FoldSide]]
 
 
 def run_at(log10_r: float, size: float | None = None) -> PeriodsOfRun:
@@ -165,16 +157,15 @@ def _pair(d: Array, weights: Array) -> complex:
     return complex(0.5 * twice, np.sqrt(max(square - 0.25 * twice**2, 0.0)))
 
 
-def sides(branch: Branch, first: int = 0, every: int = 1) -> Sides:
-    """Special points of the delay branch, from the `first` on with stride `every`, each with its two sides: the adjacent
-    points."""
+def sides(branch: Branch, first: int = 0, every: int = 1) -> list[FoldSide]:
+    """The points of the delay branch before and beyond its special points, from the `first` special point on with stride
+    `every`."""
     number = {id(point): n for n, point in enumerate(branch.points)}
-    found = []
-    for special in branch.special[first::every]:
-        n = number[id(special.point)]
-        before, beyond = (_side(branch.points[k], special.kind) for k in (n - 1, n + 1))
-        found.append((special, before, beyond))
-    return found
+    return [
+        _side(branch.points[number[id(special.point)] + beside], special.kind)
+        for special in branch.special[first::every]
+        for beside in (-1, 1)
+    ]
 
 
 def _side(point: OrbitPoint, kind: str) -> FoldSide:
@@ -204,31 +195,6 @@ def _cycles(closed: Closed, change: Array) -> Array:
     return np.array([history.at(times + n * period)[1:3].ravel() for n in range(_CYCLES + 1)])
 
 
-def in_thicker_slabs(closed: Closed, turns: int, period: float) -> float:
-    """Largest difference of psi from that of the delay system's orbit `closed`, after its motion was transferred to alike slabs 1
-    + `turns` * `period` times as thick and marched over a period."""
-    flow, ratio = closed.flow, 1.0 + turns * period
-    assert isinstance(flow, DelayFlow)
-    other = DelayFlow(with_parameter(flow.scene, "r", flow.scene.transit * ratio), ratio / flow.length)
-    ages = ((np.arange(other.kept)[:, None] - other.kept + other.nodes) * other.length).ravel()
-    outward, inward = (_left(closed, (ages - earlier) * ratio) for earlier in (0.0, 0.5))  # half a transit ago it went outwards
-    start = np.r_[outward, inward, closed.cycle.start[-1]]
-    pieces = other.march(start, period / ratio).pieces
-    times = (pieces.time[:-1, None] + pieces.length[:-1, None] * other.nodes) * ratio
-    return float(np.abs(pieces.psi[:-1] - _motion(closed, times.ravel())[1].reshape(times.shape)).max())
-
-
-def _left(closed: Closed, times: Array) -> Array:
-    """The wave that leaves the interface, mu - S - eps/2 (v - V), at any times (transits of the orbit)."""
-    scene = closed.flow.scene
-    z, _, mu, _ = _motion(closed, times)
-    return np.asarray(mu - scene.steady_stress - 0.5 * scene.upper.epsilon * (rates(scene.law, z) - scene.velocity))
-
-
-def _motion(closed: Closed, times: Array) -> list[Array]:
-    return values_at(closed.cycle.pieces, lagrange_basis(closed.flow.nodes), np.mod(times, closed.cycle.period))
-
-
 def fold_pairs(branch: Branch) -> list[tuple[Special, Special]]:
     """Pairs of folds after the first: where the branch turns to smaller r, and where it turns back."""
     folds = branch.of_kind("LP")[1:]
@@ -238,15 +204,16 @@ def fold_pairs(branch: Branch) -> list[tuple[Special, Special]]:
 def fold_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
     """Verdicts: the special points agree with those on a finer mesh with shorter steps; the growth of T from pair to pair of
     folds."""
+    title = "Special points depend neither on the mesh nor on the length of steps"
     both = list(zip(branch.special, finer.special, strict=False))
     off = max(abs(one.point.parameter - other.point.parameter) for one, other in both)
     sizes = " and ".join(str(one.point.closed.flow.size) for one in both[-1])
-    mesh = f"largest change of log_{{10}} r of {len(both)} points, states of {sizes} values at the last one"
-    yield claim("Special points do not depend on the mesh", SELF, off, _MESHES, mesh)
+    mesh = f"mesh: largest change of log_{{10}} r of {len(both)} points, states of {sizes} values at the last one"
+    yield claim(title, SELF, off, _MESHES, mesh)
     kinds, others = ([one.kind for one in some.special[: len(both)]] for some in (branch, finer))
     last = finer.points[-1].closed.cycle.period
     beyond, found = sum(one.point.closed.cycle.period < last for one in branch.special), len(finer.special)
-    title, up_to = "Steps of half the length find no other special points", f"up to T = {last:.1f} transits"
+    up_to = f"steps of half the length: special points up to T = {last:.1f} transits"
     verdict = holding(title, SELF, f"{beyond} points", f"{found} points", kinds == others and beyond == found, up_to)
     yield verdict.with_margin(abs(found - beyond), 1.0)
     growth = np.diff([turn.point.closed.cycle.period for turn, _ in fold_pairs(branch)]).tolist()
@@ -255,25 +222,22 @@ def fold_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
         ASYMPTOTIC,
         growth[-1],
         _ONE,
-        "distance of the last growth of T from 1",
-        f"T grows by {', '.join(f'{one:.3f}' for one in growth)}",
+        f"T grows by {', '.join(f'{one:.3f}' for one in growth)}; the last is judged",
         near=1.0,
     )
 
 
 def settles(run: PeriodsOfRun, orbit: Closed) -> Iterator[Verdict]:
     """A run before the torus point against the orbit of the branch, and its approach against the multipliers."""
+    title = "Before the first torus point a direct run settles on the branch, as its multipliers say"
     period, at = orbit.cycle.period, minus(f"log_{{10}} r = {run.log10_r:g}")
     lead, seen = complex(floquet(orbit.monodromy)[0][0]), multiplier_of(run, period)
     lead = complex(lead.real, abs(lead.imag))
     ratio = float(run.last[-1]) / period if run.settled else float("nan")
-    title = "Before the first torus point a direct run settles on the branch"
-    yield claim(title, WITNESS, ratio, _SAME, f"relative difference of T, {at}", near=1.0)
+    yield claim(title, WITNESS, ratio, _SAME, f"T of the run over that of the branch, {at}", near=1.0)
     words = [minus(f"{one.real:.5f} ± {one.imag:.5f} i") for one in (seen, lead)]
-    remark = f"{at}: {words[0]} from the periods of a run, {words[1]} from the orbit’s linearised motion"
-    yield claim(
-        "A run settles as fast, and with the rotation, that the multipliers say", WITNESS, abs(seen - lead), _PAIR, remark
-    )
+    remark = f"leading multipliers, {at}: {words[0]} from the periods of a run, {words[1]} from the linearised motion"
+    yield claim(title, WITNESS, abs(seen - lead), _PAIR, remark)
 
 
 def wanders(run: PeriodsOfRun, orbit: Closed) -> Verdict:
@@ -290,52 +254,38 @@ def wanders(run: PeriodsOfRun, orbit: Closed) -> Verdict:
     ).with_margin(_WANDERS / apart if apart > 0.0 else math.inf, 1.0)
 
 
-def grows(both: Sides) -> Iterator[Verdict]:
+def grows(beside: Sequence[FoldSide]) -> Verdict:
     """Direct runs on both sides of special points."""
-    apart = max(side.apart for _, *two in both for side in two)
+    apart = max(side.apart for side in beside)
     title = "On both sides of special points, direct runs depart or come back by the multiplier that passes there"
-    yield claim(title, WITNESS, apart, _PASSES, f"largest relative difference, {2 * len(both)} sides")
-    inner = [(one, two if one.unstable_after > one.unstable_before else two[::-1]) for one, *two in both]
-    counted = sum(abs(less.seen) < 1.0 < abs(more.seen) for _, (less, more) in inner)
-    title = "Runs begin to depart where the count of unstable multipliers grows, and to come back where it falls"
-    remark = "signs of ln |m| before and beyond, as runs show it"
-    yield every(title, WITNESS, counted, len(both), remark, "points")
+    return claim(title, WITNESS, apart, _PASSES, f"largest relative difference, {len(beside)} sides")
 
 
-def coexisting(attractors: list[Attractor]) -> Iterator[Verdict]:
+def coexisting(attractors: Sequence[Attractor]) -> Iterator[Verdict]:
     """Runs from different nudges at one r."""
-    ends: dict[float, set[float]] = {}
-    for one in attractors:
-        ends.setdefault(one.run.log10_r, set()).add(round(one.orbit, 6))
-    apart = float(np.max([one.apart for one in attractors]))
-    title = "Runs from a small and from a large nudge settle on orbits of the branch"
-    yield claim(title, WITNESS, apart, _ATTRACTED, f"relative difference of T, {len(attractors)} runs at {len(ends)} r")
-    listed = minus(", ".join(f"{len(found)} at {log10_r:g}" for log10_r, found in ends.items()))
-    two, title = sum(len(found) == 2 for found in ends.values()), "Two stable orbits coexist at one r, and each attracts runs"
-    yield every(title, WITNESS, two, len(ends), f"the size of the nudge decides which; {listed}", "r")
+    title = "Two stable orbits coexist at one r: the size of the nudge decides on which a run settles"
+    for log10_r in dict.fromkeys(one.run.log10_r for one in attractors):
+        here = [one for one in attractors if one.run.log10_r == log10_r]
+        periods, apart = {round(one.orbit, 6) for one in here}, float(np.max([one.apart for one in here]))
+        where = minus(f"log_{{10}} r = {log10_r:g}: nudges of {' and '.join(f'{one.size:g}' for one in here)}")
+        yield every(title, WITNESS, len(periods), 2, where, "orbits")
+        yield claim(title, WITNESS, apart, _ATTRACTED, f"{where}: relative difference of T from the branch’s")
 
 
 def on_torus(found: Torus) -> Iterator[Verdict]:
     """A long run beyond the first torus point, against the independent program's."""
+    title = "A run on the torus has the rotation number and the periods that another program finds"
     known = reference()["torus"]
     mean, (low, high), number = known["mean_period"], known["period_range"], known["rotation_number"]
     where = minus(f"log_{{10}} r = {known['log10_r']:g}")
-    title = "A run on the torus has the rotation number that another program finds"
-    yield claim(title, WITNESS, found.rotation, _ROTATION, where, f"{found.rotation:.5f}, known {number}", near=number)
+    yield claim(title, WITNESS, found.rotation, _ROTATION, f"rotation number, {where}", near=number)
     ends = max(abs(found.shortest - low), abs(found.longest - high)) / _RANGE
     off = max(abs(found.mean.value - mean) / (3.0 * found.mean.error), ends)
     yield holding(
-        "Its periods have the mean and the range that another program finds",
+        title,
         WITNESS,
         f"{mean}, {low} to {high}",
         f"{found.mean.value:.4f} ± {found.mean.error:.4f}, {found.shortest:.3f} to {found.longest:.3f}",
         off < 1.0,
-        f"transits, {where}; three standard errors are allowed, and {_RANGE:g} at the ends",
+        f"mean and range of T: three standard errors are allowed, and {_RANGE:g} transits at the ends",
     ).with_margin(off, 1.0)
-
-
-def reappears(residuals: Mapping[int, float]) -> Verdict:
-    """Verdict on an orbit in thicker slabs."""
-    remark = f"largest difference of ψ over a period, k = {', '.join(map(str, residuals))}, the orbit at log_{{10}} r = −2.68"
-    title = "An orbit of T transits at r is an orbit at r (1 + k T) too"
-    return claim(title, EXACT, max(residuals.values()), _REAPPEARS, remark)

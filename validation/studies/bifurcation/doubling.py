@@ -1,0 +1,141 @@
+"""The ODE's unstable orbit and its doubled one (the paper's Fig 7), and the bubbles of doubled orbits between two doublings."""
+
+from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.continuation.start import difference_of_halves
+from reduced.orbit import PeriodicOrbit, periodic_orbit
+from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
+from validation.compute.branch import FollowedBranch
+from validation.compute.followed import ends_of
+from validation.compute.orbits import moving
+from validation.compute.parameter import over_range
+from validation.compute.points import BranchPoint, StopAt
+from validation.measure.cycle import watch
+from validation.references.published import half_digit, reference
+from validation.study import EXACT, WITNESS, Verdict, claim, memo
+from validation.study.known import error_of
+from validation.study.over_r import Branch, scene_at
+from validation.study.text import minus
+from validation.study.verdict import of_paper
+
+ODE = "kelvin-voigt"
+AT = -2.590007
+"""log10 r at which AUTO-07p finds the orbit of T = 79.09."""
+
+TOLERANCE = 1e-9
+"""Relative error of the figures of both orbits."""
+
+_MARCHED = 6000.0
+_ROUGH = 1e-5  # of the bubbles
+_NEAREST = 4  # last orbits of a bubble, from which its end is extrapolated
+_ENDS = 1e-5  # of log10 r: the extrapolation's
+_CLOSE = 0.1  # of v_max
+_DENSE = 65  # points of a piece
+
+PAIRS = ((-2.597, -2.578), (-2.571, -2.535), (-2.5375, -2.47))
+"""log10 r on both sides of each pair of period doublings."""
+
+
+class Doubled(NamedTuple):
+    """The `single` and the `double` orbit at `AT`, and the periods of the last two cycles of the run that settled on the latter
+    (transits)."""
+
+    single: PeriodicOrbit
+    double: PeriodicOrbit
+    last_two: float
+
+
+class Bubble(NamedTuple):
+    """A branch of doubled orbits from the period doubling at log10 r = `born` to where its two halves become the same, `ends`;
+    (log10 r, half of the period) of its `points`."""
+
+    born: float
+    ends: float
+    points: list[tuple[float, float]]
+
+
+@cache
+def doubled() -> Doubled:
+    """Both orbits by Newton's method, from a run that passes the unstable orbit and settles on the doubled one."""
+    settled = moving(ODE, scene_at(AT))
+    twice = float(watch(settled, _MARCHED).events().period[-2:].sum())
+    double = periodic_orbit(*settled.flow(twice, TOLERANCE), twice, TOLERANCE)
+    return Doubled(memo.own_orbit(ODE, scene_at(AT), TOLERANCE), double, twice)
+
+
+def bubble(low: float, high: float) -> Bubble:
+    """The doubled orbits from the first period doubling between these log10 r on, at first towards the higher one. The square of
+    the difference of their halves vanishes linearly in r."""
+    found = FollowedBranch(over_range(f"log10_r={low}:{high}", scene_at(AT)), ODE, _ROUGH, doubled=True)
+    last = [end.point for end in ends_of(found, StopAt())][-_NEAREST:]
+    square = [difference_of_halves(point) ** 2 for point in last]
+    ends = np.polyfit(square, [point.parameter for point in last], _NEAREST - 1)[-1]
+    return Bubble(found.special[0].value, float(ends), [(one.value, 0.5 * one.period) for one in found.points])
+
+
+def between_doublings(ode: Branch) -> list[list[BranchPoint]]:
+    """The simple orbits of each pair of period doublings, both included."""
+    places = [special.point.parameter for special in ode.of_kind("PD")]
+    return [
+        [corner for corner in ode.corners if low <= corner.value <= high]
+        for low, high in zip(places[::2], places[1::2], strict=False)
+    ]
+
+
+def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) -> Iterator[Verdict]:
+    """The orbits at `AT`, then the bubbles."""
+    period, double = found.single.orbit.period.value, found.double.orbit.period.value
+    known, simple = reference()["paper"]["T_unstable_ode"], between_doublings(ode)
+    r, periods = zip(*((corner.value, corner.period) for corner in simple[0]), strict=True)
+    digit = float(np.ptp(np.interp([AT, AT + half_digit(AT)], r, periods)))
+    where = f"transits, at log_{{10}} r = {AT:.6f}, of which half the last digit is allowed"
+    yield claim("The orbit of T = 79.09 lies where AUTO-07p finds it", WITNESS, period, digit, minus(where), near=known)
+    remark, allowed = "two cycles over the doubled period by Newton’s method", error_of(found.double.orbit.period)
+    yield claim("A direct run settles on the doubled orbit", WITNESS, found.last_two / double, allowed, remark, near=1.0)
+    lead = float(found.single.multipliers.values[0].real)
+    holds = abs(period - known) <= half_digit(known) and found.single.multipliers.stable is False and lead < -1.0
+    yield of_paper(
+        "P10 At r = 10^{-2.59} the primary orbit with T = 79.09 is unstable, and a doubled orbit beside it is stable",
+        f"T = {known} ± {half_digit(known):g}",
+        f"T = {period:.6f}",
+        holds and found.double.multipliers.stable is True,
+        minus(f"multiplier {lead:.5f} of the primary orbit; half the doubled period is {0.5 * double:.6f}"),
+    ).with_margin(abs(period - known), half_digit(known))
+    yield twice_but_not_the_same(found)
+    for one, points in zip(bubbles, simple, strict=True):
+        yield claim(
+            "P9 The doubled orbits connect two period doublings: their branch is a closed bubble",
+            EXACT,
+            one.ends,
+            _ENDS,
+            minus(f"born at log_{{10}} r = {one.born:.7f}; where both halves become the same, and the next period doubling"),
+            near=points[-1].value,
+        )
+
+
+def twice_but_not_the_same(found: Doubled) -> Verdict:
+    """The peaks of the slip rate on both orbits."""
+    single, (high, low) = float(found.single.orbit.v_max.value), peaks(found.double)
+    periods = found.double.orbit.period.value / found.single.orbit.period.value
+    off = max(abs(high / single - 1.0), abs(low / single - 1.0), abs(0.5 * periods - 1.0))
+    return of_paper(
+        "P10 The doubled orbit is close but not identical to two traces of the unstable one: two slightly different peaks of v",
+        f"two different peaks within {100 * _CLOSE:.0f} % of {single:.2f} V*, in 2 T",
+        f"{high:.2f} and {low:.2f} V*, in {periods:.6f} T",
+        low < high and off < _CLOSE,
+    ).with_margin(off, _CLOSE)
+
+
+def peaks(double: PeriodicOrbit) -> tuple[float, float]:
+    """The fastest rates of both events of a doubled orbit, the larger one first, from the dense polynomials."""
+    pieces, period = double.closed.cycle.pieces, double.closed.cycle.period
+    points = np.linspace(0.0, 1.0, _DENSE)
+    rate = np.exp(pieces.z @ interpolation_matrix(lagrange_basis(double.closed.flow.nodes), points).T).ravel()
+    time = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
+    first = int(np.argmax(rate))
+    apart = np.abs(np.mod(time - time[first] + 0.5 * period, period) - 0.5 * period)
+    return float(rate[first]), float(rate[apart > 0.25 * period].max())
