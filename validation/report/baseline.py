@@ -14,8 +14,7 @@ from slipwave.errors import NumericsError
 from slipwave.sources import ROOT
 from validation.report.record import Change, NumberRecord, Record, VerdictRecord, Word
 from validation.report.recorded import read_report
-from validation.report.store import jsonable, numbers_of
-from validation.study import Outcome
+from validation.study import Number, Outcome
 from validation.study.text import bare
 
 FOLDER = ROOT / "reports" / "baseline"
@@ -34,10 +33,10 @@ class RedReport(NumericsError):
 def as_report(now: Record) -> Record:
     """The baseline as a report to compare `now` with: numbers alone."""
     numbers = [
-        NumberRecord(id=f"{study.name}.{name}", study=study.name, name=name, **asdict(one))
+        NumberRecord(id=f"{study.name}.{name}", study=study.name, name=name, **asdict(Number(**one)))
         for study in now.studies
         if (path := FOLDER / f"{study.name}.json").exists()
-        for name, one in numbers_of(json.loads(path.read_text(encoding="utf-8"))).items()
+        for name, one in json.loads(path.read_text(encoding="utf-8")).items()
     ]
     return now.model_copy(update={"numbers": tuple(numbers), "verdicts": ()})
 
@@ -90,8 +89,7 @@ def patch_of(report: Record) -> str:
 
 def _kept(number: NumberRecord) -> dict[str, Any]:
     """The entry of a number in the baseline."""
-    kept: dict[str, Any] = jsonable({"value": number.value, "tolerance": number.tolerance})
-    return kept
+    return {"value": number.value, "tolerance": number.tolerance}
 
 
 def _text(numbers: dict[str, Any]) -> str:

@@ -2,11 +2,10 @@
 
 import hashlib
 import json
-import math
 import os
 import shutil
 from contextlib import suppress
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,21 +15,12 @@ from slipwave.files import is_running
 from validation.chart.draw import styled
 from validation.chart.render import SUFFIXES
 from validation.report.sources import sources_digest
-from validation.study import Number, Omission, Study, StudyAnswer, StudyResult, Table, Verdict
-from validation.study.model_table import ModelTable
+from validation.study import Study, StudyResult
 from validation.study.names import by_claim
 from validation.study.render import render_figure
 
-_FORMAT = 4
-_PARTS: dict[str, Any] = {
-    "answers": tuple[StudyAnswer, ...],
-    "tables": tuple[Table, ...],
-    "verdicts": tuple[Verdict, ...],
-    "notes": tuple[str, ...],
-    "numbers": dict[str, Number],
-    "omissions": tuple[Omission, ...],
-    "model_tables": tuple[ModelTable, ...],
-}
+_FORMAT = 5
+_PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}
 """The stored parts of a result, with their types."""
 _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
 
@@ -122,7 +112,7 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
             figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | words)
         record = _record(study, key, result, wall_seconds) | {"figures": figures}
         whole = {"digest": _digest(record, part)} | record
-        (part / "result.json").write_text(json.dumps(whole, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+        (part / "result.json").write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
         _remove(target)
         part.rename(target)
     finally:
@@ -141,46 +131,25 @@ def _remove(folder: Path) -> None:
 
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
-    body = {name: getattr(result, name) for name in _PARTS} | {"verdicts": by_claim(study.NAME, result.verdicts)}
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds}
-    return record | {"answer": result.conclusion} | {name: jsonable(value) for name, value in body.items()}
+    named = replace(result, verdicts=by_claim(study.NAME, result.verdicts))
+    parts = {name: getattr(named, name) for name in _PARTS}
+    plain: dict[str, Any] = json.loads(json.dumps(record | parts, default=_plain))
+    return plain
 
 
-def jsonable(value: Any) -> Any:
-    """Convert dataclasses to dicts, and numbers that JSON lacks to words."""
-    if hasattr(value, "__dataclass_fields__"):
-        return jsonable(asdict(value))
-    if isinstance(value, dict):
-        return {key: jsonable(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [jsonable(item) for item in value]
-    if isinstance(value, str | int | None):
-        return value
-    number = float(value)
-    return number if math.isfinite(number) else {"number": str(number)}
-
-
-def _revived(value: Any) -> Any:
-    """`value` with the numbers that `jsonable` wrote as words."""
-    if isinstance(value, dict):
-        return float(value["number"]) if [*value] == ["number"] else {key: _revived(item) for key, item in value.items()}
-    return [_revived(item) for item in value] if isinstance(value, list) else value
+def _plain(value: Any) -> Any:
+    """A record as a dict, a number of numpy as Python's."""
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value.item()
 
 
 def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
     pictures = tuple(_picture(folder, study.NAME, figure) for figure in record["figures"])
-    known = [(name, kind) for name, kind in _PARTS.items() if name in record]
-    parts = {name: TypeAdapter(kind).validate_python(_revived(record[name])) for name, kind in known}
-    result = StudyResult(record["answer"], **parts)
+    result = StudyResult(**{name: TypeAdapter(kind).validate_python(record[name]) for name, kind in _PARTS.items()})
     return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures, key=record["key"])
 
 
 def _picture(folder: Path, study: str, figure: dict[str, Any]) -> Picture:
     svg, png, csv = _files(folder, figure["name"])
     return Picture(study, **figure, svg=svg, png=png, csv=csv)
-
-
-def numbers_of(record: dict[str, Any]) -> dict[str, Number]:
-    """Name -> number, including numbers that JSON lacks, of a stored record."""
-    return TypeAdapter(dict[str, Number]).validate_python(_revived(record))
