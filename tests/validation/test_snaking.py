@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from shown import outcomes
 
+import slipwave
 from slipwave.observe.statistics import Estimate
 from validation.studies import bifurcation as claims
 from validation.studies.bifurcation import doubling
@@ -24,7 +25,7 @@ from validation.studies.snaking.measured import (
     sides,
 )
 from validation.study import Outcome
-from validation.study.over_r import branch_of, unaccounted
+from validation.study.over_r import RANGE, branch_of, unaccounted
 
 
 def run(periods, settled=True):
@@ -52,6 +53,16 @@ def test_the_multiplier_by_which_two_runs_part(multiplier):
     phases = np.exp(1j * np.linspace(0.0, 6.0, 50))
     apart = np.real(multiplier ** np.arange(5)[:, None] * phases)
     assert multiplier_seen(apart, bool(np.imag(multiplier))) == pytest.approx(multiplier, abs=1e-12)
+
+
+def test_the_branch_of_the_studies_is_that_of_the_command():
+    branch = branch_of("kelvin-voigt", -2.3, 61.0, 1e-6)
+    found = slipwave.branch("paper", ("log10_r", *RANGE), model="kelvin-voigt", tol=1e-6, longest_period=61.0).summary
+    ours = [("HB", branch.onset.parameter), *((one.kind, one.point.parameter) for one in branch.special)]
+    assert [(one["type"], one["log10_r"]) for one in found["special"]] == ours
+    assert [point["period"] for point in found["points"]] == [
+        point.closed.cycle.period for point in branch.points if all(point is not one.point for one in branch.special)
+    ]
 
 
 def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():

@@ -1,12 +1,12 @@
 """A branch of periodic orbits, from a Hopf point or from an orbit that a run leads to, followed through folds."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.branch import Control, Step, follow_branch
 from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
 from reduced.continuation.special import Special
 from reduced.continuation.start import (
@@ -131,8 +131,7 @@ class FollowedBranch:
     def follow(self, end: BranchEnd, limits: StopAt) -> Iterator[BranchEnd]:
         """Record point after point, yielding the end after each. Stops at the limits, where the branch leaves the range, and
         where the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
-        family = FlowFamily(end.point.closed.flow, self.over.scene_at)
-        steps = follow_branch(family, end.point, end.metric, lambda _: True, self.tolerance, Control(first=end.step))
+        steps = self.steps(end, lambda _: True, Control(first=end.step))
         while True:
             reason = self._why_to_stop(end, limits)
             if reason is not None:
@@ -152,6 +151,11 @@ class FollowedBranch:
             end = BranchEnd(step.point, step.next_step, end.metric)
             yield end
 
+    def steps(self, end: BranchEnd, inside: Callable[[OrbitPoint], bool], control: Control) -> Iterator[Step]:
+        """The points after `end`, with their orbits, up to the first that is not `inside`. Raises NumericsError as `follow`."""
+        family = FlowFamily(end.point.closed.flow, self.over.scene_at)
+        return follow_branch(family, end.point, end.metric, inside, self.tolerance, control)
+
     def family_at(self, parameter: float, period: float) -> FlowFamily:
         """The model's flows, on a mesh that resolves steady sliding and its slow oscillations with `period` (transits)."""
         solver = moving(self.model, self.over.scene_at(parameter), self.cells)
@@ -160,9 +164,8 @@ class FollowedBranch:
     def first_special(self, end: BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
         """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there
         is none."""
-        over = self.over
-        family, last = FlowFamily(end.point.closed.flow, over.scene_at), end.point
-        for step in follow_branch(family, end.point, end.metric, lambda point: over.holds(point.parameter), self.tolerance):
+        over, last = self.over, end.point
+        for step in self.steps(end, lambda point: over.holds(point.parameter), Control()):
             for special in step.special:
                 if special.kind == kind:
                     return special, FlowFamily(special.point.closed.flow, over.scene_at)

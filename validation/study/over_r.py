@@ -1,20 +1,18 @@
-"""Branches of periodic orbits in log10 r from the Hopf point; the paper's material at V = 100."""
+"""Branches of periodic orbits in log10 r from the Hopf point, with the orbits themselves; the paper's material at V = 100."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 
-import slipwave
-from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.point import FlowFamily, OrbitPoint
+from reduced.continuation.branch import Control
+from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special
-from reduced.continuation.start import Onset, from_hopf, metric_for, onsets, orbits_at
-from reduced.orbit.approach import approach
+from reduced.continuation.start import Onset, orbits_at
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.periodic import FINER
-from reduced.parameters import with_parameter
 from slipwave.scene import Scene
-from validation.compute.orbits import moving
+from validation.compute.branch import FollowedBranch
+from validation.compute.parameter import Over, over_range
 from validation.compute.points import BranchPoint, point_of
 from validation.study import Number, stated
 
@@ -62,30 +60,26 @@ class Branch:
 def branch_of(model: str, highest: float, longest: float, tolerance: float = TOLERANCE, steps: Control = STEPS) -> Branch:
     """The branch from the loss of stability of the steady sliding of `model`, until log10 r reaches `highest` or the period
     `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`."""
-    metric = metric_for(*RANGE)
-    onset = onsets(scene_at, *RANGE, model)[0]
-    family = FlowFamily(approach(moving(model, scene_at(-2.68)), tolerance).flow, scene_at)
-    first = from_hopf(family, onset.parameter, onset.period, metric)
-
-    def inside(point: OrbitPoint) -> bool:
-        """Whether the branch is followed further."""
-        return point.parameter < highest and point.closed.cycle.period < longest
-
-    points, found = [first], list[Special]()
-    for step in follow_branch(family, first, metric, inside, tolerance, steps):
+    branch = FollowedBranch(_paper_over_r(), model, tolerance)
+    end = branch.begin()
+    points, found = [end.point], list[Special]()
+    for step in branch.steps(end, lambda point: point.parameter < highest and point.closed.cycle.period < longest, steps):
         points += [*(special.point for special in step.special), step.point]
         found += step.special
+    born = branch.special[0]
+    onset = Onset(born.value, born.period, born.unstable_before or 0, born.unstable_after or 0)
     return Branch(model, onset, tuple(points), tuple(found))
 
 
 @cache
-def _paper() -> Scene:
-    return slipwave.read("paper")
+def _paper_over_r() -> Over:
+    low, high = RANGE
+    return over_range(f"log10_r={low}:{high}", "paper")
 
 
 def scene_at(log10_r: float) -> Scene:
     """The paper's scene at another r."""
-    return with_parameter(_paper(), "log10_r", log10_r)
+    return _paper_over_r().scene_at(log10_r)
 
 
 def begun_at(log10_r: float) -> Scene:
