@@ -15,11 +15,11 @@ from validation.studies.laboratory import (
     Case,
     against_measured,
     band_of,
-    draw_cases,
     measured_figure,
     on_damping,
     on_rises,
     on_waves,
+    over_stress,
     row_met,
 )
 from validation.studies.laboratory.measured import (
@@ -97,10 +97,10 @@ def test_verdicts_on_waves_and_rise_times_turn_with_the_numbers() -> None:
 
 
 def test_the_figure_shows_what_was_measured() -> None:
-    axes = draw_cases(made({"peak": 5.0})).axes
-    for panel, name in zip(axes, NAMES, strict=True):
-        np.testing.assert_allclose(panel.get_lines()[2].get_ydata(), [measured_figure(row, name) for row in leeman_runs()])
-    np.testing.assert_allclose(axes[2].get_lines()[0].get_ydata(), [5.0 * row["peak_mm_s"] for row in leeman_runs()])
+    panels = over_stress(made({"peak": 5.0})).panels
+    for panel, name in zip(panels, NAMES, strict=True):
+        np.testing.assert_allclose(panel.traces[-1].y, [measured_figure(row, name) for row in leeman_runs()])
+    np.testing.assert_allclose(panels[2].traces[1].y, [5.0 * row["peak_mm_s"] for row in leeman_runs()])
 
 
 def test_damping_of_a_block_is_that_of_the_steel_times_a_factor() -> None:

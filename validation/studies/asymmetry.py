@@ -10,16 +10,15 @@ import slipwave as sw
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.chart import DASHED, ORANGE, PALE, Chart, Look, Panel, Scale, Trace
 from validation.compute.build import build
 from validation.compute.models import explicit_time, one_port_of
 from validation.measure.cycle import OneCycle, cut, watch
 from validation.measure.order_fit import WITHIN
 from validation.results.result import Dataset
 from validation.study import Budget, Figure, StudyAnswer, StudyResult, Table, stated, table
-from validation.study.drawing import Drawing, subplots
 from validation.study.regimes import regime_areas
 from validation.study.text import places, plain, power
 from validation.study.verdict import ROUNDING, WITNESS, Verdict, claim, every, in_range
@@ -42,7 +41,7 @@ _BEFORE, _AFTER = 3.0, 2.0
 _PAIRS = {"unlike": "2", "unlike-irrational": "√2"}
 """Scene -> its ratio of round trips; the ratio of impedances is 3 in both."""
 _SECOND_ORDER = 4.0 * (1.0 - 2.0**-WITHIN)  # how far the leapfrog's ratio may lie from 4
-_TITLES = {"unlike": "round trips 2 : 1", "unlike-irrational": r"round trips $\sqrt{2}$ : 1"}
+_TITLES = {"unlike": "2", "unlike-irrational": r"$\sqrt{2}$"}
 _GRIDS = {
     True: (("dg:7", 4, None), ("sbp:6", 64, None), ("fem:4", 8, None), ("fd", 96, 0.5), ("fd", 192, 0.5)),
     False: (("dg:7", 6, None), ("sbp:6", 96, None), ("fem:4", 12, None), ("fd", 192, 0.5), ("fd", 384, 0.5)),
@@ -202,7 +201,7 @@ def _errors(rows: Any) -> Table:
 
 _CAPTION = (
     f"The last complete cycle before {UNTIL:.0f} transits of two unlike pairs: stress μ, slip rate v in units of V*. Line: delay "
-    "system; circles: discontinuous Galerkin, degree 7, at the same moments of its own run; t = 0 where v has risen to half its "
+    "system; dashes: discontinuous Galerkin, degree 7, at the same moments of its own run; t = 0 where v has risen to half its "
     "largest value; time in transits of the upper slab."
 )
 _PLANE = (
@@ -217,25 +216,15 @@ _ERRORS = (
 )
 
 
-def last_cycles(runs: Mapping[str, list[PairRun]]) -> Drawing:
+def last_cycles(runs: Mapping[str, list[PairRun]]) -> Chart:
     """Columns: scenes; rows: stress and rate."""
-    figure, grid = subplots(4.8, 2, len(runs), "time since the slip event (transits)", sharex="col", sharey="row")
-    for column, (pair, each) in zip(grid.T, runs.items(), strict=True):
-        exact, wave = each[0].cycle, each[1].cycle
-        marked = _spread(wave.time, wave.slip_rate)
-        look = {"color": "#d55e00", "markersize": 3.6, "markerfacecolor": "none", "label": "full wave"}
-        for axes, name in zip(column, ("stress", "slip_rate"), strict=True):
-            axes.plot(exact.time, getattr(exact, name), color="#111111", linewidth=1.2, label="delay system")
-            axes.plot(wave.time[marked], getattr(wave, name)[marked], "o", **look)
-        column[0].set_title(_TITLES[pair])
-        column[1].set_yscale("log")
-    grid[0, 0].set_ylabel(r"stress $\mu$")
-    grid[1, 0].set_ylabel(r"slip rate $v/V^*$")
-    figure.legend(handles=grid[0, 0].get_lines(), loc="outside upper left", ncols=2)
-    return figure
-
-
-def _spread(time: Array, rate: Array) -> Array:
-    """Indices evenly spaced along the curve of ln v over time, about 110 of them."""
-    length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(time) / np.ptp(time), np.diff(np.log(rate)) / 12.0))])
-    return np.unique(np.searchsorted(length, np.linspace(0.0, length[-1], 110)))
+    across, panels = Scale("time since the slip event (transits)"), []
+    for name, up in (("stress", Scale(r"stress $\mu$")), ("slip_rate", Scale(r"slip rate $v/V^*$", "log"))):
+        for pair, each in runs.items():
+            exact, wave = (one.cycle for one in each[:2])
+            traces = [
+                Trace("delay system", exact.time, getattr(exact, name), Look(PALE, width=2.6)),
+                Trace("full wave", wave.time, getattr(wave, name), Look(ORANGE, DASHED, width=1.0)),
+            ]
+            panels.append(Panel(f"round trips {_TITLES[pair]} : 1" if name == "stress" else "", across, up, traces))
+    return Chart(panels, 4.8, len(runs), legend="outside upper left", legend_columns=2)

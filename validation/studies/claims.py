@@ -15,12 +15,13 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Orbit
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.compute.build import build
+from validation.compute.looks import model_line
 from validation.measure.cycle import OneCycle, one_cycle, ripple_period, watch
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
-from validation.study.drawing import Drawing, style_of, subplots
 from validation.study.known import PeriodRanges, as_known, as_printed, order_of_periods, range_of_r, rounding
 from validation.study.text import minus
 from validation.study.verdict import ASYMPTOTIC, EXACT, PAPER, Outcome, Verdict, at_least, claim, holding, in_range, of_paper
@@ -174,26 +175,22 @@ def _deep_table(deep: dict[str, Deep]) -> Table:
     return table("deep", caption, " | ".join(["model | cycles .0f", *stated_of, "v_{max} [V*] .1e"]), rows)
 
 
-def irregular(deep: dict[str, Deep]) -> Drawing:
+def irregular(deep: dict[str, Deep]) -> Chart:
     """Stress over time, one panel per model."""
-    figure, grid = subplots(3.6, len(deep), 1, "time (transits)", r"$\mu$", sharex=True, sharey=True)
-    for axes, (model, run) in zip(grid, deep.items(), strict=True):
-        axes.plot(run.time, run.stress, color=style_of(model).color, linewidth=0.7)
-        axes.set_title(style_of(model).label, fontsize=11)
-        axes.set_xlim(run.time[0], run.time[-1])
-    return figure
+    across, up = Scale("time (transits)", limits=SHOWN), Scale(r"$\mu$")
+    lines = {model: model_line(model, run.time, run.stress, dashes="-", width=0.7) for model, run in deep.items()}
+    return Chart([Panel(line.name, across, up, [line]) for line in lines.values()], 3.6, share=("all", "all"))
 
 
-def _slip_planes(deep: dict[str, Deep]) -> Drawing:
+def _slip_planes(deep: dict[str, Deep]) -> Chart:
     law: Any = sw.read("paper-2.3").law
-    figure, panels = subplots(3.4, 1, len(deep), "$v/V^*$", sharex=True, sharey=True)
-    for axes, (model, run) in zip(panels, deep.items(), strict=True):
-        axes.semilogx(run.slip_rate, run.stress, color=style_of(model).color, linewidth=0.5, label=style_of(model).label)
+    panels = []
+    for model, run in deep.items():
+        line = model_line(model, run.slip_rate, run.stress, dashes="-", width=0.5)
         rate = np.geomspace(run.slip_rate.min(), run.slip_rate.max(), 50)
-        axes.semilogx(rate, law.a_star + (law.a - law.b) * np.log(rate), color="#d55e00", linestyle="--", label="steady sliding")
-        axes.set(title=style_of(model).label, ylabel=r"$\mu$")
-    axes.legend()
-    return figure
+        steady = Trace("steady sliding", rate, law.a_star + (law.a - law.b) * np.log(rate), Look(ORANGE, "--"))
+        panels.append(Panel(line.name, Scale("$v/V^*$", "log"), Scale(r"$\mu$"), [line, steady]))
+    return Chart(panels, 3.4, len(panels), share=("all", "all"))
 
 
 _NUMBERED = (

@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,12 +12,12 @@ from slipwave.friction.ageing import Ageing
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from validation.chart import BLUE, DASHED, DOTTED, GUIDE, ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.compute.build import build
 from validation.compute.models import explicit_time
 from validation.compute.settle import NoCycle
 from validation.measure.cycle import watch
 from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, Table, memo, stated, table
-from validation.study.drawing import Drawing, subplots
 from validation.study.text import plain
 from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding
 
@@ -136,7 +137,7 @@ _BARE = (
     "the same high-frequency reflection, which keep it. Dotted: 1 − R beyond which the interface locks instead of sliding on."
 )
 
-_LOOKS = (("#111111", "-"), ("#0072b2", (0, (5, 1.5))))
+_LOOKS = (Look(), Look(BLUE, DASHED))
 
 
 def _bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], ends: list[str]) -> Table:
@@ -150,43 +151,39 @@ def _bare_table(leaks: tuple[float, ...], bare: list[Point], held: list[Point], 
     return table("bare", caption, heading, rows)
 
 
-def over_grip(grid: Array, orbits: Mapping[float, Sequence[Any]], pairs: Sequence[Any]) -> Drawing:
-    """`orbits`: stiffness -> points (period, drop, v_max) over `grid`; `pairs` hold the full wave's points."""
-    figure, panels = subplots(3.8, 1, 2, r"$Z_g/\epsilon$")
-    for (stiffness, points), (color, dashes) in zip(orbits.items(), _LOOKS, strict=True):
-        for axes, which in zip(panels, (0, 1), strict=True):
-            label = f"delay system, $K = {stiffness:g}$"
-            axes.semilogx(grid, [point[which] for point in points], color=color, linestyle=dashes, marker=".", label=label)
+def over_grip(grid: Array, orbits: Mapping[float, Sequence[Point]], pairs: Sequence[Pair]) -> Chart:
+    """`orbits`: stiffness -> points over `grid`; `pairs` hold the full wave's points."""
+    panels = []
+    for name, label in (("period", "period $T$ (transits)"), ("drop", r"stress drop $\Delta\mu$")):
+        traces = []
+        for (stiffness, points), look in zip(orbits.items(), _LOOKS, strict=True):
+            of_stiffness = f"$K = {stiffness:g}$"
+            values = [getattr(point, name) for point in points]
+            traces.append(Trace(f"delay system, {of_stiffness}", grid, values, look.but(marker=".")))
             chosen = [pair for pair in pairs if pair.stiffness == stiffness]
-            at = [p.impedance for p in chosen]
-            axes.plot(at, [p.exact[which] for p in chosen], "+", color=color, markersize=8)
-            axes.plot(at, [p.wave[which] for p in chosen], "o", color="#d55e00", markerfacecolor="none")
-    panels[1].lines[-1].set_label("full wave")
-    for axes, name in zip(panels, ("period $T$ (transits)", r"stress drop $\Delta\mu$"), strict=True):
-        axes.set_ylim(bottom=0.0)
-        axes.set_ylabel(name)
-        axes.grid(True)
-    lines = [panels[1].lines[0], panels[1].lines[3], panels[1].lines[-1]]
-    figure.legend(handles=lines, loc="outside upper left", ncols=3, handlelength=3.0)
-    return figure
+            at = [pair.impedance for pair in chosen]
+            exact, wave = ([getattr(getattr(pair, whose), name) for pair in chosen] for whose in ("exact", "wave"))
+            traces.append(
+                Trace(f"delay system, last cycle, {of_stiffness}", at, exact, look.but(dashes="", marker="+", size=8.0))
+            )
+            traces.append(Trace(f"full wave, last cycle, {of_stiffness}", at, wave, Look(ORANGE, "", "o", hollow=True)))
+        panels.append(Panel("", Scale(r"$Z_g/\epsilon$", "log"), Scale(label, limits=(0.0, None)), traces, grid=True))
+    keys = [traces[0], traces[3], replace(traces[2], name="full wave")]
+    return Chart(panels, 3.8, 2, legend="outside upper left", legend_columns=3, keys=keys)
 
 
-def bare_and_grip(leaks: Array, bare: Sequence[Any], held: Sequence[Any], edge: float) -> Drawing:
-    """Points (period, drop, v_max) over `leaks` = 1 - R; the interface locks beyond `edge`."""
-    figure, panels = subplots(3.4, 1, 3, "$1 - R$")
-    names = ("period $T$ (transits)", r"stress drop $\Delta\mu$", r"$v_{max}/V^*$")
-    for which, (axes, name) in enumerate(zip(panels, names, strict=True)):
-        for points, (color, dashes), marker, label in zip(
-            (bare, held), _LOOKS, ("o", "^"), ("bare coefficient $R$", "grip of the same reflection"), strict=True
-        ):
-            values = [point[which] for point in points]
-            axes.semilogx(leaks, values, color=color, linestyle=dashes, marker=marker, markersize=4, label=label)
-        axes.axvline(edge, color="#6b6b66", linewidth=0.8, linestyle=(0, (1, 2)))
-        axes.set_ylim(bottom=0.0)
-        axes.set_title(name)
-        axes.grid(True)
-    figure.legend(handles=panels[0].lines[:2], loc="outside upper left", ncols=2, handlelength=3.0)
-    return figure
+def bare_and_grip(leaks: Array, bare: Sequence[Point], held: Sequence[Point], edge: float) -> Chart:
+    """Points over `leaks` = 1 - R; the interface locks beyond `edge`."""
+    panels, names = [], ("bare coefficient $R$", "grip of the same reflection")
+    guide = Trace("", (edge, edge), (-np.inf, np.inf), GUIDE.but(dashes=DOTTED))
+    for which, label in enumerate(("period $T$ (transits)", r"stress drop $\Delta\mu$", r"$v_{max}/V^*$")):
+        each = zip(names, (bare, held), _LOOKS, ("o", "^"), strict=True)
+        traces = [
+            Trace(name, leaks, [point[which] for point in points], look.but(marker=marker, size=4.0))
+            for name, points, look, marker in each
+        ]
+        panels.append(Panel("", Scale("$1 - R$", "log"), Scale(label, limits=(0.0, None)), [guide, *traces], grid=True))
+    return Chart(panels, 3.4, 3, legend="outside upper left", legend_columns=2)
 
 
 def grip_scene(stiffness: float, impedance: float, log10_r: float) -> Scene:

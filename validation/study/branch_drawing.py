@@ -7,6 +7,8 @@ import numpy as np
 
 from reduced.orbit.figures import figures_of
 from slipwave.observe.pieces import Array
+from validation.chart import DOTTED, GREY, Look, Trace, with_gaps
+from validation.compute.looks import model_look
 from validation.compute.points import BranchPoint
 from validation.study.drawing import Axes, key, style_of
 from validation.study.over_r import Branch, parts
@@ -70,3 +72,32 @@ def special_keys(kinds: Iterable[str]) -> Iterator[Any]:
     yield key(color="#555555", linewidth=_THIN, linestyle=(0, (1.5, 1.2)), label="unstable")
     for kind in kinds:
         yield key(marker=MARKS[kind], label=NAMES[kind], **_mark(kind, "#555555"))
+
+
+def branch_traces(branch: Branch, name: str) -> Iterator[Trace]:
+    """The figure `name` of all orbits over log10 r, stable and unstable, and of the special points, with their marks."""
+    label, model = style_of(branch.model).label, branch.model
+    looks = {"": model_look(model, dashes="-", kind="smooth"), ", unstable": _UNSTABLE.but(color=style_of(model).color)}
+    for words, look in looks.items():
+        curves = [corners for stable, corners in parts(branch.corners) if stable != bool(words)]
+        points = (([one.value for one in corners], [getattr(one, name) for one in corners]) for corners in curves)
+        yield Trace(label + words, *with_gaps(points), look)
+    found = [("HB", branch.onset.parameter, branch.onset.period if name == "period" else 0.0)]
+    found += [(one.kind, one.point.parameter, figures_of(one.point.closed)[name]) for one in branch.special]
+    for kind in dict.fromkeys(kind for kind, *_ in found):
+        x, y = zip(*(place for own, *place in found if own == kind), strict=True)
+        yield Trace(f"{NAMES[kind]}, {label}", x, y, _marks(kind, style_of(model).color))
+
+
+def branch_keys(kinds: Iterable[str]) -> Iterator[Trace]:
+    """Entries of a legend: unstable orbits, and these kinds of points."""
+    yield Trace("unstable", [], [], _UNSTABLE)
+    for kind in kinds:
+        yield Trace(NAMES[kind], [], [], _marks(kind, GREY))
+
+
+_UNSTABLE = Look(GREY, DOTTED, width=_THIN, kind="smooth")
+
+
+def _marks(kind: str, color: str) -> Look:
+    return Look(color, "", MARKS[kind], size=SIZES[kind], hollow=kind in ("HB", "PD"))

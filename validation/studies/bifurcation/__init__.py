@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 from reduced.orbit.figures import figures_of
 from validation.references.published import half_digit, reference
+from validation.studies.bifurcation.charts import CAPTION, PLANES, diagram, orbits_in_planes
 from validation.studies.bifurcation.doubling import PAIRS, Doubled, bubble, doubled, doubling_verdicts
-from validation.studies.bifurcation.drawn import CAPTION, PLANES, diagram, orbits_in_planes
 from validation.studies.bifurcation.folds import fold_at, fold_verdicts, folds_over_drive
 from validation.study import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
 from validation.study.branch_drawing import NAMES
@@ -77,7 +77,7 @@ def run(budget: Budget) -> StudyResult:
             Figure(
                 "branches",
                 CAPTION,
-                lambda: diagram(branches.values(), waves),
+                lambda: diagram([delay, ode], waves),
                 paper="Fig 6",
                 carries=("P8 ", "P9 ", "P11 ", "P14 "),
             ),

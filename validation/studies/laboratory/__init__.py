@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from validation.chart import BLUE, ORANGE, POINTS, Chart, Look, Panel, Scale, Trace, outline, with_gaps
 from validation.references import published
 from validation.references.published import laboratory
 from validation.studies.laboratory.measured import (
@@ -24,7 +25,6 @@ from validation.studies.laboratory.measured import (
 )
 from validation.studies.laboratory.programs import compared_with, on_programs, printed_rows
 from validation.study import WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, claim, every, of_paper
-from validation.study.drawing import Drawing, canvas, subplots
 
 NAME = "laboratory"
 QUESTION = "Do the models meet experiments that nobody here made?"
@@ -95,8 +95,8 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answers=_answers(cases),
         figures=(
-            Figure("leeman", _LEEMAN, lambda: draw_cases(cases)),
-            Figure("togo", _TOGO, lambda: draw_rises(rises)),
+            Figure("leeman", _LEEMAN, lambda: over_stress(cases)),
+            Figure("togo", _TOGO, lambda: over_drop(rises)),
         ),
         verdicts=(
             *_reproduced(untuned),
@@ -278,45 +278,36 @@ def _numbers(cases: Iterable[Case], rises: Iterable[Rise], count: int) -> dict[s
     return medians | {f"rise time, drop {one.drop:.2g} MPa": Number(one.time, 1e-3) for one in rises}
 
 
-def draw_cases(cases: Sequence[Case]) -> Drawing:
-    """Measured values with their scatter and the ranges of the laws."""
-    figure = canvas(9.0, 3.6)
-    for axes, name in zip(figure.subplots(1, 3), NAMES, strict=True):
-        for law, aside in zip(LAWS, (-0.15, 0.15), strict=True):
-            own = [case for case in cases if case.law == law]
-            stress = [case.row["sigma_MPa"] + aside for case in own]
-            low, median, high = (np.array(side) for side in zip(*(case.bands[name] for case in own), strict=True))
-            ends, label = [median - low, high - median], f"{law} law, median and 95 %"
-            axes.errorbar(stress, median, ends, fmt="_", color=_COLORS[law], linewidth=2.5, alpha=0.7, label=label)
-        values = np.array([measured_figure(row, name) for row in leeman_runs()])
-        axes.errorbar(
-            [row["sigma_MPa"] for row in leeman_runs()],
-            values,
-            _SCATTER[name] * values,
-            fmt="o",
-            color="#111111",
-            markersize=4,
-            label="measured",
-        )
-        axes.set(xlabel="normal stress / MPa", ylabel=_SYMBOLS[name][1], ylim=(0, None))
-    axes.set(yscale="log", ylim=(0.01, 60))
-    figure.axes[0].legend(fontsize="small", loc="lower right")
-    return figure
+def over_stress(cases: Sequence[Case]) -> Chart:
+    """Measured values with their scatter and the ranges of the laws, over normal stress."""
+    panels, runs = [], leeman_runs()
+    for name in NAMES:
+        traces = []
+        for law, color, aside in zip(LAWS, (BLUE, ORANGE), (-0.15, 0.15), strict=True):
+            own = {float(case.row["sigma_MPa"]): case.bands[name] for case in cases if case.law == law}
+            ranges = with_gaps(([stress] * 2, [band.low, band.high]) for stress, band in own.items())
+            traces.append(Trace(f"{law} law, 95 %", *ranges, Look(color, width=2.5), shift=(aside, 0.0)))
+            medians = [band.median for band in own.values()]
+            traces.append(Trace(f"{law} law, median", [*own], medians, Look(color, "", "_", size=9.0), shift=(aside, 0.0)))
+        values = np.array([measured_figure(row, name) for row in runs])
+        at, scatter = [row["sigma_MPa"] for row in runs], _SCATTER[name] * values
+        traces.append(Trace("measured", at, values, POINTS.but(size=4.0), y_error=scatter))
+        up = Scale(_SYMBOLS[name][1], "log", (0.01, 60.0)) if name == "peak" else Scale(_SYMBOLS[name][1], limits=(0.0, None))
+        panels.append(Panel("", Scale("normal stress / MPa"), up, traces))
+    return Chart(panels, 3.6, 3, 9.0, legend="outside upper left", legend_columns=5)
 
 
-_COLORS = {"ageing": "#0072b2", "slip": "#d55e00"}
-
-
-def draw_rises(rises: Sequence[Rise]) -> Drawing:
+def over_drop(rises: Sequence[Rise]) -> Chart:
     """Rise times over stress drops."""
-    figure, axes = subplots(2.8, x="stress drop / MPa", y="rise time / ms")
     low, high = laboratory()["togo-2015"]["rise_time_ms"]
-    axes.axhspan(low, high, color="#cccccc", linewidth=0.0, label="measured")
-    drops = [one.drop for one in rises]
-    axes.plot(drops, [one.time for one in rises], "o", color="#0072b2", markersize=4, label="exact waves, machine of 153 MPa/m")
-    axes.set(ylim=(0, 25), xlim=(0, None))
-    axes.legend(fontsize="small", loc="lower right")
-    return figure
+    drops, times = [one.drop for one in rises], [one.time for one in rises]
+    traces = [
+        Trace("", *outline((0.0, np.inf), (low, low), (high, high)), Look("#cccccc", kind="area")),
+        Trace("measured", [0.01], [0.5 * (low + high)], Look(kind="text")),
+        Trace("exact waves, machine of 153 MPa/m", drops, times, POINTS.but(color=BLUE)),
+    ]
+    across, up = Scale("stress drop / MPa", limits=(0.0, None)), Scale("rise time / ms", limits=(0.0, 25.0))
+    return Chart([Panel("", across, up, traces, "lower right")], 2.8)
 
 
 _LEEMAN = (

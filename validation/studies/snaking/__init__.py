@@ -1,7 +1,7 @@
 """The delay system's branch of orbits folds back and forth: evidence from two meshes and from runs near a torus point."""
 
 from collections.abc import Iterable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -9,13 +9,13 @@ from reduced.continuation.branch import Control
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
-from validation.chart.thin import staying
+from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.compute.looks import model_look
 from validation.compute.points import BranchPoint
 from validation.studies.snaking import measured
 from validation.studies.snaking.measured import PeriodsOfRun, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, StudyAnswer, StudyResult, Table, memo, table
-from validation.study.branch_drawing import draw_branch, draw_special, special_keys
-from validation.study.drawing import Drawing, ruled, style_of, subplots
+from validation.study.branch_drawing import branch_keys, branch_traces
 from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts
 from validation.study.text import minus, plain
 
@@ -103,7 +103,7 @@ def _answers(branch: Branch, most: int) -> tuple[StudyAnswer, ...]:
 
 _CAPTION = (
     "Period T of the delay system’s orbits over r: the bifurcation diagram, enlarged. Thick and solid: stable; thin and dotted: "
-    "unstable. Orange: periods of direct runs; one settles (circle), the other does not (bar from the least to the largest). "
+    "unstable. Orange: periods of direct runs, with bars from the least to the largest: one settles, the other does not. "
     "Right: the number of multipliers outside the unit circle along the branch."
 )
 _ORBITS = (
@@ -115,11 +115,9 @@ _WHY = (
     "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays."
 )
 
-_ALONG, _POINTS, _RAISED = 24, 400, 0.15
+_ALONG, _RAISED = 24, 0.15
 _LEAST = 74.0
 """Period (transits) from which the branch is shown."""
-
-_RUNS: dict[str, Any] = {"color": "#d55e00", "capsize": 3.0, "linestyle": "none", "markerfacecolor": "none"}
 
 
 def _window_table(corners: list[BranchPoint]) -> Table:
@@ -145,37 +143,33 @@ def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), words)
 
 
-def orbits_along(branch: Branch) -> Drawing:
+def orbits_along(branch: Branch) -> Chart:
     """The stress of some orbits in order along the branch, each offset by `_RAISED`."""
     points = [point for point in branch.points if point.closed.cycle.period > _LEAST]
-    raised = rf"$\mu$, each orbit {_RAISED:g} above the one before"
-    figure, axes = subplots(6.0, 1, 1, "time since the slip event (transits)", raised)
+    traces = []
     for k, n in enumerate(np.linspace(0, len(points) - 1, _ALONG).astype(int)):
         closed = points[n].closed
         cycle = memo.cycle_of(closed, 0.0, 0.0)
-        chosen = staying(cycle.time, cycle.stress, _POINTS)
-        label = minus(f"T = {closed.cycle.period:.3f}, log10 r = {points[n].parameter:.5f}")
-        stable = count_unstable(closed) == 0
-        look: Any = {"linestyle": "-" if stable else (0, (1.5, 1.2)), "linewidth": 0.8, "label": label}
-        axes.plot(cycle.time[chosen], cycle.stress[chosen] + _RAISED * k, color=style_of("delay").color, **look)
-    return figure
+        name = minus(f"T = {closed.cycle.period:.3f}, log10 r = {points[n].parameter:.5f}")
+        look = model_look("delay", dashes=DOTTED if count_unstable(closed) else "-", width=0.8)
+        traces.append(Trace(name, cycle.time, cycle.stress, look, shift=(0.0, _RAISED * k)))
+    raised = rf"$\mu$, each orbit {_RAISED:g} above the one before"
+    return Chart([Panel("", Scale("time since the slip event (transits)"), Scale(raised), traces)], 6.0)
 
 
-def snake(branch: Branch, runs: Iterable[PeriodsOfRun]) -> Drawing:
+def snake(branch: Branch, runs: Iterable[PeriodsOfRun]) -> Chart:
     """T over log10 r, with the periods of direct runs, and the number of unstable multipliers."""
     corners = [corner for corner in branch.corners if corner.period > _LEAST]
-    figure, (left, right) = subplots(6.4, 1, 2, r"$\log_{10} r$", "$T$ (transits)", sharey=True, width_ratios=(4.0, 1.0))
-    draw_branch(left, branch.model, corners, "period")
-    draw_special(left, branch, "period")
-    for run in runs:
-        middle = 0.5 * (run.last.min() + run.last.max())
-        left.errorbar([run.log10_r], [middle], [0.5 * np.ptp(run.last)], marker="o" if run.settled else "", **_RUNS)
-    period, r = [one.period for one in corners], [one.value for one in corners]
-    left.set(ylim=(_LEAST, max(period)), xlim=(min(r) - 0.002, max(r) + 0.002))
-    right.step([one.unstable for one in corners], period, color="#111111", linewidth=1.0, where="pre")
-    right.set(xlabel="count outside", xticks=(0, 1, 2))
-    ruled(left, right)
-    handles = [*special_keys(("LP", "NS")), *left.containers[:1]]
-    labels = ["unstable", "fold", "torus point", "direct run, all its periods"]
-    figure.legend(handles, labels, loc="outside upper left", ncols=4, handlelength=2.4)
-    return figure
+    periods, r = [one.period for one in corners], [one.value for one in corners]
+    ends = np.array([(run.log10_r, run.last.min(), run.last.max()) for run in runs]).T
+    middle, half = 0.5 * (ends[1] + ends[2]), 0.5 * (ends[2] - ends[1])
+    seen = Trace("direct run, all its periods", ends[0], middle, Look(ORANGE, "", "o", hollow=True), y_error=half)
+    outside = Trace("", [one.unstable or 0 for one in corners], periods, Look(kind="steps-pre", width=1.0))
+    up = Scale("$T$ (transits)", limits=(_LEAST, max(periods)))
+    across = Scale(r"$\log_{10} r$", limits=(min(r) - 0.002, max(r) + 0.002))
+    panels = (
+        Panel("", across, up, [*branch_traces(branch, "period"), seen], grid=True),
+        Panel("", Scale("count outside", ticks={0.0: "0", 1.0: "1", 2.0: "2"}), up, [outside], grid=True),
+    )
+    keys = [*branch_keys(("LP", "NS")), seen]
+    return Chart(panels, 6.4, 2, widths=(4.0, 1.0), legend="outside upper left", legend_columns=4, keys=keys)
