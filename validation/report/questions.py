@@ -62,7 +62,8 @@ def _asked(question: Question, mine: Sequence[Stored], studies: Sequence[Stored]
     rests_on = [(study, result.proofs(result.answers[0])) for study, result in done if result.answers]
     if question.name == "paper":
         judged = [(study, tuple(v for v in verdicts_of([study]) if v.evidence is Evidence.PAPER)) for study in studies]
-        said, rests_on = _of_paper([v for _, some in judged for v in some]), [(study, some) for study, some in judged if some]
+        said = _of_paper([v for _, some in judged for v in some]) + said
+        rests_on += [(study, some) for study, some in judged if some and study not in mine]
     elif question.name == "trust":
         said += _of_checks(studies)
     elif question.name == "changed":
