@@ -6,6 +6,7 @@ import copy
 import io
 import re
 from collections.abc import Iterable, Iterator
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tinos,serif"
 _SVG, _LINK = "http://www.w3.org/2000/svg", "{http://www.w3.org/1999/xlink}href"
 _COLOR, _REFERRED = re.compile(r"#[0-9a-f]{6}"), re.compile(r"url\(#(.*)\)|#(.*)")
-_PLACES = ("d", "x", "y", "width", "height", "transform", "viewBox")
+_PLACES = ("x", "y", "width", "height", "transform", "viewBox")
 _SHADES, _KEYS = 256, 16  # colours of a picture; of one whose colours a key explains
 _RASTER_DOTS = 72  # per inch, of pictures within a drawing
 
@@ -30,11 +31,14 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
     root = ElementTree.fromstring(raw.getvalue())
     root.remove(root[0])  # who made it
     own = {old: f"{name}-{n}" for n, old in enumerate(dict.fromkeys(_referred(root)))}
+    for words in root.iter(f"{{{_SVG}}}text"):
+        words[:] = _runs(words)
     for element in root.iter():
         element.text, element.tail = element.text if (element.text or "").strip() else None, None
         _shorten(element, own)
     for parent in [one for one in root.iter() if one.find(f"{{{_SVG}}}image") is not None]:
         _day_and_night(parent)
+    _unwrap(root)
     known = {"role": "img", "aria-labelledby": f"{name}-title", "aria-describedby": f"{name}-desc"}
     root.attrib.update(known | {"style": f"font-family:{FONTS};fill:#000000"})
     for place, (tag, words) in enumerate((("title", title), ("desc", description))):
@@ -52,6 +56,21 @@ def _referred(root: ElementTree.Element) -> Iterator[str]:
             yield found[1] or found[2]
 
 
+def _runs(letters: Iterable[ElementTree.Element]) -> Iterator[ElementTree.Element]:
+    """Letters of a label, those of one style on one line together."""
+    for _, alike in groupby(letters, lambda one: (one.get("style"), one.get("y"))):
+        first, *others = alike
+        first.text = "".join(one.text or " " for one in (first, *others))
+        yield first
+
+
+def _unwrap(parent: ElementTree.Element) -> None:
+    """Put what groups without attributes hold in their place."""
+    for child in parent:
+        _unwrap(child)
+    parent[:] = [one for child in parent for one in (child if child.tag == f"{{{_SVG}}}g" and not child.attrib else [child])]
+
+
 def _shorten(element: ElementTree.Element, own: dict[str, str]) -> None:
     """Only the ids that are referred to, renamed; places to a tenth of a point; the fonts of the page."""
     words = dict(element.attrib)
@@ -62,11 +81,27 @@ def _shorten(element: ElementTree.Element, own: dict[str, str]) -> None:
         found = _REFERRED.fullmatch(value)
         if found and name != "style":
             value = value.replace(found[1] or found[2], own[found[1] or found[2]])
+        elif name == "transform" and value.startswith("rotate(-0 "):
+            continue
+        elif name == "d":
+            value = _relative(value)
         elif name in _PLACES:
             value = " ".join(map(_tenths, value.split()))
         elif name == "style":
             value = ";".join(part.replace(": ", ":") for part in value.split("; ") if not part.startswith("font-family"))
         element.set("href" if name == _LINK else name, value)
+
+
+def _relative(path: str) -> str:
+    """A path of matplotlib's, in tenths of a point from place to place instead of places."""
+    found, here, begun = "", (0, 0), (0, 0)
+    for kind, numbers in re.findall(r"([MLQCz])([^MLQCz]*)", path):
+        places = [round(10.0 * float(word)) for word in numbers.split()]
+        steps = (f"{0.1 * (place - here[k % 2]):.1f}".removesuffix(".0") for k, place in enumerate(places))
+        found += kind.lower() + " ".join(re.sub(r"^(-?)0\.", r"\1.", step) for step in steps)
+        here = (places[-2], places[-1]) if places else begun
+        begun = here if kind == "M" else begun
+    return found.replace(" -", "-")
 
 
 def _tenths(word: str) -> str:
