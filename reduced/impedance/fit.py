@@ -6,6 +6,7 @@ quasi-static one. Passivity is certified on the whole axis, not on a grid (`of_r
 accurate at low frequency, is refused.
 """
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 from reduced.impedance.of_reduction import dissipation, reduction_ratio, sign_frequencies
 from reduced.impedance.reduction import Reduction
-from reduced.impedance.transmission_line import Complex, Jet, pair_ratio
+from reduced.impedance.transmission_line import Complex, Jet, drive_ratio, pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
@@ -45,7 +46,21 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
         pairs, reals = fit_poles(s, target - spring / s, _weight(s, target), start, np.array([-0.3, -3.0]) / longest)
         fit = _passive(name, s, target, spring, pairs, reals)
     _require_accuracy(scene, fit, longest)
-    return fit
+    return fit if scene.drive.is_constant else replace(fit, transfer=_transfer(scene, fit, s, start))
+
+
+def _transfer(scene: Scene, fit: Reduction, s: Complex, start: Complex) -> Reduction:
+    """The stress that the drive alone causes, with poles of its own: least squares over the same band."""
+    p, n = drive_ratio(scene, Jet.variable(s / scene.transit))
+    target = np.asarray(n.value / (p.value * scene.upper.epsilon)) - fit.spring / s
+    weight = np.asarray(1.0 / (1.0 + np.abs(s)))
+    with one_thread(), np.errstate(divide="ignore", invalid="ignore"):
+        pairs, reals = fit_poles(s, target, weight, start, np.array([-0.3, -3.0]))
+    rows = partial_fractions(s, pairs, reals) * weight[:, None]
+    matrix, data = np.concatenate([rows.real, rows.imag]), np.concatenate([(target * weight).real, (target * weight).imag])
+    scale = np.linalg.norm(matrix, axis=0)
+    found = np.linalg.lstsq(matrix / scale, data, rcond=None)[0] / scale
+    return _reduction(fit.name, np.concatenate([[0.0, 0.0], found]), pairs, reals, fit.spring)
 
 
 def _reduction(name: str, x: NDArray[np.float64], pairs: Complex, reals: NDArray[np.float64], spring: float) -> Reduction:

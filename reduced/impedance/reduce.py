@@ -15,7 +15,7 @@ import numpy as np
 
 from reduced.families import REDUCTIONS
 from reduced.impedance.reduction import TABULATED, Reduction, mode_count, reduction
-from reduced.impedance.transmission_line import Jet, pair_ratio
+from reduced.impedance.transmission_line import Jet, drive_ratio, pair_ratio
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
@@ -163,24 +163,29 @@ def modal(scene: Scene, name: str) -> Reduction:
     spring, mass = spring_and_mass(scene)
     frequencies, residues = locked_modes(scene, count)
     remainder = mass - sum(residue / omega**2 for residue, omega in zip(residues, frequencies, strict=True))
-    return Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
+    found = Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
+    at_modes = Jet.variable(1j * np.array(frequencies) / scene.transit)
+    passed = (drive_ratio(scene, at_modes)[1].value / pair_ratio(scene, at_modes)[1].value).real
+    return found.driven(tuple((np.array(residues) * passed).tolist()))
 
 
 def kelvin_voigt(scene: Scene, name: str) -> Reduction:
     """Both slabs' Z_i = (2 eps_i/(s r_i))(1 + x_i/8)/(1 + x_i/24), x_i = (s r_i)^2, in series (11): two pole pairs, or one
-    if the round trips are equal. Poles in X = s^2 (transit clock) from sum_i k_i (1 + rho_i X/24)(1 + rho_j X/8) = 0."""
+    if the round trips are equal. Poles in X = s^2 (transit clock) from sum_i k_i (1 + rho_i X/24)(1 + rho_j X/8) = 0. A free
+    slab passes the velocity of its drive on with the factor 1/(1 + x_i/8), as in (41)."""
     spring, _ = spring_and_mass(scene)
     rho = (scene.lower.round_trip / scene.transit) ** 2
     upper, lower = 0.5, 0.5 * scene.lower.round_trip * scene.upper.epsilon / (scene.transit * scene.lower.epsilon)
     if math.isclose(rho, 1.0, rel_tol=1e-12):
-        return Reduction(name, frequencies=(math.sqrt(24.0),), residues=(2.0 * spring,), spring=spring)
+        return Reduction(name, frequencies=(math.sqrt(24.0),), residues=(2.0 * spring,), spring=spring).driven((-spring,))
     squares = _quadratic_roots(
         (upper + lower) * rho / 192.0, upper * (1 / 24 + rho / 8) + lower * (rho / 24 + 1 / 8), upper + lower
     )
     slopes = [upper * _slab_slope(x, 1.0) + lower * _slab_slope(x, rho) for x in squares]
-    return Reduction(
-        name, frequencies=tuple(math.sqrt(-x) for x in squares), residues=tuple(2.0 / slope for slope in slopes), spring=spring
-    )
+    residues = tuple(2.0 / slope for slope in slopes)
+    passed = (0.5 / (1.0 + x / 8.0) + 0.5 / (1.0 + rho * x / 8.0) for x in squares)
+    found = Reduction(name, frequencies=tuple(math.sqrt(-x) for x in squares), residues=residues, spring=spring)
+    return found.driven(tuple(residue * share for residue, share in zip(residues, passed, strict=True)))
 
 
 def fitted(scene: Scene, name: str) -> Reduction:

@@ -11,12 +11,16 @@ scenes. As ODEs, with u = v - V and the stress tau_k of mode k (in units of epsi
     tau_k' = -residue_k u - 2 decay_k tau_k + p_k,   p_k' = -offset_k u - omega_k^2 tau_k,
     tau_j' = -strength_j u - rate_j tau_j,            y' = -spring u,   mass v' + damping u = y + sum tau - mu/epsilon.
 
+V acts at the outer faces, half a transit away. Its stress at an interface without slip is T(s) delta_V, for alike slabs
+eps/(2 sinh(s/2)) = eps (1/s + sum_k (-1)^k 2 s/(s^2 + (2 pi k)^2)): a reduction with modes has this as its `transfer`, and u = v
+in the equations of tau, which the transfer's terms drive by V. In the others V acts on the spring and on the damping.
+
 `reduced.families` lists the reductions.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from reduced.families import MOST_MODES, REDUCTIONS
@@ -28,6 +32,7 @@ class Reduction:
     """Poles, residues, mass and damping of a reduced pair, relative to the upper slab's epsilon, transit clock t~.
 
     `frequencies` are omega_k (radians per transit); `residues`, and `decays` and `offsets` unless all are zero, are as many.
+    `transfer`: T(s)/epsilon of a drive that changes, with the same spring; None if V acts as the opposite slip rate.
     """
 
     name: str
@@ -39,12 +44,23 @@ class Reduction:
     offsets: tuple[float, ...] = ()
     relaxations: tuple[tuple[float, float], ...] = ()
     spring: float = 1.0
+    transfer: "Reduction | None" = None
 
     @cached_property
     def modes(self) -> tuple[tuple[float, float, float, float], ...]:
         """(omega, residue, decay, offset) of each mode."""
         zeros = (0.0,) * len(self.frequencies)
         return tuple(zip(self.frequencies, self.residues, self.decays or zeros, self.offsets or zeros, strict=True))
+
+    @property
+    def terms(self) -> tuple[list[tuple[float, ...]], list[tuple[float, ...]]]:
+        """(residue, offset, 2 decay, omega^2) of every mode, and of every relaxation, a mode without inertia."""
+        modes = [(residue, offset, 2.0 * decay, omega * omega) for omega, residue, decay, offset in self.modes]
+        return modes, [(strength, 0.0, rate, 0.0) for strength, rate in self.relaxations]
+
+    def driven(self, residues: tuple[float, ...]) -> "Reduction":
+        """This reduction with a transfer of the same poles and these residues."""
+        return replace(self, transfer=Reduction(self.name, frequencies=self.frequencies, residues=residues, spring=self.spring))
 
     @property
     def is_lossless(self) -> bool:
@@ -65,7 +81,8 @@ class Reduction:
 def _modal(modes: int) -> Reduction:
     frequencies = tuple(2.0 * math.pi * k for k in range(1, modes + 1))
     mass = 1.0 / 12.0 - sum(2.0 / omega**2 for omega in frequencies)
-    return Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
+    found = Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
+    return found.driven(tuple(2.0 * (-1.0) ** k for k in range(1, modes + 1)))
 
 
 TABULATED: dict[str, Callable[[], Reduction]] = {
@@ -73,8 +90,8 @@ TABULATED: dict[str, Callable[[], Reduction]] = {
     "quasidynamic": lambda: Reduction("quasidynamic", damping=0.5),
     "block8": lambda: Reduction("block8", mass=1.0 / 8.0),
     "block12": lambda: Reduction("block12", mass=1.0 / 12.0),
-    # (11), (14), (41): (1/s)(1 + s^2/8)/(1 + s^2/24) = 1/s + 2 s/(s^2 + 24)
-    "kelvin-voigt": lambda: Reduction("kelvin-voigt", frequencies=(math.sqrt(24.0),), residues=(2.0,)),
+    # (11), (14), (41): (1/s)(1 + s^2/8)/(1 + s^2/24) = 1/s + 2 s/(s^2 + 24), and V by (1/s)/(1 + s^2/24) = 1/s - s/(s^2 + 24)
+    "kelvin-voigt": lambda: Reduction("kelvin-voigt", frequencies=(math.sqrt(24.0),), residues=(2.0,)).driven((-1.0,)),
 }
 """Reductions of the alike pair in closed form, except modal:N (`_modal`)."""
 

@@ -110,6 +110,16 @@ def _outer_face(slab: Slab, s: Jet) -> Ratio:
     return s * (1.0 / slab.epsilon), s * resistance + held.spring / slab.epsilon
 
 
+def _drive_on_face(slab: Slab, s: Jet) -> Jet:
+    """The part of q of `_outer_face` that couples the face to the drive: all but its mass."""
+    held = slab.termination
+    if held.is_rigid:
+        return s.constant(1.0)
+    if held.has_dead_load:
+        return s.constant(held.dashpot / slab.epsilon)
+    return (s * held.dashpot + held.spring) * (1.0 / slab.epsilon)
+
+
 def slab_ratio(slab: Slab, s: Jet) -> Ratio:
     """(p, q) of one slab at the interface: velocity w of its inner face per stress on it, Y = p/q.
 
@@ -136,3 +146,24 @@ def pair_ratio(scene: Scene, s: Jet) -> Ratio:
         return p * 2.0, q
     below_p, below_q = slab_ratio(scene.lower, s)
     return p * below_q + below_p * q, q * below_q
+
+
+def drive_ratio(scene: Scene, s: Jet) -> Ratio:
+    """(p, n) of the stress T V at an interface without slip, T = n/p, when both outer faces are driven at V/2 each.
+
+    For alike slabs behind rigid faces T = eps/(2 sinh(s r/2)). A free slab passes the velocity of its drive on with a factor H;
+    T = Z (H_1 + H_2)/2."""
+    p, q = slab_ratio(scene.upper, s)
+    if scene.alike:
+        return p * 2.0, _passed(scene.upper, s)
+    below_p, below_q = slab_ratio(scene.lower, s)
+    passed = _passed(scene.upper, s) * below_q + _passed(scene.lower, s) * q
+    return p * below_q + below_p * q, passed * 0.5
+
+
+def _passed(slab: Slab, s: Jet) -> Jet:
+    """H q of a slab, with the factors 1 + E of `slab_ratio`: the drive's part of q at the face, delayed by all layers."""
+    passed, root = _drive_on_face(slab, s), modulus(slab, s).sqrt() if slab.viscosity else 1.0
+    for layer in slab.layers:
+        passed = passed * ((s * (-0.5 * slab.round_trip * layer.fraction) / root).expm1() + 1.0) * 2.0
+    return passed

@@ -70,7 +70,7 @@ class ReducedSlabs:
 
 def impedance_at(reduction: Reduction, s: Array) -> Array:
     """Z(s)/epsilon for real s > 0 (1/transit)."""
-    residue, offset, decay2, omega2 = (term[:, None] for term in _terms(reduction))
+    residue, offset, decay2, omega2, _, _ = (term[:, None] for term in _terms(reduction))
     modes = (residue * s + offset) / (s * s + decay2 * s + omega2)
     return np.asarray(reduction.spring / s + reduction.mass * s + reduction.damping + modes.sum(axis=0))
 
@@ -78,23 +78,29 @@ def impedance_at(reduction: Reduction, s: Array) -> Array:
 @lru_cache(maxsize=16)
 def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, levels: int) -> tuple[Array, Array, Array, Array]:
     """`impedance`, `free`, `driven` and `change` (`Port`) for `levels` step lengths, of which `longest` (transits) is the first.
-    A change of the drive acts as the opposite slip rate, except on the mass."""
+    A change of the drive acts on the spring as the opposite slip rate, on the mass not at all, and on the rest by the
+    `transfer`; as the opposite slip rate without one."""
     rule = radau(stages)
-    residue, offset, decay2, omega2 = _terms(reduction)
+    residue, offset, decay2, omega2, by_residue, by_offset = _terms(reduction)
     count, s = offset.size, stages
     length = np.ldexp(longest, -np.arange(levels))
-    one, unit = np.ones(s), np.eye(s)
+    ones, unit = np.ones(s), np.eye(s)
     ha = length[:, None, None] * rule.integral
     ha2 = ha @ ha
     by_mode = (slice(None), None)
     response = np.linalg.inv(unit + decay2[:, None, None] * ha[by_mode] + omega2[:, None, None] * ha2[by_mode])
-    forced = response @ (residue[:, None, None] * ha[by_mode] + offset[:, None, None] * ha2[by_mode])
-    from_tau, from_p = response @ one, np.einsum("lnij,lj->lni", response, ha @ one)
+    forced, carried = (
+        response @ (one[:, None, None] * ha[by_mode] + other[:, None, None] * ha2[by_mode])
+        for one, other in ((residue, offset), (by_residue, by_offset))
+    )
+    from_tau, from_p = response @ ones, np.einsum("lnij,lj->lni", response, ha @ ones)
     elastic = epsilon * (reduction.spring * ha + forced.sum(axis=1) + reduction.damping * unit)
+    damping = reduction.damping if reduction.transfer is None else 0.0
+    driven = epsilon * (reduction.spring * ha + carried.sum(axis=1) + damping * unit)
     inertia = reduction.mass * rule.inverse / length[:, None, None]
     spring, moving, tau, p = 0, 1, slice(2, 2 + count), slice(2 + count, 2 + 2 * count)
     free = np.empty((levels, 2 + 2 * count, s))
-    free[:, spring], free[:, moving] = 1.0, inertia @ one
+    free[:, spring], free[:, moving] = 1.0, inertia @ ones
     free[:, tau], free[:, p] = from_tau, from_p
     moved = length[:, None] * rule.integral[-1]  # integral over the step from nodal values
     own, by_rate = np.zeros((levels, 2 + 2 * count, 2 + 2 * count)), np.zeros((levels, s, 2 + 2 * count))
@@ -105,30 +111,37 @@ def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, l
         own[:, row, 2 + modes] = part[:, :, -1]
         own[:, row, 2 + count + modes] = -omega2 * np.einsum("lni,li->ln", part, moved)
     own[:, 2 + modes, 2 + modes] -= 1.0
-    by_rate[:, :, tau] = -epsilon * forced[:, :, -1].swapaxes(1, 2)
-    slipped = omega2 * np.einsum("lj,lnjm->lmn", moved, forced)
-    by_rate[:, :, p] = epsilon * (slipped - offset * moved[:, :, None])
     by_drive = -by_rate
+    for rows, share, other, sign in ((by_rate, forced, offset, -1.0), (by_drive, carried, by_offset, 1.0)):
+        rows[:, :, tau] = sign * epsilon * share[:, :, -1].swapaxes(1, 2)
+        passed = omega2 * np.einsum("lj,lnjm->lmn", moved, share)
+        rows[:, :, p] = -sign * epsilon * (passed - other * moved[:, :, None])
     by_rate[:, -1, moving] = epsilon
     kept = _kept(reduction)
     change = np.concatenate([own[:, kept], by_rate, by_drive], axis=1)[:, :, kept]
-    driven = np.ascontiguousarray(elastic.swapaxes(1, 2))
-    return elastic + epsilon * inertia, np.ascontiguousarray(free[:, kept]), driven, np.ascontiguousarray(change)
+    impedance, driven = elastic + epsilon * inertia, np.ascontiguousarray(driven.swapaxes(1, 2))
+    return impedance, np.ascontiguousarray(free[:, kept]), driven, np.ascontiguousarray(change)
 
 
-def _terms(reduction: Reduction) -> tuple[Array, Array, Array, Array]:
-    """residue, offset, 2 decay, omega^2 of all terms; a relaxation is a mode without inertia (p = 0)."""
-    modes = [(residue, offset, 2.0 * decay, omega * omega) for omega, residue, decay, offset in reduction.modes]
-    terms = [*modes, *((strength, 0.0, rate, 0.0) for strength, rate in reduction.relaxations)]
-    residue, offset, decay2, omega2 = np.array(terms, dtype=float).reshape(-1, 4).T.copy()
-    return residue, offset, decay2, omega2
+def _terms(reduction: Reduction) -> Array:
+    """residue, offset, 2 decay, omega^2 of all terms, and residue and offset of their answer to V, (6, terms); a relaxation is a
+    mode without inertia (p = 0). Poles that a transfer does not share are terms of its own."""
+    (modes, relaxing), transfer = reduction.terms, reduction.transfer
+    if transfer is None:
+        rows = [(*term, *term[:2]) for term in (*modes, *relaxing)]
+    elif [term[2:] for term in transfer.terms[0]] == [term[2:] for term in modes] and not (relaxing or transfer.relaxations):
+        rows = [(*term, *other[:2]) for term, other in zip(modes, transfer.terms[0], strict=True)]
+    else:
+        rows = [(*term, 0.0, 0.0) for term in (*modes, *relaxing)]
+        rows += [(0.0, 0.0, *term[2:], *term[:2]) for part in transfer.terms for term in part]
+    return np.array(rows, dtype=float).reshape(-1, 6).T.copy()
 
 
 def _kept(reduction: Reduction) -> Array:
     """Which of spring, slip rate, tau and p belong to the memory; a relaxation has no p."""
-    modes, extra = len(reduction.frequencies), len(reduction.relaxations)
-    moving = [bool(omega or offset) for omega, _, _, offset in reduction.modes]
-    return np.array([reduction.spring != 0.0, not reduction.is_algebraic, *[True] * (modes + extra), *moving, *[False] * extra])
+    _, offset, _, omega2, _, by_offset = _terms(reduction)
+    moving = (omega2 != 0.0) | (offset != 0.0) | (by_offset != 0.0)
+    return np.array([reduction.spring != 0.0, not reduction.is_algebraic, *np.ones_like(moving), *moving])
 
 
 STAGES = 8

@@ -26,18 +26,21 @@ EVERY_TERM = Reduction(
     relaxations=((0.4, 1.3), (-0.1, 9.0)),
     spring=0.7,
 )
+TRANSFER = Reduction(
+    "made up", frequencies=(5.9,), residues=(-1.7,), decays=(0.4,), offsets=(0.3,), relaxations=((0.2, 2.0),), spring=0.7
+)
 
 
 class Equations:
-    """x = (psi, ln v or nothing, y, tau_1, p_1, ..., relaxations), y and tau relative to epsilon."""
+    """x = (psi, ln v or nothing, y, tau_1, p_1, ..., relaxations, the same of a transfer), y and tau relative to epsilon."""
 
     def __init__(self, scene, reduction):
         self.what, self.reduction = scene, reduction
         self.massive = reduction.mass > 0.0
-        self.modes = reduction.modes
+        self.parts = [reduction] if reduction.transfer is None else [reduction, reduction.transfer]
 
     def start(self):
-        states = 2 * len(self.modes) + len(self.reduction.relaxations)
+        states = sum(2 * len(part.modes) + len(part.relaxations) for part in self.parts)
         ln_v = [math.log(self.what.velocity)] if self.massive else []
         return np.array(
             [
@@ -51,30 +54,41 @@ class Equations:
     def ln_v(self, time, psi, load):
         """Without mass: F(ln v, psi) + epsilon damping (v - V) = epsilon load."""
         law, resistance = self.what.law, self.what.upper.epsilon * self.reduction.damping
-        stress = self.what.upper.epsilon * load + resistance * self.what.drive.at(time)
+        stress = self.what.upper.epsilon * load + resistance * self.radiated_at(time)
         free = (stress - law.a_star - law.b * psi) / law.a
         return free - float(np.real(wrightomega(free + math.log(resistance / law.a)))) if resistance else free
 
+    def radiated_at(self, time):
+        """The slip rate that damping does not resist: V, that of steady sliding where a transfer says what V does."""
+        return self.what.drive.at(time) if self.reduction.transfer is None else self.what.velocity
+
+    def states_of(self, x):
+        """(part, its modes' tau and p, its relaxations' tau)."""
+        rest = x[2 + self.massive :]
+        for part in self.parts:
+            modes, relaxing = 2 * len(part.modes), len(part.relaxations)
+            yield part, rest[:modes], rest[modes : modes + relaxing]
+            rest = rest[modes + relaxing :]
+
     def load(self, x):
         """y and all tau."""
-        y, rest = x[1 + self.massive], x[2 + self.massive :]
-        return y + sum(rest[: 2 * len(self.modes) : 2]) + sum(rest[2 * len(self.modes) :])
+        return x[1 + self.massive] + sum(sum(modes[::2]) + sum(relaxing) for _, modes, relaxing in self.states_of(x))
 
     def rates(self, time, x):
         law, r, reduction = self.what.law, self.what.transit, self.reduction
-        psi, rest, load = x[0], x[2 + self.massive :], self.load(x)
-        modes, relaxing = rest[: 2 * len(self.modes)], rest[2 * len(self.modes) :]
+        psi, load = x[0], self.load(x)
         ln_v = x[1] if self.massive else self.ln_v(time, psi, load)
-        v = math.exp(ln_v)
-        u = v - self.what.drive.at(time)
+        v, driven = math.exp(ln_v), self.what.drive.at(time)
         found = [r * (math.exp(-psi) - v) + self.what.start.nudge_size * math.exp(-((time - NUDGE_CENTRE) ** 2))]
         if self.massive:
             stress = (law.a_star + law.a * ln_v + law.b * psi) / self.what.upper.epsilon
-            found.append((load - stress - reduction.damping * u) / (reduction.mass * v))
-        found.append(-reduction.spring * u)
-        for (omega, residue, decay, offset), tau, p in zip(self.modes, modes[::2], modes[1::2], strict=True):
-            found += [-residue * u - 2.0 * decay * tau + p, -offset * u - omega**2 * tau]
-        found += [-strength * u - rate * tau for (strength, rate), tau in zip(reduction.relaxations, relaxing, strict=True)]
+            found.append((load - stress - reduction.damping * (v - self.radiated_at(time))) / (reduction.mass * v))
+        found.append(-reduction.spring * (v - driven))
+        for part, modes, relaxing in self.states_of(x):
+            u = v - self.radiated_at(time) if part is reduction else self.what.velocity - driven
+            for (omega, residue, decay, offset), tau, p in zip(part.modes, modes[::2], modes[1::2], strict=True):
+                found += [-residue * u - 2.0 * decay * tau + p, -offset * u - omega**2 * tau]
+            found += [-strength * u - rate * tau for (strength, rate), tau in zip(part.relaxations, relaxing, strict=True)]
         return found
 
     def motion_at(self, ends, tolerance=1e-11, method="LSODA"):
