@@ -53,7 +53,7 @@ class Reduction:
         return tuple(zip(self.frequencies, self.residues, self.decays or zeros, self.offsets or zeros, strict=True))
 
     @property
-    def terms(self) -> tuple[list[tuple[float, ...]], list[tuple[float, ...]]]:
+    def terms(self) -> tuple[list[tuple[float, float, float, float]], list[tuple[float, float, float, float]]]:
         """(residue, offset, 2 decay, omega^2) of every mode, and of every relaxation, a mode without inertia."""
         modes = [(residue, offset, 2.0 * decay, omega * omega) for omega, residue, decay, offset in self.modes]
         return modes, [(strength, 0.0, rate, 0.0) for strength, rate in self.relaxations]
