@@ -96,6 +96,12 @@ def summarise(events: Events, repeat: bool = True) -> RunStatistics:
     return RunStatistics(events.time.size, period, drop, elastic_drop, *extremes, margins)
 
 
+def mean_of(values: Array) -> Estimate:
+    """Mean of a stationary sequence (n,), n of 8 or more, and its error: half of the 95 % margin, that is, 1.3 times the standard
+    deviation of such means, and up to 1.9 times that for few values. Twice the error covers the mean of 95 in 100 sequences."""
+    return Estimate(float(values.mean()), 0.5 * margin_of_mean(values))
+
+
 def margin_of_mean(values: Array) -> float:
     """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than FEWEST values.
 
@@ -116,18 +122,23 @@ def _by_autocorrelations(values: Array) -> float:
     Covariances about the run's own mean lack the variance of this mean at each of the w lags (of both signs): the sum is (1 -
     w/n) of the true one. It is as uncertain as a variance of n/w independent values, or of n/(2 tau) if these are fewer
     (Priestley, Spectral Analysis and Time Series, 1981, section 6.2)."""
-    count = values.size
-    transformed = np.fft.rfft(values - values.mean(), 2 * count)
-    covariance = np.fft.irfft(np.abs(transformed) ** 2)[:count] / count
+    count, variance = values.size, float(values.var())
+    covariance = variance * autocorrelations(values - values.mean())
     pairs = covariance[: 2 * (count // 2)].reshape(-1, 2).sum(axis=1)
     kept = pairs[: int((pairs <= 0.0).argmax()) if (pairs <= 0.0).any() else None]
-    spread = 2.0 * float(kept.sum()) - float(covariance[0])
+    spread = 2.0 * float(kept.sum()) - variance
     if spread <= 0.0:
         return 0.0
     window = 4.0 * kept.size - 1.0
     spread /= max(1.0 - window / count, _LEFT)
-    freedom = min(count / window, count * float(covariance[0]) / spread - 1.0)
+    freedom = min(count / window, count * variance / spread - 1.0)
     return _quantile(max(freedom, _FREEDOM)) * math.sqrt(spread / count)
+
+
+def autocorrelations(values: Array) -> Array:
+    """Sums of products of `values` (n,) at each lag from 0 to n - 1, relative to that at lag 0; 0 if all values are 0."""
+    sums = np.fft.irfft(np.abs(np.fft.rfft(values, 2 * values.size)) ** 2)[: values.size]
+    return np.asarray(sums / (float(values @ values) or 1.0))
 
 
 def _quantile(freedom: float) -> float:

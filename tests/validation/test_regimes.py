@@ -5,8 +5,9 @@ import pytest
 from scipy.signal import lfilter
 
 import slipwave
+from slipwave.observe.statistics import autocorrelations, mean_of
 from tests.granite import GRANITE
-from validation.measure.correlated import mean_of
+from validation.fit.least_squares import correlated_samples
 from validation.measure.cycle import OneCycle, ripple_period
 from validation.study.over_r import begun_at, scene_at
 from validation.study.regimes import AWAY, STEADY, UNDECIDED, Regime, regime_of
@@ -62,6 +63,16 @@ def test_twice_the_error_of_a_mean_of_dependent_values_is_a_margin_of_95_in_100(
     known = 1.0 / ((1.0 - memory) * np.sqrt(4000.0))
     assert 1.0 * known < np.mean([one.error for one in found]) < 1.4 * known
     assert np.sqrt(np.mean([(one.value - 5.0) ** 2 for one in found])) == pytest.approx(known, rel=0.3)
+
+
+def test_samples_of_a_fit_fluctuate_together_as_cycles_of_a_run_do():
+    """With memory 0.8 some (1 + 0.8)/(1 - 0.8) = 9 at a time."""
+    values = [sequence(0.8, 4000, seed) - 5.0 for seed in range(20)]
+    by_lag = [float(values[0][lag:] @ values[0][:-lag] / (values[0] @ values[0])) for lag in (1, 2, 7)]
+    assert autocorrelations(values[0])[[0, 1, 2, 7]] == pytest.approx([1.0, *by_lag], rel=1e-10)
+    assert np.mean([correlated_samples(one) for one in values]) == pytest.approx(9.0, rel=0.1)
+    by_means = [(mean_of(one).error / 1.2) ** 2 * one.size / np.var(one) for one in values]
+    assert np.mean(by_means) == pytest.approx(9.0, rel=0.25)
 
 
 def test_the_error_holds_the_mean_of_a_sequence_that_alternates():

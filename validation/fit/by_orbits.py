@@ -8,6 +8,7 @@ import numpy as np
 from reduced.orbit.multipliers import count_unstable, is_decided
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import autocorrelations
 from validation.fit.least_squares import Best, Solution, minimise
 from validation.fit.orbits import SHIFT, Anchor, CycleOfOrbit
 from validation.results.options import log
@@ -120,7 +121,7 @@ def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, e
     slopes = np.column_stack([by[:, [0, *range(2, keys + 1)]] @ np.linalg.inv(change), by[:, keys + 1 :]])
     slopes -= np.outer(date, date @ slopes)
     failed, far = one.failed, _far(one)
-    alike = _likeness(one.residual[np.argsort(model.record.times, kind="stable")])
+    alike = float(np.abs(autocorrelations(one.residual[np.argsort(model.record.times, kind="stable")])[1 : _LAGS + 1]).max())
     if far > _FAR and (far > _MUCH or alike < _ALIKE):
         failed = f"no orbit of the model is the record's: the best leaves {far:.3g} times the noise, and no interval holds for it"
     elif far > _LITTLE and alike > max(_ALIKE, 5.0 / one.residual.size**0.5):
@@ -137,10 +138,3 @@ def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, e
 def _far(one: Solution) -> float:
     """Ratio of the residual to the noise."""
     return float(np.sqrt(np.mean(one.residual**2)))
-
-
-def _likeness(residual: Array) -> float:
-    """The largest modulus of the autocorrelation of a `residual` over some lags."""
-    square = float(residual @ residual)
-    lags = range(1, min(_LAGS, residual.size // 2) + 1)
-    return max(abs(float(residual[lag:] @ residual[:-lag])) for lag in lags) / max(square, 1e-300)

@@ -10,6 +10,7 @@ from scipy import optimize, stats
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import autocorrelations
 
 CONFIDENCE = 0.95
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
@@ -224,16 +225,12 @@ def without_ends(spread: Intervals) -> Intervals:
 def correlated_samples(residual: Array) -> float:
     """Number of neighbouring samples that fluctuate together: 1 + 2 times the sum of the autocorrelations that are significant
     against white noise, for which it is 1."""
-    n, square = residual.size, float(residual @ residual)
-    if n < 50 or square == 0.0:
+    n = residual.size
+    if n < 50 or not residual.any():
         return 1.0
-    total, limit = 1.0, 3.0 / math.sqrt(n)
-    for lag in range(1, n // _INDEPENDENT):
-        correlation = float(residual[lag:] @ residual[:-lag]) / square
-        if correlation < limit:
-            break
-        total += 2.0 * correlation
-    return min(total, n / _INDEPENDENT)
+    found = autocorrelations(residual)[1 : n // _INDEPENDENT]
+    noise = found < 3.0 / math.sqrt(n)
+    return min(1.0 + 2.0 * float(found[: noise.argmax() if noise.any() else None].sum()), n / _INDEPENDENT)
 
 
 def at_bounds(problem: Problem, inner: Array) -> list[str]:

@@ -13,13 +13,12 @@ from reduced.orbit import PeriodicOrbit
 from reduced.orbit.closing import Closed
 from slipwave.observe import Events, HistoryObserver
 from slipwave.observe.pieces import lagrange_basis, values_at
-from slipwave.observe.statistics import Estimate
+from slipwave.observe.statistics import Estimate, mean_of
 from slipwave.scene import Scene
 from validation.compute.build import build
 from validation.compute.orbit_start import first_event
 from validation.compute.orbits import find_orbit
 from validation.compute.settle import MOST_TRANSITS, Settled, settle
-from validation.measure.correlated import mean_of
 from validation.measure.cycle import OneCycle, cut, watch
 
 TRANSIENT = 1500.0  # transits

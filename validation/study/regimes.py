@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
-from slipwave.observe.statistics import Estimate, Orbit
+from slipwave.observe.statistics import Estimate, Orbit, mean_of
 from slipwave.scene import Scene
 from validation.compute.build import build
 from validation.compute.models import one_port_of
 from validation.compute.run import reconsidered, simulate
 from validation.compute.settle import estimate
-from validation.measure.correlated import mean_of
 from validation.study import Number, stated
 from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
 

@@ -4,10 +4,9 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, TypeAlias
 
-from slipwave.observe.statistics import Estimate
+from slipwave.observe.statistics import Estimate, mean_of
 from slipwave.scene import Scene
 from validation.compute.models import grid_of
-from validation.measure.correlated import mean_of
 from validation.study import WITNESS, Table, Verdict, claim, holding, table
 from validation.study.known import error_after
 from validation.study.memo import late_cycles, own_orbit

@@ -19,12 +19,11 @@ from reduced.orbit.multipliers import count_unstable, floquet
 from slipwave.friction import unknown_of
 from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
-from slipwave.observe.statistics import Estimate
+from slipwave.observe.statistics import Estimate, mean_of
 from slipwave.observe.torus import rotation
 from slipwave.solve import follow
 from validation.compute.build import build
 from validation.compute.orbit_start import BEGIN, state_on
-from validation.measure.correlated import mean_of
 from validation.references.published import reference
 from validation.study import ASYMPTOTIC, SELF, WITNESS, Verdict, claim, every, holding, memo
 from validation.study.over_r import Branch, scene_at
