@@ -70,6 +70,7 @@ def rows_of(html, label):
 def test_every_study_answers_one_question():
     listed = [name for question in QUESTIONS for name in question.studies]
     assert sorted(listed) == sorted(STUDIES)
+    assert {question.name for question in QUESTIONS} & {*STUDIES} == set()  # both are anchors of the page
 
 
 def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
@@ -80,11 +81,11 @@ def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
     asked = {one.question.name: one for one in ask([broken, sound, stopped], "Nothing.")}
     failed = "Not shown: 1 of 1 checks fail (A holds)."
     told = f"It folds. {failed} But: 1 check of `snaking` failed; `onset` did not finish."
-    assert asked["onset"].answer == told
-    assert [[one.id for one in proofs] for _, proofs in asked["onset"].rests_on] == [["bifurcation.a-holds"], ["snaking.a-holds"]]
+    assert asked["begin"].answer == told
+    assert [[one.id for one in proofs] for _, proofs in asked["begin"].rests_on] == [["bifurcation.a-holds"], ["snaking.a-holds"]]
     assert (asked["changed"].answer, asked["cost"].answer) == ("Nothing.", "Not computed in this report.")
     html = page_of(tmp_path, sound)
-    assert "It folds." in summary_of(html, "onset")
+    assert "It folds." in summary_of(html, "begin")
     cited = {address for line in re.findall('<p class="rests">(.*?)</p>', html) for address in re.findall('href="#(.*?)"', line)}
     assert cited == {"bifurcation", "bifurcation.a-holds", "bifurcation.b-holds"}
 

@@ -31,8 +31,8 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
     root = ElementTree.fromstring(raw.getvalue())
     root.remove(root[0])  # who made it
     own = {old: f"{name}-{n}" for n, old in enumerate(dict.fromkeys(_referred(root)))}
-    for words in root.iter(f"{{{_SVG}}}text"):
-        words[:] = _runs(words)
+    for label in root.iter(f"{{{_SVG}}}text"):
+        label[:] = _runs(label)
     for element in root.iter():
         element.text, element.tail = element.text if (element.text or "").strip() else None, None
         _shorten(element, own)
@@ -59,9 +59,9 @@ def _referred(root: ElementTree.Element) -> Iterator[str]:
 def _runs(letters: Iterable[ElementTree.Element]) -> Iterator[ElementTree.Element]:
     """Letters of a label, those of one style on one line together."""
     for _, alike in groupby(letters, lambda one: (one.get("style"), one.get("y"))):
-        first, *others = alike
-        first.text = "".join(one.text or " " for one in (first, *others))
-        yield first
+        element, *others = alike
+        element.text = "".join(one.text or " " for one in (element, *others))
+        yield element
 
 
 def _unwrap(parent: ElementTree.Element) -> None:

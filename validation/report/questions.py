@@ -25,7 +25,7 @@ QUESTIONS = (
     Question("which", "Which model may I use?"),
     Question("cost", "What does an answer cost?"),
     Question("exact", "Is the exact solution exact?"),
-    Question("onset", "Where does stick-slip begin, and what comes after?"),
+    Question("begin", "Where does stick-slip begin, and what comes after?"),
     Question("paper", "What of the paper holds?"),
     Question("trust", "Can I trust the checks?"),
     Question("changed", "What changed?"),
