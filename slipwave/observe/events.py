@@ -60,14 +60,13 @@ NO_EVENTS = Events(*np.empty((6, 0)))
 
 
 class EventObserver:
-    """Observer that finds the events of any window that lasts to the latest piece. `floor` (normal stress): smaller falls, such
-    as the noise of a record, are no events either."""
+    """Observer that finds the events of any window that lasts to the latest piece."""
 
     whole_from = math.inf
 
-    def __init__(self, scene: Scene, nodes: Array, floor: float = 0.0) -> None:
+    def __init__(self, scene: Scene, nodes: Array) -> None:
         by_rate = abs(respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3])
-        floor = max(floor, _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress))
+        floor = _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress)
         self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_SIZE + nodes.size)
         self._judged: dict[float, JudgedSwings] = {}
         self.scan(empty_pieces(0, nodes.size))  # loads the detector outside timed runs

@@ -1,4 +1,4 @@
-"""Slip events in records are those of runs, by the same detector; a record beside models: its table, its figure, its refusals."""
+"""Slip events in records: those of runs, dated alike by compare and fit; a record beside models: its table, figure, refusals."""
 
 import json
 import math
