@@ -34,11 +34,11 @@ QUESTIONS = (
 
 @dataclass(frozen=True)
 class Asked:
-    """A question with the studies of this report that answer it; its `answer`, and the verdicts that this rests on, by study."""
+    """A question with the studies of this report that answer it; its answers, and the verdicts that these rest on, by study."""
 
     question: Question
     studies: tuple[Stored, ...]
-    answer: str
+    answers: tuple[str, ...]
     rests_on: tuple[tuple[Stored, tuple[Verdict, ...]], ...]
 
 
@@ -74,8 +74,8 @@ def _asked(question: Question, mine: Sequence[Stored], studies: Sequence[Stored]
         if (failed := [verdict for verdict in verdicts_of([study]) if verdict.outcome is Outcome.FAIL])
     ]
     doubts += [f"`{study.name}` did not finish" for study in mine if study.error]
-    said = said or ["Not computed in this report."]
-    return Asked(question, tuple(mine), " ".join([*said, *([f"But: {'; '.join(doubts)}."] if doubts else [])]), tuple(rests_on))
+    said = (said or ["Not computed in this report."]) + ([f"But: {'; '.join(doubts)}."] if doubts else [])
+    return Asked(question, tuple(mine), tuple(said), tuple(rests_on))
 
 
 def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
