@@ -23,7 +23,7 @@ from validation.compute.parameter import over_range
 from validation.compute.points import StopAt
 from validation.references.onset import onset_of
 from validation.references.published import reference_orbit
-from validation.study.branch_figures import figure_of_branch
+from validation.results.branch_figures import chart_of_branch
 
 RANGE = "log10_r=-2.72:-2.68"
 COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")
@@ -77,8 +77,9 @@ def test_it_passes_through_known_orbits_and_its_file_holds_it(whole):
 def test_pieces_of_one_stability_meet_at_special_points(whole):
     found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
     read_followed(whole[1], found)
-    for axes, name in zip(figure_of_branch(found).axes, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
-        unstable, stable = ([line.get_xydata()[k].tolist() for k in (0, -1)] for line in axes.lines if line.get_xdata().size > 2)
+    for panel, name in zip(chart_of_branch(found).panels, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
+        ends = {trace.name: np.column_stack([trace.x, trace.y])[[0, -1]].tolist() for trace in panel.traces}
+        stable, unstable = ends["stable"], ends["unstable"]
         birth, fold = ([special.value, getattr(special, name)] for special in found.special)
         assert (unstable, stable[0]) == ([birth, fold], fold)
 

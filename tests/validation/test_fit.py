@@ -12,7 +12,7 @@ from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.fit.cycles import CycleOfReduction, disturbed
-from validation.fit.drawn import draw_fit, values_in_words
+from validation.fit.drawn import chart_of_fit, values_in_words
 from validation.fit.forward import OfReduction, OfSolver, marched
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
@@ -305,8 +305,10 @@ def test_a_figure_says_the_values_and_shows_holds_over_time() -> None:
     }
     told = ["$a$ = 0.010011 ± 0.000055", "$L$ = (9.959 ± 0.060) μm", "level = -0.25, not determined   (95 %)"]
     assert values_in_words(rows).split(",   ") == told
-    above, beside, below, last = draw_fit(records, [friction - 0.001] * 2, "quasidynamic", rows, True).axes
-    assert [panel.get_xlabel() for panel in (below, last)] == ["time / s", "displacement of the load point / μm"]
-    assert [panel.get_title(loc="left") for panel in (above, beside)] == ["0.csv", "1.csv"]
-    np.testing.assert_allclose(beside.get_lines()[2].get_data(), [[0.0, 1.0, 3.0], friction - 0.001])
-    np.testing.assert_allclose(below.get_lines()[0].get_data(), [times, [0.001] * 3])
+    above, beside, below, last = chart_of_fit(records, [friction - 0.001] * 2, "quasidynamic", rows, True).panels
+    assert [panel.x.label for panel in (below, last)] == ["time / s", "displacement of the load point / μm"]
+    assert [panel.name for panel in (above, beside)] == ["0.csv", "1.csv"]
+    measured, fitted = (trace.columns for trace in beside.traces)
+    np.testing.assert_allclose([measured["y"], fitted["y"]], [friction, friction - 0.001])
+    np.testing.assert_allclose(fitted["x"], [0.0, 1.0, 3.0])
+    np.testing.assert_allclose(list(below.traces[0].columns.values()), [times, [0.001] * 3])

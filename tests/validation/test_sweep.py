@@ -23,7 +23,7 @@ from slipwave.errors import SceneError
 from validation.cli import main
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.engine import Engine, compute
-from validation.sweep.map_figures import figure_of, other_side
+from validation.sweep.map_figures import chart_of_sweep, other_side
 from validation.sweep.measures import MEASURES, VERDICTS
 from validation.sweep.plan import order_of
 from validation.sweep.refine import fill, refine, regime_numbers
@@ -311,8 +311,7 @@ def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path):
     assert np.isnan(brush["cycle_period"].values[late.size :]).all()
     assert brush["cycle_period_s"].values[0] / late[0] == pytest.approx(brush["period_s"].item() / brush["period"].item())
     assert not (steady["cycle_stress_drop"].values > 0.2).any()
-    drawn = figure_of(data).axes[0].lines[0].get_xydata()
-    assert (drawn[:, 1] == late[0]).any()
+    assert (chart_of_sweep(data).panels[0].traces[0].columns["y"] == late[0]).any()
 
 
 @pytest.mark.parametrize(
@@ -330,8 +329,8 @@ def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path):
 )
 def test_an_axis_says_in_words_what_it_shows(key, unit, label):
     axis = DataArray([1.0, 2.0], dims="x", attrs={"long_name": key, "units": unit})
-    figure = figure_of(Dataset({"figure": ("x", [1.0, 2.0])}, coords={"x": axis, "model": "delay"}))
-    assert figure.axes[-1].get_xlabel() == label
+    chart = chart_of_sweep(Dataset({"figure": ("x", [1.0, 2.0])}, coords={"x": axis, "model": "delay"}))
+    assert chart.panels[-1].x.label == label
 
 
 def test_the_other_side_of_an_axis_has_the_other_units():

@@ -22,6 +22,7 @@ WIDTH = 7.4
 DASHED, DOTTED, EMPTY = (0, (5, 1.5)), (0, (1.5, 1.2)), -1
 """Dashes of lines; the number of an empty place in `Chart.layout`."""
 
+_COLORS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf")
 _MARGIN = 0.05  # of the range of what is drawn
 _UNSAID = ("text", "arrow", "area", "guide")
 
@@ -169,6 +170,11 @@ class Chart:
         count = len(self.panels)
         rows = range(0, count, self.columns)
         return [[*row] for row in self.layout] or [[k if k < count else EMPTY for k in range(n, n + self.columns)] for n in rows]
+
+
+def color_number(number: int) -> str:
+    """A colour for the n-th of several alike."""
+    return _COLORS[number % len(_COLORS)]
 
 
 def outline(x: ArrayLike, low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:

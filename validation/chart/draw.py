@@ -1,6 +1,6 @@
 """Draws a chart with matplotlib: legible on paper; dashes and markers distinguish traces without colour."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -48,6 +48,7 @@ STYLE: Any = {
     "path.simplify_threshold": 0.2,
 }
 _MANY, _SMALL = 12, 8.5  # entries of a legend, from which on its letters are small
+_CLOUD = 5000  # points, from which on they are drawn as a picture
 _FINE = 6  # points of a spline for each interval
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 
@@ -73,7 +74,7 @@ def draw(chart: Chart) -> Drawing:
         for number, panel in enumerate(whole.panels):
             _draw_panel(places[number], panel)
         _share(places, whole)
-        keys = [key for one in chart.keys or _named(chart.panels) for key in _keys(one)]
+        keys = _keys(chart.keys or [trace for panel in chart.panels for trace in panel.traces])
         if chart.title:
             figure.suptitle(chart.title, x=0.0, ha="left", size="medium")
         if chart.legend and keys:
@@ -95,7 +96,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         axes.set_axis_off()
     for trace in panel.traces:
         _draw_trace(axes, panel, trace)
-    keys = [key for one in _named([panel]) for key in _keys(one)] if panel.legend else []
+    keys = _keys(panel.traces) if panel.legend else []
     if keys:
         place: Any = panel.legend
         axes.legend(handles=keys, loc=place)
@@ -115,10 +116,10 @@ def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
         lines.set_major_locator(MaxNLocator(5))
         lines.set_major_formatter("{x:g}")
     if axis.second:
-        draw_second(axes, which, axis.second)
+        _draw_second(axes, which, axis.second)
 
 
-def draw_second(axes: Axes, which: str, second: Second) -> None:
+def _draw_second(axes: Axes, which: str, second: Second) -> None:
     """Draw the second scale of "x" or "y", above the axes or on their right."""
     label, factor, is_power = second
     functions: Any = (lambda values: factor * values, lambda values: values / factor)
@@ -151,9 +152,9 @@ def _draw_trace(axes: Axes, panel: Panel, trace: Trace) -> None:
         x, y = _smooth(x, y) if look.kind == "smooth" else (x, y)
         bars = [_bars(columns, which, axis) for which, axis in (("x", panel.x), ("y", panel.y))]
         if bars == [None, None]:
-            axes.plot(x, y, **_style(look))
+            axes.plot(x, y, label=trace.name or None, rasterized=look.dashes == "" and x.size > _CLOUD, **_style(look))
         else:
-            axes.errorbar(x, y, bars[1], bars[0], elinewidth=0.9, **_style(look))
+            axes.errorbar(x, y, bars[1], bars[0], elinewidth=0.9, label=trace.name or None, **_style(look))
 
 
 def _style(look: Look) -> dict[str, Any]:
@@ -207,29 +208,23 @@ def _draw_cells(axes: Axes, trace: Trace) -> None:
         axes.figure.colorbar(mesh, ax=axes, label=trace.name)
 
 
-def _named(panels: Sequence[Panel]) -> list[Trace]:
-    """The first trace of each name."""
-    first: dict[str, Trace] = {}
-    for trace in (one for panel in panels for one in panel.traces if one.name and one.look.kind not in ("text", "arrow")):
-        first.setdefault(trace.name, trace)
-    return list(first.values())
-
-
-def _keys(trace: Trace) -> Iterator[Any]:
-    """The entries of a trace in a legend: one, or one for each colour that a picture has."""
+def _keys(traces: Sequence[Trace]) -> list[Any]:
+    """The entries of a legend: the first trace of each name, and each colour of pictures that has a word."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
-    look = trace.look
-    if look.kind == "area":
-        yield Patch(facecolor=look.ink, label=trace.name)
-    elif look.kind != "cells":
-        yield Line2D([], [], label=trace.name, **_style(look))
-    elif not isinstance(look.colors, str):
-        there = set(np.asarray(trace.value, float).ravel().tolist())
-        for number, (word, color) in enumerate(look.colors.items()):
-            if number in there:
-                yield Patch(facecolor=color, edgecolor="#888888", linewidth=0.4, label=word)
+    keys: dict[str, Any] = {}
+    for name, look, trace in ((one.name, one.look, one) for one in traces if one.look.kind not in ("text", "arrow")):
+        if look.kind == "cells":
+            there = set(np.asarray(trace.value, float).ravel().tolist())
+            words = {} if isinstance(look.colors, str) else look.colors
+            for color in (color for number, color in enumerate(words.items()) if number in there):
+                keys.setdefault(color[0], Patch(facecolor=color[1], edgecolor="#888888", linewidth=0.4, label=color[0]))
+        elif name and look.kind == "area":
+            keys.setdefault(name, Patch(facecolor=look.ink, label=name))
+        elif name:
+            keys.setdefault(name, Line2D([], [], label=name, **_style(look)))
+    return list(keys.values())
 
 
 def _share(places: dict[int, Axes], chart: Chart) -> None:

@@ -18,8 +18,9 @@ from slipwave.input import SceneSource, read
 from slipwave.input.source import is_stored, read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.chart import Chart
 from validation.data.series import read_series
-from validation.fit.drawn import draw_fit
+from validation.fit.drawn import chart_of_fit
 from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
 from validation.fit.orbits import CycleOfOrbit
@@ -31,7 +32,6 @@ from validation.results.options import ModelOptions, RecordOptions, log, option
 from validation.results.provenance import provenance
 from validation.results.result import Dataset, Output, Result, aligned, rounded
 from validation.results.wording import header
-from validation.study.drawing import Drawing
 
 _TOLERANCE = 1e-7
 _CHEAP = "quasidynamic"
@@ -208,9 +208,9 @@ class FitResult(Result):
         attributes = provenance("fit", self.scene, self.model, self.options)
         return xarray.Dataset(columns, {"parameter": names, "other": names}, attributes)
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """Friction and residual of each record, and the values with their intervals."""
-        return draw_fit(self.problem.records, self._friction, self.model, self.parameters, self.scene.units is not None)
+        return chart_of_fit(self.problem.records, self._friction, self.model, self.parameters, self.scene.units is not None)
 
 
 @command

@@ -1,4 +1,4 @@
-"""The figure of a fit: friction and residual of each record, and above them the best values with their intervals."""
+"""The chart of a fit: friction and residual of each record, and above them the best values with their intervals."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from slipwave.observe.pieces import Array
+from validation.chart import GUIDE, INK, POINTS, Chart, Panel, Scale, Trace
+from validation.compute.looks import model_line
 from validation.fit.records import Experiment
 from validation.results.comparison import barred
-from validation.study.drawing import Drawing, canvas, line, styled
 
 _MEASURED = "#7fb0d6"
 _PREFIXES = {-9: "n", -6: "μ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
@@ -20,37 +21,26 @@ _FEW = 200  # points, that are drawn large, with twice their standard errors
 _SURE = 2.0
 
 
-def draw_fit(
+def chart_of_fit(
     records: Sequence[Experiment], fitted: Sequence[Array], model: str, parameters: Mapping[str, Mapping[str, Any]], is_si: bool
-) -> Drawing:
+) -> Chart:
     """Measured and fitted friction over the displacement of the load point, or over time where it rests for a while."""
-    with styled():
-        count = len(records)
-        figure = canvas(width=8.0 if count < 3 else 3.4 * count, height=4.0 if count == 1 else 4.6)
-        grid = figure.subplots(2, count, squeeze=False, sharex="col", height_ratios=(3, 1))
-        for record, values, (upper, lower) in zip(records, fitted, grid.T, strict=True):
-            along, name = _along(record, is_si)
-            measured, ours = record.friction[record.shown], values[record.shown]
-            are_few = measured.size <= _FEW
-            points: dict[str, Any] = {"color": _MEASURED, "markersize": 5.0 if are_few else 1.5, "rasterized": not are_few}
-            seen = "measured" if record.cycle is None else "mean cycle" if are_few else "all cycles"
-            upper.plot(along, measured, ".", **points)
-            upper.plot([], [], "o", color=_MEASURED, markersize=4, label=seen)
-            upper.plot(along, ours, **line(model, color="#111111", linestyle="-"))
-            lower.plot(along, measured - ours, ".", **points)
-            lower.axhline(0.0, color="#555555", linewidth=0.7)
-            if are_few and np.ndim(record.weight):
-                half = _SURE / np.asarray(record.weight)[record.shown]
-                lower.errorbar(along, measured - ours, half, fmt="none", ecolor=_MEASURED, elinewidth=0.8)
-            lower.set_xlabel(name)
-            if count > 1:
-                upper.set_title(Path(record.name).name, fontsize="medium")
-        grid[0, 0].legend()
-        grid[0, 0].set_ylabel("friction")
-        grid[1, 0].set_ylabel("residual")
-        figure.align_ylabels(grid[:, 0])
-        figure.suptitle(values_in_words(parameters), fontsize="small")
-        return figure
+    count = len(records)
+    above, below = list[Panel](), list[Panel]()
+    for record, values in zip(records, fitted, strict=True):
+        along, name = _along(record, is_si)
+        measured, ours = record.friction[record.shown], values[record.shown]
+        are_few = measured.size <= _FEW
+        look = POINTS.but(color=_MEASURED, marker=".", size=5.0 if are_few else 1.5)
+        seen = "measured" if record.cycle is None else "mean cycle" if are_few else "all cycles"
+        lines = [Trace(seen, along, measured, look), model_line(model, along, ours, color=INK, dashes="-")]
+        bars = _SURE / np.asarray(record.weight)[record.shown] if are_few and np.ndim(record.weight) else None
+        rest = [Trace("residual", along, measured - ours, look, y_error=bars), Trace("", [-np.inf, np.inf], [0.0, 0.0], GUIDE)]
+        title = Path(record.name).name if count > 1 else ""
+        above.append(Panel(title, Scale(name), Scale("friction"), lines, legend="" if above else "best"))
+        below.append(Panel("", Scale(name), Scale("residual"), rest))
+    width, height = 8.0 if count < 3 else 3.4 * count, 4.0 if count == 1 else 4.6
+    return Chart([*above, *below], height, count, width, heights=(3.0, 1.0), title=values_in_words(parameters))
 
 
 def _along(record: Experiment, is_si: bool) -> tuple[Array, str]:

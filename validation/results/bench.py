@@ -8,6 +8,8 @@ from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
+from validation.chart import Chart, Panel, Scale
+from validation.compute.looks import model_line, style_of
 from validation.compute.models import honouring, one_port_of
 from validation.compute.progress import progress
 from validation.compute.run import Length, Run, length_of, simulate
@@ -15,7 +17,6 @@ from validation.results.command import command
 from validation.results.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.results.options import RunsOptions
 from validation.results.result import aligned, rounded
-from validation.study.drawing import Drawing, style_of, styled, subplots
 from validation.timing import Setting, solver_of, warm_up
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
@@ -62,21 +63,15 @@ class BenchResult(Comparison):
         yield f"\n{summary['until']:g} transits; {against}"
         yield from remarks(summary)
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """Error of the period against wall time, a line for each model; runs without cycles are left out."""
-        with styled():
-            figure, axes = subplots(4.8, x="wall time / s", y="relative error of the period")
-            axes.set(xscale="log", yscale="log")
-            for model in dict.fromkeys(run.solver.model for run, _ in self.runs):
-                rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
-                if rows:
-                    pairs = [row["wall_s"] for row in rows], [row["error"]["period"] for row in rows]
-                    look = style_of(model)
-                    axes.plot(*pairs, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
-            axes.set_title(f"{self.scene.name}: run time against error")
-            if axes.get_lines():
-                axes.legend()
-            return figure
+        lines = []
+        for model in dict.fromkeys(run.solver.model for run, _ in self.runs):
+            rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
+            pairs = [row["wall_s"] for row in rows], [row["error"]["period"] for row in rows]
+            lines += [model_line(model, *pairs, model, marker=style_of(model).marker)] if rows else []
+        panel = Panel("", Scale("wall time / s", "log"), Scale("relative error of the period", "log"), lines, "best")
+        return Chart([panel], 4.8, title=f"{self.scene.name}: run time against error")
 
 
 @command

@@ -17,19 +17,19 @@ from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.chart import Chart
 from validation.compute.branch import FollowedBranch
 from validation.compute.followed import End, Followed, pursue, write_followed
 from validation.compute.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
 from validation.compute.parameter import Values, over_range, range_text, scene_along
 from validation.compute.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
+from validation.results.branch_figures import chart_of_branch
 from validation.results.command import command
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import provenance
 from validation.results.quantities import EVENTS, variables
 from validation.results.result import Dataset, Output, PointOfBranch, Result, aligned, finite, new_dataset, rounded, thinned
 from validation.results.wording import header
-from validation.study.branch_figures import figure_of_branch
-from validation.study.drawing import Drawing, styled
 
 BRANCH_TOLERANCE, BRANCH_POINTS = 1e-6, 2000
 """Defaults of the options."""
@@ -233,10 +233,9 @@ class BranchResult(FollowedResult):
         found = self.found
         return PointOfBranch(finite(self._at(point)), scene_along(found.over, point.value), found.model, closed, found.tolerance)
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """Period and stress drops against the parameter."""
-        with styled():
-            return figure_of_branch(self.found)
+        return chart_of_branch(self.found)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The special points, and some of the others."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -12,6 +12,7 @@ from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.solve import Solver
 from slipwave.solve.follow import require_time
+from validation.chart import Chart, Look, Panel, Scale, Trace, color_number
 from validation.compute.build import build_all
 from validation.compute.models import one_port_of
 from validation.compute.run import Length, Run, length_of, reconsidered, second_half, simulate
@@ -20,15 +21,14 @@ from validation.data.series import read_series
 from validation.measure.cycle import CycleObserver, OneCycle
 from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
-from validation.results.figures import second_axis
+from validation.results.figures import scale_of
 from validation.results.options import NumericalOptions, RecordOptions, RunsOptions, log, option
 from validation.results.result import Output, aligned, rounded
-from validation.results.with_data import data_lines, distances_from_data, draw_with_data, facts_of_data
-from validation.study.drawing import Drawing, canvas, styled
+from validation.results.with_data import chart_with_data, data_lines, distances_from_data, facts_of_data
 from validation.timing import warm
 
 _OVERLAY = "the overlay figure (default compare.png; with --json none)"
-_ON_TOP = {"color": "#111111", "linewidth": 0.9, "dashes": (4, 2), "zorder": 3}
+_ON_TOP = Look(dashes=(0, (4, 2)), width=0.9)
 """Line style of the reference: covered curves remain visible between the dashes."""
 
 
@@ -111,35 +111,30 @@ class CompareResult(Comparison):
         if self.motion is not None:
             yield from data_lines(summary, self.scene)
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """Stress and slip rate over one cycle, aligned on the date of the slip event, one style per model, the reference dashed
         on top; a motion without cycles appears in the legend only. With a record: its cycles and the residuals."""
-        with styled():
-            if self.motion is None:
-                return self._drawn()
-            pairs = zip(self.runs, self.cycles, strict=True)
-            shown = [(run.solver.model, cycle if run.verdict and run.verdict.repeats else None) for run, cycle in pairs]
-            return draw_with_data(self.motion, shown, self.scene)
+        pairs = zip(self.runs, self.cycles, strict=True)
+        shown = [(run, cycle if run.verdict and run.verdict.repeats else None) for run, cycle in pairs]
+        if self.motion is not None:
+            return chart_with_data(self.motion, [(run.solver.model, cycle) for run, cycle in shown], self.scene)
+        looks = [_ON_TOP if run is self.reference else Look(color_number(k), width=1.2) for k, run in enumerate(self.runs)]
+        names = [_label(run, cycle is not None) for run, cycle in shown]
+        last = sorted(range(len(shown)), key=lambda k: self.runs[k] is self.reference)
 
-    def _drawn(self) -> Drawing:
-        sheet = canvas(9.0, 6.0)
-        above, below = sheet.subplots(2, 1, sharex=True)
-        below.set_yscale("log")
-        for run, cycle in zip(self.runs, self.cycles, strict=True):
-            look: Any = _ON_TOP if run is self.reference else {"linewidth": 1.2}
-            shown = cycle if cycle is not None and run.verdict and run.verdict.repeats else None
-            above.plot(*([], []) if shown is None else (shown.time, shown.stress), label=_label(run, shown is not None), **look)
-            below.plot(*([], []) if shown is None else (shown.time, shown.slip_rate), **look)
-        above.set_title("The last complete cycle of each run; T: mean over the second half, in transits", fontsize="medium")
-        above.set_ylabel("friction stress / normal stress")
-        below.set(ylabel="slip rate / V*", xlabel="transits since v passed half its largest value in the slip event")
-        if not any(len(line.get_ydata()) for line in above.get_lines()):
+        def traces(quantity: str) -> list[Trace]:
+            drawn = [(k, cycle) for k in last if (cycle := shown[k][1])]
+            return [Trace(names[k], cycle.time, getattr(cycle, quantity), looks[k]) for k, cycle in drawn]
+
+        time = "transits since v passed half its largest value in the slip event"
+        above = Panel("", replace(scale_of("time", self.scene), label=time), scale_of("stress", self.scene), traces("stress"))
+        below = Panel("", Scale(time), scale_of("slip_rate", self.scene), traces("slip_rate"))
+        if not above.traces:
             text = nothing(self.reference) or "no run has cycles that represent its motion"
-            above.text(0.5, 0.5, text, ha="center", transform=above.transAxes)
-        above.legend(fontsize="small")
-        for axes, direction, name in ((above, "x", "time"), (above, "y", "stress"), (below, "y", "slip_rate")):
-            second_axis(axes, direction, name, self.scene)
-        return sheet
+            above = replace(above, traces=[Trace(text, 0.5, 0.5, Look(kind="text", marker="center"))])
+        keys = [Trace(name, [], [], look) for name, look in zip(names, looks, strict=True)]
+        title = "The last complete cycle of each run; T: mean over the second half, in transits"
+        return Chart([above, below], 6.0, width=9.0, legend="outside lower left", legend_columns=2, keys=keys, title=title)
 
 
 def _label(run: Run, shown: bool) -> str:

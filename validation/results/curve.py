@@ -7,18 +7,18 @@ from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
+from validation.chart import Chart
 from validation.compute.curve import Curve, require_curve
 from validation.compute.followed import pursue
 from validation.compute.orbits import flowing
 from validation.compute.parameter import Values, over_range, range_text
 from validation.compute.points import SPECIAL_KINDS, CurvePoint, StopAt
 from validation.results.branch import BRANCH_TOLERANCE, FollowedOptions, FollowedResult, origin_of, points_option, printed_column
+from validation.results.branch_figures import chart_of_curve
 from validation.results.command import command
 from validation.results.options import announced, option
 from validation.results.quantities import table_of
 from validation.results.result import Dataset, thinned
-from validation.study.branch_figures import figure_of_curve
-from validation.study.drawing import Drawing, styled
 
 CURVE_POINTS = 100
 """Default of `most_points`."""
@@ -81,10 +81,9 @@ class CurveResult(FollowedResult):
 
         return along(data.set_coords(found.second.column), found.over.column)
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """The plane of both parameters, and the period."""
-        with styled():
-            return figure_of_curve(self.found)
+        return chart_of_curve(self.found)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """Some of the points."""

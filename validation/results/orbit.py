@@ -17,17 +17,17 @@ from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.chart import Chart
 from validation.compute.at_scene import orbit_at_scene
 from validation.compute.orbits import OrbitFound, flowing, neutral_orbit
 from validation.results.branch import tolerance_option
 from validation.results.command import command
-from validation.results.figures import motion_figure
+from validation.results.figures import motion_chart
 from validation.results.options import ModelOptions, announced, option
 from validation.results.provenance import provenance
 from validation.results.quantities import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
 from validation.results.result import Dataset, Output, PointOfBranch, Result, aligned, new_dataset, rounded
 from validation.results.wording import header, orbit_rows
-from validation.study.drawing import Drawing, styled
 
 if TYPE_CHECKING:
     from reduced.stability.idle import IdleMode
@@ -89,13 +89,12 @@ class OrbitResult(Result):
             values[f"multiplier_{part}"] = ("multiplier", numbers, {"long_name": f"{part} part of the multiplier", "units": "1"})
         return new_dataset(values, coordinate, provenance("orbit", scene, self.found.flow.model, self.options))
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """Stress and slip rate over one period."""
         found, scene, columns = self.found.found, self.found.scene, self._motion()
         title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {found.orbit.period.value:.6g} transits"
         stress, rate = columns[stored_name("stress")], columns[stored_name("slip_rate")]
-        with styled():
-            return motion_figure(scene, title, columns[TIME], (stress, stress), (rate, rate))
+        return motion_chart(scene, title, columns[TIME], (stress, stress), (rate, rate))
 
     def _motion(self) -> dict[str, Array]:
         """The interface's motion at the nodes of the pieces, without repeated times."""

@@ -14,13 +14,14 @@ from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
+from validation.chart import Chart
+from validation.chart.draw import Drawing, draw, styled
 
 if TYPE_CHECKING:
     from xarray import DataArray as DataArray
     from xarray import Dataset as Dataset
 
     from reduced.orbit.closing import Closed
-    from validation.study.drawing import Drawing
 else:  # xarray is loaded only when a dataset is made
     DataArray = Dataset = Any
 
@@ -142,8 +143,12 @@ class Result(ABC):
         """All arrays with coordinates and units, for a scene in SI also in SI; provenance as attributes."""
 
     @abstractmethod
-    def plot(self) -> "Drawing":
-        """A figure of the result."""
+    def chart(self) -> Chart:
+        """A figure of the result, as data."""
+
+    def plot(self) -> Drawing:
+        """The chart, drawn."""
+        return draw(self.chart())
 
     def lines(self, summary: Mapping[str, Any]) -> Iterable[str]:
         """The lines that the command prints; `summary` also names the written files."""
@@ -171,7 +176,7 @@ class Result(ABC):
 
     def save_plot(self, path: str | Path) -> None:
         """Write the figure as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
-        save_drawing(path, self.plot)
+        save_chart(path, self.chart)
 
     def close(self) -> None:  # noqa: B027
         """Remove temporary files."""
@@ -223,12 +228,10 @@ def load_dataset(path: str | Path, problem: str) -> Dataset:
         raise SceneError(f"{problem}: {str(error).lower()}") from None
 
 
-def save_drawing(path: str | Path, draw: "Callable[[], Drawing]") -> None:
-    """Write the figure that `draw` makes as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
-    from validation.study.drawing import styled
-
+def save_chart(path: str | Path, chart: Callable[[], Chart]) -> None:
+    """Write a chart as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
     with styled(), whole_or_absent(Path(path)) as temporary:
-        draw().savefig(temporary, dpi=150)
+        draw(chart()).savefig(temporary, dpi=150)
 
 
 def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

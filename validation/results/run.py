@@ -16,6 +16,8 @@ from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import StartKind
 from slipwave.solve import Leaping, Solver, has_fields
 from slipwave.solve.lyapunov import Exponent
+from validation.chart import Chart
+from validation.chart.draw import Drawing, draw
 from validation.compute.build import on_its_orbit
 from validation.compute.default_grid import grid_in_words, judged_grid, note_on, note_on_given
 from validation.compute.exponent import exponent_of, require_constant
@@ -38,10 +40,11 @@ from validation.compute.run import (
 )
 from validation.data.writing import write_series
 from validation.results.command import command
+from validation.results.figures import return_map, run_chart
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
 from validation.results.provenance import provenance
 from validation.results.quantities import cycle_in_si
-from validation.results.result import Dataset, Output, Result, aligned, rounded, save_drawing
+from validation.results.result import Dataset, Output, Result, aligned, rounded, save_chart
 from validation.results.run_dataset import run_dataset, write_events, write_run
 from validation.results.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
 from validation.results.wording import (
@@ -56,7 +59,6 @@ from validation.results.wording import (
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
-    from validation.study.drawing import Drawing
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -268,23 +270,19 @@ class RunResult(Result):
         field = record.field if record is not None and self.done.final is not None else None
         write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
 
-    def plot(self) -> "Drawing":
+    def chart(self) -> Chart:
         """Stress and slip rate over time, or for a protocol friction over time and slip; in the window, if given. Some thousand
         ranges are drawn, whatever the length of the run."""
-        from validation.results.figures import run_figure
+        return run_chart(self.done, self.records.envelope, self.stages if self.records.protocol else None)
 
-        return run_figure(self.done, self.records.envelope, self.stages if self.records.protocol else None)
-
-    def plot_return_map(self) -> "Drawing":
+    def plot_return_map(self) -> Drawing:
         """The period of each cycle of the run's second half over that of the one before. Raises SceneError for fewer than two
         cycles."""
-        from validation.results.figures import return_map
-
-        return return_map(self.done)
+        return draw(return_map(self.done))
 
     def save_return_map(self, path: str | Path) -> None:
         """Write the return map as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
-        save_drawing(path, self.plot_return_map)
+        save_chart(path, lambda: return_map(self.done))
 
     def _facts(self) -> dict[str, Any]:
         facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)

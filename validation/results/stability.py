@@ -15,6 +15,7 @@ from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
+from validation.chart import GREY, GUIDE, POINTS, Chart, Panel, Scale, Trace
 from validation.compute.models import one_port_of
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
@@ -22,7 +23,6 @@ from validation.results.provenance import provenance
 from validation.results.reasons import on_stability
 from validation.results.result import Dataset, Result, aligned, new_dataset, rounded
 from validation.results.wording import header
-from validation.study.drawing import Drawing, styled, subplots
 
 _CRITICAL = {
     "omega_c": "critical frequency, in V*/L",
@@ -99,15 +99,14 @@ class StabilityResult(Result):
             values[name] = ((), np.nan if value is None else value, {"long_name": meaning, "units": "1"})
         return new_dataset(values, attrs=provenance("stability", self.scene, self.found.model, {}))
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """The leading roots in the complex plane; those right of the dashed line grow."""
         data = self.dataset
-        with styled():
-            figure, axes = subplots(4.5, x="growth rate Re s / (V*/L)", y="frequency Im s / (V*/L)")
-            axes.plot(data["root_real"], data["root_imaginary"], "o", color="#111111", markerfacecolor="white")
-            axes.axvline(0.0, color="#777777", linewidth=0.8, linestyle="--")
-            axes.set_title(f"{self.scene.name}, {self.found.model}: leading roots of steady sliding")
-            return figure
+        roots = Trace("roots", data["root_real"].values, data["root_imaginary"].values, POINTS.but(hollow=True))
+        edge = Trace("", [0.0, 0.0], [-np.inf, np.inf], GUIDE.but(color=GREY, dashes="--"))
+        title = f"{self.scene.name}, {self.found.model}: leading roots of steady sliding"
+        sides = Scale("growth rate Re s / (V*/L)"), Scale("frequency Im s / (V*/L)")
+        return Chart([Panel("", *sides, [roots, edge])], 4.5, title=title)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, the verdict with its reason, critical values and leading roots."""

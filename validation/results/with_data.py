@@ -9,11 +9,11 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.chart import Chart, Look, Panel, Scale, Trace, color_number, outline
 from validation.data.events import MeasuredMotion, slip_events
 from validation.measure.cycle import OneCycle
 from validation.results.quantities import EVENTS, cycle_in_si, shown_in
 from validation.results.result import aligned, rounded
-from validation.study.drawing import Axes, Drawing, canvas
 
 FIGURES_OF_CYCLES = ("period", "stress_drop", "v_max")
 """The figures in which a record and a run are compared."""
@@ -124,49 +124,52 @@ def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
     return Averaged(time, friction - level, np.zeros_like(friction), rate, level)
 
 
-def draw_with_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle | None]], scene: Scene) -> Drawing:
-    """Draw friction, residual and slip rate over the time since the event: the whole cycle, and the event alone. The record is
-    black, its scatter from cycle to cycle grey, a model's elastic stress dashed. Call it inside `styled()`."""
+def chart_with_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle | None]], scene: Scene) -> Chart:
+    """Friction, residual and slip rate over the time since the event: the whole cycle, and the event alone. The record is
+    black, its scatter from cycle to cycle grey, a model's elastic stress dashed."""
     shortest = min([float(motion.events.period.min()), *(cycle.period for _, cycle in cycles if cycle)])
     data = averaged(motion, 0.5 * shortest)
     (size, unit), (pace, speed) = shown_in("transit", scene), shown_in("V*", scene)
     fast = data.time[data.slip_rate > 0.5 * data.slip_rate.max()]
     zoom = min(_AROUND * max(float(np.ptp(fast)), 4.0 * float(np.median(np.diff(motion.time)))), data.time[-1])
-    figure = canvas(9.0, 7.0)
-    panels = figure.subplots(3, 2, sharex="col", sharey="row", height_ratios=[2.0, 1.0, 2.0])
-    for column, reach in enumerate((data.time[-1], zoom)):
-        above, _, below = panels[:, column]
-        _draw_cycles(panels[:, column], f"{motion.source}: {motion.events.period.size} cycles", data, (size, pace))
-        for model, cycle in cycles:
-            _draw_model(panels[:, column], model, cycle, data, (size, pace))
-        below.set(xlabel=f"time since the slip event / {unit}", xlim=(-size * reach, size * reach), yscale="log")
-        above.set_title(("whole cycle", "slip event")[column], fontsize="medium")
-    for axes, name in zip(panels[:, 0], ("friction less its mean", "record - model", f"slip rate / ({speed})"), strict=True):
-        axes.set_ylabel(name)
-    figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize="small")
-    return figure
+    time, reached = size * data.time, np.where(data.slip_rate > 0.0, pace * data.slip_rate, math.nan)
+    record = f"{motion.source}: {motion.events.period.size} cycles"
+    rows = [
+        [_scatter(time, data.friction, data.scatter), Trace(record, time, data.friction)],
+        [_scatter(time, 0.0 * data.friction, data.scatter)],
+        [Trace(record, time, reached, Look(width=0.8))],
+    ]
+    for number, (model, cycle) in enumerate(cycles):
+        for row, traces in zip(rows, _of_model(model, cycle, data, (size, pace), color_number(number)), strict=True):
+            row += traces
+    labels = "friction less its mean", "record - model", f"slip rate / ({speed})"
+    panels = []
+    for label, row in zip(labels, rows, strict=True):
+        for title, reach in (("whole cycle", data.time[-1]), ("slip event", zoom)):
+            along = Scale(f"time since the slip event / {unit}", limits=(-size * reach, size * reach))
+            up = Scale(label, "log" if row is rows[-1] else "linear")
+            panels.append(Panel(title if row is rows[0] else "", along, up, row))
+    heights = (2.0, 1.0, 2.0)
+    return Chart(panels, 7.0, 2, 9.0, heights=heights, legend="outside upper left", legend_columns=3, keys=rows[0])
 
 
-def _draw_cycles(panels: Sequence[Axes], label: str, data: Averaged, sizes: tuple[float, float]) -> None:
-    """Draw the record and its scatter from cycle to cycle."""
-    time = sizes[0] * data.time
-    for axes, middle in zip(panels, (data.friction, 0.0 * data.friction), strict=False):
-        axes.fill_between(time, middle - data.scatter, middle + data.scatter, color="#cccccc", linewidth=0.0)
-    panels[0].plot(time, data.friction, color="#111111", label=label)
-    panels[2].plot(time, np.where(data.slip_rate > 0.0, sizes[1] * data.slip_rate, math.nan), color="#111111", linewidth=0.8)
+def _scatter(time: Array, middle: Array, half: Array) -> Trace:
+    """The scatter of the record from cycle to cycle."""
+    return Trace("", *outline(time, middle - half, middle + half), Look("#cccccc", kind="area"))
 
 
-def _draw_model(panels: Sequence[Axes], model: str, cycle: OneCycle | None, data: Averaged, sizes: tuple[float, float]) -> None:
-    """Draw a model's cycle, and the residual of the record."""
+def _of_model(
+    model: str, cycle: OneCycle | None, data: Averaged, sizes: tuple[float, float], color: str
+) -> tuple[list[Trace], list[Trace], list[Trace]]:
+    """A model's friction, the residual of the record, and its slip rate."""
+    look = Look(color, width=1.2)
     if cycle is None:
-        panels[0].plot([], [], label=f"{model}: no cycles")
-        return
+        return [Trace(f"{model}: no cycles", [], [], look)], [], []
     time, ours = sizes[0] * data.time, centred(cycle, data.time, cycle.stress)
-    label = f"{model}, friction shifted by {data.level - ours.level:+.3g}"
-    (line,) = panels[0].plot(time, ours.friction, label=label, linewidth=1.2)
-    look: Any = {"color": line.get_color(), "linewidth": 1.0}
-    elastic, dashes = centred(cycle, data.time, cycle.elastic_stress).friction, (0, (4, 2))
-    panels[0].plot(time, elastic, linestyle=dashes, label=f"{model}, elastic stress", **look)
-    panels[1].plot(time, data.friction - ours.friction, **look)
-    panels[1].plot(time, data.friction - elastic, linestyle=dashes, **look)
-    panels[2].plot(time, sizes[1] * ours.slip_rate, **look)
+    elastic, dashed = centred(cycle, data.time, cycle.elastic_stress).friction, look.but(dashes=(0, (4, 2)), width=1.0)
+    name, other = f"{model}, friction shifted by {data.level - ours.level:+.3g}", f"{model}, elastic stress"
+    return (
+        [Trace(name, time, ours.friction, look), Trace(other, time, elastic, dashed)],
+        [Trace(name, time, data.friction - ours.friction, look), Trace(other, time, data.friction - elastic, dashed)],
+        [Trace(name, time, sizes[1] * ours.slip_rate, look)],
+    )

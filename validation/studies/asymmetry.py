@@ -24,7 +24,7 @@ from validation.study.text import places, plain, power
 from validation.study.verdict import ROUNDING, WITNESS, Verdict, claim, every, in_range
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.difference import difference, model_regimes
-from validation.sweep.map_figures import figure_of
+from validation.sweep.map_figures import chart_of_sweep
 from validation.sweep.sweep import plan_of, swept_here
 
 NAME = "asymmetry"
@@ -84,8 +84,8 @@ def run(budget: Budget) -> StudyResult:
         answers=_answers(runs, data, differences.attrs["differences"]),
         figures=(
             Figure("cycles", _CAPTION, lambda: last_cycles(runs)),
-            Figure("regimes", _REGIMES, lambda: figure_of(data, "verdict")),
-            Figure("differences", _DIFFERENCES, lambda: figure_of(differences, "other_regime")),
+            Figure("regimes", _REGIMES, lambda: chart_of_sweep(data, "verdict")),
+            Figure("differences", _DIFFERENCES, lambda: chart_of_sweep(differences, "other_regime")),
         ),
         tables=(_table(runs), _errors(differences.attrs["differences"])),
         verdicts=(*_agreements(runs, known), *_leapfrog(runs), _as_counted(scene, data)),

@@ -12,7 +12,7 @@ from validation.study.text import places
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, model_regimes
-from validation.sweep.map_figures import Line, figure_of
+from validation.sweep.map_figures import Line, chart_of_sweep
 from validation.sweep.sweep import plan_of, swept_here
 
 NAME = "regime-map"
@@ -38,8 +38,8 @@ def run(budget: Budget) -> StudyResult:
         f"{worst['other_regime_percent']:.0f} % of the area that both decide; "
         f"{best['model']} in {best['other_regime_percent']:.1f} %.",
         figures=(
-            Figure("regimes", _REGIMES, lambda: figure_of(data, "verdict", lines)),
-            Figure("differences", _DIFFERENCES, lambda: figure_of(differences, "other_regime")),
+            Figure("regimes", _REGIMES, lambda: chart_of_sweep(data, "verdict", lines)),
+            Figure("differences", _DIFFERENCES, lambda: chart_of_sweep(differences, "other_regime")),
         ),
         tables=(_errors(data, differences, lines),),
         verdicts=(_boundaries(data, lines),),

@@ -18,14 +18,14 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES
 from slipwave.input import SceneSource
+from validation.chart import Chart
 from validation.results.command import command
 from validation.results.options import RunsOptions, option
 from validation.results.result import Dataset, Output, Result, aligned, rounded
-from validation.study.drawing import Drawing
 from validation.sweep.axes import Axis, axis_of
 from validation.sweep.engine import STATUS
 from validation.sweep.gather import dataset_of
-from validation.sweep.map_figures import figure_of
+from validation.sweep.map_figures import chart_of_sweep
 from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Plan
 from validation.sweep.store import Store
@@ -160,9 +160,9 @@ class SweepResult(Result):
             words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
             yield from aligned(words, [[str(row.get(word, "-")) for word in words] for row in summary["regimes"]])
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """The map over two axes, or the figures over one."""
-        return figure_of(self.dataset)
+        return chart_of_sweep(self.dataset)
 
     def to_go_on(self, options: SweepOptions) -> str:
         """As `Result`."""

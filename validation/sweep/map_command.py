@@ -9,14 +9,14 @@ from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
 from slipwave.input import SceneSource
+from validation.chart import Chart
 from validation.results.command import command
 from validation.results.options import SceneOptions, option
 from validation.results.result import Dataset, Output, Result, aligned, load_dataset, rounded
-from validation.study.drawing import Drawing
 from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import difference
 from validation.sweep.gather import dataset_of
-from validation.sweep.map_figures import Line, figure_of
+from validation.sweep.map_figures import Line, chart_of_sweep
 from validation.sweep.store import Store
 from validation.sweep.sweep import stored_plan
 
@@ -77,9 +77,9 @@ class MapResult(Result):
             yield ""
             yield from aligned(["model", "other regime [%]", "largest error of T", "of the stress drop"], rows)
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """The map."""
-        return figure_of(self.dataset, self.shown, self.boundaries)
+        return chart_of_sweep(self.dataset, self.shown, self.boundaries)
 
 
 @command

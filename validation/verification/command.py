@@ -12,6 +12,7 @@ from slipwave.files import whole_or_absent
 from slipwave.friction.check import LawError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource
+from validation.chart import Chart
 from validation.compute.models import GRIDS, grid_of, parse, resolve
 from validation.compute.own import load_families
 from validation.compute.progress import progress
@@ -19,7 +20,6 @@ from validation.results.command import command
 from validation.results.options import ModelOptions
 from validation.results.result import Dataset, Output, Result, aligned
 from validation.study import EXACT, Outcome, Verdict, holding
-from validation.study.drawing import Drawing
 from validation.study.names import with_names
 from validation.study.text import bare
 from validation.verification.of_family import rows_of_family, rows_on_scene, starts_smoothly
@@ -104,7 +104,7 @@ class VerifyResult(Result):
         """There is none."""
         raise SceneError("verify: its rows are in .rows and .summary; there is no dataset")
 
-    def plot(self) -> Drawing:
+    def chart(self) -> Chart:
         """There is none."""
         raise SceneError("verify: its rows are in .rows and .summary; there is no figure")
 
