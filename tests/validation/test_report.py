@@ -291,21 +291,6 @@ def test_a_process_that_dies_while_others_start_costs_what_it_had(monkeypatch):
     assert dict(side_by_side.share_out(str, "abc", 2, lambda *_: None)) == {"a": "done", "b": None, "c": "done"}
 
 
-INTERRUPTED = """
-    import signal, subprocess
-    started = subprocess.Popen(["sleep", "100000"])
-    started.send_signal(signal.SIGINT)
-    return StudyResult(str(started.wait(600)))
-"""
-
-
-def test_what_a_study_starts_can_be_interrupted(fake, tmp_path):
-    """Processes side by side are deaf to the terminal, not to each other."""
-    for name in ("first", "second"):
-        fake.write(name, INTERRUPTED)
-    assert answers(make_report(tmp_path / "out", processes=2)) == [str(-signal.SIGINT)] * 2
-
-
 PROGRAM = """
 import sys
 from types import ModuleType
