@@ -38,7 +38,7 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
         _shorten(element, own)
     for parent in [one for one in root.iter() if one.find(f"{{{_SVG}}}image") is not None]:
         _day_and_night(parent)
-    _unwrap(root)
+    _regroup(root)
     known = {"role": "img", "aria-labelledby": f"{name}-title", "aria-describedby": f"{name}-desc"}
     root.attrib.update(known | {"style": f"font-family:{FONTS};fill:#000000"})
     for place, (tag, words) in enumerate((("title", title), ("desc", description))):
@@ -64,11 +64,20 @@ def _runs(letters: Iterable[ElementTree.Element]) -> Iterator[ElementTree.Elemen
         yield element
 
 
-def _unwrap(parent: ElementTree.Element) -> None:
-    """Put what groups without attributes hold in their place."""
+def _regroup(parent: ElementTree.Element) -> None:
+    """Groups without attributes go; neighbours of one style, as the marks of a curve, become a group that has it."""
     for child in parent:
-        _unwrap(child)
-    parent[:] = [one for child in parent for one in (child if child.tag == f"{{{_SVG}}}g" and not child.attrib else [child])]
+        _regroup(child)
+    inner = [one for child in parent for one in (child if child.tag == f"{{{_SVG}}}g" and not child.attrib else [child])]
+    parent[:] = []
+    for (tag, style), found in groupby(inner, lambda one: (one.tag, one.get("style"))):
+        alike = list(found)
+        if len(alike) > 1 and style and tag == f"{{{_SVG}}}use":
+            for one in alike:
+                del one.attrib["style"]
+            ElementTree.SubElement(parent, f"{{{_SVG}}}g", {"style": style}).extend(alike)
+        else:
+            parent.extend(alike)
 
 
 def _shorten(element: ElementTree.Element, own: dict[str, str]) -> None:
