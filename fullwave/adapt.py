@@ -194,7 +194,7 @@ def probe(solver: Solver) -> _Outcome | None:
     cycles = events.events()
     if cycles.period.size:
         return _Outcome("cycles", np.concatenate((cycles.period, cycles.stress_drop)))
-    return _Outcome("final state", np.array([final.ln_v, final.psi]))
+    return _Outcome("final state", np.array([final.ln_v if final.v > 0.0 else final.mu, final.psi]))
 
 
 def difference_of(before: _Outcome | None, now: _Outcome | None) -> float:

@@ -18,7 +18,8 @@ from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.transmission_lines import NODES
 from slipwave.errors import SceneError
 from slipwave.friction import rates, respond, unknown_of
-from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.solve import State, tables, whole_numbers
@@ -187,7 +188,7 @@ class Delay(DelayMarch):
         mesh = transit_mesh(int(counts[0]), self._cuts)
         times = mesh.starts[:, None] + self.nodes * mesh.lengths[:, None]
         basis = lagrange_basis(radau(NODES).nodes)
-        z, psi, mu, _ = (values.reshape(times.shape) for values in values_at(cycle.pieces, basis, times.ravel()))
+        z, psi, mu, _ = (values.reshape(times.shape) for values in values_at(cycle.pieces, basis, times.ravel(), self.scene.law))
         incoming = mu + self._lines.impedance * rates(self.scene.law, z)
         now = np.array([interface.time, interface.psi, interface.elastic])
         waiting = np.empty((0, saved["waiting"].shape[1]))

@@ -16,11 +16,12 @@ import numpy as np
 
 from slipwave.compiled import njit
 from slipwave.compiled.dispatch import by_class
+from slipwave.friction import law_of_step, to_own, to_step
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import velocity_at
 from slipwave.step.collocation import EQUAL, Nodes
 from slipwave.step.impedance import Diagonal
-from slipwave.step.newton import emit, solve
+from slipwave.step.newton import emit
 from slipwave.step.nodal import (
     DONE,
     ELASTIC,
@@ -36,6 +37,7 @@ from slipwave.step.nodal import (
     judge_step,
     predict,
 )
+from slipwave.step.solve import solve
 
 
 class DelayMemory(NamedTuple):
@@ -145,7 +147,7 @@ def march_delay(
     """March the steps of the `clock`; step i becomes piece `first` + i, or none if that is negative. Returns (steps, Newton
     iterations, verdict of `judge_step`); a rejected step leaves the memory at its start, that of `Alike` at the start of its
     transit."""
-    s, (law, forcing, _, rule) = len(nodes), physics
+    s, (_, forcing, _, rule) = len(nodes), physics
     impedance, origin, iterations = Diagonal(lines.impedance), clock.origin, 0
     guess, now, count = memory.guess, memory.now, clock.length.size
     for k in range(clock.times * count):
@@ -154,11 +156,13 @@ def march_delay(
             origin = now[TIME] if k else clock.origin
             begin_clock(lines, memory)
         start, length, left = origin + clock.begin[n], clock.length[n], now[PSI]
+        law = law_of_step(physics.law, left)
         begin_step(nodes, physics, start, length, left, nodal)
         for j in range(s):
             nodal.psi[j], nodal.z[j] = guess.psi[j], guess.z[j]
+        to_step(law, physics.law, nodal.z)
         receive(lines, nodes, physics, n, length, nodal)
-        used = solve(nodes, law, impedance, length * forcing.transit, rule.integral, limits.newton, nodal)
+        used = solve(law, nodes, impedance, length * forcing.transit, rule, limits.newton, nodal)
         iterations += used
         verdict = judge_step(nodes, rule.tail, nodal, used, limits)
         if verdict == DONE and not roughness(lines, nodes, rule.tail, nodal) <= limits.resolution:
@@ -166,12 +170,14 @@ def march_delay(
         if verdict != DONE:
             go_back(lines, memory, n)
             return k, iterations, verdict
+        predict(nodes, rule, EQUAL, left, Interface(nodal.psi, nodal.z), guess)
+        to_own(law, guess.z)
+        to_own(law, nodal.z)
         if first + k >= 0:
             elastic, step = now[ELASTIC], (start, length)
             now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, elastic, pieces, first + k)
         leave(lines, nodes, physics, n, start, length, nodal)
         now[PSI], now[TIME] = nodal.psi[s - 1], origin + clock.begin[n + 1]
-        predict(nodes, rule, EQUAL, left, Interface(nodal.psi, nodal.z), guess)
         if clock.length[n + 1 if n + 1 < count else 0] != length:
             hold(nodes, now[PSI], nodal.z[s - 1], guess)
     return clock.times * count, iterations, DONE

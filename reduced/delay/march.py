@@ -10,8 +10,8 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import Energy
 from slipwave.step.collocation import growth_limit, rule_of
-from slipwave.step.newton import first_guess
 from slipwave.step.nodal import PSI, TIME, TOO_STEEP, Interface, Limits, Physics, nodal_of
+from slipwave.step.solve import first_guess
 
 
 class DelayMarch:

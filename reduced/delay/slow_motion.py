@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY
 from reduced.delay.transmission_lines import Lines
+from slipwave.friction import law_of_step, to_own, to_step
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Full
-from slipwave.step.newton import solve
 from slipwave.step.nodal import Interface, Limits, nodal_of
+from slipwave.step.solve import solve
 
 Complex = NDArray[np.complex128]
 
@@ -129,10 +130,12 @@ class SlowMotion:
         nodal = self._nodal
         nodal.incoming[:] = scene.steady_stress + terms[0] * load + velocity * matrix.sum(axis=1)
         nodal.left[:], nodal.psi[:], nodal.z[:] = psi, guess.psi, guess.z
-        integral = self._rule.integral
-        used = solve(shape, scene.law, Full(matrix), length * scene.transit, integral, self._limits.newton, nodal)
+        law = law_of_step(scene.law, psi)
+        to_step(law, scene.law, nodal.z)
+        used = solve(law, shape, Full(matrix), length * scene.transit, self._rule, self._limits.newton, nodal)
         tail = abs(float(self._rule.tail @ nodal.z))
         solved = used > 0 and tail <= self._limits.resolution and float(nodal.slope.max()) <= self._limits.growth
+        to_own(law, nodal.z)
         found = Interface(nodal.psi.copy(), nodal.z.copy())
         return Slow(start, length, found, nodal.v - velocity, load, psi, tail, solved)
 

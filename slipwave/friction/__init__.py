@@ -1,7 +1,27 @@
 """Rate-and-state friction laws as plain data and compiled pure functions; `LAWS` lists the registered ones by name."""
 
 from slipwave.friction import ageing, cutoff, regularised, slip, spinodal
-from slipwave.friction.law import LAWS, Law, rate_of, rates, register, respond, steady_psi, steady_state, unknown_of, unknowns
+from slipwave.friction.law import (
+    LAWS,
+    Law,
+    OfStep,
+    Smooth,
+    allows_rest,
+    law_of_step,
+    own_unknowns,
+    rate_of,
+    rates,
+    register,
+    respond,
+    smooth,
+    steady_psi,
+    steady_state,
+    to_own,
+    to_step,
+    unknown_of,
+    unknowns,
+    with_bend,
+)
 from slipwave.packages import load_from_packages
 
 register("ageing", ageing.Ageing, ageing.respond_ageing)
@@ -13,6 +33,9 @@ register("ageing-cutoff", cutoff.AgeingCutoff, cutoff.respond_ageing_cutoff)
 register("slip-cutoff", cutoff.SlipCutoff, cutoff.respond_slip_cutoff)
 register("spinodal", spinodal.Spinodal, spinodal.respond_spinodal, spinodal.steady_spinodal, *_SINH)
 
-__all__ = ["LAWS", "Law", "rate_of", "rates", "register", "respond", "steady_state", "unknown_of", "unknowns"]
+__all__ = [
+    "LAWS", "Law", "OfStep", "Smooth", "allows_rest", "law_of_step", "own_unknowns", "rate_of", "rates", "register", "respond",
+    "smooth", "steady_state", "to_own", "to_step", "unknown_of", "unknowns", "with_bend",
+]  # fmt: skip
 
 load_from_packages("slipwave.laws", lambda found, label: None)  # a module that registers its laws when it is imported

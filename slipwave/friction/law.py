@@ -9,6 +9,10 @@ v is the slip rate, F the friction coefficient (1), and psi' = G(z, psi) on the 
 derivatives. `steady_state(law, v) -> psi` solves G = 0. Laws that allow v <= 0 also supply `rate_of(law, z) -> v` and its inverse
 `unknown_of(law, v) -> z`. Solvers rely on v'' = v in z, which holds for e^z and sinh z. Argument names are part of the interface
 (numba matches them).
+
+Where v passes through zero, such a law's own z runs through all its range, because its floor lies far below every rate that
+matters. There the law is linear in v, up to a rate that depends on the state. Every step measures its rate unknown on that rate
+(`OfStep`): w = asinh(v/(2 floor)) is as smooth as the stress at all rates, and ln v but for a constant where v is large.
 """
 
 import math
@@ -67,6 +71,81 @@ def rate_of(law: Law, z: float) -> float:
 def unknown_of(law: Law, v: float) -> float:
     """Rate unknown z at the slip rate v (in V*); ln v for laws that need v > 0."""
     raise NotImplementedError(type(law))
+
+
+@by_class()
+def law_of_step(law: Law, psi: float) -> Law:
+    """`law` with the rate unknown of a step that begins at the state `psi`: itself if it needs v > 0, else `OfStep`."""
+    return law
+
+
+@by_class()
+def to_step(law: Law, own: Law, z: NDArray[np.float64]) -> None:
+    """z (n,) <- the rate unknowns of `law`, a `law_of_step`, from those of the law itself, `own`."""
+
+
+@by_class()
+def to_own(law: Law, z: NDArray[np.float64]) -> None:
+    """z (n,) <- the rate unknowns of the law itself from those of `law`, a `law_of_step`."""
+
+
+def allows_rest(law: Law) -> bool:
+    """Whether `law` allows v <= 0; False if None."""
+    return law_of_step(law, 0.0) is not law
+
+
+@by_class(inline=True)
+def with_bend(law: Law, share: float, v_z: float) -> float:
+    """`share` and a bound of |F_zz|/F_z, which is 0 for laws that are linear in ln v."""
+    return share
+
+
+class OfStep(NamedTuple):
+    """`law`, which allows v <= 0, with the rate unknown of a step: v = 2 `floor` sinh z."""
+
+    law: Law
+    floor: float
+
+
+_LARGE, _FAR, _LEAST = 1e12, 100.0, 1e-200  # V*; floors; V*
+
+
+def _of_step(law: Law, psi: float) -> OfStep:
+    """The floor is half the rate at which friction, continued with its slope F_v = F_z/v_z at rest, reaches the direct effect F_z
+    of much larger rates."""
+    _, v_z, _, friction_z, _, _, _, _ = respond(law, unknown_of(law, 0.0), psi)
+    rate = _LARGE
+    for _ in range(3):  # F_z of a law that also has viscous friction falls with the rate
+        rate = min(rate, _FAR * respond(law, unknown_of(law, rate), psi)[3] * v_z / friction_z)
+    return OfStep(law, max(0.5 * rate / _FAR, _LEAST))
+
+
+class Smooth(NamedTuple):
+    """Rate unknowns `z` (m, n) of m pieces of a motion, as smooth as the stress also where v changes its sign; `floor` (m, 1) is
+    that of `OfStep`, NaN for a law that needs v > 0."""
+
+    z: NDArray[np.float64]
+    floor: NDArray[np.float64]
+
+
+def smooth(law: Law, z: NDArray[np.float64], psi: NDArray[np.float64]) -> Smooth:
+    """`Smooth` of the law's own `z` and psi (m, n) at the nodes of m pieces."""
+    if not allows_rest(law):
+        return Smooth(z, np.full((len(z), 1), np.nan))
+    floor = np.empty((len(z), 1))
+    _fill_floors(law, psi, floor)
+    return Smooth(np.arcsinh(rates(law, z) / (2.0 * floor)), floor)
+
+
+@njit
+def _fill_floors(law: Law, psi: NDArray[np.float64], floor: NDArray[np.float64]) -> None:
+    for i in range(floor.size):
+        floor[i, 0] = law_of_step(law, psi[i, 0]).floor
+
+
+def own_unknowns(law: Law, found: Smooth) -> NDArray[np.float64]:
+    """The law's own rate unknowns."""
+    return unknowns(law, 2.0 * found.floor * np.sinh(found.z)) if allows_rest(law) else found.z
 
 
 def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -143,6 +222,32 @@ def friction_slopes(law: Law, velocity: float) -> FrictionSlopes:
     return FrictionSlopes(f_z / v_z, -g_psi, (f_z - f_psi * g_z / g_psi) / v_z)
 
 
+def _respond_of_step(law: OfStep, z: float, psi: float) -> Response:
+    v, v_z = 2.0 * law.floor * math.sinh(z), 2.0 * law.floor * math.cosh(z)
+    _, own, friction, by_z, by_psi, growth, growth_z, growth_psi = respond(law.law, unknown_of(law.law, v), psi)
+    scale = v_z / own
+    return v, v_z, friction, by_z * scale, by_psi, growth, growth_z * scale, growth_psi
+
+
+def _to_step(law: OfStep, own: Law, z: NDArray[np.float64]) -> None:
+    for i in range(z.size):
+        z[i] = math.asinh(rate_of(own, z[i]) / (2.0 * law.floor))
+
+
+def _to_own(law: OfStep, z: NDArray[np.float64]) -> None:
+    for i in range(z.size):
+        z[i] = unknown_of(law.law, 2.0 * law.floor * math.sinh(z[i]))
+
+
+def _with_bend(law: OfStep, share: float, v_z: float) -> float:
+    return share + 8.0 * (law.floor / v_z) ** 2
+
+
+respond.register(OfStep)(_respond_of_step)
+to_step.register(OfStep)(_to_step)
+to_own.register(OfStep)(_to_own)
+with_bend.register(OfStep)(_with_bend)
+
 _GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unknown_of)
 
 
@@ -184,6 +289,8 @@ def register(
     LAWS[name] = law
     for generic, version in zip(_GENERIC, law[1:], strict=True):
         generic.register(parameters)(version)
+    if rate_of is not _exponential:
+        law_of_step.register(parameters)(_of_step)
 
 
 def name_of(law: Law) -> str:

@@ -22,9 +22,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.compiled import inlined, njit
-from slipwave.friction import Law, rate_of, unknown_of
+from slipwave.friction import Law, law_of_step, rate_of, unknown_of
 from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root, overshoot, raise_record
 from slipwave.observe.pieces import Array, Basis, Pieces
+from slipwave.observe.reversal import SCRATCH, passage, raise_rate
 
 # columns of a swing; from RECORDS on: max and -min of the rate unknown, max and -min of the friction stress
 DIRECTION, BEGIN, END, DATE, RECORDS = 0, 1, 2, 3, 4
@@ -170,7 +171,7 @@ def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) 
 class Detector(NamedTuple):
     """State of the detector: `law`, `basis` of the pieces, `floor` of a fall (normal stress); the `running` swing; the `rise` of
     v in it (see the slots above) and the pieces `kept` for that; y at the end of the `last` piece (1,), NaN before the first;
-    `scratch` (2, nodes); rows for complete `swings`, of which the first `filled` (1,) are in use."""
+    `scratch` (4, nodes); rows for complete `swings`, of which the first `filled` (1,) are in use."""
 
     law: Law
     basis: Basis
@@ -187,7 +188,7 @@ class Detector(NamedTuple):
 def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
     """A detector before the first piece, with rows for `swings` swings."""
     n = basis.nodes.size
-    memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((2, n))
+    memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((SCRATCH, max(n, 2)))
     return Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
 
 
@@ -282,7 +283,8 @@ def _date(found: Detector) -> None:
             node = j
     level = min(memory[LEVEL], kept[last, FIRST_NODE + node])
     for piece in range(last, int(memory[FRONT]) - 1, -1):
-        point = _passage(basis, kept[piece], level, node if piece == last else n)
+        z, before = kept[piece, FIRST_NODE:], node if piece == last else n
+        point = passage(law_of_step(found.law, 0.0), basis, z, kept[piece, _LOWEST], level, before, found.scratch)
         if point >= 0.0:
             date = max(memory[START], kept[piece, _TIME] + kept[piece, _LENGTH] * point)
             break
@@ -306,9 +308,9 @@ def _begin(pieces: Pieces, k: int, point: float, direction: float, found: Detect
 @njit
 def _take(pieces: Pieces, k: int, begin: float, end: float, found: Detector) -> None:
     """Update the running swing's records with the part [begin, end] of piece k and, in a fall, follow the rise of v."""
-    basis, running, z, slopes = found.basis, found.running, pieces.z[k], found.scratch[1]
+    basis, running, slopes, law = found.basis, found.running, found.scratch[1], law_of_step(found.law, pieces.psi[k, 0])
     highest = running[RECORDS]
-    raise_record(basis, z, slopes, running, RECORDS, begin, end)
+    raise_rate(law, found.law, basis, pieces.z[k], found.scratch, running, RECORDS, begin, end)
     raise_record(basis, pieces.mu[k], slopes, running, RECORDS + 2, begin, end)
     if running[DIRECTION] < 0.0:
         raised = running[RECORDS] > highest
@@ -329,20 +331,6 @@ def _follow_rise(pieces: Pieces, k: int, raised: bool, found: Detector) -> None:
             memory[FRONT] += 1.0
     elif kept[last, _LOWEST] < memory[LEVEL]:
         memory[FRONT] = last
-
-
-@njit
-def _passage(basis: Basis, piece: Array, level: float, node: int) -> float:
-    """Point of a kept piece at which z last passed `level` upwards before `node`; 1 if it did in a jump at the end of the piece,
-    -1 if z was above `level` all the time."""
-    z = piece[FIRST_NODE:]
-    if node == z.size and z[node - 1] < level:
-        return 1.0
-    if piece[_LOWEST] < level:
-        for j in range(min(node, z.size - 1) - 1, -1, -1):
-            if z[j] < level:
-                return find_root(basis, z, level, basis.nodes[j], basis.nodes[j + 1])
-    return find_root(basis, z, level, 0.0, basis.nodes[0]) if evaluate(basis, z, 0.0) < level <= z[0] else -1.0
 
 
 @inlined

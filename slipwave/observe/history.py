@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slipwave.friction import Law, rates
-from slipwave.observe.pieces import Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis, values_at
+from slipwave.friction import Law, Smooth, own_unknowns, rates, smooth
+from slipwave.observe.pieces import SAME, Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 
 
 class HistoryObserver:
@@ -42,11 +42,13 @@ class HistoryObserver:
         rows = interpolation_matrix(self._basis, points)
         time = pieces.time[:, None] + pieces.length[:, None] * points
         inside = (time >= self._start) & (time <= self._end)
-        return np.stack([time[inside], *((values @ rows.T)[inside] for values in pieces[2:])])
+        nodal = smooth(self._law, pieces.z, pieces.psi)
+        z = own_unknowns(self._law, nodal._replace(z=nodal.z @ rows.T))
+        return np.stack([values[inside] for values in (time, z, *(values @ rows.T for values in pieces[3:]))])
 
     def at(self, times: Array) -> Array:
         """Samples at `times` (transits) within the window, from the pieces' polynomials."""
-        return np.stack([times, *values_at(self.pieces(), self._basis, times)])
+        return np.stack([times, *values_at(self.pieces(), self._basis, times, self._law)])
 
     def columns(self) -> dict[str, Array]:
         """time (transits), slip_rate (V*), psi, stress, elastic_stress at the nodes: arrays of equal length."""
@@ -73,3 +75,18 @@ def named_columns(law: Law, samples: Sequence[Array] | Array) -> dict[str, Array
     """Samples by name, with the slip rate (V*) instead of the rate unknown."""
     time, z, psi, mu, y = samples
     return {"time": time, "slip_rate": rates(law, z), "psi": psi, "stress": mu, "elastic_stress": y}
+
+
+def values_at(pieces: Pieces, basis: Basis, times: Array, law: Law = None) -> list[Array]:
+    """z, psi, mu and y at `times` (transits); where two pieces meet, the values at the end of the earlier one. `law`: of the
+    motion, if v may change its sign. Raises ValueError for a time more than half a piece outside `pieces`."""
+    which = np.clip(np.searchsorted(pieces.time, times - SAME) - 1, 0, None)
+    outside = np.abs(times - pieces.time[which] - 0.5 * pieces.length[which]) > pieces.length[which]
+    if outside.any():
+        raise ValueError(f"no piece contains t = {times[outside][0]:.9g} transits")
+    points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])
+    rows = interpolation_matrix(basis, points)
+    z, *others = (values[which] for values in pieces[2:])
+    nodal = smooth(law, z, others[0])
+    z, *others = (np.add.reduce(rows * values, axis=1) for values in (nodal.z, *others))
+    return [own_unknowns(law, Smooth(z, nodal.floor[:, 0])), *others]

@@ -81,18 +81,6 @@ def barycentric_weights(nodes: Array) -> Array:
     return np.asarray(1.0 / gaps.prod(axis=1))
 
 
-def values_at(pieces: Pieces, basis: Basis, times: Array) -> list[Array]:
-    """z, psi, mu and y at `times` (transits); where two pieces meet, the values at the end of the earlier one. Raises ValueError
-    for a time more than half a piece outside `pieces`."""
-    which = np.clip(np.searchsorted(pieces.time, times - SAME) - 1, 0, None)
-    outside = np.abs(times - pieces.time[which] - 0.5 * pieces.length[which]) > pieces.length[which]
-    if outside.any():
-        raise ValueError(f"no piece contains t = {times[outside][0]:.9g} transits")
-    points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])
-    rows = interpolation_matrix(basis, points)
-    return [np.add.reduce(rows * values[which], axis=1) for values in pieces[2:]]
-
-
 def interpolation_matrix(basis: Basis, points: Array) -> Array:
     """Rows that evaluate the interpolating polynomial at `points` of [0, 1] from values at the nodes."""
     gaps = np.asarray(points, dtype=float)[:, None] - basis.nodes

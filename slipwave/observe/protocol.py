@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.friction import rates, respond, steady_state, unknown_of
+from slipwave.friction import own_unknowns, rates, respond, smooth, steady_state, unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, stage_figures, stages_of
 from slipwave.scene import Scene
@@ -81,11 +81,12 @@ class ProtocolObserver:
     def _sampled(self, sampling: Sampling, pieces: Pieces, slip: float | Array) -> tuple[Array, Array]:
         """Time, mu, slip rate and slip at the points of each piece, (4, k, p), and the slip at the k beginnings and the end of
         the pieces. `slip`: that at the first beginning, or (k,) at all of them."""
-        points, rows, sums = sampling
-        gained = self._scene.transit * pieces.length[:, None] * _at(sums, rates(self._scene.law, pieces.z))
+        law, (points, rows, sums) = self._scene.law, sampling
+        gained = self._scene.transit * pieces.length[:, None] * _at(sums, rates(law, pieces.z))
         begun = np.cumsum(np.append(slip, gained[:, -1])) if np.ndim(slip) == 0 else np.asarray(slip)
         time = pieces.time[:, None] + pieces.length[:, None] * points
-        rate = rates(self._scene.law, _at(rows, pieces.z))
+        nodal = smooth(law, pieces.z, pieces.psi)
+        rate = rates(law, own_unknowns(law, nodal._replace(z=_at(rows, nodal.z))))
         return np.stack([time, _at(rows, pieces.mu), rate, gained[:, :-1] + begun[: len(gained), None]]), begun
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:

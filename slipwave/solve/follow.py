@@ -18,18 +18,20 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import rate_of
-from slipwave.observe.pieces import SAME, Pieces, lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import SAME, Pieces, lagrange_basis
 from slipwave.scene.recorded import OBSERVERS
 from slipwave.solve.solver import FieldSolver, Leaping, Resumable, Solver
 
 
 @dataclass(frozen=True)
 class Final:
-    """The interface at the end of a run: ln v (NaN if v <= 0), psi, mu."""
+    """The interface at the end of a run: ln v (NaN if v <= 0), psi, mu, v (V*)."""
 
     ln_v: float
     psi: float
     mu: float
+    v: float
 
 
 class Observer(Protocol):
@@ -142,9 +144,10 @@ def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
     if solver.nodes[-1] == 1.0 and abs(until - pieces.time[-1] - pieces.length[-1]) < _AT_END:  # as a rule: nothing to evaluate
         z, psi, mu = (float(values[-1, -1]) for values in pieces[2:5])
     else:
-        z, psi, mu, _ = (float(value[0]) for value in values_at(pieces, lagrange_basis(solver.nodes), np.array([until])))
+        found = values_at(pieces, lagrange_basis(solver.nodes), np.array([until]), solver.scene.law)
+        z, psi, mu, _ = (float(value[0]) for value in found)
     v = rate_of(solver.scene.law, z)
-    return Final(math.log(v) if v > 0 else math.nan, psi, mu)
+    return Final(math.log(v) if v > 0 else math.nan, psi, mu, v)
 
 
 DAY = 86400.0

@@ -6,7 +6,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.polynomial import legendre
 
-from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array, Basis, interpolation_matrix, lagrange_basis
 
 Nodes: TypeAlias = tuple[float, ...]
 """Nodes as a tuple, from which compiled code knows their number."""
@@ -35,12 +35,14 @@ EQUAL = 2
 class Rule(NamedTuple):
     """Collocation matrices, transposed so that loops over nodes are contiguous: `integral` (s, s); the row `tail` (s,) gives the
     highest Legendre coefficient. A step's polynomials extended to the nodes of the next one, for all RATIOS: `predict` (4, s, s)
-    from nodal values, `predict_state` (4, s + 1, s) from these and the value at the left end, which comes first."""
+    from nodal values, `predict_state` (4, s + 1, s) from these and the value at the left end, which comes first. `basis` of the
+    nodes."""
 
     integral: Array
     tail: Array
     predict: Array
     predict_state: Array
+    basis: Basis
 
 
 @cache
@@ -64,7 +66,7 @@ def rule_of(stages: int) -> tuple[Collocation, Rule, Nodes]:
     predict, predict_state = (
         np.array([interpolation_matrix(basis, 1.0 + ratio * rule.nodes).T for ratio in RATIOS]) for basis in (nodal, with_left)
     )
-    compiled = Rule(rule.integral.T.copy(), highest_coefficient(rule.nodes), predict, predict_state)
+    compiled = Rule(rule.integral.T.copy(), highest_coefficient(rule.nodes), predict, predict_state, nodal)
     return rule, compiled, tuple(float(x) for x in rule.nodes)
 
 

@@ -13,12 +13,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.compiled import inlined, njit
+from slipwave.friction import Law, law_of_step, to_own, to_step
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.step.collocation import EQUAL, RATIOS, Nodes, Rule
 from slipwave.step.impedance import Full, own
-from slipwave.step.newton import emit, solve
-from slipwave.step.nodal import DONE, ELASTIC, PSI, TIME, Interface, Limits, Nodal, Physics, begin_step, hold, predict, tail_of
+from slipwave.step.newton import emit
+from slipwave.step.nodal import (
+    DONE,
+    ELASTIC,
+    PSI,
+    TIME,
+    Interface,
+    Limits,
+    Nodal,
+    Physics,
+    begin_step,
+    hold,
+    predict,
+    tail_of,
+)
 from slipwave.step.port import Port, arrive, take_in
+from slipwave.step.solve import solve
 
 END, LEFT = 3, 4
 """Further entries of `Memory.now`: z at the present, psi at the start of the last step."""
@@ -36,8 +51,8 @@ _NONE = -1
 
 
 class Memory(NamedTuple):
-    """`last`: psi and z at the nodes of the last step; `now` (5,): time (transits), psi, y, z at the present, psi at the last
-    step's start; `levels` (2,): of the next step and of the last (-1: none)."""
+    """`last`: psi and z of the `law_of_step` at the nodes of the last step; `now` (5,): time (transits), psi, y, z now,
+    psi at the last step's start; `levels` (2,): of the next step and of the last (-1: none)."""
 
     last: Interface
     now: Array
@@ -67,14 +82,17 @@ def begin(psi: float, elastic: float, z: float, stages: int) -> Memory:
 
 
 @njit
-def _guess(nodes: Nodes, rule: Rule, memory: Memory, nodal: Nodal) -> None:
-    """Guess of the next step: the last step's polynomials, extrapolated, or constants after a step of very different length."""
-    now, levels = memory.now, memory.levels
+def _guess(nodes: Nodes, law: Law, own: Law, rule: Rule, memory: Memory, nodal: Nodal) -> None:
+    """Guess of the next step, in the rate unknown of its `law`: the last step's polynomials, extrapolated, or constants after a
+    step of very different length. `own`: the law of which it is the `law_of_step`."""
+    now, levels, guess = memory.now, memory.levels, Interface(nodal.psi, nodal.z)
     ratio = levels[LAST] - levels[NEXT] + EQUAL
     if levels[LAST] == _NONE or ratio < 0 or ratio >= len(RATIOS):
-        hold(nodes, now[PSI], now[END], Interface(nodal.psi, nodal.z))
+        hold(nodes, now[PSI], now[END], guess)
     else:
-        predict(nodes, rule, ratio, now[LEFT], memory.last, Interface(nodal.psi, nodal.z))
+        predict(nodes, rule, ratio, now[LEFT], memory.last, guess)
+        to_own(law_of_step(own, now[LEFT]), nodal.z)
+    to_step(law, own, nodal.z)
 
 
 @njit
@@ -113,7 +131,7 @@ def march(
     nodes: Nodes, physics: Physics, port: Port, memory: Memory, nodal: Nodal, limits: Limits, stretch: Stretch, pieces: Pieces
 ) -> tuple[int, int, int]:
     """March over a `stretch`, or until the pieces are full; returns (steps, Newton iterations, why it ended)."""
-    s, (law, forcing, _, rule) = len(nodes), physics
+    s, (own_law, forcing, _, rule) = len(nodes), physics
     now, levels, origin, plan = memory.now, memory.levels, stretch.origin, stretch.plan
     deepest = port.length.size - 1
     iterations, k, planned = 0, 0, plan.size > 0
@@ -126,11 +144,11 @@ def march(
         if not port.ready[level]:
             return k, iterations, NOT_READY
         start, left, length = now[TIME], now[PSI], port.length[level]
-        impedance = Full(port.impedance[level])
+        impedance, law = Full(port.impedance[level]), law_of_step(own_law, left)
         begin_step(nodes, physics, start, length, left, nodal)
-        _guess(nodes, rule, memory, nodal)
+        _guess(nodes, law, own_law, rule, memory, nodal)
         arrive(port, nodes, level, nodal)
-        used = solve(nodes, law, impedance, length * forcing.transit, rule.integral, limits.newton, nodal)
+        used = solve(law, nodes, impedance, length * forcing.transit, rule, limits.newton, nodal)
         iterations += used
         tails = tail_of(nodes, rule.tail, nodal.z), tail_of(nodes, rule.tail, nodal.psi)
         size = max(abs(tails[0]), abs(tails[1])) if math.isfinite(tails[0] + tails[1]) else math.inf
@@ -145,11 +163,12 @@ def march(
                 return k, iterations, TOO_LONG
             levels[NEXT] = level + 1
             continue
+        for j in range(s):
+            memory.last.psi[j], memory.last.z[j] = nodal.psi[j], nodal.z[j]
+        to_own(law, nodal.z)
         step = (start, length)
         now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, now[ELASTIC], pieces, k)
         take_in(port, nodes, level, rule.integral, nodal)
-        for j in range(s):
-            memory.last.psi[j], memory.last.z[j] = nodal.psi[j], nodal.z[j]
         now[TIME], now[LEFT], now[PSI], now[END] = _end_of(start, origin, length), left, nodal.psi[s - 1], nodal.z[s - 1]
         levels[LAST] = level
         longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution and _may_double(now[TIME], origin, length)

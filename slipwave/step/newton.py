@@ -12,23 +12,20 @@ during stick, and by elimination otherwise.
 import math
 from typing import Any
 
-import numpy as np
-
 from slipwave.compiled import inlined, njit
 from slipwave.compiled.dispatch import by_class
-from slipwave.friction import Law, respond
+from slipwave.friction import Law, respond, with_bend
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.step.collocation import Nodes
 from slipwave.step.impedance import Diagonal, Impedance, influence, others, own
-from slipwave.step.nodal import Interface, Nodal, constant_guess, nodal_of
+from slipwave.step.nodal import Nodal
 
 _MAX_NEWTON = 25
 _LARGEST_CHANGE = 2.0
-_ROUNDING = 1e-14  # of a stress
 
 
 @njit
-def solve(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Array, tolerance: float, nodal: Nodal) -> int:
+def iterate(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Array, tolerance: float, nodal: Nodal) -> int:
     """Newton for psi, z and v at the nodes of a step of length `h` (friction clock), from those in `nodal`. `integral` is A
     transposed. Returns iterations, 0 = failed. Not inlined: that would double the compile time of a march."""
     s = len(nodes)
@@ -49,7 +46,7 @@ def solve(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Arra
             left = total * moved if shared > 0.0 else 0.0
         else:
             eliminate_nodes(impedance, nodes, integral, nodal)
-        if left + _correct(nodes, impedance, nodal) < tolerance:
+        if left + _correct(nodes, law, impedance, nodal) < tolerance:
             return iteration
     return 0
 
@@ -78,7 +75,7 @@ def _linearise(nodes: Nodes, law: Law, impedance: Impedance, h: float, nodal: No
 
 
 @inlined
-def _correct(nodes: Nodes, impedance: Impedance, nodal: Nodal) -> float:
+def _correct(nodes: Nodes, law: Law, impedance: Impedance, nodal: Nodal) -> float:
     """Apply the change to psi, z and v in place; returns an estimate of what the linear system neglects.
 
     v is continued by v'' = v, exact for v = e^z and v = 2 c sinh z, so no exponential is evaluated again.
@@ -95,6 +92,7 @@ def _correct(nodes: Nodes, impedance: Impedance, nodal: Nodal) -> float:
         odd = by_z * (1.0 + square * (1.0 / 6.0 + square / 120.0))
         nodal.v[j] = nodal.v[j] * even + nodal.v_z[j] * odd
         by_rate = own(impedance, j) * nodal.v_z[j] * nodal.inverse[j] + abs(nodal.by_z[j])
+        by_rate = with_bend(law, by_rate, nodal.v_z[j])
         by_state = abs(nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j])
         neglected = 0.5 * (by_rate * square + by_state * by_psi * by_psi) + 1e-2 * square * square * abs(by_z)
         if not neglected <= error:  # NaN stays
@@ -263,22 +261,3 @@ def emit(
     for j in range(s):
         pieces.y[k, j] = nodal.trial[j]
     return float(nodal.trial[s - 1])
-
-
-@njit
-def _solve_still(nodes: Nodes, law: Law, impedance: float, integral: Array, nodal: Nodal) -> int:
-    """The step of length 0, in which psi does not change."""
-    return solve(nodes, law, Diagonal(impedance), 0.0, integral, 1e-14, nodal)
-
-
-def first_guess(nodes: Nodes, law: Law, impedance: float, incoming: Array, psi: float, z: float) -> tuple[Interface, bool]:
-    """Nodal z for constant psi under the `incoming` stress (s,), from a guess `z`, and whether Newton's method converged; for a
-    step without an earlier one to extrapolate. psi does not change in a step of length 0."""
-    s = len(nodes)
-    v, _, friction, *_ = respond(law, z, psi)
-    if np.abs(friction + impedance * v - incoming).max() < _ROUNDING:  # steady sliding
-        return constant_guess(psi, z, s), True
-    nodal = nodal_of(s)
-    nodal.incoming[:], nodal.left[:], nodal.psi[:], nodal.z[:] = incoming, psi, psi, z
-    used = _solve_still(nodes, law, impedance, np.zeros((s, s)), nodal)
-    return (Interface(nodal.psi, nodal.z) if used else constant_guess(psi, z, s)), used > 0

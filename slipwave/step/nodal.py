@@ -28,10 +28,11 @@ class Interface(NamedTuple):
 
 class Nodal(Protocol):
     """Values (s,) at the nodes of a step. Given: `incoming` stress S; `left`, psi at the step's start and the integral of the
-    nudge; the `drive` V. Solved for: `psi`, `z`, and the slip rate `v`.
+    nudge; the `drive` V. Solved for: `psi`, `z` of the law of the step, and the slip rate `v`.
 
     Of the linearised step: `v_z`; `inverse`, 1/(F_z + K_jj v_z); `mismatch` of the stress and `ratio`, F_psi, times that;
-    `by_z`, h G_z; `slope`, h dG/dpsi at given stress; `change` of psi. Scratch: `gain`, `stress`, `trial`, `state` (s, 2 s + 1),
+    `by_z`, h G_z; `slope`, h dG/dpsi at given stress; `change` of psi. `missed`: what `left` contains because v changes its sign
+    (`slipwave.step.solve`). Scratch: `gain`, `stress`, `trial`, `state` (s, 2 s + 1),
     `rate` (s, s + 1).
 
     It is a numpy record (`nodal_of`): compiled code then knows that no two of its arrays overlap."""
@@ -49,6 +50,7 @@ class Nodal(Protocol):
     by_z: Array
     slope: Array
     change: Array
+    missed: Array
     gain: Array
     stress: Array
     trial: Array

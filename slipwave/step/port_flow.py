@@ -11,16 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction import unknown_of
+from slipwave.friction import smooth, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
 from slipwave.solve import State
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, velocity_by_difference
 from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, Memory, Stretch, begin, march, resolution_of
-from slipwave.step.newton import first_guess
 from slipwave.step.nodal import DONE, TIME, Limits, Physics, nodal_of
 from slipwave.step.port import LEVELS, Port, Slabs
+from slipwave.step.solve import first_guess
 from slipwave.step.tangent import Motion, carry
 from slipwave.threads import one_thread
 
@@ -131,7 +131,9 @@ class PortFlow:
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """As `Flow`."""
-        largest = max(float(np.abs(values @ self._rule.tail).max()) for values in (cycle.pieces.z, cycle.pieces.psi))
+        psi = cycle.pieces.psi
+        z = smooth(self.scene.law, cycle.pieces.z, psi).z
+        largest = max(float(np.abs(values @ self._rule.tail).max()) for values in (z, psi))
         return largest / resolution_of(tolerance, self.nodes.size)
 
     def _port(self, period: float) -> Port:

@@ -10,7 +10,8 @@ from reduced.delay.network import DelayNetwork
 from slipwave import read
 from slipwave.friction import respond
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import lagrange_basis
 from slipwave.solve import follow
 from tests.differences import difference
 

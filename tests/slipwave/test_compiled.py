@@ -167,7 +167,7 @@ def owned(function):
     within = [node for statement in function.body for node in ast.walk(statement)]
     made = {ast.unparse(node.func) for node in within if isinstance(node, ast.Call)}
     returned = [node for node in ast.walk(function.returns or ast.Constant(None)) if isinstance(node, ast.Name)]
-    arrays = {node.id for node in returned} - {"tuple", "int", "float", "bool", "Response"}
+    arrays = {node.id for node in returned} - {"tuple", "int", "float", "bool", "Response", "Law"}
     return {name for name in made if name.startswith("np.") or name.endswith(".copy")} | arrays
 
 

@@ -5,18 +5,17 @@ import pytest
 from scipy.optimize import root
 
 import slipwave
-from slipwave.friction import rate_of, respond, steady_state, unknown_of
-from slipwave.step.collocation import radau
+from slipwave.friction import law_of_step, rate_of, respond, steady_state, to_own, to_step, unknown_of
+from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Diagonal, Full
-from slipwave.step.newton import solve
 from slipwave.step.nodal import nodal_of
+from slipwave.step.solve import solve
 from slipwave.step.tangent import Answer, Motion, step_answer
 from tests.differences import difference
 
-RULE = radau(5)
-NODES = tuple(float(x) for x in RULE.nodes)
+RULE, COMPILED, NODES = rule_of(5)
 S = len(NODES)
-INTEGRAL = RULE.integral.T.copy()
+INTEGRAL = COMPILED.integral
 COUPLED = np.tril(np.random.default_rng(5).uniform(0.2, 1.0, (S, S)))
 LAWS = {
     "paper": ("paper", []),
@@ -28,9 +27,11 @@ LAWS = {
 
 def solved(law, impedance, h, psi, z, incoming, forced):
     """(iterations, psi, z, v) at the nodes, from a guess one unit off in z."""
-    nodal = nodal_of(S)
+    nodal, here = nodal_of(S), law_of_step(law, psi)
     nodal.incoming[:], nodal.left[:], nodal.psi[:], nodal.z[:] = incoming, psi + forced, psi, z + 1.0
-    used = solve(NODES, law, impedance, h, INTEGRAL, 1e-13, nodal)
+    to_step(here, law, nodal.z)
+    used = solve(here, NODES, impedance, h, COMPILED, 1e-13, nodal)
+    to_own(here, nodal.z)
     return used, nodal.psi.copy(), nodal.z.copy(), nodal.v.copy()
 
 

@@ -5,7 +5,8 @@ import pytest
 
 import slipwave
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Pieces, lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import Pieces, lagrange_basis
 
 LAW = slipwave.read("paper").law
 NODES = np.array([0.2, 0.7, 1.0])

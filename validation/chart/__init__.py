@@ -107,8 +107,8 @@ class Second(NamedTuple):
 
 @dataclass(frozen=True)
 class Scale:
-    """Along one side of a panel: quantity and unit, "linear" or "log", limits (None: from what is drawn), ticks with their words,
-    second scale. Values below `floor` are drawn there."""
+    """Along one side of a panel: quantity and unit, "linear", "log" or "symlog" (linear about zero), limits (None: from what is
+    drawn), ticks with their words, second scale. Values below `floor` are drawn there."""
 
     label: str = ""
     kind: str = "linear"

@@ -14,7 +14,8 @@ import numpy as np
 from reduced.orbit.closing import Closed
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
-from slipwave.observe.pieces import Array, Pieces, lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import Array, Pieces, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import Energy, FieldSolver, Snapshot, Solver, State, follow, tables
@@ -164,7 +165,7 @@ def state_on(solver: Any, closed: Closed) -> State:
     up to a constant: mean stresses over a period are the same at all depths, so that the mean of y equals that of mu."""
     cycle = closed.cycle
     times = np.linspace(0.0, cycle.period, _SAMPLES, endpoint=False)
-    z, _, mu, y = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), times)
+    z, _, mu, y = values_at(cycle.pieces, lagrange_basis(closed.flow.nodes), times, closed.flow.scene.law)
     interface = InterfaceState(BEGIN, float(z[0]), float(cycle.start[-1]), float(y[0] + (mu - y).mean()))
     state: State = solver.state_at_start(cycle, interface)
     return state

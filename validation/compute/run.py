@@ -380,7 +380,7 @@ class JudgedMarch:
     def _verdict(self, half: float, cycles: Events) -> MotionVerdict:
         """Verdict on the second half of the run so far, from `half` (transits) on, with these `cycles`."""
         drive, end = self.solver.scene.drive, 2.0 * half
-        slides = self.final is not None and slides_at(math.exp(self.final.ln_v), drive.at(end))
+        slides = self.final is not None and slides_at(self.final.v, drive.at(end))
         return judge_motion(cycles, self.watch.judge(half).complete, drive.rests_from(half), slides, end)
 
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:

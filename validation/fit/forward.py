@@ -11,7 +11,8 @@ from reduced.families import DELAY
 from reduced.impedance.reduce import reduction_of
 from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError
-from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.solve.solver import Leaping
 from slipwave.step.collocation import radau

@@ -17,7 +17,8 @@ from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import floquet
 from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
-from slipwave.observe.pieces import lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import lagrange_basis
 from slipwave.packages import run_file
 from slipwave.solve import follow
 from slipwave.sources import ROOT

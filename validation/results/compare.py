@@ -21,7 +21,7 @@ from validation.data.series import read_series
 from validation.measure.cycle import CycleObserver, OneCycle
 from validation.results.command import command
 from validation.results.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
-from validation.results.figures import scale_of
+from validation.results.figures import for_rates, scale_of
 from validation.results.options import NumericalOptions, RecordOptions, RunsOptions, log, option
 from validation.results.result import Output, aligned, rounded
 from validation.results.with_data import chart_with_data, data_lines, distances_from_data, facts_of_data
@@ -128,7 +128,8 @@ class CompareResult(Comparison):
 
         time = "transits since v passed half its largest value in the slip event"
         above = Panel("", replace(scale_of("time", self.scene), label=time), scale_of("stress", self.scene), traces("stress"))
-        below = Panel("", Scale(time), scale_of("slip_rate", self.scene), traces("slip_rate"))
+        rates = traces("slip_rate")
+        below = Panel("", Scale(time), for_rates(scale_of("slip_rate", self.scene), (one.columns["y"] for one in rates)), rates)
         if not above.traces:
             text = nothing(self.reference) or "no run has cycles that represent its motion"
             above = replace(above, traces=[Trace(text, 0.5, 0.5, Look(kind="text", marker="center"))])

@@ -1,7 +1,7 @@
 """Charts of runs and orbits: the motion of the interface with SI scales where the scene has units, a protocol over time and slip,
 and the return map."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,6 +35,11 @@ def scale_of(name: str, scene: Scene) -> Scale:
     return replace(_SCALES[name], second=Second(_SI_LABELS[name].format(PREFIXES[power]), size / 10.0**power))
 
 
+def for_rates(scale: Scale, rates: Iterable[Array]) -> Scale:
+    """The logarithmic `scale` for these slip rates: linear about zero if slip rests or reverses."""
+    return scale if all((values > 0.0).all() for values in rates) else replace(scale, kind="symlog")
+
+
 def run_chart(run: Run, motion: Envelope, stages: Sequence[StageFigures] | None) -> Chart:
     """The `motion` of a run: as `protocol_chart` if it has `stages`, else as `motion_chart`."""
     scene, model = run.solver.scene, run.solver.model
@@ -54,7 +59,7 @@ def motion_chart(scene: Scene, title: str, time: Array, stress: Ranges, rate: Ra
     """Ranges of the stress and of the slip rate over time (transits)."""
     panels = (
         Panel("", scale_of("time", scene), scale_of("stress", scene), _within(time, stress)),
-        Panel("", _SCALES["time"], scale_of("slip_rate", scene), _within(time, rate)),
+        Panel("", _SCALES["time"], for_rates(scale_of("slip_rate", scene), rate), _within(time, rate)),
     )
     return Chart(panels, 5.2, title=title)
 

@@ -169,7 +169,8 @@ class RunResult(Result):
             yield from aligned(*stage_rows(self.stages, scene))
             yield from missing_in_words(self.stages)
         if done.final:
-            state = {"ln v": done.final.ln_v, "psi": done.final.psi, "mu": done.final.mu}
+            rate = {"v": done.final.v} if done.final.v <= 0.0 else {"ln v": done.final.ln_v}
+            state = rate | {"psi": done.final.psi, "mu": done.final.mu}
             yield "\nat the end: " + ", ".join(f"{name} = {rounded(value, 12)}" for name, value in state.items())
         for label, one in self.records.named.items():
             yield f"{label}: " + ", ".join(f"{name} = {rounded(value, 6)}" for name, value in one.figures().items())

@@ -12,6 +12,7 @@ from slipwave.scene import Scene
 from validation.chart import Chart, Look, Panel, Scale, Trace, color_number, outline
 from validation.data.events import MeasuredMotion, slip_events
 from validation.measure.cycle import OneCycle
+from validation.results.figures import for_rates
 from validation.results.quantities import EVENTS, cycle_in_si, shown_in
 from validation.results.result import aligned, rounded
 
@@ -119,7 +120,8 @@ def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
     phase = np.concatenate((cycle.time - cycle.period, cycle.time))
     phase -= min(slip_events(phase, np.tile(cycle.stress, 2)).date, key=abs, default=0.0)  # dated as the record
     friction = np.interp(time, phase, np.tile(stress, 2))
-    rate = np.exp(np.interp(time, phase, np.tile(np.log(np.abs(cycle.slip_rate)), 2)))
+    rate = np.tile(cycle.slip_rate, 2)
+    rate = np.exp(np.interp(time, phase, np.log(rate))) if (rate > 0.0).all() else np.interp(time, phase, rate)
     level = float(np.trapezoid(friction, time) / (time[-1] - time[0]))
     return Averaged(time, friction - level, np.zeros_like(friction), rate, level)
 
@@ -143,11 +145,11 @@ def chart_with_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle
         for row, traces in zip(rows, _of_model(model, cycle, data, (size, pace), color_number(number)), strict=True):
             row += traces
     labels = "friction less its mean", "record - model", f"slip rate / ({speed})"
-    panels = []
+    panels, rates = [], [cycle.slip_rate for _, cycle in cycles if cycle]
     for label, row in zip(labels, rows, strict=True):
         for title, reach in (("whole cycle", data.time[-1]), ("slip event", zoom)):
             along = Scale(f"time since the slip event / {unit}", limits=(-size * reach, size * reach))
-            up = Scale(label, "log" if row is rows[-1] else "linear")
+            up = for_rates(Scale(label, "log"), rates) if row is rows[-1] else Scale(label)
             panels.append(Panel(title if row is rows[0] else "", along, up, row))
     heights = (2.0, 1.0, 2.0)
     return Chart(panels, 7.0, 2, 9.0, heights=heights, legend="outside upper left", legend_columns=3, keys=rows[0])

@@ -12,7 +12,8 @@ import numpy as np
 from reduced.orbit import PeriodicOrbit
 from reduced.orbit.closing import Closed
 from slipwave.observe import Events, HistoryObserver
-from slipwave.observe.pieces import lagrange_basis, values_at
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import lagrange_basis
 from slipwave.observe.statistics import Estimate, mean_of
 from slipwave.scene import Scene
 from validation.compute.build import build
@@ -96,8 +97,10 @@ def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -
     once = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
     once = once[once < period]
     times = np.concatenate([once + turn * period for turn in _TURNS])
-    samples = np.stack([times, *values_at(pieces, lagrange_basis(closed.flow.nodes), np.mod(times, period))])
-    return cut(closed.flow.scene.law, samples, first_event(closed), period, before, after)
+    law = closed.flow.scene.law
+    values = values_at(pieces, lagrange_basis(closed.flow.nodes), np.mod(times, period), law)
+    samples = np.stack([times, *values])
+    return cut(law, samples, first_event(closed), period, before, after)
 
 
 @kept

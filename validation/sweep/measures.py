@@ -70,7 +70,7 @@ def verdict_of(scene: Scene, model: str, options: Options) -> Figures:
 def run_of(scene: Scene, model: str, options: Options) -> Figures:
     """As `verdict_of` for the whole run, and the interface at its end."""
     run = march_point(scene, model, options, whole=True)
-    return _figures(run) | ({f"final_{name}": getattr(run.final, name) for name in ("ln_v", "psi", "mu")} if run.final else {})
+    return _figures(run) | ({f"final_{name}": getattr(run.final, name) for name in _ENDS} if run.final else {})
 
 
 def cycles_of(scene: Scene, model: str, options: Options) -> Figures:
@@ -123,7 +123,8 @@ _CYCLES = {
     "cycle_period": Meaning("period of each cycle of the second half of the run", "transit"),
     "cycle_stress_drop": Meaning("stress drop of each cycle of the second half of the run", "normal stress"),
 }
-_FINAL = {f"final_{name}": Meaning(f"{name} at the end of the run") for name in ("ln_v", "psi", "mu")}
+_ENDS = {"ln_v": "", "psi": "", "mu": "", "v": "V*"}
+_FINAL = {f"final_{name}": Meaning(f"{name} at the end of the run", unit) for name, unit in _ENDS.items()}
 _EXPONENT = {"exponent": Meaning("largest Lyapunov exponent, per transit"), "exponent_error": Meaning("half its 95 % interval")}
 _STABILITY = {
     "stable": Meaning("whether steady sliding is stable"),

@@ -1,0 +1,111 @@
+"""Random pairs of slabs whose drive falls so far that slip reverses, for laws that allow v <= 0.
+
+`python -m tests.reduced.random_falls 100` judges that many and prints those that fail.
+"""
+
+import sys
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.delay.system import delay_system
+from slipwave import read
+from slipwave.errors import NumericsError
+from slipwave.solve import follow
+from slipwave.step.nodal import NOT_SMOOTH
+from validation.compute.build import build
+
+KINDS = ("alike", "unlike", "irrational", "layered", "grip", "reflection", "machine")
+LAWS = ("ageing-regularised", "slip-regularised", "spinodal")
+CELLS = 512
+ALLOWED, BY_FD = 1e3, 0.05
+
+
+class Fall(NamedTuple):
+    """`halved`: the largest difference of psi and mu/a at the end from those by steps half as long, over the tolerance;
+    `fd`: that from `fd`; `lowest`: the least v; `refused`: the reason."""
+
+    seed: int
+    scene: str
+    halved: float
+    fd: float
+    lowest: float
+    refused: str
+
+
+def random_fall(seed):
+    """The scene and the words of a number."""
+    rng = np.random.default_rng(seed)
+    kind, law = KINDS[seed % len(KINDS)], LAWS[seed // len(KINDS) % len(LAWS)]
+    a = rng.uniform(0.01, 0.05)
+    epsilon, r = 10.0 ** rng.uniform(-5.0, -4.0), 10.0 ** rng.uniform(-3.2, -2.3)
+    upper = {"epsilon": epsilon, "r": r}
+    lower = dict(upper)
+    if kind != "alike":
+        lower = {"epsilon": epsilon * rng.uniform(0.3, 3.0), "r": r * rng.choice([0.5, 1.0, 1.5, 2.0])}
+    if kind == "irrational":
+        lower["r"] = r * rng.uniform(0.5, 2.0)
+    if kind == "layered":
+        share = rng.choice([0.25, 0.5, 0.75])
+        upper["layers"] = [{"fraction": share, "impedance": 1.0}, {"fraction": 1.0 - share, "impedance": rng.uniform(0.3, 3.0)}]
+    stiffness, impedance = 10.0 ** rng.uniform(-0.5, 1.5), 10.0 ** rng.uniform(-1.0, 1.0)
+    faces = {
+        "grip": {"stiffness": stiffness, "impedance": impedance},
+        "machine": {"stiffness": stiffness, "impedance": impedance, "mass": 10.0 ** rng.uniform(-1.5, 1.0)},
+        "reflection": {"coefficient": 1.0 - 10.0 ** rng.uniform(-3.0, -0.2)},
+    }
+    if kind in faces:
+        upper["face"] = {"kind": kind, **faces[kind]}
+    ratio = 10.0 ** rng.uniform(np.log10(30.0), 6.0)
+    velocity = 10.0 ** rng.uniform(-0.3, 0.5) / min(upper["epsilon"], lower["epsilon"])  # waves that friction cannot carry
+    rise, fall = np.round(rng.uniform([2.0, 12.0], [6.0, 18.0]) * 4.0) / 4.0
+    if rng.random() < 0.3:
+        rise, fall = rng.uniform([2.0, 12.0], [6.0, 18.0])
+    after = velocity / ratio if rng.random() < 0.8 else 0.0
+    ramp = rng.uniform(0.2, 2.0) if rng.random() < 0.3 else 0.0
+    knots = [[0.0, 100.0], [rise, 100.0], [rise, velocity], [fall, velocity], [fall + ramp, after]]
+    interface = {"law": law, "a_star": 0.369, "a": a, "b": a * rng.uniform(0.7, 2.0)}
+    if law == "spinodal":
+        interface |= {"cutoff_velocity": 10.0 ** rng.uniform(3.0, 6.0), "saturation_velocity": 10.0 ** rng.uniform(-4.0, -1.0)}
+    scene = {
+        "interface": interface,
+        "drive": {"velocity": [[float(t), float(v)] for t, v in knots]},
+        "upper": upper,
+        "lower": lower,
+        "start": {"size": 0.0},
+        "run": {"until": 31.87},
+    }
+    return read(scene), f"{kind}, {law}, ramp {ramp:.2g}, to {after:.3g}"
+
+
+class Lowest:
+    """The least rate unknown at the nodes."""
+
+    least = np.inf
+
+    def scan(self, pieces):
+        self.least = min(self.least, pieces.z.min())
+
+
+def judge(seed, tolerance=1e-9):
+    scene, words = random_fall(seed)
+    lowest = Lowest()
+    try:
+        solver = delay_system(scene, tolerance)
+        final = follow(solver, scene.until, observers=[lowest])
+        finer = delay_system(scene, tolerance)
+        while finer.steps < 2.0 * solver.steps:
+            finer._refine(NOT_SMOOTH)
+        other = follow(finer, scene.until)
+        fd = follow(build("fd", scene, cells=CELLS), scene.until)
+    except NumericsError as refusal:
+        return Fall(seed, words, np.inf, np.inf, np.nan, str(refusal))
+    ends = [np.array([one.psi, one.mu / scene.law.a]) for one in (final, other, fd)]
+    differences = [float(np.abs(one - ends[0]).max()) for one in ends[1:]]
+    return Fall(seed, words, differences[0] / tolerance, differences[1], float(lowest.least), "")
+
+
+if __name__ == "__main__":
+    first, last = (0, *map(int, sys.argv[1:]))[-2:]
+    for seed in range(first, last):
+        print(judge(seed), flush=True)
