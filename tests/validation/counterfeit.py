@@ -194,7 +194,7 @@ PLACES = {
     "partial-reflection": (
         Place("partial_reflection:settled_cycle_of"),
         Place("partial_reflection:end_of"),
-        Place("partial_reflection:last_cycle", S, 1),
+        Place("partial_reflection:states_in_grips", (lambda pair: (pair[0], 1.001 * pair[1]),)),
     ),
     "which-model": (
         Place("which_model:costs_at"),
@@ -219,7 +219,7 @@ PLACES = {
         Place("regime_map:model_regimes", (lambda found: np.roll(found, 4, axis=0),)),
     ),
     "asymmetry": (
-        Place("asymmetry:march_pair", (part("figures"),), 1),
+        Place("asymmetry:state_of", S, 1),
         Place("asymmetry:error_of_delay"),
         Place("asymmetry:swept_ratios"),
         Place("asymmetry:growing_roots", (lambda counts: counts[::-1],)),
@@ -235,10 +235,11 @@ PLACES = {
     ),
     "snaking": (
         Place("snaking:branch_of"),
-        Place("snaking.measured:run_at", (part("last", change=displaced(2.0)),), unjudged=("-2.66",)),
-        Place("snaking.measured:attractor", (part("run.last"),)),
+        Place("snaking.measured:run_at", (part("last", change=displaced(2.0)),)),
         Place("snaking:sides", (lambda value: [part("seen")(value[0]), *value[1:]],)),
-        Place("snaking.measured:torus_at", (part("mean"), part("rotation", change=displaced(1e-3)))),
+        Place(
+            "snaking.measured:torus_at", (lambda found: (found[0] + 1e-3, found[1]), lambda found: (found[0], scaled(found[1])))
+        ),
     ),
     "period-against-delay": (
         Place("period_against_delay:branch_of", (part("onset.period"),)),
@@ -250,9 +251,8 @@ PLACES = {
         Place("laboratory:cycles_of_samples", (lambda found: [None] * len(found),), 9, claimed=True),
         Place("laboratory:cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),
         Place("laboratory:waves_in_blocks", (part("block.period", change=lambda one: 1.1 * one),)),
-        Place("laboratory:damped_peaks"),
         Place("laboratory:rise_of", (lambda one: one._replace(time=1.1 * one.time),)),
-        Place("laboratory:compared_with", (part("apart", change=displaced(2e-8)), part("ratios"))),
+        Place("laboratory:fitted_to", (part("apart", change=displaced(2e-8)), part("ratios"))),
     ),
     "claims": (
         Place("claims:settled_at", tuple(only(model, scaled) for model in ("delay", "kelvin-voigt", "block8", "block12")), 9),

@@ -21,7 +21,7 @@ from validation.compute.looks import model_line
 from validation.measure.cycle import OneCycle, one_cycle, ripple_period, watch
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
-from validation.study import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
+from validation.study import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
 from validation.study.known import PeriodRanges, as_known, as_printed, order_of_periods, range_of_r, rounding
 from validation.study.text import minus
 from validation.study.verdict import ASYMPTOTIC, EXACT, PAPER, Outcome, Verdict, at_least, claim, holding, in_range, of_paper
@@ -100,7 +100,9 @@ def run(budget: Budget) -> StudyResult:
     deep = {model: run_deep(model, 6000.0 if budget.quick else 16000.0) for model in WAVES}
     ripples = {model: measure_ripples(model) for model in WAVES}
     scenes = [sw.read(name) for name in SCENES[:3]]
-    verdicts = (*scene_claims(*scenes[:2]), *verdicts_on_paper(orbits, deep, ripples))
+    of_orbits = (*orbit_claims(orbits), *ripple_claims(ripples), *stable_branch_claims(orbits))
+    of_cycles = (*load_claims(orbits, deep, ripples), *irregular_claims(deep))
+    verdicts = (*onset_claims(), *of_orbits, *of_cycles, *scene_claims(*scenes[:2]))
     onset = onset_at(100.0)
     numbers = {"r_c delay": onset.r_delay, "r_c kelvin-voigt": onset.r_kelvin_voigt, "omega_c": onset.omega_c}
     return StudyResult(
@@ -109,7 +111,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("irregular", _CAPTION, lambda: irregular(deep), paper="Fig 9", carries=("P13 ",), zoom=True),
             Figure("planes", _PLANES, lambda: _slip_planes(deep), paper="Fig 9", carries=("P13 ",)),
         ),
-        tables=(_groups(scenes), _deep_table(deep)),
+        tables=(_groups(scenes),),
         verdicts=verdicts,
         notes=(_NUMBERED,),
         numbers={name: Number(value, 1e-12) for name, value in numbers.items()}
@@ -160,21 +162,6 @@ def _groups(scenes: list[Scene]) -> Table:
     return table("groups", caption, " | ".join(["group", *(f"{s.name} .6g" for s in scenes)]), rows)
 
 
-def _deep_table(deep: dict[str, Deep]) -> Table:
-    rows = list[tuple[Cell, ...]]()
-    for model, run in deep.items():
-        e = run.events
-        stated = [f(column) for column in (e.period, e.stress_drop, np.log10(e.v_max)) for f in (np.mean, spread_of, recurrence)]
-        rows.append((model, float(e.time.size), *map(float, stated), float(e.v_max.max())))
-    symbols = ("T [mean, transits]", "Δμ [mean, σ]", "log_{10} v_{max} [mean, V*]")
-    stated_of = [f"{symbol} .4g | spread [of the mean] .1% | recurrence .2f" for symbol in symbols]
-    caption = (
-        f"Cycles at log_{{10}} r = −2.3 after the first {SHOWN[0]:g} transits: mean, standard deviation over mean, and how far "
-        f"the sequence is from repeating itself after up to {LONGEST} cycles (0: periodic, 1: no memory)."
-    )
-    return table("deep", caption, " | ".join(["model | cycles .0f", *stated_of, "v_{max} [V*] .1e"]), rows)
-
-
 def irregular(deep: dict[str, Deep]) -> Chart:
     """Stress over time, one panel per model."""
     across, up = Scale("time (transits)", limits=SHOWN), Scale(r"$\mu$")
@@ -206,10 +193,7 @@ _CAPTION = (
 )
 _BRANCHES = "Judged by the study `bifurcation`, on branches."
 _OMISSIONS = (
-    Omission("P8, mildly subcritical Hopf point (Fig 6).", _BRANCHES, ("P8 ",)),
-    Omission("P9, period doublings and torus of the ODE (Fig 6b).", _BRANCHES, ("P9 ",)),
-    Omission("P10, unstable primary orbit with T = 79.09 (Fig 7).", _BRANCHES, ("P10 ",)),
-    Omission("P14, bifurcations of the delay system.", _BRANCHES, ("P14 ",)),
+    *(Omission(f"{name}, on orbits stable or not.", _BRANCHES, (f"{name} ",)) for name in ("P8", "P9", "P10", "P14")),
     Omission(
         "P7 and P11 beyond log_{10} r = −2.66.",
         "The delay system’s orbit loses stability there; runs then show a torus, not the orbit.",
@@ -284,12 +268,6 @@ def recurrence(values: Array) -> float:
         return 0.0
     steps = [float(np.sqrt(np.mean((values[k:] - values[:-k]) ** 2))) for k in range(1, LONGEST + 1)]
     return float(min(steps) / (np.std(values) * 2.0**0.5))
-
-
-def verdicts_on_paper(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> tuple[Verdict, ...]:
-    """Every claim that these runs and the closed forms decide, in the paper's order."""
-    of_orbits = (*orbit_claims(orbits), *ripple_claims(ripples), *stable_branch_claims(orbits))
-    return (*onset_claims(), *of_orbits, *load_claims(orbits, deep, ripples), *irregular_claims(deep))
 
 
 def onset_claims() -> Iterator[Verdict]:

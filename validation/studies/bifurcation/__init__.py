@@ -26,7 +26,6 @@ _CELLS, _TOLERANCE = 8, 1e-8
 _PUBLISHED = {"first fold": "LP", "first period doubling": "PD", "first torus point": "NS"}
 _WAVE_ORBITS = 1e-9
 _BUBBLES = ["PD", "PD", "LP", "LP", "PD", "PD", "LP", "LP", "PD", "PD", "NS"]
-_DOUBLINGS = "special points from the first period doubling on: PD period doubling, LP saddle-node, NS torus point"
 
 
 class _Plan(NamedTuple):
@@ -234,7 +233,13 @@ def bubbles_of(ode: Branch) -> Iterator[Verdict]:
     until = kinds[kinds.index("PD") : kinds.index("NS") + 1] if "NS" in kinds else kinds
     paper, torus = reference()["paper"]["log10_r_torus"], ode.of_kind("NS")[0].point.parameter
     title = "P9 The ODE’s orbits lose stability in pairs of period doublings split by saddle-nodes, then at a torus point"
-    yield of_paper(title, " ".join(_BUBBLES), " ".join(until), until == _BUBBLES, _DOUBLINGS)
+    yield of_paper(
+        title,
+        " ".join(_BUBBLES),
+        " ".join(until),
+        until == _BUBBLES,
+        "from the first period doubling on; LP is a saddle-node, NS the torus point",
+    )
     larger = 100 * abs(10.0 ** (paper - torus) - 1.0)
     yield of_paper(
         "P9 The torus point of the ODE lies at r = 10^{-2.468}",

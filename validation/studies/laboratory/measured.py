@@ -65,11 +65,11 @@ def samples(count: int) -> list[tuple[FrictionFit, float]]:
     ]
 
 
-def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0, damping: float = 1.0) -> Scene:
-    """Spring, `factor` times k', and radiation damping, `damping` times rho c/2 of steel: alike slabs whose elasticity is the
-    spring, for a model without waves and inertia."""
+def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0) -> Scene:
+    """Spring, `factor` times k', and radiation damping, rho c/2 of steel: alike slabs whose elasticity is the spring, for a model
+    without waves and inertia."""
     stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
-    slab = {"density": damping**2 * DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": SHEAR_MODULUS / (2.0 * stiffness)}
+    slab = {"density": DENSITY, "shear_modulus": SHEAR_MODULUS, "thickness": SHEAR_MODULUS / (2.0 * stiffness)}
     return _scene(row, fit, law, slab)
 
 
@@ -114,9 +114,9 @@ def cycles_of_samples(row: Mapping[str, Any], law: str, drawn: Iterable[tuple[Fr
     ]
 
 
-def cycle_without_tuning(row: Mapping[str, Any], fit: FrictionFit, law: str, damping: float = 1.0) -> MeasuredCycle | None:
-    """The cycle of the plain block with a printed fit."""
-    return cycle_in_run(plain_block(row, fit, law, damping=damping), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
+def cycle_without_tuning(row: Mapping[str, Any], fit: FrictionFit) -> MeasuredCycle | None:
+    """The cycle of the plain block with a printed fit, ageing law."""
+    return cycle_in_run(plain_block(row, fit, "ageing"), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
 
 
 class Rise(NamedTuple):

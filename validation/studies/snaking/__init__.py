@@ -13,7 +13,7 @@ from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.compute.looks import model_look
 from validation.compute.points import BranchPoint
 from validation.studies.snaking import measured
-from validation.studies.snaking.measured import PeriodsOfRun, coexisting, grows, settles, sides
+from validation.studies.snaking.measured import DirectRun, coexisting, grows, settles, sides
 from validation.study import Budget, Cell, Figure, StudyAnswer, StudyResult, Table, memo, table
 from validation.study.branch_drawing import branch_keys, branch_traces
 from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts
@@ -55,24 +55,25 @@ def run(budget: Budget) -> StudyResult:
     finer = branch_of("delay", -2.3, plan.finer, _FINER, _SHORT)
     budget.report(0.9)
     orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in plan.shown}
-    runs = [measured.run_at(log10_r) for log10_r in (_BEFORE, _BEYOND)]
     starts = [(log10_r, size) for log10_r in plan.coexist for size in _NUDGES]
-    attractors = [measured.attractor(log10_r, size, branch.orbits_at(log10_r)) for log10_r, size in starts]
-    nearest = [branch.orbits_at(log10_r)[-1] for log10_r in (_BEFORE, _BEYOND)]
+    before, *others, beyond = (
+        measured.run_at(log10_r, size, branch.orbits_at(log10_r))
+        for log10_r, size in ((_BEFORE, _NUDGES[0]), *starts, (_BEYOND, _NUDGES[0]))
+    )
     return StudyResult(
         answers=_answers(branch, max(map(len, orbits.values()))),
         figures=(
-            Figure("snake", _CAPTION, lambda: snake(branch, runs), zoom=True, beside="orbits"),
+            Figure("snake", _CAPTION, lambda: snake(branch, [before, beyond]), zoom=True, beside="orbits"),
             Figure("orbits", _ORBITS, lambda: orbits_along(branch), zoom=True),
         ),
         tables=(_window_table(branch.corners), _coexisting_table(orbits)),
         verdicts=(
             *measured.fold_claims(branch, finer),
-            *settles(runs[0], nearest[0]),
-            measured.wanders(runs[1], nearest[1]),
+            *settles([before, *others]),
+            measured.wanders(beyond),
             grows(sides(branch, *plan.beside)),
-            *coexisting(attractors),
-            *measured.on_torus(measured.torus_at(-2.65)),
+            *coexisting(others),
+            *measured.on_torus(*measured.torus_at(-2.65)),
         ),
         notes=(_WHY,),
         numbers={
@@ -157,7 +158,7 @@ def orbits_along(branch: Branch) -> Chart:
     return Chart([Panel("", Scale("time since the slip event (transits)"), Scale(raised), traces)], 6.0)
 
 
-def snake(branch: Branch, runs: Iterable[PeriodsOfRun]) -> Chart:
+def snake(branch: Branch, runs: Iterable[DirectRun]) -> Chart:
     """T over log10 r, with the periods of direct runs, and the number of unstable multipliers."""
     corners = [corner for corner in branch.corners if corner.period > _LEAST]
     periods, r = [one.period for one in corners], [one.value for one in corners]
