@@ -57,11 +57,16 @@ def _referred(root: ElementTree.Element) -> Iterator[str]:
 
 
 def _runs(letters: Iterable[ElementTree.Element]) -> Iterator[ElementTree.Element]:
-    """Letters of a label, those of one style on one line together."""
+    """Letters of a label, those of one style on one line together, each in its place."""
     for _, alike in groupby(letters, lambda one: (one.get("style"), one.get("y"))):
-        element, *others = alike
-        element.text = "".join(one.text or " " for one in (element, *others))
-        yield element
+        run = list(alike)
+        words = "".join((one.text or "").strip() or " " for one in run)
+        kept = [k for k, letter in enumerate(words) if letter != " " or (words[:k].strip() and words[k:].strip())]
+        if kept:
+            element = run[kept[0]]
+            element.text = "".join(words[k] for k in kept)
+            element.set("x", " ".join(run[k].get("x", "") for k in kept))
+            yield element
 
 
 def _regroup(parent: ElementTree.Element) -> None:
