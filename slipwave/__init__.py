@@ -24,7 +24,6 @@ _PLACES = {
     "show": "results.listing",
     "stability": "results.stability",
     "sweep": "sweep.command",
-    "score": "frozen.score",
     "verify": "verification.command",
 }
 """The module of `validation` in which each function is written."""

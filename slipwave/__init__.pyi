@@ -3,7 +3,6 @@ from slipwave.errors import SceneError as SceneError
 from slipwave.input import read as read
 from slipwave.input import read_scene as read_scene
 from validation.fit.command import fit as fit
-from validation.frozen.score import score as score
 from validation.results.bench import bench as bench
 from validation.results.branch import branch as branch
 from validation.results.compare import compare as compare

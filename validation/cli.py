@@ -42,7 +42,6 @@ COMMANDS = {
     "sweep": "One measure of many scenes over axes, on all cores or a cluster; resumed after any interruption.",
     "map": "Draw a sweep: regimes with the boundaries that theory gives, figures, differences between two models.",
     "verify": "Judge a scheme, a law or a scene by the report's rows: orders, step limit, energy, noise, agreement.",
-    "score": "Compare somebody's numbers with the frozen benchmark, row by row.",
     "scenes": "List the gallery's scenes, one line each.",
     "schema": "Print the JSON Schema of scene files, for an editor that completes and checks them.",
     "show": "Print the resolved scene as TOML, for a file of your own: slipwave show paper > mine.toml",

@@ -1,4 +1,4 @@
-"""The commands without a `Result`: `scenes`, `schema`, `show`, `score` and `report`."""
+"""The commands without a `Result`: `scenes`, `schema`, `show` and `report`."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -8,10 +8,10 @@ from typing import Annotated, Any
 import typer
 
 import slipwave
-from slipwave.errors import Interrupted, NumericsError
+from slipwave.errors import Interrupted
 from slipwave.extras import require
 from slipwave.files import require_folder
-from validation.command_line import print_json, printed
+from validation.command_line import printed
 
 EXAMPLES = {
     "report": (
@@ -21,7 +21,6 @@ EXAMPLES = {
         "slipwave report --json > report.json",
     ),
     "scenes": ("slipwave scenes",),
-    "score": ("slipwave score theirs.csv", "slipwave score theirs.csv --digits 9 --json"),
     "schema": ("slipwave schema > scene.schema.json", "slipwave schema --report > report.schema.json"),
     "show": ("slipwave show paper > mine.toml", "slipwave show run.nc"),
 }
@@ -44,18 +43,6 @@ def schema(report: Annotated[bool, typer.Option("--report", help="that of report
     else:
         from slipwave.input.schema import json_schema as made
     print(json.dumps(made(), indent=2))
-
-
-def print_score(
-    theirs: Annotated[Path, typer.Argument(metavar="THEIRS.csv", help="a CSV file with the columns id and value")],
-    digits: Annotated[int, typer.Option(help="digits that every row must agree to, where as many are certified")] = 6,
-    as_json: Annotated[bool, typer.Option("--json", help="print JSON instead of a table")] = False,
-) -> None:
-    """Somebody's values against the frozen benchmark."""
-    found = slipwave.score(theirs, digits)
-    printed(lambda: print_json(found.summary) if as_json else print("\n".join(found.lines())))
-    if found.failed:
-        raise NumericsError(f"score: {len(found.failed)} rows do not agree: {', '.join(found.failed)}")
 
 
 def print_scene(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
@@ -114,5 +101,5 @@ def report(
         ) from None
 
 
-WITHOUT_SCENE: dict[str, Callable[..., None]] = {"report": report, "scenes": print_scenes, "schema": schema, "score": print_score}
+WITHOUT_SCENE: dict[str, Callable[..., None]] = {"report": report, "scenes": print_scenes, "schema": schema}
 """Commands whose options are declared here, by name."""

@@ -5,6 +5,7 @@ import io
 import json
 import re
 import shlex
+import subprocess
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -44,8 +45,12 @@ def printed_by(kind, content, names):
         else:
             for line in content.splitlines():
                 program, *arguments = shlex.split(line, comments=True)
-                assert program == "slipwave"
-                main(arguments)
+                if program == "slipwave":
+                    main(arguments)
+                else:
+                    assert program == "python"
+                    (script,) = (ROOT / "docs").rglob(arguments[0])
+                    out.write(subprocess.run([sys.executable, script, *arguments[1:]], capture_output=True, text=True).stdout)
     return out.getvalue()
 
 
