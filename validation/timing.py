@@ -20,7 +20,6 @@ from slipwave.observe import EventObserver
 from slipwave.scene import Scene
 from slipwave.solve import Final, Solver, follow
 from validation.compute.build import build
-from validation.compute.settle import estimate
 from validation.measure.cycle import watch
 from validation.measure.stopwatch import timed
 
@@ -89,32 +88,9 @@ class Race(NamedTuple):
         return {"median": float(median), "low": float(low), "high": float(high)}
 
 
-@dataclass(frozen=True)
-class TimedRun:
-    """One timed run: seconds, relative errors of period and stress drop (signed), period in transits, and half of what its last
-    cycles differ by."""
-
-    setting: Setting
-    seconds: float
-    period: float
-    period_error: float
-    drop_error: float
-    spread: float = 0.0
-
-
 def in_turn(works: Mapping[Name, Work], rounds: int) -> list[dict[Name, float]]:
     """Processor seconds of each work in each round; works alternate, so that a slower machine slows all of them."""
     return [{name: timed(prepare())[0] for name, prepare in works.items()} for _ in range(rounds)]
-
-
-def time_run(setting: Setting, scene: Scene, until: float, exact: Mapping[str, float], repeats: int = 3) -> TimedRun:
-    """Run `setting` on `scene` to `until` (transits), the fastest of `repeats` runs, and compare its last cycles with `exact`
-    (names of `Orbit`)."""
-    warm_up(setting, scene)
-    runs = [timed(lambda: watch(solver_of(setting, scene), until)) for _ in range(repeats)]
-    orbit = estimate(runs[0][1].events())
-    period, drop = (orbit.values()[name] / exact[name] - 1.0 for name in ("period", "stress_drop"))
-    return TimedRun(setting, min(seconds for seconds, _ in runs), orbit.period.value, period, drop, orbit.period.error)
 
 
 def time_final(setting: Setting, scene: Scene, until: float, repeats: int = 3) -> tuple[float, float]:

@@ -102,6 +102,15 @@ def mean_of(values: Array) -> Estimate:
     return Estimate(float(values.mean()), 0.5 * margin_of_mean(values))
 
 
+def median_of(values: Array) -> Estimate:
+    """Median of such a sequence, and its error: half of what the quantiles differ by between which the share of values above the
+    median lies, within its own error."""
+    middle = float(np.median(values))
+    share = mean_of((values > middle).astype(float)).error
+    low, high = np.quantile(values, np.clip((0.5 - share, 0.5 + share), 0.0, 1.0))
+    return Estimate(middle, 0.5 * float(high - low))
+
+
 def margin_of_mean(values: Array) -> float:
     """Half the width of the 95 % interval of the mean of `values` (cycles, in order); NaN for fewer than FEWEST values.
 

@@ -14,6 +14,7 @@ import pytest
 
 from slipwave.observe.statistics import Estimate
 from validation.study import Budget, Outcome
+from validation.study.regimes import UNTRIED
 
 Change = Callable[[Any], Any]
 
@@ -164,10 +165,7 @@ def green(study, tapes):
 
 S = (scaled,)
 PLACES = {
-    "one-cycle": (
-        Place("one_cycle:run_model", (part("orbit"),)),
-        Place("one_cycle:at_r"),
-    ),
+    "one-cycle": (Place("one_cycle:run_model", (part("orbit"),)),),
     "leapfrog-convergence": (
         Place("leapfrog_convergence:build"),
         Place("leapfrog_convergence:settle", (part("orbit"),)),
@@ -198,20 +196,19 @@ PLACES = {
     ),
     "which-model": (
         Place("which_model:costs_at"),
-        Place("which_model:one_period"),
-        Place("which_model:run_of_damped", S),
-        Place("which_model:fitted_modes"),
-        Place("which_model:mean_at", (scaled,)),
-        Place("which_model:own_figures_of", (lambda value: value and scaled(value),), unjudged=("dg:7",)),  # its coarser grid
-        Place("which_model:regime_at", (lambda value: scaled(value, 1e-2),)),
-    ),
-    "beyond-one-scene": (
+        Place("which_model:onset"),
+        Place("which_model:regime_at", (part("words", "figures", change=lambda value: scaled(value, 1e-2)),)),
+        Place("which_model.periods:branches_of"),
+        Place("which_model.periods:periods_at", S, unjudged=("kelvin-voigt",)),  # known at an r of the full report
+        Place("which_model.laws:measure_onsets", (each(part("error")),)),
+        Place("which_model.laws:measure_cycle"),
         Place(
-            "beyond_one_scene:regime_of",
-            (lambda value: scaled(value, 3e-2),),
+            "which_model.scenes:regime_in",
+            (lambda value: value if value.words == UNTRIED else scaled(value, 3e-2),),
             unjudged=("modal:2", "modal:1", "kelvin-voigt", "block8", "block12", "quasistatic"),
         ),
     ),
+    "cost-and-error": (Place("cost_and_error:cycle_at", S), Place("cost_and_error:times_of")),
     "regime-map": (
         Place("regime_map:swept_plane"),
         Place("regime_map:onset_lines"),
@@ -240,11 +237,6 @@ PLACES = {
         Place(
             "snaking.measured:torus_at", (lambda found: (found[0] + 1e-3, found[1]), lambda found: (found[0], scaled(found[1])))
         ),
-    ),
-    "period-against-delay": (
-        Place("period_against_delay:branch_of", (part("onset.period"),)),
-        Place("period_against_delay:periods_at", (part("orbits"),)),
-        Place("period_against_delay:settled_period", S),
     ),
     "manufactured": (Place("manufactured:error_of_motion", (lambda error: 100.0 * error,), few=True),),
     "laboratory": (

@@ -7,7 +7,6 @@ import sys
 import pytest
 from shown import too_roomy
 
-from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import Fit
 from validation.references.published import half_digit
 from validation.study import (
@@ -171,4 +170,6 @@ def test_a_witness_that_agrees_to_the_last_bit_is_none(evidence, outcome):
 @pytest.mark.parametrize(("share", "outcome"), [(0.9, "pass"), (1.2, "fail"), (70.0, "fail")])
 def test_periods_are_held_against_the_digits_known(share, outcome):
     """Of the ODE 70.73234499 is known, by another program."""
-    assert as_known({"kelvin-voigt": Estimate(70.73234499 + share * 5e-9, 0.0)}, -2.68).outcome == outcome
+    (found,) = as_known("T is known", "kelvin-voigt", -2.68, {"period": 70.73234499 + share * 5e-9}, 0.0)
+    assert found.outcome == outcome
+    assert list(as_known("T is known", "kelvin-voigt", -2.1, {"period": 70.0})) == []

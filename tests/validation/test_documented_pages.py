@@ -22,7 +22,7 @@ from validation.cli import COMMANDS, command_called, main
 from validation.compute.models import FAMILIES
 from validation.report.answer import PAGES as ANSWERED
 from validation.report.answer import block_of, read_table, with_block
-from validation.studies.which_model import MODELS, SHOWN
+from validation.studies.which_model import ORBITS, SHOWN
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
@@ -188,7 +188,7 @@ def test_the_committed_block_is_that_of_the_committed_table(page):
         with_block("# A page", "block")
 
 
-@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("model", ORBITS)
 def test_the_committed_table_has_the_numbers_of_the_baseline(model):
     table = read_table()
     cells = {column.log10_r: cell for column, cell in zip(table.columns, table.row(model).cells, strict=True)}

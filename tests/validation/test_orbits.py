@@ -18,7 +18,7 @@ from validation.compute.settle import MOST_TRANSITS, NoCycle, settle
 from validation.measure.cycle import one_cycle
 from validation.measure.order_fit import fit_order, shortfall
 from validation.references.published import reference_orbit
-from validation.study.memo import cycle_of, cycles_in_turn, late_cycles, own_orbit
+from validation.study.memo import cycle_of, own_orbit
 
 PERIOD = 50.0
 
@@ -150,18 +150,6 @@ def test_the_cycle_of_an_orbit_is_that_of_a_settled_run(model):
     assert np.interp(run.time[calm], found.time, found.stress) == pytest.approx(run.stress[calm], abs=1e-4)
     at_event = [np.interp(0.0, cycle.time, cycle.slip_rate) / cycle.slip_rate.max() for cycle in (found, run)]
     assert at_event == pytest.approx([0.5, 0.5], abs=0.05)
-
-
-def test_cycles_of_a_run_in_turn():
-    """Beyond its torus point; the delay system's periods end between 79.122 and 79.544."""
-    scene = slipwave.read("paper", ["slab.log10_r=-2.65"])
-    cycles = cycles_in_turn("delay", scene, 3, longest=80.0)
-    assert len(cycles) == 3
-    assert all(79.0 < cycle.period < 79.7 for cycle in cycles)
-    assert len({cycle.period for cycle in cycles}) == 3
-    assert all(0.0 <= cycle.time.min() < 0.1 and 0.0 <= cycle.period - cycle.time.max() < 0.1 for cycle in cycles)
-    late = late_cycles("delay", scene, 2200.0).period
-    assert late[:3] == pytest.approx([cycle.period for cycle in cycles], rel=1e-12)
 
 
 KNOWN_PERIOD = 73.4721449443

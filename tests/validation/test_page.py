@@ -31,7 +31,10 @@ def verdict(outcome=Outcome.PASS, evidence=Evidence.EXACT, title="A holds", **mo
 
 def models():
     """Two models at three r: the second slides steadily at the first two, and is 40 % short at the third."""
-    columns = tuple(ModelColumn(f"−{x}", -x, 1.0, group) for x, group in ((2.7, "periodic"), (2.6, "periodic"), (2.5, "torus")))
+    columns = tuple(
+        ModelColumn(f"−{x}", -x, 1.0, group, f"paper --set slab.log10_r=-{x}")
+        for x, group in ((2.7, "periodic"), (2.6, "periodic"), (2.5, "torus"))
+    )
     own = [{"T": Compared(70.0 + n, None, 1e-9), "Δμ": Compared(0.2, None, 1e-9)} for n in range(3)]
     short = {"T": Compared(43.2, -0.4, 0.001), "Δμ": Compared(0.21, 0.05, 0.001)}
     still = ModelCell("slides steadily", False)
@@ -155,7 +158,7 @@ def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
     assert last[:6] == [
         "−2.5",
         "periodic, 140 cycles",
-        "slipwave run paper --model quasidynamic --set slab.log10_r=-2.5",
+        "slipwave run paper --set slab.log10_r=-2.5 --model quasidynamic",
         "43.2",
         "−4.00\u202f·\u202f10−1",
         "1.0\u202f·\u202f10−3",

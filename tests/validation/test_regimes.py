@@ -5,7 +5,7 @@ import pytest
 from scipy.signal import lfilter
 
 import slipwave
-from slipwave.observe.statistics import autocorrelations, mean_of
+from slipwave.observe.statistics import autocorrelations, mean_of, median_of
 from tests.granite import GRANITE
 from validation.fit.least_squares import correlated_samples
 from validation.measure.cycle import OneCycle, ripple_period
@@ -25,14 +25,15 @@ from validation.study.regimes import AWAY, STEADY, UNDECIDED, Regime, regime_of
 def test_the_regime_of_a_run(model, log10_r, words, cycles):
     found = regime_of(model, scene_at(log10_r), 4500.0)
     assert (found.words, found.cycles) == (words, pytest.approx(cycles, abs=2))
-    assert (found.figures is None) == (words in (STEADY, AWAY))
+    assert (not found.figures) == (words in (STEADY, AWAY))
 
 
 def test_an_orbit_is_refined_where_a_tolerance_is_given():
     """76.6102996 by another program."""
-    run, refined = (regime_of("block8", begun_at(-2.68), 4000.0, None, tolerance).figures for tolerance in (None, 1e-9))
-    assert run.period.value == pytest.approx(76.6102996396875, rel=3e-9)
-    assert refined.period.value == pytest.approx(76.6102996396875, rel=1e-12)
+    run, refined = (regime_of("block8", begun_at(-2.68), 4000.0, None, tolerance) for tolerance in (None, 1e-9))
+    assert run.figures["T"].value == pytest.approx(76.6102996396875, rel=3e-9)
+    assert refined.figures["T"].value == pytest.approx(76.6102996396875, rel=1e-12)
+    assert (refined.ran, run.ran) == (run.figures, {})
 
 
 def test_what_is_undecided_agrees_with_everything():
@@ -79,6 +80,14 @@ def test_the_error_holds_the_mean_of_a_sequence_that_alternates():
     """Autocorrelations alone hold that of 83 in 100 short ones: pairs of lags cancel."""
     found = [mean_of(sequence(-0.8, 60, seed)) for seed in range(200)]
     assert np.mean([abs(one.value - 5.0) <= 2.0 * one.error for one in found]) >= 0.95
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.8])
+def test_twice_the_error_of_a_median_is_a_margin_too_and_a_heavy_tail_does_not_matter(memory):
+    """The median of a cubed exponential is that of the sequence, 5, mapped likewise; its mean is many times larger."""
+    found = [median_of(np.exp(3.0 * sequence(memory, 4000, seed))) for seed in range(40)]
+    assert np.mean([abs(one.value - np.exp(15.0)) <= 2.0 * one.error for one in found]) >= 0.9
+    assert np.median([one.error for one in found]) < 0.5 * np.exp(15.0)
 
 
 @pytest.mark.parametrize(("values", "mean"), [(np.tile([3.0, 1.0], 12), 2.0), (np.full(9, 2.5), 2.5)])

@@ -63,10 +63,10 @@ def anchor(table: ModelTable, row: ModelRow, column: ModelColumn) -> str:
     return f"models.{table.name}.{row.model}.{column.title}".replace("−", "-").replace(" ", "-")
 
 
-def command_for(table: ModelTable, row: ModelRow, column: ModelColumn, cell: ModelCell) -> str:
-    """The command that repeats a cell of a table over r."""
+def command_for(row: ModelRow, column: ModelColumn, cell: ModelCell) -> str:
+    """The command that repeats a cell."""
     name = "run" if cell.cycles else "orbit" if cell.figures else "stability"
-    return f"slipwave {name} {table.name} --model {row.model} {column.settings or f'--set slab.log10_r={column.log10_r:g}'}"
+    return f"slipwave {name} {column.settings} --model {row.model}"
 
 
 def proofs(model: str, studies: Sequence[Stored]) -> list[Verdict]:

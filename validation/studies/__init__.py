@@ -8,9 +8,7 @@ from validation.study import Study
 
 STUDIES = {
     "which-model": "which",
-    "beyond-one-scene": "which",
     "one-cycle": "which",
-    "error-laws": "which",
     "regime-map": "which",
     "asymmetry": "which",
     "partial-reflection": "which",
@@ -24,7 +22,6 @@ STUDIES = {
     "onset": "begin",
     "bifurcation": "begin",
     "snaking": "begin",
-    "period-against-delay": "begin",
     "claims": "paper",
     "stability-attacks": "trust",
     "checks": "trust",

@@ -22,7 +22,7 @@ from validation.measure.cycle import OneCycle, one_cycle, ripple_period, watch
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.study import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
-from validation.study.known import PeriodRanges, as_known, as_printed, order_of_periods, range_of_r, rounding
+from validation.study.known import as_known, as_printed, error_of, order_of_periods, range_of_r, rounding
 from validation.study.text import minus
 from validation.study.verdict import ASYMPTOTIC, EXACT, PAPER, Outcome, Verdict, at_least, claim, holding, in_range, of_paper
 
@@ -294,7 +294,10 @@ def orbit_claims(orbits: Orbits) -> Iterator[Verdict]:
     paper, here = reference()["paper"], orbits[-2.68]
     yield as_printed("P3 Period of the ODE at r = 10^{-2.68}", paper["T_ode"], here["kelvin-voigt"].period.value)
     yield as_printed("P4 Period of the delay system at r = 10^{-2.68}", paper["T_dde"], here["delay"].period.value)
-    yield as_known({model: orbit.period for model, orbit in here.items()}, -2.68)
+    for model, orbit in here.items():
+        yield from as_known(
+            "Periods are those of other programs", model, -2.68, {"period": orbit.period.value}, error_of(orbit.period)
+        )
 
 
 def ripple_claims(ripples: dict[str, Ripples]) -> Iterator[Verdict]:
@@ -321,7 +324,7 @@ def stable_branch_claims(orbits: Orbits) -> Iterator[Verdict]:
         "P6 The ρh/8 block lies closer to the exact orbit than ρh/12", "perhaps", text, all(closer.values()), "at r = 10^{-2.68}"
     )
     yield order_of_periods(
-        [_ranges(r, *(found[model]["period"] for model in MODELS)) for r, found in figures.items()],
+        {r: {model: [one["period"]] for model, one in found.items()} for r, found in figures.items()},
         "where runs of all four models settle: from just beyond the onset to where the exact orbit loses stability. The paper "
         "claims it for the whole primary branch",
     )
@@ -340,10 +343,6 @@ def stable_branch_claims(orbits: Orbits) -> Iterator[Verdict]:
         exceed and all(grows.values()),
         f"relative gaps along r: {listed}",
     )
-
-
-def _ranges(log10_r: float, delay: float, ode: float, *blocks: float) -> PeriodRanges:
-    return PeriodRanges(log10_r, (ode, ode), (delay, delay), (min(blocks), max(blocks)))
 
 
 def load_claims(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> Iterator[Verdict]:

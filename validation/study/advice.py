@@ -13,7 +13,7 @@ from dataclasses import replace
 from slipwave.family import Exact
 from validation.compute.models import family_of
 from validation.study.model_table import ModelCell, ModelRow, ModelTable
-from validation.study.regimes import UNDECIDED
+from validation.study.regimes import UNKNOWN
 from validation.study.text import minus, plain
 
 GOOD = 1e-2
@@ -45,19 +45,17 @@ def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
     """(advice, why), from the columns where the reference's regime and its own are decided."""
     if row.model == table.reference:
         return "use", "exact"
-    pairs = zip(table.row(table.reference).cells, row.cells, strict=True)
-    decided = [column for column, both in enumerate(pairs) if UNDECIDED not in (both[0].regime, both[1].regime)]
     witness = _is_witness(row)
-    good = [is_good(row.cells[column], _BY_CHANCE if witness else 2.0) for column in decided]
-    last = (good.index(False) if False in good else len(good)) - 1
-    if last < 0:
+    every = zip(table.columns, table.row(table.reference).cells, row.cells, strict=True)
+    decided = [(one.over_onset, cell) for one, exact, cell in every if {exact.regime, cell.regime}.isdisjoint(UNKNOWN)]
+    bad = [one for one in decided if not is_good(one[1], _BY_CHANCE if witness else 2.0)]
+    first, fault = min(bad, key=lambda one: one[0], default=(math.inf, None))
+    below = [over_onset for over_onset, _ in decided if over_onset < first]
+    if not below:
         return "avoid", _trouble(row, table)
-    if False in good:
-        beyond = row.cells[decided[good.index(False)]]
-        return f"use up to {table.columns[decided[last]].over_onset:.2f} r_{{c}}", f"then {_fault(beyond)}"
-    if witness:
-        return "use as witness", "full wave"
-    return "use", f"as an ODE, off by {_most(_largest(row))}"
+    if fault:
+        return f"use up to {max(below):.2f} r_{{c}}", f"then {_fault(fault)}"
+    return ("use as witness", "full wave") if witness else ("use", f"as an ODE, off by {_most(_largest(row))}")
 
 
 def _is_witness(row: ModelRow) -> bool:
@@ -85,7 +83,11 @@ def _size(cell: ModelCell, symbol: str) -> float:
 
 def _trouble(row: ModelRow, table: ModelTable) -> str:
     """Why a model is to be avoided: up to where it has no cycles, and the range of its errors of T, or of Δμ if T is good."""
-    silent = [(cell.regime, column) for cell, column in zip(row.cells, table.columns, strict=True) if not cell.figures]
+    silent = [
+        (cell.regime, column)
+        for cell, column in zip(row.cells, table.columns, strict=True)
+        if not cell.figures and cell.regime not in UNKNOWN
+    ]
     symbol = next((symbol for symbol in JUDGED if any(_is_off(cell, symbol) for cell in row.cells)), "T")
     errors = [cell.figures[symbol].error for cell in row.cells if symbol in cell.figures]
     words = []

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from validation.compute.models import one_port_of
 from validation.study.advice import with_advice
+from validation.study.memo import kept
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.regimes import Regime
 from validation.timing import March, Setting, in_turn
@@ -19,94 +20,69 @@ from validation.timing import March, Setting, in_turn
 EXACT_MODEL = "delay"
 """The reference model of errors."""
 
-QUANTITIES = {
-    "T": ("period", "transit", "transits"),
-    "Δμ": ("stress drop", "normal stress", "σ"),
-    "v_{max}": ("largest slip rate", "V*", "V*"),
-}
-"""Symbol -> name, unit in `slipwave.scene.units`, and unit in tables; in the order of `CycleFigures`."""
-
-_SI = {"transit": "s", "normal stress": "Pa", "V*": "m/s"}
+QUANTITIES = (
+    ModelQuantity("T", "period", "transits"),
+    ModelQuantity("Δμ", "stress drop", "σ"),
+    ModelQuantity("v_{max}", "largest slip rate", "V*"),
+)
 _TRANSITS, _BEFORE = 1000.0, 500.0  # that are timed, and marched before
 _TOLERANCE = 1e-9
 _EXACTLY = 1e-12  # relative error of an onset
 
 
-class Sight(NamedTuple):
-    """A scene as a column of the table: its `title`, r over the onset of the exact system, and the command line options that give
-    it."""
-
-    title: str
-    scene: Scene
-    over_onset: float
-    settings: str = ""
-
-
 def compared_table(
     name: str,
     caption: str,
-    sights: Sequence[Sight],
+    parameter: str,
+    columns: Sequence[ModelColumn],
     regimes: Mapping[str, Sequence[Regime]],
-    costs: Mapping[str, Mapping[str, float]] | None = None,
-    parameter: str = "log_{10} r",
+    onsets: Mapping[str, Compared | None],
+    costs: Mapping[str, Mapping[str, float]],
 ) -> ModelTable:
-    """The table, with advice and sentences, of models whose `regimes` in the scenes are known, the exact system's among them;
-    `costs` by the title of a column, which is the `parameter`. Values of a scene in SI are in SI."""
-    units, exact = sights[0].scene.units, regimes[EXACT_MODEL]
-    sizes = [[units.size(unit, one.scene.transit) if units else 1.0 for _, unit, _ in QUANTITIES.values()] for one in sights]
-    quantities = (
-        ModelQuantity(symbol, name, _SI[unit] if units else shown) for symbol, (name, unit, shown) in QUANTITIES.items()
-    )
+    """The table, with advice and sentences, of models whose `regimes` in the columns are known, the exact system's among them;
+    `costs` by the title of a column, which is the `parameter`. A column without a group is in that of the exact regime."""
+    exact = regimes[EXACT_MODEL]
     rows = []
     for model, found in regimes.items():
-        each = zip(found, exact, sizes, strict=True)
-        cells = tuple(_cell(one, None if model == EXACT_MODEL else other, size) for one, other, size in each)
-        spent = tuple(known.get(model) for known in (costs or {}).values())
-        rows.append(ModelRow(model, cells, _onset(model, sights[0].scene), spent, "", ""))
-    groups = (
-        "periodic" if one.words.startswith("periodic") else "torus, irregular" if one.figures else one.words for one in exact
+        cells = tuple(_cell(one, None if model == EXACT_MODEL else other) for one, other in zip(found, exact, strict=True))
+        rows.append(ModelRow(model, cells, onsets.get(model), tuple(known.get(model) for known in costs.values()), "", ""))
+    grouped = (
+        replace(one, group=one.group or ("torus, irregular" if regime.cycles else regime.words))
+        for one, regime in zip(columns, exact, strict=True)
     )
-    columns = (
-        ModelColumn(one.title, math.log10(one.scene.transit), one.over_onset, group, one.settings)
-        for one, group in zip(sights, groups, strict=True)
-    )
-    table = ModelTable(name, caption, parameter, tuple(quantities), tuple(columns), tuple(costs or ()), EXACT_MODEL, tuple(rows))
+    table = ModelTable(name, caption, parameter, QUANTITIES, tuple(grouped), tuple(costs), EXACT_MODEL, tuple(rows))
     return with_advice(table)
 
 
-def _cell(ours: Regime, exact: Regime | None, sizes: Sequence[float]) -> ModelCell:
-    right = exact is None or ours.agrees(exact)
-    if ours.figures is None:
-        return ModelCell(ours.words, right)
-    others = (None, None, None) if exact is None or exact.figures is None else exact.figures
-    each = zip(QUANTITIES, ours.figures, others, sizes, strict=True)
-    figures = {symbol: against(own, other, size) for symbol, own, other, size in each}
-    return ModelCell(ours.words, right, ours.cycles, figures)
+def _cell(ours: Regime, exact: Regime | None) -> ModelCell:
+    others = exact.figures if exact else {}
+    figures = {symbol: against(own, others.get(symbol)) for symbol, own in ours.figures.items()}
+    return ModelCell(ours.words, exact is None or ours.agrees(exact), ours.cycles, figures)
 
 
-def against(ours: Estimate, exact: Estimate | None, size: float = 1.0) -> Compared:
+def against(ours: Estimate, exact: Estimate | None) -> Compared:
     """A quantity of a model compared with the exact system's, if known."""
     own = ours.error / abs(ours.value)
     if exact is None:
-        return Compared(size * ours.value, None, own)
+        return Compared(ours.value, None, own)
     ratio = ours.value / exact.value
-    return Compared(size * ours.value, ratio - 1.0, ratio * math.hypot(own, exact.error / exact.value))
+    return Compared(ours.value, ratio - 1.0, ratio * math.hypot(own, exact.error / exact.value))
 
 
+@kept
 def critical_r(model: str, scene: Scene) -> float:
-    """The upper slab's r from which on steady sliding is unstable, both slabs scaled together; NaN if there is none."""
+    """The upper slab's r from which on steady sliding is unstable, both slabs scaled together; NaN if there is none. For a full
+    wave that of its equations, independent of the grid."""
     try:
-        return critical_round_trip(scene, model)[0]
+        return critical_round_trip(scene, one_port_of(model))[0]
     except NumericsError:
         return math.nan
 
 
-def _onset(model: str, scene: Scene) -> Compared | None:
-    """Onset of a model; for a full wave that of its equations, independent of the grid."""
-    own, exact = (critical_r(one_port_of(one), scene) for one in (model, EXACT_MODEL))
-    if not own > 0.0:
-        return None
-    return Compared(math.log10(own), None if model == EXACT_MODEL else own / exact - 1.0, _EXACTLY)
+def onset(model: str, scene: Scene) -> Compared | None:
+    """Onset of a model, log10 of its critical r, with the relative error of r itself; None if it has none."""
+    own, exact = (critical_r(one, scene) for one in (model, EXACT_MODEL))
+    return Compared(math.log10(own), None if model == EXACT_MODEL else own / exact - 1.0, _EXACTLY) if own > 0.0 else None
 
 
 def relative_costs(models: Collection[str], cells: Mapping[str, int], scene: Scene, rounds: int) -> dict[str, float]:

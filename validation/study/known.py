@@ -1,13 +1,13 @@
 """Claims of several studies: periods known from other programs, the order of periods (P7)."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from slipwave.observe.statistics import Estimate
 from validation.compute.models import grid_of
+from validation.measure.cycle import SYMBOLS
 from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.references.published import half_digit, reference_orbit
 from validation.study import PAPER, WITNESS, Evidence, Verdict, claim, every, holding
@@ -41,15 +41,17 @@ def error_after(model: str, error: float, coarse: int, fine: int) -> float:
     return 2.0 * abs(error) * (coarse / fine) ** family.order_interface(number)
 
 
-def as_known(periods: Mapping[str, Estimate], log10_r: float, others: float = 0.0) -> Verdict:
-    """Verdict on periods by model: half of the last known digit plus the period's own error, or that of the `others`, relative,
-    is allowed; the worst is shown."""
-    known = {model: value for model in periods if (value := reference_orbit(model, log10_r).get("period"))}
-    off = {model: abs(periods[model].value / value - 1.0) for model, value in known.items()}
-    allowed = {model: half_digit(value) / value + max(error_of(periods[model]), others) for model, value in known.items()}
-    worst = max(known, key=lambda model: off[model] / allowed[model])
-    where = f"{', '.join(f'`{model}`' for model in known)} at log_{{10}} r = {places([log10_r])}; shown: `{worst}`"
-    return claim("Periods are those of other programs", WITNESS, off[worst], allowed[worst], where)
+def as_known(title: str, model: str, log10_r: float, ours: Mapping[str, float], others: float = OTHERS) -> Iterator[Verdict]:
+    """Verdict, if anything is known, on figures (names of `Orbit`) of a model's orbit at one r: half of the last known digit is
+    allowed, and what the `others` or we may be off by beyond it, relative; shown is the worst."""
+    known = {name: value for name, value in reference_orbit(model, log10_r).items() if name in ours}
+    off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
+    allowed = {name: half_digit(value) / abs(value) + others for name, value in known.items()}
+    if known:
+        worst = max(known, key=lambda name: off[name] / allowed[name])
+        symbols = ", ".join(map(SYMBOLS.__getitem__, known))
+        where = f"`{model}` at {places([log10_r])}: {symbols}" + (f"; shown: {SYMBOLS[worst]}" if len(known) > 1 else "")
+        yield claim(title, WITNESS, off[worst], allowed[worst], where)
 
 
 def as_printed(title: str, printed: float, ours: float) -> Verdict:
@@ -75,27 +77,16 @@ def of_order(
     return holding(title, evidence, expected, found.rounded, holds, remark).with_margin(off, allowed)
 
 
-class PeriodRanges(NamedTuple):
-    """Lowest and highest period of each model at one r."""
-
-    log10_r: float
-    kelvin_voigt: tuple[float, float]
-    delay: tuple[float, float]
-    blocks: tuple[float, float]
-
-    @property
-    def ordered(self) -> bool:
-        """Whether P7 holds here."""
-        return self.kelvin_voigt[1] < self.delay[0] and self.delay[1] < self.blocks[0]
-
-
 def range_of_r(grid: Sequence[float]) -> str:
     """The range of r in a claim's title."""
     return minus(f"log_{{10}} r from {grid[0]:g} to {grid[-1]:g}")
 
 
-def order_of_periods(listed: Sequence[PeriodRanges], remark: str) -> Verdict:
-    """Verdict on P7 at every r."""
-    held = sum(one.ordered for one in listed)
-    title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([one.log10_r for one in listed])}"
+def order_of_periods(listed: Mapping[float, Mapping[str, Sequence[float]]], remark: str) -> Verdict:
+    """Verdict on P7 at every r; by r and model, all its periods there."""
+    held = sum(
+        max(one["kelvin-voigt"]) < min(one["delay"]) and max(one["delay"]) < min(*one["block8"], *one["block12"])
+        for one in listed.values()
+    )
+    title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([*listed])}"
     return every(title, PAPER, held, len(listed), remark, "r")

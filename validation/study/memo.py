@@ -1,20 +1,19 @@
-"""Measurements of a model on a scene, shared by studies: its own orbit, its settled run, the cycles of a long run and their
-means. Each is computed once per process and cached by model, digest of the scene and settings.
+"""Measurements of a model on a scene, shared by studies: its own orbit, its settled run, and the cycles of a long
+run. Each is computed once per process and cached by model, digest of the scene and settings.
 """
 
 from collections.abc import Callable
 from functools import wraps
 from inspect import signature
-from typing import Any, NamedTuple, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
 from reduced.orbit import PeriodicOrbit
 from reduced.orbit.closing import Closed
-from slipwave.observe import Events, HistoryObserver
+from slipwave.observe import Events
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import lagrange_basis
-from slipwave.observe.statistics import Estimate, mean_of
 from slipwave.scene import Scene
 from validation.compute.build import build
 from validation.compute.orbit_start import first_event
@@ -46,14 +45,6 @@ def kept(measure: Callable[Settings, Measured]) -> Callable[Settings, Measured]:
     return recalled
 
 
-class Means(NamedTuple):
-    """Means of period and stress drop over so many `cycles` of a run after its transient, with their standard errors."""
-
-    period: Estimate
-    stress_drop: Estimate
-    cycles: int
-
-
 @kept
 def own_orbit(model: str, scene: Scene, tolerance: float = 1e-10, cells: int | None = None) -> PeriodicOrbit:
     """The orbit of `model` that its run from the start of `scene` comes near to, by Newton's method, with relative errors of the
@@ -83,12 +74,6 @@ def late_cycles(model: str, scene: Scene, until: float, cells: int | None = None
     return watch(solver, until).events(TRANSIENT)
 
 
-def means(model: str, scene: Scene, until: float) -> Means:
-    """Means over `late_cycles`."""
-    found = late_cycles(model, scene, until)
-    return Means(mean_of(found.period), mean_of(found.stress_drop), found.period.size)
-
-
 def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -> OneCycle:
     """A closed orbit as the cycle of its first slip event, with `before` transits ahead of it and `after` transits past its end;
     its elastic stress is known up to a constant."""
@@ -101,14 +86,3 @@ def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -
     values = values_at(pieces, lagrange_basis(closed.flow.nodes), np.mod(times, period), law)
     samples = np.stack([times, *values])
     return cut(law, samples, first_event(closed), period, before, after)
-
-
-@kept
-def cycles_in_turn(model: str, scene: Scene, count: int, longest: float, per_piece: int = 4) -> list[OneCycle]:
-    """`count` successive cycles of a run after its transient, if none is longer than `longest` (transits)."""
-    solver = build(model, scene, tolerance=LATE_TOLERANCE)
-    history = HistoryObserver(scene.law, solver.nodes, TRANSIENT)
-    events = watch(solver, TRANSIENT + (count + 2) * longest, history).events(TRANSIENT)
-    samples = history.samples(per_piece)
-    each = zip(events.time.tolist(), events.period.tolist(), strict=True)
-    return [cut(scene.law, samples, date, period) for date, period in each][:count]

@@ -15,8 +15,11 @@ from dataclasses import dataclass, field
 from validation.study.text import Cell, minus, plain
 
 SHADES = {"none": 1e-3, "pale": 1e-2, "amber": 0.1}
-"""Shade of a cell: the first whose limit exceeds its relative error; "red" above all; "wrong" in the wrong regime."""
+"""Shade of a cell: the first whose limit exceeds its relative error; "red" above all; "open" where its bar reaches over the
+limit of a good model; "wrong" in the wrong regime."""
 
+_MANIFOLD = 10.0
+"""An error from which on its size alone is shown."""
 _CERTAIN = 1e-6
 """A standard error below this, relative, is that of a computation; it is not shown."""
 
@@ -47,8 +50,8 @@ class ModelCell:
 @dataclass(frozen=True)
 class ModelColumn:
     """A column: its `title` (log10 r, or another name), log10 r, r over the onset of the reference; its `group`, the regime of
-    the reference, "periodic" or "torus, irregular"; and `settings`, the command line options that give it from the table's
-    scene."""
+    the reference, "periodic" or "torus, irregular"; and `settings`, the words that give it in a command: a scene
+    and options."""
 
     title: str
     log10_r: float
@@ -103,13 +106,16 @@ class ModelTable:
 
 def words_of(cell: ModelCell, symbol: str) -> str:
     """Text of a quantity in a cell: the error in per cent down to 0.1 %, below as a power of ten, with two standard errors where
-    it is a mean; the value for the reference, likewise; the regime where there is no cycle. In the small markup."""
+    it is a mean; of a value more than tenfold, how many times as large it is; the value for the reference; the regime where there
+    is no cycle. In the small markup."""
     found = cell.figures.get(symbol)
     if found is None:
         return cell.regime
     bar = 2.0 * found.standard_error
     if found.error is None:
         return _with_bar(found.value, bar * abs(found.value), 2, 0) if bar > _CERTAIN else f"{found.value:.5g}"
+    if abs(found.error) >= _MANIFOLD:
+        return f"{plain(1.0 + found.error, '.0e')} times"
     if bar > _CERTAIN:
         return minus(f"{_with_bar(100 * found.error, 100 * bar, 1, 1, '+')} %")
     return minus(f"{100 * found.error:+.1f} %") if abs(found.error) >= 1e-3 else plain(found.error, "+.0e")
@@ -122,16 +128,17 @@ def _with_bar(value: float, bar: float, digits: int, least: int, sign: str = "")
 
 
 def shade_of(cell: ModelCell, symbol: str) -> str:
-    """A key of SHADES, "red" or "wrong"; "" for the reference and where nothing is compared in the right regime. An error within
-    its two standard errors may be none."""
+    """A key of SHADES, "red", "open" or "wrong"; "" for the reference and where nothing is compared in the right regime. An error
+    may be larger by its two standard errors; whether these decide on the limit of a good model is open if it lies between."""
     if not cell.right:
         return "wrong"
     found = cell.figures.get(symbol)
     if found is None or found.error is None:
         return ""
-    if abs(found.error) <= 2.0 * found.standard_error:
-        return "none"
-    return next((shade for shade, limit in SHADES.items() if abs(found.error) < limit), "red")
+    size, bar = abs(found.error), 2.0 * found.standard_error if abs(found.error) < _MANIFOLD else 0.0
+    if size - bar < SHADES["pale"] <= size + bar and bar > _CERTAIN:
+        return "open"
+    return next((shade for shade, limit in SHADES.items() if size + bar < limit), "red")
 
 
 def cell_records(table: ModelTable) -> Iterator[dict[str, Cell]]:
@@ -144,7 +151,7 @@ def cell_records(table: ModelTable) -> Iterator[dict[str, Cell]]:
                 "group": column.group,
                 "regime": cell.regime,
             }
-            record |= {"regime_right": int(cell.right), "cycles": cell.cycles}
+            record |= {"regime_right": int(cell.right), "cycles": cell.cycles, "settings": column.settings}
             cost = dict(zip(table.costed, row.costs, strict=True)).get(column.title)
             for symbol, found in cell.figures.items() or {"": None}.items():
                 numbers = (found.value, found.error, found.standard_error) if found else (None, None, None)

@@ -1,92 +1,99 @@
 """The final motion of a model in a scene: its regime in words, and the figures of its cycles, if any."""
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
-from slipwave.observe.statistics import Estimate, Orbit, mean_of
+from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate, mean_of, median_of
 from slipwave.scene import Scene
 from validation.compute.build import build
 from validation.compute.models import one_port_of
 from validation.compute.run import reconsidered, simulate
 from validation.compute.settle import estimate
+from validation.measure.cycle import SYMBOLS
 from validation.study import Number, stated
 from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-STEADY, AWAY, UNDECIDED = "slides steadily", "runs away", "undecided"
+STEADY, AWAY, UNDECIDED, UNTRIED = "slides steadily", "runs away", "undecided", "–"
+"""Regimes besides "periodic", "torus" and "irregular"; the last one: the model was not tried in the scene."""
+UNKNOWN = {UNDECIDED, UNTRIED}
 _WORDS = {"steady": STEADY, "decaying": STEADY, "settling": UNDECIDED, "growing": UNDECIDED, "too short": UNDECIDED}
 """Verdict on a run -> its name in tables of models, if different."""
 
-
-class CycleFigures(NamedTuple):
-    """Period (transits), stress drop (σ) and largest slip rate (V*) with their errors: of an orbit those of its computation, of
-    a mean its standard error."""
-
-    period: Estimate
-    drop: Estimate
-    v_max: Estimate
-
-    @classmethod
-    def of(cls, orbit: Orbit) -> "CycleFigures":
-        """The figures of an orbit."""
-        return cls(orbit.period, orbit.stress_drop, orbit.v_max)
+FIGURES = {SYMBOLS[name]: name for name in ("period", "stress_drop", "v_max")}
+"""Symbol of a figure of cycles, as in tables of models -> its name in `Orbit` and `Events`."""
 
 
 class Regime(NamedTuple):
     """`words`: "periodic" (with its events, if several), "torus", "irregular", or one of the words above; `figures` of its
-    cycles, None if it has none; `cycles`: number of cycles of the means, 0 for a repeating motion."""
+    cycles by symbol (transits, σ, V*), with the errors of an orbit's computation or the standard errors of means, empty if it has
+    none; `cycles`: number of cycles of the means, 0 for a repeating motion; `ran`: figures of the run's last cycles where its
+    `figures` are those of an orbit by Newton's method."""
 
     words: str
-    figures: CycleFigures | None = None
+    figures: dict[str, Estimate] = {}  # noqa: RUF012
     cycles: int = 0
+    ran: dict[str, Estimate] = {}  # noqa: RUF012
 
     def agrees(self, other: "Regime") -> bool:
         """Whether both are the same, as far as both are decided."""
-        return self.words == other.words or UNDECIDED in (self.words, other.words)
+        return self.words == other.words or not {self.words, other.words}.isdisjoint(UNKNOWN)
 
 
 @kept
 def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, tolerance: float | None = None) -> Regime:
-    """The regime of a run of `model` to `until` (transits). Figures are means over the cycles after the transient; for a motion
-    that repeats, those of the last cycles or, if a `tolerance` is given, of its stable orbit by Newton's method. A run whose
-    numerics fail counts as running away: no step is short enough for unbounded rates."""
+    """The regime of a run of `model` to `until` (transits). Figures are means over the cycles after the transient (of the largest
+    slip rate, whose tail is heavy, the median); for a motion that repeats, those of the last cycles or, if a `tolerance` is
+    given, of its stable orbit by Newton's method. A run whose numerics fail counts as running away: no step is short enough for
+    unbounded rates."""
     solver = build(model, scene, tolerance=LATE_TOLERANCE) if cells is None else build(model, scene, cells=cells)
     watch = EventObserver(solver.scene, solver.nodes)
     run = reconsidered(simulate(solver, until, watch=watch), one_port_of(model))
     kind, events = run.kind, (run.verdict.multiplicity if run.verdict else None) or 1
     if run.failed or kind is None:
         return Regime(AWAY)
-    orbit = _stable_orbit(model, scene, tolerance, cells) if tolerance and kind in ("periodic", "settling") else None
+    orbit = _stable_orbit(model, scene, tolerance, cells) if tolerance and kind in ("periodic", "settling") else {}
+    ran = _repeating(watch.events(0.5 * until), events) if kind == "periodic" else {}
     if orbit and events == 1:
-        return Regime("periodic", orbit)
-    if kind == "periodic":
-        return Regime("periodic" if events == 1 else f"periodic, {events} events", _repeating(watch.events(0.5 * until), events))
+        return Regime("periodic", orbit, 0, ran)
+    if ran:
+        return Regime("periodic" if events == 1 else f"periodic, {events} events", ran)
     if kind in ("torus", "irregular"):
         late = watch.events(TRANSIENT)
-        return Regime(kind, CycleFigures(*map(mean_of, (late.period, late.stress_drop, late.v_max))), late.period.size)
+        return Regime(kind, _figures(late, mean_of) | {"v_{max}": median_of(late.v_max)}, late.period.size)
     return Regime(_WORDS.get(kind, kind))
 
 
-def _repeating(cycles: Events, events: int) -> CycleFigures:
+def _figures(of: Any, measure: Callable[[Any], Estimate] = lambda value: value) -> dict[str, Estimate]:
+    return {symbol: measure(getattr(of, name)) for symbol, name in FIGURES.items()}
+
+
+def _repeating(cycles: Events, events: int) -> dict[str, Estimate]:
     """Figures of the last cycles: of one, or means over the last period of several `events`, with their change since the period
     before as error."""
     if events == 1:
-        return CycleFigures.of(estimate(cycles))
-    columns = (cycles.period, cycles.stress_drop, cycles.v_max)
-    means = [(float(one[-events:].mean()), float(one[-2 * events : -events].mean())) for one in columns]
-    return CycleFigures(*(Estimate(last, abs(last - before)) for last, before in means))
+        return _figures(estimate(cycles))
+    last, before = (_figures(cycles, partial(_mean, past)) for past in (slice(-events, None), slice(-2 * events, -events)))
+    return {symbol: Estimate(mean.value, abs(mean.value - before[symbol].value)) for symbol, mean in last.items()}
 
 
-def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None) -> CycleFigures | None:
+def _mean(past: slice, values: Array) -> Estimate:
+    return Estimate(float(values[past].mean()), 0.0)
+
+
+def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None) -> dict[str, Estimate]:
     try:
         found = own_orbit(model, scene, tolerance, cells)
     except NumericsError:
-        return None
-    return CycleFigures.of(found.orbit) if found.multipliers.stable else None
+        return {}
+    return _figures(found.orbit) if found.multipliers.stable else {}
 
 
 def regime_areas(differences: "Dataset") -> dict[str, Number]:

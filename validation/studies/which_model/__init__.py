@@ -1,0 +1,201 @@
+"""Every model from the onset to where the motion is irregular, and in other scenes: errors, regimes, costs; what to use."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+from validation.chart import WIDTH, Chart, Panel, Scale, Trace
+from validation.compute.looks import model_marks, style_of
+from validation.studies.which_model import judged, laws, periods, scenes
+from validation.studies.which_model.judged import WAVE, ByModel
+from validation.study import Budget, Figure, Number, Outcome, StudyAnswer, StudyResult, Verdict, stated
+from validation.study.advice import GOOD
+from validation.study.compared import EXACT_MODEL, compared_table, critical_r, onset, relative_costs
+from validation.study.model_table import ModelColumn, ModelTable
+from validation.study.over_r import scene_at
+from validation.study.regimes import Regime, regime_of
+from validation.study.text import places, power
+
+NAME = "which-model"
+QUESTION = "Which model may I use, at what error, at what cost?"
+SCENES = ("paper", *scenes.SCENES)
+SECONDS = (20.0, 50.0)
+
+ORBITS = ("modal:8", "modal:4", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
+"""The reductions with a stable orbit wherever the exact system has one."""
+EVERY = (EXACT_MODEL, WAVE, *ORBITS, "quasidynamic", "quasistatic")
+"""The rows of the table of the paper's scene; that of the others has a rational fit besides."""
+CELLS = 3
+"""Cells per slab of the full wave, propagated exactly in time: its orbit is accurate to ten digits."""
+SHOWN = (-2.69, -2.68, -2.66)
+"""log10 r at which the exact system's orbit is stable; the second one is the paper's."""
+TOLERANCE = 1e-9
+_BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
+_UNTIL, _UNTIL_IN_SCENES = {True: 6000.0, False: 10000.0}, {True: 4000.0, False: 5000.0}
+_SETTLED = 4000.0  # transits of a run to a stable orbit
+_COSTED, _ROUNDS = (-2.68, -2.5), {True: 3, False: 7}
+_RUN_ERROR = 1e-9
+"""What the tolerance of the exact system's runs in the other scenes leaves, relative."""
+_LEAST = 1e-13
+"""The smallest error that is drawn."""
+
+
+def run(budget: Budget) -> StudyResult:
+    """Every model's regime, orbits and means at every r, and its cost at two; in other scenes; over r; laws of the errors."""
+    quick, grid = budget.quick, (*SHOWN, *_BEYOND[budget.quick])
+    regimes = {model: {x: regime_at(model, x, _UNTIL[quick]) for x in grid} for model in budget.each(EVERY, 0.4)}
+    table = _the_table(regimes, {_title(x): costs_at(x, _ROUNDS[quick]) for x in _COSTED})
+    elsewhere = _in_scenes(budget)
+    found = periods.branches_of(quick)
+    budget.report(0.8)
+    over_r = periods.periods_of(found, regimes)
+    onsets, cycles = laws.measure_onsets(scene_at(SHOWN[1])), laws.measure_cycles(scene_at(SHOWN[1]), budget, 0.85)
+    falls = laws.cycle_verdict(cycles)
+    return StudyResult(
+        answers=(
+            StudyAnswer(" ".join(table.sentences), _RESTS_ON),
+            StudyAnswer(scenes.scene_answer(elsewhere), ("The ODEs that", "No model that")),
+            StudyAnswer(periods.period_answer(over_r), ("P7 ", "Periods over r")),
+            StudyAnswer(
+                laws.law_answer(onsets, cycles, falls.outcome is Outcome.PASS), ("A reduction’s", "The paper’s ODE tends")
+            ),
+        ),
+        figures=(
+            Figure("cost-error", _COST_ERROR, lambda: cost_and_error(table), timed=True),
+            Figure(
+                "over-r",
+                periods.CAPTION,
+                lambda: periods.over_r(found, over_r),
+                paper="Fig 8",
+                carries=("P3 ", "P4 ", "P7 ", "P12 "),
+                zoom=True,
+            ),
+            Figure("laws", laws.CAPTION, lambda: laws.fall(onsets, cycles)),
+        ),
+        tables=(scenes.bias_table(elsewhere),),
+        verdicts=(
+            *_verdicts(table, elsewhere, regimes, quick),
+            *periods.period_verdicts(over_r),
+            *laws.onset_verdicts(onsets),
+            falls,
+        ),
+        numbers=_numbers(table, regimes)
+        | scenes.scene_numbers(elsewhere, ("kelvin-voigt", "modal:4", "fitted:4", "block12"))
+        | periods.period_numbers(over_r, _BEYOND[quick])
+        | laws.law_numbers(cycles),
+        model_tables=(table, elsewhere),
+    )
+
+
+_RESTS_ON = (
+    *("Runs ", "The full wave ", "Where cycles wander", "The slabs’ exact modes", "Every doubling"),
+    *("The quasi-static ", "No ODE ", "The paper’s ODE falls"),
+)
+
+
+def _title(log10_r: float) -> str:
+    return places([log10_r], ".2f")
+
+
+def regime_at(model: str, log10_r: float, until: float, cells: int = CELLS) -> Regime:
+    """The regime of a run of the model, of at most `until` transits; the reductions' orbits by Newton's method."""
+    until = _SETTLED if log10_r in SHOWN else until
+    return regime_of(model, scene_at(log10_r), until, *((cells,) if model == WAVE else (None, TOLERANCE)))
+
+
+def _the_table(regimes: ByModel, costs: Mapping[str, Mapping[str, float]]) -> ModelTable:
+    """The first table of the page."""
+    paper = scene_at(SHOWN[1])
+    onsets = {model: onset(model, paper) for model in regimes}
+    exact = math.log10(critical_r(EXACT_MODEL, paper))
+    columns = [
+        ModelColumn(_title(x), x, 10.0 ** (x - exact), "", f"paper --set slab.log10_r={x:g}") for x in regimes[EXACT_MODEL]
+    ]
+    caption = (
+        f"Errors relative to the exact delay system, in the paper’s scene (V = {paper.velocity:g} V*) from its onset at "
+        f"log_{{10}} r_{{c}} = {places([exact], '.5f')} on; r: round trip of a wave through one slab, in L/V*; cost: processor "
+        f"time. {_CAPTION}"
+    )
+    found = {model: list(by_r.values()) for model, by_r in regimes.items()}
+    return compared_table("paper", caption, "log_{10} r", columns, found, onsets, costs)
+
+
+_CAPTION = (
+    "Where no orbit of the delay system is stable: means over cycles with two standard errors (±), of v_{max} medians; elsewhere"
+    f" orbits. A model is good at an r if its regime is that of the delay system and T and Δμ err by less than {100 * GOOD:g} "
+    "%, or by no more than that and two standard errors (a full wave: four); the advice is to use it up to the last r before the "
+    "first at which it is not. Cost: of 1000 transits, the median of several rounds, over that of the delay system."
+)
+
+
+def costs_at(log10_r: float, rounds: int) -> dict[str, float]:
+    """Cost of every model with a lasting motion there."""
+    return relative_costs([model for model in EVERY if model != "quasistatic"], {WAVE: CELLS}, scene_at(log10_r), rounds)
+
+
+def _in_scenes(budget: Budget) -> ModelTable:
+    """The same models in other scenes."""
+    others, until = scenes.places_of(budget.quick), _UNTIL_IN_SCENES[budget.quick]
+    regimes = {
+        model: [scenes.regime_in(model, place, until, CELLS if model == WAVE else None) for place in others]
+        for model in budget.each((*EVERY[:6], "fitted:4", *EVERY[6:]), 0.7, 0.4)
+    }
+    return scenes.scene_table(others, regimes)
+
+
+def _verdicts(paper: ModelTable, elsewhere: ModelTable, regimes: ByModel, quick: bool) -> Iterator[Verdict]:
+    """All verdicts on both tables."""
+    grid, others, until = [*regimes[WAVE]], scenes.places_of(quick), _UNTIL_IN_SCENES[quick]
+    coarse = (
+        (paper, lambda column: regime_at(WAVE, grid[column], _SETTLED, CELLS - 1), 0.0),
+        (elsewhere, lambda column: scenes.regime_in(WAVE, others[column], until, CELLS - 1), _RUN_ERROR),
+    )
+    for table, on_coarse, run_error in coarse:
+        yield from judged.regime_verdicts(table)
+        yield from judged.wave_verdicts(table, on_coarse, CELLS, run_error)
+        yield from judged.mean_verdicts(table)
+    yield from judged.paper_verdicts(paper, [_title(x) for x in SHOWN], _title(SHOWN[1]))
+    yield judged.run_verdict(regimes)
+    yield from judged.scene_verdicts(elsewhere)
+
+
+def _numbers(table: ModelTable, regimes: ByModel) -> dict[str, Number]:
+    """Errors of orbits and onsets; figures of the quasi-dynamic orbits. Means of irregular motions differ between machines."""
+    shown = {_title(x): x for x in SHOWN}
+    found = {
+        f"{row.model} error of {symbol} at {shown[column.title]}": stated(one.error, one.standard_error)
+        for column, row, cell in judged.cells_of(table, *ORBITS)
+        if column.title in shown
+        for symbol, name in _NAMES.items()
+        if (one := cell.figures.get(name)) and one.error is not None
+    }
+    damped = {x: one.figures["T"] for x, one in regimes["quasidynamic"].items() if one.figures}
+    found |= {f"quasidynamic T at {x}": stated(period.value, period.error) for x, period in damped.items()}
+    known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error}
+    return found | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
+
+
+_NAMES = {"T": "T", "drop": "Δμ", "v_max": "v_{max}"}
+_COST_ERROR = (
+    f"Error of the period over cost at log_{{10}} r = {places(_COSTED)} (filled, open), against the exact delay system, which "
+    f"is drawn at {power(_LEAST)}: one point for each model that has cycles there. Bars: two standard errors of means."
+)
+
+
+def cost_and_error(table: ModelTable) -> Chart:
+    """One point for each model and each of the two r."""
+    titles, traces, keys = [column.title for column in table.columns], list[Trace](), dict[str, Trace]()
+    for row in table.rows:
+        for number, (title, cost) in enumerate(zip(table.costed, row.costs, strict=True)):
+            found = row.cells[titles.index(title)].figures.get("T")
+            if found and cost is not None:
+                size, bar = (
+                    [abs(found.error or 0.0)],
+                    [2.0 * found.standard_error] if number and found.error is not None else None,
+                )
+                name, look = style_of(row.model).label, model_marks(row.model, hollow=bool(number))
+                traces.append(Trace(f"{name}, {title}" if number else name, [cost], size, look, y_error=bar))
+                keys.setdefault(row.model, traces[-1])
+    ticks = {value: f"{value:g}" for value in (0.1, 0.3, 1.0, 3.0)}
+    axes = Scale("cost, delay system = 1", "log", ticks=ticks), Scale("relative error of $T$", "log", floor=_LEAST)
+    panel, width = Panel("", *axes, traces, grid=True), 0.75 * WIDTH
+    return Chart([panel], 2.9, width=width, legend="outside right center", keys=[*keys.values()])

@@ -1,0 +1,168 @@
+"""Verdicts on the tables of models: of the paper's scene and of others."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import pairwise
+
+import slipwave
+from validation.study import EXACT, PAPER, SELF, WITNESS, Outcome, Verdict, claim, every, holding
+from validation.study.advice import AS_CHEAP, GOOD, JUDGED, costs_of_good_reductions, is_good
+from validation.study.compared import EXACT_MODEL, critical_r
+from validation.study.known import ERRORS, error_after, error_of
+from validation.study.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
+from validation.study.regimes import AWAY, STEADY, UNKNOWN, UNTRIED, Regime
+from validation.study.text import places, plain
+
+WAVE = "dg:7"
+ADVISED = ("modal:8", "modal:4", "fitted:4")
+_AVOIDED = ("kelvin-voigt", "block8", "block12", "quasidynamic", "quasistatic")
+_LADDER = ("modal:1", "modal:2", "modal:4", "modal:8")
+_MODES = "The slabs’ exact modes give the exact cycle"
+_TARGETS = {"modal:1": 1e-3, "modal:2": 1e-5}
+"""Model -> largest error of the period of the paper's scene."""
+_IN_SCENES = 1e-3
+"""Largest relative error of the advised models in other scenes."""
+_RUN_ERROR = {"T": 5e-9, "Δμ": 1e-8}
+"""What the tolerance of a run may leave, relative."""
+_PRINTED = 1.0 - 70.73 / 73.5
+_HALF_DIGITS = 0.05 / 73.5 + 0.005 / 70.73
+
+Found = tuple[ModelColumn, ModelRow, ModelCell]
+ByModel = Mapping[str, Mapping[float, Regime]]
+"""model -> log10 r -> its regime."""
+
+
+def cells_of(table: ModelTable, *models: str) -> list[Found]:
+    """The cells of some models, or of all, in scenes in which they were tried."""
+    rows = [row for row in table.rows if not models or row.model in models]
+    return [
+        (one, row, cell) for row in rows for one, cell in zip(table.columns, row.cells, strict=True) if cell.regime != UNTRIED
+    ]
+
+
+def _late(model: str, scene: str) -> float:
+    """Onset of a model in a scene, over that of the exact system."""
+    return critical_r(model, slipwave.read(scene)) / critical_r(EXACT_MODEL, slipwave.read(scene))
+
+
+def regime_verdicts(table: ModelTable) -> Iterator[Verdict]:
+    """Regimes against onsets, which use no run; those of the advised models and of the full wave against the exact ones."""
+    known = [
+        (cell.regime == STEADY) == (column.over_onset < late)
+        for column, row, cell in cells_of(table)
+        if (late := _late(row.model, column.settings.split()[0])) and cell.regime not in UNKNOWN
+    ]
+    title = "Runs leave steady sliding where their model’s onset lies"
+    yield every(title, WITNESS, sum(known), len(known), f"{table.name}: onsets from impedance, which know no run", "points")
+    same = [cell.right for _, _, cell in cells_of(table, WAVE, *ADVISED)]
+    title = "The full wave and the ODEs advised have the exact system’s regimes"
+    yield every(title, WITNESS, sum(same), len(same), f"{table.name}: `{WAVE}`, {_named(ADVISED)}", "points")
+
+
+def _named(models: Sequence[str]) -> str:
+    return ", ".join(f"`{model}`" for model in models)
+
+
+def wave_verdicts(table: ModelTable, on_coarse: Callable[[int], Regime], cells: int, run: float) -> Iterator[Verdict]:
+    """The full wave's cycles against the exact ones where these repeat, allowed what its grid with a cell less leads to in a
+    column, and what the tolerance of the exact system's `run` leaves."""
+    exact, fine = table.row(EXACT_MODEL).cells, table.row(WAVE).cells
+    columns = [
+        n for n, (one, other) in enumerate(zip(exact, fine, strict=True)) if one.figures and not one.cycles and other.right
+    ]
+    coarse = {n: on_coarse(n).figures for n in columns}
+    for symbol in JUDGED:
+        off = max((abs(fine[n].figures[symbol].error or 0.0) for n in columns), default=math.nan)
+        left = max((abs(coarse[n][symbol].value / exact[n].figures[symbol].value - 1.0) for n in columns), default=math.nan)
+        allowed = error_after(WAVE, left, cells - 1, cells) + run
+        where = f"{table.name}, {symbol}: `{WAVE}`, {cells} cells, at {len(columns)} r"
+        yield claim("The full wave has the exact system’s cycles where they repeat", WITNESS, off, allowed, where)
+
+
+def mean_verdicts(table: ModelTable) -> Iterator[Verdict]:
+    """Means of wandering cycles against the exact ones."""
+    wander = [
+        cell.figures[symbol] for _, _, cell in cells_of(table, WAVE, *ADVISED) if cell.cycles and cell.right for symbol in JUDGED
+    ]
+    off = [abs(one.error) / one.standard_error for one in wander if one.error is not None]
+    if off:
+        title = "Where cycles wander, the full wave and the ODEs advised have the exact system’s means"
+        where = f"{table.name}: the largest of {len(off)} differences of T and Δμ"
+        yield claim(title, WITNESS, max(off), ERRORS, where, unit="standard errors")
+
+
+def paper_verdicts(table: ModelTable, shown: Sequence[str], main: str) -> Iterator[Verdict]:
+    """Errors in the columns `shown`, where orbits repeat, and in the `main` one; the simplest model; costs."""
+    errors = {
+        symbol: {
+            (row.model, column.title): cell.figures[symbol].error or 0.0 for column, row, cell in cells_of(table) if cell.figures
+        }
+        for symbol in JUDGED
+    }
+    for model, limit in _TARGETS.items():
+        yield claim(_MODES, WITNESS, abs(errors["T"][model, main]), limit, f"paper, `{model}`: at log_{{10}} r = {main}")
+    short = -errors["T"]["kelvin-voigt", main]
+    yield holding(
+        "The paper’s ODE falls short of the exact period by some 4 %",
+        PAPER,
+        f"{100 * _PRINTED:.2f} ± {100 * _HALF_DIGITS:.2f} %",
+        f"{100 * short:.2f} %",
+        abs(short - _PRINTED) < _HALF_DIGITS,
+        f"printed: 70.73 against 73.5 transits, log_{{10}} r = {main}; half of the last printed digits is allowed",
+    ).with_margin(abs(short - _PRINTED), _HALF_DIGITS)
+    largest = {symbol: [max(abs(found[model, x]) for x in shown) for model in _LADDER] for symbol, found in errors.items()}
+    left = max(later / sooner for series in largest.values() for sooner, later in pairwise(series))
+    title = "Every doubling of the number of modes reduces the largest error over the range of r"
+    remark = "T and Δμ; 1, 2, 4, 8 modes; at a single r an error may change its sign"
+    words = f"of T: {', '.join(plain(value, '.0e') for value in largest['T'])}"
+    yield claim(title, WITNESS, left, 1.0, remark, words, unit="of the error before")
+    away = [cell.regime == AWAY for _, _, cell in cells_of(table, "quasistatic")]
+    yield every("The quasi-static model runs away", EXACT, sum(away), len(away), "at every r", "points")
+    yield cost_verdict(table)
+
+
+def cost_verdict(table: ModelTable) -> Verdict:
+    """Whether the exact system costs as little as any good ODE."""
+    costs = costs_of_good_reductions(table)
+    least = min(costs, default=math.inf)
+    return holding(
+        f"No ODE that is right to {100 * GOOD:g} % at every r shown costs less than the exact system",
+        SELF,
+        f"at least {1.0 / AS_CHEAP:.1f} of its time",
+        f"~{{{least:.2g}}} of its time",
+        least * AS_CHEAP >= 1.0,
+        f"the least of {len(costs)} ratios of medians; run times vary by a tenth",
+        Outcome.FINDING,
+    ).with_margin(1.0 / AS_CHEAP / least, 1.0, "of times")
+
+
+def run_verdict(regimes: ByModel) -> Verdict:
+    """Last cycles of runs against the orbits of the same models, which Newton's method finds."""
+    cells = (
+        (model, x, one, symbol) for model, by_r in regimes.items() for x, one in by_r.items() if one.ran for symbol in JUDGED
+    )
+    pairs = [
+        (f"`{model}`, {symbol} at {places([x])}", symbol, one.ran[symbol], one.figures[symbol]) for model, x, one, symbol in cells
+    ]
+    sizes = [
+        (abs(run.value / orbit.value - 1.0), error_of(run, orbit) + _RUN_ERROR[symbol], where)
+        for where, symbol, run, orbit in pairs
+    ]
+    off, allowed, where = max(sizes, key=lambda one: one[0] / one[1])
+    title = "Runs whose cycles repeat have the period and the drop of the model’s orbit"
+    return claim(title, WITNESS, off, allowed, f"{len(sizes)} figures; shown: {where}")
+
+
+def scene_verdicts(table: ModelTable) -> Iterator[Verdict]:
+    """Whether the advice of the first table holds in other scenes."""
+    repeat = [(row, cell) for _, row, cell in cells_of(table, *ADVISED) if cell.figures and not cell.cycles and cell.right]
+    off = [abs(cell.figures[symbol].error or 0.0) for _, cell in repeat for symbol in JUDGED]
+    yield claim(_MODES, WITNESS, max(off, default=math.nan), _IN_SCENES, f"scenes: {_named(ADVISED)}, T and Δμ")
+    good = [is_good(cell) for _, _, cell in cells_of(table, *ADVISED)]
+    title = "The ODEs that the first table advises are good in every scene"
+    yield every(title, WITNESS, sum(good), len(good), f"{_named(ADVISED)}; by the rule of the first table", "points")
+    where = {(row.model, column.title) for column, row, _ in cells_of(table, *_AVOIDED)}
+    wrong = {(row.model, column.title) for column, row, cell in cells_of(table, *_AVOIDED) if not is_good(cell)}
+    fine = ", ".join(f"`{model}` in {scene}" for model, scene in sorted(where - wrong))
+    title = "No model that the first table says to avoid is good in another scene"
+    yield every(title, WITNESS, len(wrong), len(where), fine or "by the rule of the first table", "are wrong at some r")

@@ -1,0 +1,120 @@
+"""The period of stick-slip over the delay r, the paper's Fig 8: orbits, stable or not, and means where none is stable."""
+
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple
+
+from slipwave.observe.statistics import Estimate
+from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
+from validation.compute.looks import model_line, model_look, style_of
+from validation.references.published import reference
+from validation.study import Number, Verdict, stated
+from validation.study.known import as_known, order_of_periods
+from validation.study.over_r import FAR, Branch, branch_of, numbered_period, parts
+from validation.study.regimes import Regime
+from validation.study.text import minus
+
+WAVES, BLOCKS = ("kelvin-voigt", "delay"), ("block8", "block12")
+"""Models with reverberations, whose orbits lose stability; blocks, whose orbits are all stable."""
+ENDS = {True: {"kelvin-voigt": (-2.64, FAR), "delay": (-2.3, 74.6)}, False: {"kelvin-voigt": (-2.3, FAR), "delay": (-2.3, 80.0)}}
+"""Quick report -> model -> log10 r and the period (transits) at which its branch ends."""
+_PRINTED = -2.68
+"""log10 r whose periods `one-cycle` compares."""
+
+
+class Periods(NamedTuple):
+    """A model at one r (transits): periods of its `orbits` on the branch, stable or not; the period of its run's orbit, or its
+    mean over so many `cycles`; and as a number that of the first orbit that is known."""
+
+    orbits: list[float]
+    seen: Estimate
+    cycles: int
+    number: Number | None
+
+    @property
+    def every(self) -> list[float]:
+        """All periods, the seen one with two of its errors."""
+        return self.orbits + [self.seen.value + share * self.seen.error for share in (-2.0, 2.0)]
+
+
+ByModel = Mapping[str, Mapping[float, Periods]]
+"""model -> log10 r -> its periods."""
+
+
+def branches_of(quick: bool) -> dict[str, Branch]:
+    """The branches of the exact system and of the paper's ODE."""
+    return {model: branch_of(model, *ends) for model, ends in ENDS[quick].items()}
+
+
+def periods_at(model: str, log10_r: float, branches: Mapping[str, Branch], regime: Regime) -> Periods:
+    """The periods of a model of Fig 8, from its branch, if it has one, and from its `regime` there."""
+    orbits, seen = branches[model].orbits_at(log10_r) if model in branches else [], regime.figures["T"]
+    alone = None if regime.cycles else stated(seen.value, seen.error)
+    return Periods([one.cycle.period for one in orbits], seen, regime.cycles, numbered_period(orbits[0]) if orbits else alone)
+
+
+def periods_of(branches: Mapping[str, Branch], regimes: Mapping[str, Mapping[float, Regime]]) -> ByModel:
+    """The periods of all models of Fig 8 at every r of the table."""
+    return {
+        model: {log10_r: periods_at(model, log10_r, branches, one) for log10_r, one in regimes[model].items()}
+        for model in (*WAVES, *BLOCKS)
+    }
+
+
+def period_verdicts(periods: ByModel) -> Iterator[Verdict]:
+    """P7 over the whole range of r, and the periods of other programs at all r but the one of `one-cycle`."""
+    listed = {log10_r: {model: found[log10_r].every for model, found in periods.items()} for log10_r in periods["delay"]}
+    yield order_of_periods(listed, "all orbits known at an r, stable or not, and means of runs with two standard errors")
+    for model, found in periods.items():
+        for log10_r, one in found.items():
+            if log10_r != _PRINTED and one.number:
+                yield from as_known("Periods over r are those of other programs", model, log10_r, {"period": one.number.value})
+
+
+def period_numbers(periods: ByModel, places: tuple[float, ...]) -> dict[str, Number]:
+    """Periods of orbits at these r."""
+    found = ((model, x, periods[model][x].number) for model in (*WAVES, "block12") for x in places)
+    return {f"{model} T at {x}": number for model, x, number in found if number}
+
+
+def period_answer(periods: ByModel) -> str:
+    """How the period depends on r."""
+    first = min(periods["delay"])
+    apart = max(periods["block12"][first].every) / min(periods["kelvin-voigt"][first].every) - 1.0
+    return (
+        f"The period grows with r, fastest near the onset, where models agree within {100 * apart:.0f} % at log_{{10}} r = "
+        f"{minus(f'{first:g}')}; further on that of the paper’s ODE hardly grows, that of blocks too much, and the exact one "
+        "lies between them."
+    )
+
+
+CAPTION = (
+    "Period of stick-slip over r. Orbits of the delay system and of the ODE by continuation from the Hopf point, stable ones "
+    "solid, unstable ones dotted; circles: means of runs with two standard errors, where no orbit is stable; crosses: as printed."
+)
+_TICKS = {float(tick): str(tick) for tick in (50, 60, 70, 80, 90, 100, 120, 140)}
+_LOWEST, _HIGHEST = 47.0, 145.0
+
+
+def over_r(branches: Mapping[str, Branch], periods: ByModel) -> Chart:
+    """Branches, blocks, means and the paper's values."""
+    traces = [trace for branch in branches.values() for trace in _orbits_of(branch)]
+    traces += [model_line(model, [*periods[model]], [one.seen.value for one in periods[model].values()]) for model in BLOCKS]
+    for model in WAVES:
+        found = {x: one.seen for x, one in periods[model].items() if one.cycles}
+        look, bars = model_look(model, dashes="", marker="o", size=4.0, hollow=True), [2.0 * one.error for one in found.values()]
+        traces.append(
+            Trace(f"{style_of(model).label}, means", [*found], [one.value for one in found.values()], look, y_error=bars)
+        )
+    paper = reference()["paper"]
+    printed = [_PRINTED, _PRINTED], [paper["T_ode"], paper["T_dde"]]
+    traces.append(Trace("the paper’s values", *printed, Look(ORANGE, "", "x", size=7.0)))
+    scales = Scale(r"$\log_{10} r$"), Scale("$T$ (transits)", "log", (_LOWEST, _HIGHEST), _TICKS)
+    return Chart([Panel("", *scales, traces, grid=True)], 4.4, legend="outside upper left", legend_columns=3)
+
+
+def _orbits_of(branch: Branch) -> Iterator[Trace]:
+    """The stable and the unstable orbits of a branch."""
+    for is_stable, look in ((True, model_look(branch.model)), (False, model_look(branch.model, dashes=DOTTED, width=0.8))):
+        curves = [corners for stable, corners in parts(branch.corners) if stable == is_stable]
+        x, y = with_gaps([([one.value for one in corners], [one.period for one in corners]) for corners in curves])
+        yield Trace(style_of(branch.model).label + ("" if is_stable else ", unstable"), x, y, look.but(kind="smooth"))

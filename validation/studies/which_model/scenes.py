@@ -1,0 +1,143 @@
+"""Every model in scenes unlike the paper's: unlike and layered slabs, a grip, a testing machine, another law, a rock in SI."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+import slipwave
+from reduced.stability import scaled
+from slipwave.scene import Scene
+from validation.compute.models import family_of
+from validation.study import Cell, Number, Table, table
+from validation.study.compared import EXACT_MODEL, compared_table, critical_r
+from validation.study.model_table import Compared, ModelColumn, ModelRow, ModelTable
+from validation.study.regimes import UNTRIED, Regime, regime_of
+from validation.study.text import minus
+
+SCENES = {
+    "unlike": "slabs that differ, the lower one with twice the round trip and three times the impedance",
+    "grip": "outer faces in grips that reflect half of every wave but keep the load",
+    "machine": "slabs driven by a testing machine: spring, dashpot and mass",
+    "layered": "slabs of two layers, the outer one with twice the impedance",
+    "slip-law": "the paper’s slabs under Ruina’s slip law",
+    "rock": "Table 1’s rock in SI, at 1 cm/s",
+}
+"""Scene of the gallery -> its description."""
+_QUICK = ("unlike", "grip", "rock")
+OVER_ONSET = (1.02, 1.25)
+"""r over the onset of the exact system, both slabs scaled together."""
+_UNTIL = {True: 4000.0, False: 5000.0}
+_LONGER = {"rock": 1.7}  # its cycles are twice as long
+_NONE = 1e-3  # a bias that is not mentioned
+_NUDGE = 0.5  # of ψ: a small one grows for thousands of transits near the onset; from 2 the ODE runs away under the slip law
+
+
+Place = tuple[ModelColumn, Scene]
+"""A column and its scene."""
+
+
+def place(name: str, over_onset: float) -> Place:
+    """A scene with both slabs scaled together to r = `over_onset` times the onset of the exact system, and its column."""
+    own = slipwave.read(name)
+    factor = over_onset * critical_r(EXACT_MODEL, own) / own.transit
+    scene = scaled(replace(own, start=replace(own.start, size=_NUDGE)), round_trip=factor)
+    settings = f"{name} {_settings(own, factor)} --set start.size={_NUDGE:g}"
+    return ModelColumn(name, math.log10(scene.transit), over_onset, f"r = {over_onset:.2f} r_{{c}}", settings), scene
+
+
+def _settings(own: Scene, factor: float) -> str:
+    """The command line options that make the slabs thicker by `factor`."""
+    if own.upper.material and own.units:
+        return f"--set slab.thickness={factor * 0.5 * own.transit * own.units.time * own.upper.material.wave_speed:.6g}"
+    slabs = {"slab": own.upper} if own.alike else {"upper": own.upper, "lower": own.lower}
+    return " ".join(f"--set {key}.r={factor * slab.round_trip:.7g}" for key, slab in slabs.items())
+
+
+def places_of(quick: bool) -> list[Place]:
+    """Columns and scenes of the table, by r over the onset."""
+    return [place(name, over_onset) for over_onset in OVER_ONSET for name in (_QUICK if quick else SCENES)]
+
+
+def regime_in(model: str, where: Place, until: float, cells: int | None) -> Regime:
+    """The regime of a run to `until`; UNTRIED where the model cannot compute the scene, or where a rational fit would find the
+    modes of another model."""
+    column, scene = where
+    if not _able(model, scene) or (model.startswith("fitted:") and _able(f"modal:{model[7:]}", scene)):
+        return Regime(UNTRIED)
+    return regime_of(model, scene, _LONGER.get(column.title, 1.0) * until, cells)
+
+
+def _able(model: str, scene: Scene) -> bool:
+    family = family_of(model)
+    return family is not None and not family.refusal(scene)
+
+
+def scene_table(places: Sequence[Place], regimes: Mapping[str, Sequence[Regime]]) -> ModelTable:
+    """The table of models over scenes."""
+    words = "; ".join(f"`{name}`: {what}" for name, what in SCENES.items() if any(name == one.title for one, _ in places))
+    caption = (
+        f"Errors at r over the onset r_{{c}} of the exact system, by runs from a nudge of {_NUDGE:g}, with advice by the rule of "
+        f"the first table, in other scenes ({words}); –: not for this scene."
+    )
+    return compared_table("scenes", caption, "scene", [column for column, _ in places], regimes, {}, {})
+
+
+def bias_table(found: ModelTable) -> Table:
+    """Bias and scatter of each model over all scenes."""
+    ranges = (("T", OVER_ONSET[0]), ("Δμ", OVER_ONSET[0]), ("T", OVER_ONSET[1]))
+    rows: list[list[Cell]] = [
+        [row.model, *(100.0 * value for what in ranges for value in bias_and_scatter(errors_at(found, row, *what)))]
+        for row in found.rows[1:]
+    ]
+    numbers = "bias [%] .2f | scatter [%] .2f | statistical [%] .2f"
+    heading = " | ".join(["model", *(f"{symbol}, {over_onset:g} r_{{c}}: {numbers}" for symbol, over_onset in ranges)])
+    caption = (
+        "Bias (mean error) and scatter (standard deviation) of each model over these scenes, and the part of the scatter that "
+        "means themselves have (root mean square of their standard errors). A dash: no cycles."
+    )
+    return table("bias", caption, heading, rows)
+
+
+def errors_at(found: ModelTable, row: ModelRow, symbol: str, over_onset: float) -> list[Compared]:
+    """Every known error of a quantity at this r over the onset."""
+    cells = [cell for column, cell in zip(found.columns, row.cells, strict=True) if column.over_onset == over_onset]
+    return [one for cell in cells if (one := cell.figures.get(symbol)) and one.error is not None]
+
+
+def bias_and_scatter(errors: Sequence[Compared]) -> tuple[float, float, float]:
+    """(mean, standard deviation over scenes, root mean square of the standard errors); NaN for too few errors."""
+    values, own = (np.array([getattr(one, name) for one in errors], dtype=float) for name in ("error", "standard_error"))
+    if not values.size:
+        return math.nan, math.nan, math.nan
+    return float(values.mean()), float(values.std(ddof=1)) if values.size > 1 else math.nan, float(np.sqrt((own**2).mean()))
+
+
+def scene_answer(found: ModelTable) -> str:
+    """Whether the advice holds in these scenes, and how far off the models to be avoided are near the onset."""
+    good = [f"`{row.model}`" for row in found.rows[1:] if row.advice == "use"]
+    known = (
+        (row.model, bias_and_scatter(errors_at(found, row, "T", OVER_ONSET[0]))) for row in found.rows if row.advice == "avoid"
+    )
+    words = [f"`{model}` {bias_in_words(*numbers[:2])}" for model, numbers in known if abs(numbers[0]) > _NONE]
+    count, near = len({column.title for column in found.columns}), f"{OVER_ONSET[0]:g} r_{{c}}"
+    return (
+        f"The advice holds in {count} other scenes: {', '.join(good)} are right to 1 %. Bias and scatter of T at {near} "
+        f"are {', '.join(words)}; `quasidynamic` slides steadily."
+    )
+
+
+def bias_in_words(bias: float, scatter: float) -> str:
+    """Bias and scatter, in per cent."""
+    return minus(f"{100 * bias:+z.1f}{f' ± {100 * scatter:.1f}' if math.isfinite(scatter) else ''} %")
+
+
+def scene_numbers(found: ModelTable, models: Sequence[str]) -> dict[str, Number]:
+    """Errors of T of these models where cycles repeat, with the accuracy of runs."""
+    return {
+        f"{column.title}: {row.model} error of T at {column.over_onset:g}": Number(one.error, max(1e-3, 3e-7 / abs(one.error)))
+        for row in found.rows
+        for column, exact, cell in zip(found.columns, found.rows[0].cells, row.cells, strict=True)
+        if row.model in models and not cell.cycles and not exact.cycles and (one := cell.figures.get("T")) and one.error
+    }
