@@ -86,7 +86,6 @@ def _mesh_of(count: int, cuts: tuple[float, ...]) -> TransitMesh:
     return TransitMesh(count, lengths, starts)
 
 
-MAX_STEPS = 4096
 _CHUNK, _LONG_CHUNK = 4096, 1 << 16
 _LOOSE_NODES, _TIGHT_NODES, _LOOSE = 6, 8, 3e-7
 _FEWEST_STEPS, _MOST_FIRST_STEPS = 3, 24
@@ -163,7 +162,7 @@ class Delay(DelayMarch):
     def restore(self, state: State) -> None:
         """As `Solver`."""
         count, failures, iterations, first = whole_numbers(state, "counts", (1, 0, 0, 1))
-        mesh, beginning = transit_mesh(min(count, MAX_STEPS), self._cuts), transit_mesh(min(first, MAX_STEPS), self._cuts)
+        mesh, beginning = (transit_mesh(min(steps, self._most_steps), self._cuts) for steps in (count, first))
         shapes = {
             "incoming": (mesh.steps, self._stages),
             "guess": (2, self._stages),
@@ -208,7 +207,7 @@ class Delay(DelayMarch):
         """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""
         old, incoming, now = (self._mesh, self._lines.incoming, self._memory.now) if self._emit else self._beginning
         new = transit_mesh(next_count(self._mesh.count), self._cuts)
-        if new.count > MAX_STEPS:
+        if new.count > self._most_steps:
             raise self._unresolved(self.steps, verdict)
         self._remember(new, old.resample(incoming, self.nodes, new), now)
 

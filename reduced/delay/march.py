@@ -5,13 +5,18 @@ from typing import Any
 
 from reduced.delay.kernel import DelayMemory
 from slipwave.errors import NumericsError
-from slipwave.friction import respond, unknown_of
+from slipwave.friction import allows_rest, respond, said_of_rest, unknown_of
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import Energy
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.nodal import PSI, TIME, TOO_STEEP, Interface, Limits, Physics, nodal_of
 from slipwave.step.solve import first_guess
+
+MAX_STEPS = 4096
+"""Largest number of steps per transit."""
+
+_MORE = 8  # times as many for laws that allow v <= 0: v, but for its rate, bends sharply where it changes its sign
 
 
 class DelayMarch:
@@ -32,6 +37,7 @@ class DelayMarch:
         matrices, rule, self._shape = rule_of(stages)
         self.nodes: Array = matrices.nodes
         self._physics, self._nodal = Physics(scene.law, scene.forcing, scene.drive.compiled, rule), nodal_of(stages)
+        self._most_steps = MAX_STEPS * (_MORE if allows_rest(scene.law) else 1)
         self._limits = Limits(max(1e-3 * tolerance, 1e-14), resolution, growth_limit(stages, tolerance))
 
     @property
@@ -55,8 +61,9 @@ class DelayMarch:
         if verdict == TOO_STEEP:
             return self._left_too_fast(steps)
         time, psi = self._memory.now[[TIME, PSI]]
+        rest = said_of_rest(self.scene.law, self._nodal.incoming, float(psi))
         return NumericsError(
-            f"delay: the step at t = {time:.6g} transits cannot be resolved with {steps:.0f} steps per transit "
+            f"delay: the step at t = {time:.6g} transits cannot be resolved with {steps:.0f} steps per transit{rest} "
             f"(psi = {psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"
         )
 

@@ -16,7 +16,6 @@ from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.flow import Cycle, InterfaceState
 from slipwave.step.nodal import PSI, Interface, constant_guess
 
-MAX_STEPS = 4096
 MOST_STEPS = 1 << 20  # in the span that they divide; more than MAX_STEPS allows
 _FEWEST = 3
 _CHUNK = 2048
@@ -158,5 +157,5 @@ class DelayNetwork(DelayMarch):
 
     def _require_shorter(self, verdict: int) -> None:
         """Raises NumericsError unless shorter steps may be taken."""
-        if self._finer() / self._span > MAX_STEPS / min(1.0, 2.0 * float(self._layers.travel.min())):
+        if self._finer() / self._span > self._most_steps / min(1.0, 2.0 * float(self._layers.travel.min())):
             raise self._unresolved(self.steps, verdict)

@@ -13,6 +13,7 @@ from slipwave.friction.law import (
     rates,
     register,
     respond,
+    said_of_rest,
     smooth,
     steady_psi,
     steady_state,
@@ -35,7 +36,7 @@ register("spinodal", spinodal.Spinodal, spinodal.respond_spinodal, spinodal.stea
 
 __all__ = [
     "LAWS", "Law", "OfStep", "Smooth", "allows_rest", "law_of_step", "own_unknowns", "rate_of", "rates", "register", "respond",
-    "smooth", "steady_state", "to_own", "to_step", "unknown_of", "unknowns", "with_bend",
+    "said_of_rest", "smooth", "steady_state", "to_own", "to_step", "unknown_of", "unknowns", "with_bend",
 ]  # fmt: skip
 
 load_from_packages("slipwave.laws", lambda found, label: None)  # a module that registers its laws when it is imported

@@ -296,3 +296,14 @@ def register(
 def name_of(law: Law) -> str:
     """The name under which the class of `law` is registered."""
     return next(name for name, known in LAWS.items() if known.parameters is type(law))
+
+
+_AT_REST = 1e-9  # V*
+
+
+def said_of_rest(law: Law, incoming: NDArray[np.float64], psi: float) -> str:
+    """What an error adds if the `incoming` stress, at the state psi, stops or reverses slip and `law` needs v > 0."""
+    if allows_rest(law) or not incoming.min() < respond(law, unknown_of(law, _AT_REST), psi)[2]:
+        return ""
+    others = [name for name, known in LAWS.items() if known.rate_of is not _exponential]
+    return f"; the stress that arrives stops or reverses slip, but law {name_of(law)!r} needs v > 0: {', '.join(others)} do not"

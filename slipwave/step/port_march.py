@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from slipwave.errors import NumericsError
-from slipwave.friction import rate_of, unknown_of
+from slipwave.friction import rate_of, said_of_rest, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import growth_limit, rule_of
@@ -84,6 +84,7 @@ class PortMarch:
 
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""
+        reason += said_of_rest(scene.law, self._nodal.incoming, float(now[PSI]))
         return NumericsError(
             f"{self.slabs.model}: no step is short enough at t = {now[TIME]:.6g} transits, "
             f"v = {rate_of(scene.law, now[END]):.3g} V*, psi = {now[PSI]:.4g}{reason} "

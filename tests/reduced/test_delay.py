@@ -68,7 +68,7 @@ def test_a_rejected_step_takes_the_march_back_to_the_start_of_its_transit():
     ids=["alike", "network"],
 )
 def test_unresolvable_run_is_refused_with_place_and_time(march, name, keys, monkeypatch):
-    monkeypatch.setattr(f"{march.__module__}.MAX_STEPS", 8)
+    monkeypatch.setattr("reduced.delay.march.MAX_STEPS", 8)
     with pytest.raises(NumericsError, match=r"delay: the step at t = .* transits"):
         follow(march(read(name, {f"{key}.log10_r": -2.3 for key in keys})), 1e5)
 
