@@ -18,7 +18,7 @@ from validation.study.verdict import EXACT, WITNESS, Verdict, claim, holding, of
 NAME = "bifurcation"
 QUESTION = "How do the periodic orbits of the exact system and of the paper’s ODE depend on r, and where do they lose stability?"
 SCENES = ("paper",)
-SECONDS = (24.0, 60.0)
+SECONDS = (20.0, 60.0)
 
 WAVE = "dg:7"
 

@@ -30,7 +30,7 @@ TOLERANCE = 1e-9
 """Relative error of the figures of both orbits."""
 
 _MARCHED = 6000.0
-_ROUGH = 1e-5  # of the bubbles
+_ROUGH = 1e-6  # of the bubbles
 _NEAREST = 4  # last orbits of a bubble, from which its end is extrapolated
 _ENDS = 1e-5  # of log10 r: the extrapolation's
 _CLOSE = 0.1  # of v_max
@@ -78,12 +78,10 @@ def bubble(low: float, high: float) -> Bubble:
 
 
 def between_doublings(ode: Branch) -> list[list[BranchPoint]]:
-    """The simple orbits of each pair of period doublings, both included."""
-    places = [special.point.parameter for special in ode.of_kind("PD")]
-    return [
-        [corner for corner in ode.corners if low <= corner.value <= high]
-        for low, high in zip(places[::2], places[1::2], strict=False)
-    ]
+    """The simple orbits along the branch from the one to the other of each pair of period doublings, both included."""
+    doublings, corners = {id(special.point) for special in ode.of_kind("PD")}, ode.corners
+    places = [n for n, point in enumerate(ode.points) if id(point) in doublings]
+    return [corners[begin : end + 1] for begin, end in zip(places[::2], places[1::2], strict=False)]
 
 
 def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) -> Iterator[Verdict]:
