@@ -4,12 +4,13 @@ from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 from slipwave.observe.statistics import Estimate
-from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
+from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.compute.looks import model_line, model_look, style_of
 from validation.references.published import reference
 from validation.study import Number, Verdict, stated
+from validation.study.branch_drawing import orbit_traces
 from validation.study.known import as_known, order_of_periods
-from validation.study.over_r import FAR, Branch, branch_of, numbered_period, parts
+from validation.study.over_r import FAR, Branch, branch_of, numbered_period
 from validation.study.regimes import Regime
 from validation.study.text import minus
 
@@ -97,7 +98,7 @@ _LOWEST, _HIGHEST = 47.0, 145.0
 
 def over_r(branches: Mapping[str, Branch], periods: ByModel) -> Chart:
     """Branches, blocks, means and the paper's values."""
-    traces = [trace for branch in branches.values() for trace in _orbits_of(branch)]
+    traces = [trace for branch in branches.values() for trace in orbit_traces(branch, "period")]
     traces += [model_line(model, [*periods[model]], [one.seen.value for one in periods[model].values()]) for model in BLOCKS]
     for model in WAVES:
         found = {x: one.seen for x, one in periods[model].items() if one.cycles}
@@ -110,11 +111,3 @@ def over_r(branches: Mapping[str, Branch], periods: ByModel) -> Chart:
     traces.append(Trace("the paper’s values", *printed, Look(ORANGE, "", "x", size=7.0)))
     scales = Scale(r"$\log_{10} r$"), Scale("$T$ (transits)", "log", (_LOWEST, _HIGHEST), _TICKS)
     return Chart([Panel("", *scales, traces, grid=True)], 4.4, legend="outside upper left", legend_columns=3)
-
-
-def _orbits_of(branch: Branch) -> Iterator[Trace]:
-    """The stable and the unstable orbits of a branch."""
-    for is_stable, look in ((True, model_look(branch.model)), (False, model_look(branch.model, dashes=DOTTED, width=0.8))):
-        curves = [corners for stable, corners in parts(branch.corners) if stable == is_stable]
-        x, y = with_gaps([([one.value for one in corners], [one.period for one in corners]) for corners in curves])
-        yield Trace(style_of(branch.model).label + ("" if is_stable else ", unstable"), x, y, look.but(kind="smooth"))
