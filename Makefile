@@ -42,9 +42,9 @@ report: $(STAMP)
 wheel: $(STAMP)
 	$(BIN)/python -m tests.wheel $(if $(QUICK),--quick-report)
 
-# ratios of run times and those of the last time; judges nothing
+# run times and their ratios, against another program with YARDSTICK=PROGRAM.py; judges nothing
 bench: $(STAMP)
-	$(BIN)/python -m validation.benchmark reports/bench
+	$(BIN)/python -m tests.bench $(if $(YARDSTICK),--yardstick $(YARDSTICK))
 
 # pages and docstrings as a site, reports/docs/index.html
 docs: $(STAMP) requirements-docs.lock

@@ -23,7 +23,6 @@ OF_LIBRARIES = {
     "_brief.maxstring", "_brief.maxother", "_brief.maxlevel", "_brief.maxlist", "_brief.maxdict", "_brief.maxtuple",
     "node.body",
     "sys.stdout", "sys.stderr",
-    "crossing.direction",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
     "element.text", "element.tail",
     "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__",

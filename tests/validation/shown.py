@@ -47,7 +47,7 @@ def quick(name):
     shares, scenes, study, tapes = list[float](), set[str](), study_called(name), tapes_of(name)
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
-        patch.setattr(stopwatch, "_spent", lambda: 1e-3 * next(readings) ** 2)
+        patch.setattr(stopwatch, "processor_seconds", lambda: 1e-3 * next(readings) ** 2)
         patch.setattr(source, "load_tables", watched(source.load_tables, scenes))
         for tape in tapes:
             tape.record(patch)

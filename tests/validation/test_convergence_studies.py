@@ -63,7 +63,7 @@ def test_two_delay_runs_differ_by_less_than_the_floor(exact):
 
 def test_a_run_that_is_remembered_reads_no_clock(monkeypatch):
     """Otherwise run times by a clock that counts its readings depend on what the process ran before."""
-    monkeypatch.setattr(stopwatch, "_spent", lambda: pytest.fail("read"))
+    monkeypatch.setattr(stopwatch, "processor_seconds", lambda: pytest.fail("read"))
     assert measure(build("fd", GENTLE.scene, cells=24), GENTLE)["period"].size
 
 

@@ -15,7 +15,6 @@ from validation.studies.partial_reflection import locking_leak
 from validation.studies.stability_attacks.runs import ATTACKS, AttackOutcome, Cure, advised, attack
 from validation.studies.stability_attacks.runs import CELLS as ATTACKED
 from validation.study import grid_verdicts
-from validation.timing import Setting, time_final
 
 
 def test_every_claim_of_the_paper_is_settled_or_said_to_be_left_out():
@@ -25,13 +24,6 @@ def test_every_claim_of_the_paper_is_settled_or_said_to_be_left_out():
     assert {f"P{n}" for n in range(1, 15)} <= settled | (left_out & {"P8", "P9", "P10", "P14"})
     paper, _, rock = zip(*(row[1:] for row in result.tables[0].rows), strict=True)
     assert (paper[-1], rock[3]) == pytest.approx((1.04604, 5e-8), rel=1e-5)
-
-
-def test_the_time_of_a_run_is_the_least_of_its_repetitions(monkeypatch):
-    spent = iter([5.0, 4.0])
-    monkeypatch.setattr("validation.timing.timed", lambda work: (next(spent), work()))
-    fast = slipwave.read("paper", ["drive.velocity=2000"])
-    assert time_final(Setting("block8"), fast, 5.0, repeats=2)[0] == 4.0
 
 
 def test_characteristics_notice_a_wrong_wave_speed_and_an_event_that_never_ends_is_red():

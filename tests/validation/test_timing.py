@@ -1,6 +1,5 @@
-"""The timer on works of known cost, the ratios of `make bench`, and the race of full waves."""
+"""The timer on works of known cost, and the rows of `make bench`."""
 
-import json
 import subprocess
 import sys
 import time
@@ -8,12 +7,10 @@ from functools import partial
 
 import pytest
 
-from validation import benchmark, timing
-from validation.benchmark import last, main, ratios
+from tests.bench.__main__ import Entrant, fastest, full_waves, main, measured, pairs, run_program, wave_ratios
+from validation.measure import stopwatch
 from validation.measure.stopwatch import timed
-from validation.timing import March, Race, Setting, in_turn
-from validation.wave_race import Entrant, fastest, race_ratios, raced, run_program
-from validation.wave_race import main as print_race
+from validation.timing import March, Setting, alternating, in_turn, quartiles
 
 PLAIN = """
 import json, time
@@ -27,11 +24,22 @@ print(json.dumps({"degree": 7, "elements": 8.0, "error": 1e-9, "ms": 1e3 * (time
 @pytest.fixture
 def clock(monkeypatch):
     """Processor time that passes only where a work says so; what is prepared does not count."""
-    monkeypatch.setattr(timing, "timed", lambda work: (work(), None))
+    now = [0.0]
+    monkeypatch.setattr(stopwatch, "processor_seconds", lambda: now[0])
 
     def work(*seconds):
         left = iter(seconds)
-        return lambda: partial(next, left)
+
+        def prepare():
+            now[0] += 100.0
+            return spend
+
+        def spend():
+            spent = next(left)
+            now[0] += spent
+            return -spent
+
+        return prepare
 
     return work
 
@@ -43,46 +51,34 @@ def test_processor_time_leaves_out_sleep_and_counts_the_processes_that_were_star
 
 
 def test_works_take_turns(clock):
+    found = list(alternating({"a": clock(1.0, 2.0), "b": clock(3.0, 4.0)}, 2))
+    assert found == [("a", 1.0, -1.0), ("b", 3.0, -3.0), ("a", 2.0, -2.0), ("b", 4.0, -4.0)]
     assert in_turn({"a": clock(1.0, 2.0), "b": clock(3.0, 4.0)}, 2) == [{"a": 1.0, "b": 3.0}, {"a": 2.0, "b": 4.0}]
+    ticks = iter([5.0, 8.0])
+    assert list(alternating({"a": clock(1.0)}, 1, partial(next, ticks))) == [("a", 3.0, -1.0)]
+
+
+def test_quartiles_by_hand():
+    assert quartiles([2.0, 6.0, 4.0, 10.0, 8.0]) == (4.0, 6.0, 8.0)
 
 
 def test_a_ratio_is_the_median_over_the_rounds_but_the_first(clock):
-    ratio = Race("a over b", clock(99.0, 2.0, 6.0, 4.0, 10.0, 8.0), clock(1.0, 1.0, 1.0, 1.0, 1.0, 1.0))
-    assert ratio.measure(rounds=5) == {"median": 6.0, "low": 4.0, "high": 8.0}
+    works = clock(99.0, 2.0, 6.0, 4.0, 10.0, 8.0), clock(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+    assert measured(works, rounds=5) == "6.00 (4.00 to 8.00)"
 
 
-def test_a_record_is_written_and_compared_with_the_last(clock, monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(benchmark, "ROUNDS", 1)
-    for name, first, line in (("1", 2.0, "a 2.00 2.00 to 2.00 - -"), ("2", 3.0, "a 3.00 3.00 to 3.00 2.00 +50%")):
-        monkeypatch.setattr(benchmark, "ratios", lambda first=first: [Race("a", clock(first, first), clock(1.0, 1.0))])
-        main(tmp_path / "bench")
-        assert " ".join(capsys.readouterr().out.splitlines()[1].split()) == line
-        (written,) = (tmp_path / "bench").glob("2*.json")
-        written.rename(tmp_path / "bench" / f"{name}.json")  # two in one second have one name
-    record = json.loads((tmp_path / "bench" / "2.json").read_text())
-    assert record["ratios"] == {"a": {"median": 3.0, "low": 3.0, "high": 3.0}}
-    assert {"commit", "processor", "cores", "Python", "numba"} <= record["machine"].keys()
-    (tmp_path / "bench" / "3.json").write_text('{"ratios": {"a": 1}}')
-    assert last(tmp_path / "bench") == record
-    assert last(tmp_path / "missing") == {}
-
-
-def test_both_sides_of_a_ratio_differ_only_in_what_it_is_named_after():
-    """Names are the keys under which ratios are compared from one day to the next."""
-    named = {ratio.name: ratio for ratio in ratios()}
-    assert len(named) == len([*ratios()])
-    for name, ratio in named.items():
-        if isinstance(ratio.first, March) and isinstance(ratio.second, March):
-            one, other = vars(ratio.first), vars(ratio.second)
+def test_both_sides_of_a_ratio_differ_in_what_it_is_named_after():
+    named = pairs()
+    for name, (first, second) in named.items():
+        if isinstance(first, March) and isinstance(second, March):
+            one, other = vars(first), vars(second)
             assert sum(one[part] != other[part] for part in one) == 1, name
             assert one["begin"] == 1.0
-    for name in ("fd: grip over rigid face", "slipwave --help over bare Python"):
-        measured = named[name].measure(rounds=1)
-        assert 0.0 < measured["low"] == measured["median"] == measured["high"]
+    assert float(measured(named["block12: time of the delay system"], rounds=1).split()[0]) > 0.0
 
 
 FOUND = [
-    Entrant(kind, "", error, ms)
+    Entrant(kind, "", error, (ms, 2.0 * ms, 3.0 * ms))
     for kind, error, ms in (
         ("rival", 1e-7, 50.0),
         ("rival", 9e-10, 800.0),
@@ -97,20 +93,23 @@ FOUND = [
 ]
 
 
-def test_times_are_compared_at_equal_errors():
-    assert [ratio for _, ratio in race_ratios(FOUND)] == ["40.00", "5.50", "1.50", "1.25", "2.00", "2.50"]
+def test_times_are_compared_at_equal_errors_and_within_a_round():
+    ratios = ["40.00", "5.50", "1.50", "1.25", "2.00", "2.50"]
+    assert [ratio for _, ratio in wave_ratios(FOUND)] == [f"{ratio} ({ratio} to {ratio})" for ratio in ratios]
     assert fastest(FOUND, "rival", 1e-11) is None
-    assert next(race_ratios(FOUND[3:])) == ("rival to 1e-09 over exact to 1e-09", "-")
+    assert next(wave_ratios(FOUND[3:])) == ("rival to 1e-09 over exact to 1e-09", "-")
 
 
-def test_the_race_is_run_and_printed(tmp_path, capsys):
+def test_the_program_prints_the_error_and_the_time_of_every_march(tmp_path, capsys):
     """The other program finds a module beside it, and sleeps for 200 ms, which take no processor time."""
     (tmp_path / "beside.py").write_text("")
     (tmp_path / "plain.py").write_text(PLAIN)
-    assert 0.0 <= run_program(tmp_path / "plain.py")[0].ms < 100.0
+    assert 0.0 <= run_program(tmp_path / "plain.py")[0].ms[0] < 100.0
     settings = (Setting("delay", tolerance=1e-9), Setting("dg:16", 1e-10, 2, time="exact"))
-    print_race(raced(tmp_path / "plain.py", settings, repeats=1))
-    _, other, delay, exact, *_ = (line.rsplit(maxsplit=2) for line in capsys.readouterr().out.splitlines())
+    found = full_waves(tmp_path / "plain.py", 2, settings)
+    assert [len(one.ms) for one in found] == [2, 2, 2]
+    main(found, {}, 1)
+    _, other, delay, exact, *_ = (line.rsplit(maxsplit=5) for line in capsys.readouterr().out.splitlines())
     names = (
         "plain: degree 7, elements 8",
         "delay: delay, tolerance 1e-9",

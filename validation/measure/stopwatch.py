@@ -12,9 +12,9 @@ _Answer = TypeVar("_Answer")
 
 def timed(work: Callable[[], _Answer]) -> tuple[float, _Answer]:
     """(processor seconds, answer) of `work`."""
-    began = _spent()
+    began = processor_seconds()
     answer = work()
-    return _spent() - began, answer
+    return processor_seconds() - began, answer
 
 
 def cores() -> int:
@@ -22,6 +22,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _spent() -> float:
+def processor_seconds() -> float:
+    """Processor time so far."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime

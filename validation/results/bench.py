@@ -1,8 +1,10 @@
 """`slipwave.bench`: run time against error of every model that can compute the scene, at several settings each."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any, ClassVar
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
 
 from slipwave.errors import SceneError
 from slipwave.family import Family
@@ -17,10 +19,12 @@ from validation.results.command import command
 from validation.results.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.results.options import RunsOptions
 from validation.results.result import aligned, rounded
-from validation.timing import Setting, solver_of, warm_up
+from validation.timing import Setting, alternating, quartiles, solver_of, warm_up
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
+_ROUNDS, _ENOUGH = 3, 10.0
+"""Rounds in which all runs are timed, and the seconds in all after which there is no further one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,20 +34,30 @@ class BenchOptions(RunsOptions):
     EXAMPLES: ClassVar = ("slipwave bench paper --until 1000",)
 
 
+class TimedRun(NamedTuple):
+    """A run, whose `wall_s` is the median over rounds, its numerical setting, and the quartiles of the time (s)."""
+
+    run: Run
+    setting: dict[str, Any]
+    low: float
+    high: float
+
+
 @dataclass(frozen=True, repr=False, eq=False)
 class BenchResult(Comparison):
-    """The timed `runs` of the scene, each with its numerical setting; the reference is the delay system at a tight tolerance."""
+    """The timed `runs` of the scene; the reference is the delay system at a tight tolerance."""
 
     DIMENSION: ClassVar = "trial"
     COMMAND: ClassVar = "bench"
 
-    runs: list[tuple[Run, dict[str, Any]]]
+    runs: list[TimedRun]
 
     @property
     def rows(self) -> list[dict[str, Any]]:
         """One for each run, with errors without sign."""
-        rows = [row_of(run, {"setting": setting}, self.reference) for run, setting in self.runs]
-        for row in rows:
+        rows = [row_of(one.run, {"setting": one.setting}, self.reference) for one in self.runs]
+        for row, one in zip(rows, self.runs, strict=True):
+            row |= {"wall_low_s": one.low, "wall_high_s": one.high}
             row["error"] = {name: None if error is None else abs(error) for name, error in row["error"].items()}
         return rows
 
@@ -54,11 +68,12 @@ class BenchResult(Comparison):
                 row["model"],
                 ", ".join(f"{name} {value:g}" for name, value in row["setting"].items()) or "-",
                 rounded(row["wall_s"], 3),
+                f"{rounded(row['wall_low_s'], 3)} to {rounded(row['wall_high_s'], 3)}",
                 *errors_of(row),
             ]
             for row in summary["models"]
         ]
-        yield from aligned(["model", "setting", "wall s", "error T", "error drop"], rows)
+        yield from aligned(["model", "setting", "wall s", "quartiles", "error T", "error drop"], rows)
         against = f"relative errors of the second half's mean against {summary['reference']} (tight)"
         yield f"\n{summary['until']:g} transits; {against}"
         yield from remarks(summary)
@@ -66,7 +81,7 @@ class BenchResult(Comparison):
     def chart(self) -> Chart:
         """Error of the period against wall time, a line for each model; runs without cycles are left out."""
         lines = []
-        for model in dict.fromkeys(run.solver.model for run, _ in self.runs):
+        for model in dict.fromkeys(one.run.solver.model for one in self.runs):
             rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
             pairs = [row["wall_s"] for row in rows], [row["error"]["period"] for row in rows]
             lines += [model_line(model, *pairs, model, marker=style_of(model).marker)] if rows else []
@@ -78,6 +93,7 @@ class BenchResult(Comparison):
 def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
 
+    Times are medians over three rounds in which all run in turn; there is one round where that takes longer than ten seconds.
     A model that fails on the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input and where the
     reference has no cycles; NumericsError, with all of them as its `result`, if solves of the interface failed.
     """
@@ -91,17 +107,26 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     if nothing(reference):
         raise SceneError(f"until = {reference.until:g}: {nothing(reference)}")
     length = Length(until=reference.until)
-    runs: list[tuple[Run, dict[str, Any]]] = []
-    stopped = ""
-    with progress("bench", len(trials)) as report:
-        for done, (family, setting) in enumerate(trials):
-            run = _timed(scene, family, setting, length, options.most_seconds)
+    works = {number: partial(_prepared, scene, *trial, length, options.most_seconds) for number, trial in enumerate(trials)}
+    found: list[tuple[Run, list[float]]] = []
+    stopped, spent = "", 0.0
+    with progress("bench", _ROUNDS * len(trials)) as report:
+        for done, (number, seconds, run) in enumerate(alternating(works, _ROUNDS, time.perf_counter)):
             if run.stopped:
-                stopped = f"after {done} of {len(trials)} runs"
+                stopped = f"after {done} of {_ROUNDS * len(trials)} runs"
                 break
-            runs.append((run, setting))
+            if done < len(trials):
+                found.append((run, []))
+            found[number][1].append(seconds)
+            spent += seconds
             report(done + 1)
-    failed = [reference.failed] if reference.failed else [run.failed for run, _ in runs if run.solver.failures]
+            if number == len(trials) - 1 and spent > _ENOUGH:
+                break
+    runs = []
+    for (run, times), (_, setting) in zip(found, trials, strict=False):
+        low, median, high = quartiles(times)
+        runs.append(TimedRun(replace(run, wall_s=median), setting, low, high))
+    failed = [reference.failed] if reference.failed else [one.run.failed for one in runs if one.run.solver.failures]
     failed = ["interrupted", *failed, stopped] if stopped else failed
     return BenchResult(scene, reference, options.stored, runs, failed="; ".join(failed), stopped=bool(stopped))
 
@@ -111,10 +136,11 @@ def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: 
     other runs last as long as it does."""
     delay = next((family for family, _ in trials if family.name == "delay"), None)
     family, setting = (delay, {"tolerance": _REFERENCE_TOLERANCE}) if delay is not None else trials[-1]
-    return _timed(scene, family, setting, length_of(scene, one_port_of(family.example)), most)
+    return _prepared(scene, family, setting, length_of(scene, one_port_of(family.example)), most)()
 
 
-def _timed(scene: Scene, family: Family, setting: dict[str, Any], length: Length, most: float) -> Run:
+def _prepared(scene: Scene, family: Family, setting: dict[str, Any], length: Length, most: float) -> Callable[[], Run]:
+    """The run, with its code loaded."""
     chosen = Setting(family.example, **setting)
     warm_up(chosen, scene)
-    return simulate(solver_of(chosen, scene), length, most_seconds=most)
+    return partial(simulate, solver_of(chosen, scene), length, most_seconds=most)

@@ -66,6 +66,7 @@ def stored_name(column: str) -> str:
 
 
 _IN_WORDS = {"re": "real part", "im": "imaginary part", "std": "standard deviation", "wall": "run time", "s": "in seconds"}
+_IN_WORDS |= {"low": "lower quartile", "high": "upper quartile"}
 _IN_WORDS |= {"error": "relative error of", "difference": "difference of", "margin": "margin of"}
 
 
@@ -95,7 +96,7 @@ def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
     figure = EVENTS.get(key.partition(".")[0])
     if figure:
         return attributes(Meaning(f"{words}; {figure.meaning}", figure.unit), scene)
-    return {"long_name": words} | ({"units": "s" if key == "wall_s" else "1"} if numbers else {})
+    return {"long_name": words} | ({"units": "s" if key.startswith("wall_") else "1"} if numbers else {})
 
 
 def twins_in_si(name: str, values: ArrayLike, quantity: Meaning, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:

@@ -4,8 +4,6 @@ from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
-import numpy as np
-
 import slipwave
 from slipwave.observe.statistics import Orbit
 from validation.chart import Chart, Panel, Scale, Trace
@@ -29,7 +27,7 @@ from validation.study import (
 )
 from validation.study.known import as_known, error_after, error_of
 from validation.study.text import places, plain, power, run_time
-from validation.timing import Setting, Work, in_turn, solver_of
+from validation.timing import Setting, Work, in_turn, quartiles, solver_of
 
 NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"
@@ -97,12 +95,12 @@ def times_of(settings: Sequence[Setting], rounds: int) -> dict[Setting, tuple[fl
     """Quartiles of the processor time of a run (ms), all settings in turn; their code is loaded."""
     paper = slipwave.read("paper")
 
-    def work(setting: Setting) -> Work:
+    def work(setting: Setting) -> Work[object]:
         """The timed run."""
         return lambda: partial(watch, solver_of(setting, paper), TRANSITS)
 
     times = in_turn({one: work(one) for one in settings}, rounds)
-    return {one: tuple(np.quantile([1e3 * each[one] for each in times], (0.25, 0.5, 0.75)).tolist()) for one in settings}
+    return {one: quartiles(1e3 * each[one] for each in times) for one in settings}
 
 
 def _errors(cycle: Orbit, exact: Orbit) -> tuple[float, float]:

@@ -1,0 +1,193 @@
+"""`make bench`: processor times, all in turn; medians over rounds with quartiles. Nothing is judged.
+
+python -m tests.bench                           # a minute
+python -m tests.bench --yardstick PROGRAM.py    # full waves against another program, timed in the same rounds
+
+First the error of psi(600) and the time of full waves and the delay system, after a nudge at log10 r = -2.6. PROGRAM prints one
+JSON object a line, with the `error` of its psi(600) and the time in `ms` by `time.perf_counter`. Then ratios of two times each.
+"""
+
+import argparse
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import slipwave as sw
+from slipwave.observe import EventObserver, HistoryObserver
+from slipwave.scene.slab import KelvinVoigtViscosity
+from slipwave.solve import follow
+from tests.plain_ode import plain_kelvin_voigt
+from validation.results.result import aligned
+from validation.timing import March, Setting, Work, alternating, in_turn, quartiles, solver_of
+
+PSI = -2.8174018894888
+"""psi(600) by the delay system at three resolutions, and by another program."""
+
+_EXACT, _EXPLICIT = Setting("dg:8", cells=4, time="exact"), Setting("dg:8", cells=4, time="explicit")
+SETTINGS = (
+    *(Setting("delay", tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-11)),
+    *(replace(_EXACT, tolerance=1e-9), replace(_EXACT, model="dg:24", cells=1, tolerance=3e-9)),
+    *(replace(_EXACT, model=model, cells=2, tolerance=1e-10) for model in ("dg:16", "dg:20")),
+    *(_EXACT, _EXPLICIT, replace(_EXPLICIT, model="dg:16", cells=2)),
+    *(Setting("fd", cells=cells) for cells in (64, 256)),
+)
+"""The delay system; exact marches with errors of 1e-9 and of 1e-11, and with the steps of the default; explicit; leapfrog."""
+
+_COMPARED = (
+    ("rival", 1e-9, "exact", 1e-9),
+    ("explicit", 1e-9, "exact", 1e-9),
+    ("fd", 1e-5, "exact", 1e-9),
+    ("exact", 1e-11, "exact", 1e-9),
+    ("exact", 1e-9, "delay", 1e-9),
+    ("exact", 1e-11, "delay", 1e-11),
+)
+"""Ratios of times: kind and largest error of the one, kind and largest error of the other."""
+
+_BY_PROCESSOR = (
+    "import runpy, sys, time; time.perf_counter = time.process_time; sys.path.insert(0, sys.argv[2]); "
+    "runpy.run_path(sys.argv[1], run_name='__main__')"
+)
+_GRANITE = {
+    "interface": {
+        "law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015,
+        "normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6,
+    },
+    "slab": {"thickness": 10.0, "density": 2700.0, "shear_modulus": 30e9},
+    "drive": {"velocity": 1.0},
+}  # fmt: skip
+
+
+class Entrant(NamedTuple):
+    """A program at a setting: its `kind` (delay, exact, explicit, fd or rival), description, error, and times (ms) by rounds."""
+
+    kind: str
+    what: str
+    error: float
+    ms: tuple[float, ...]
+
+
+def full_waves(yardstick: Path | None, rounds: int, settings: Sequence[Setting] = SETTINGS) -> list[Entrant]:
+    """The other program and every setting, in turn; a round before that loads the compiled code."""
+    scene = sw.read("paper-2.6")
+    works = {one: _whole(lambda one=one: follow(solver_of(one, scene), 600.0)) for one in settings}
+    found: dict[Any, list[Entrant]] = {}
+    for number in range(rounds + 1):
+        done = [(one, _entrant(one, final.psi, seconds)) for one, seconds, final in alternating(works, 1)]
+        rivals = run_program(yardstick) if yardstick and number else []
+        for name, entrant in (*((one.what, one) for one in rivals), *(done if number else ())):
+            found.setdefault(name, []).append(entrant)
+    return [each[0]._replace(ms=tuple(one.ms[0] for one in each)) for each in found.values()]
+
+
+def _entrant(setting: Setting, psi: float, seconds: float) -> Entrant:
+    kind = setting.time or setting.model
+    words = f"{kind}: {setting.model}, {setting.words}".replace("10^{", "1e").replace("}", "")
+    return Entrant(kind, words, abs(psi - PSI), (1e3 * seconds,))
+
+
+def run_program(program: Path) -> list[Entrant]:
+    """The lines of another program, which sees processor time on its clock."""
+    command = [sys.executable, "-c", _BY_PROCESSOR, str(program), str(program.parent)]
+    cases = map(json.loads, subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines())
+    facts = [(case.pop("error"), case.pop("ms"), case) for case in cases]
+    words = (", ".join(f"{name} {value:g}" for name, value in case.items()) for _, _, case in facts)
+    return [Entrant("rival", f"{program.stem}: {text}", error, (ms,)) for text, (error, ms, _) in zip(words, facts, strict=True)]
+
+
+def wave_ratios(found: Sequence[Entrant]) -> Iterator[tuple[str, str]]:
+    """The ratios of times of `_COMPARED`; a dash where nothing reached the error."""
+    for kind, error, other, its_error in _COMPARED:
+        first, second = fastest(found, kind, error), fastest(found, other, its_error)
+        yield f"{kind} to {error:g} over {other} to {its_error:g}", _ratio(first.ms, second.ms) if first and second else "-"
+
+
+def fastest(found: Sequence[Entrant], kind: str, error: float) -> Entrant | None:
+    """The fastest of its kind with an error of psi(600) of at most `error`."""
+    able = [entrant for entrant in found if entrant.kind == kind and entrant.error <= error]
+    return min(able, key=lambda entrant: quartiles(entrant.ms)[1], default=None)
+
+
+def _ratio(first: Sequence[float], second: Sequence[float]) -> str:
+    low, median, high = quartiles(one / other for one, other in zip(first, second, strict=True))
+    return f"{median:.2f} ({low:.2f} to {high:.2f})"
+
+
+def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
+    """Two works whose times are compared, by what their ratio is called."""
+    paper, run = sw.read("paper"), partial(March, begin=1.0)
+    unlike = replace(paper, lower=replace(paper.lower, epsilon=1.001 * paper.lower.epsilon))
+    irrational = replace(paper, lower=replace(paper.lower, round_trip=math.sqrt(2.0) * paper.lower.round_trip))
+    slab = replace(paper.upper, viscosity=KelvinVoigtViscosity(0.05 * paper.upper.round_trip))
+    delay = Setting("delay", tolerance=1e-9)
+    alike, once = run(delay, paper, 200.0), run(_EXACT, paper, 200.0)
+    found: dict[str, tuple[Work[Any], Work[Any]]] = {
+        "delay: unlike slabs over alike": (run(delay, unlike, 200.0), alike),
+        "delay: irrational round trips over alike": (run(delay, irrational, 200.0), alike),
+        "delay: every transit of granite over leaps": (partial(_granite, True), partial(_granite, False)),
+        "dg:8: time of the delay system": (once, alike),
+        "dg:8: unlike slabs over alike": (run(_EXACT, unlike, 200.0), once),
+        "dg:8: Kelvin-Voigt over elastic": (run(_EXACT, replace(paper, upper=slab, lower=slab), 200.0), once),
+        "LSODA over kelvin-voigt": (
+            _whole(plain_kelvin_voigt, paper, 300.0, 1e-8),
+            run(Setting("kelvin-voigt", tolerance=1e-8), paper, 300.0),
+        ),
+        "slipwave --help over bare Python": (_process("-m", "validation.cli", "--help"), _process("-c", "")),
+    }
+    for model in ("block12", "kelvin-voigt", "modal:8"):
+        reduced = run(Setting(model, tolerance=1e-9), paper, 1000.0)
+        found[f"{model}: time of the delay system"] = reduced, run(delay, paper, 1000.0)
+    for model in ("delay", "kelvin-voigt"):
+        orbit, coarse = (_whole(sw.orbit, paper, model, tol=tol) for tol in (1e-10, 1e-6))
+        branch = _whole(sw.branch, paper, "log10_r=-2.72:-2.3", model, most_points=10)
+        found[f"{model}: orbit to 1e-10 over a run of 1000 transits"] = orbit, run(Setting(model), paper, 1000.0)
+        found[f"{model}: branch of ten points over an orbit"] = branch, coarse
+    return found
+
+
+def _whole(function: Any, *given: Any, **named: Any) -> Work[Any]:
+    """The work of one call, timed as a whole."""
+    return lambda: partial(function, *given, **named)
+
+
+def _process(*words: str) -> Work[Any]:
+    """The work of a separate Python process, from start to end."""
+    return _whole(subprocess.run, [sys.executable, *words], check=True, capture_output=True)
+
+
+def _granite(every: bool) -> Any:
+    """Two cycles of granite slabs of 10 m at 1 um/s, 1.6e5 transits; `every` one of them marched, or sticks leapt over."""
+    scene = sw.read(_GRANITE)
+    solver = solver_of(Setting("delay", tolerance=1e-6), scene)
+    follow(solver, 1.0)
+    needs_all = [HistoryObserver(scene.law, solver.nodes, start=math.inf)] if every else []
+    return partial(follow, solver, 1.6e5, [EventObserver(scene, solver.nodes), *needs_all])
+
+
+def measured(works: tuple[Work[Any], Work[Any]], rounds: int) -> str:
+    """The ratio of the times of two works, after a round that loads the compiled code."""
+    times = in_turn(dict(enumerate(works)), rounds + 1)[1:]
+    return _ratio([each[0] for each in times], [each[1] for each in times])
+
+
+def main(found: Sequence[Entrant], named: Mapping[str, tuple[Work[Any], Work[Any]]], rounds: int) -> None:
+    """Print the full waves, their ratios and those of the `named` pairs."""
+    rows = [(one, quartiles(one.ms)) for one in found]
+    table = [[one.what, f"{one.error:.1e}", f"{median:.1f}", f"{low:.1f} to {high:.1f}"] for one, (low, median, high) in rows]
+    print("\n".join(aligned(["march", "error of psi(600)", "ms", "quartiles"], table)))
+    print()
+    ratios = [*wave_ratios(found), *((name, measured(works, rounds)) for name, works in named.items())]
+    print("\n".join(aligned(["ratio of times", "measured"], [list(row) for row in ratios])))
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(prog="python -m tests.bench", description="Run times; nothing is judged.")
+    parser.add_argument("--yardstick", type=Path, metavar="PROGRAM.py")
+    parser.add_argument("--rounds", type=int, default=5, metavar="N", help="default: 5")
+    options = parser.parse_args()
+    main(full_waves(options.yardstick, options.rounds), pairs(), options.rounds)
