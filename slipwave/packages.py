@@ -1,20 +1,69 @@
-"""Code from outside: a user's Python file, run on request, and entry points of installed packages."""
+"""Code from outside: a user's Python file, run on request and known by its digest, and entry points of installed packages."""
 
+import hashlib
 import importlib.util
 import logging
 import sys
+import sysconfig
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from slipwave.errors import SceneError
+from slipwave.sources import imports_in, inside
 
 log = logging.getLogger("slipwave")
 
 _RUN = set[str]()  # files that were run
+_INSTALLED = {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "platstdlib", "purelib", "platlib")}
+
+
+class OwnFile(NamedTuple):
+    """A user's Python file, and the digest of its text and of the user's modules that it imports."""
+
+    path: Path
+    digest: str
+
+
+@cache
+def own_file(thing: Any) -> OwnFile | None:
+    """The user's file that defines a module, function or class, as it was when this was first asked; None if it is ours."""
+    module = thing if isinstance(thing, ModuleType) else sys.modules.get(thing.__module__)
+    code = getattr(thing, "__code__", None)
+    path = Path(code.co_filename if code else str(getattr(module, "__file__", None))).resolve()
+    if inside(path):
+        return None
+    if not path.is_file():  # typed into a notebook
+        return OwnFile(path, hashlib.sha256(code.co_code if code else b"").hexdigest()[:16])
+    files = {path: str(getattr(module, "__package__", None) or "")}
+    waiting, digest = [path], hashlib.sha256()
+    while waiting:
+        here = waiting.pop()
+        content = here.read_bytes()
+        digest.update(content)
+        for name in imports_in(content):
+            with suppress(ImportError):  # a relative import of a file that is no part of a package
+                there = sys.modules.get(importlib.util.resolve_name(name, files[here]))
+                file = Path(getattr(there, "__file__", None) or "").resolve()
+                if file.suffix == ".py" and file not in files and not (inside(file) or _INSTALLED.intersection(file.parents)):
+                    files[file] = str(there.__package__ or "") if there else ""
+                    waiting.append(file)
+    return OwnFile(path, digest.hexdigest()[:16])
+
+
+@contextmanager
+def no_exit(label: str = "") -> Iterator[None]:
+    """Context in which the user's code cannot end the program: if it tries, SceneError, which begins with `label`, is raised."""
+    try:
+        yield
+    except SystemExit as end:
+        who = label or line_of_user(end) or "a law, family or measure of your own"
+        raise SceneError(f"{who}: ends the program (sys.exit({end.code!r})); it must return, or raise an error") from end
 
 
 def run_file(path: Path, name: str, label: str) -> ModuleType:
@@ -27,7 +76,8 @@ def run_file(path: Path, name: str, label: str) -> ModuleType:
     _RUN.add(str(path))
     module = sys.modules[name] = importlib.util.module_from_spec(spec)  # where compiled code on disk looks for its classes
     try:
-        spec.loader.exec_module(module)
+        with no_exit(label):
+            spec.loader.exec_module(module)
     except SceneError:
         raise
     except Exception as error:
@@ -48,7 +98,8 @@ def load_from_packages(group: str, take: Callable[[Any, str], None]) -> None:
     for entry in entry_points(group=group):
         label = f"{entry.dist.name if entry.dist else 'an installed package'}: {group} {entry.name} = {entry.value!r}"
         try:
-            take(entry.load(), label)
+            with no_exit(label):
+                take(entry.load(), label)
         except Exception as error:
             reason = str(error) if isinstance(error, SceneError) else f"{label}: {type(error).__name__}: {error}"
             log.warning("note: %s; it is left out", " ".join(reason.split()))

@@ -58,7 +58,7 @@ def program(path: Path) -> str:
 
 
 def imported_names(path: Path) -> tuple[str, ...]:
-    """Modules that a file imports; for `from a import b` both a and a.b (the project has no relative imports)."""
+    """As `imports_in` of a file of the project, read once per process."""
     return _read(path).imports
 
 
@@ -71,14 +71,24 @@ class _Read(NamedTuple):
 
 @cache
 def _read(path: Path) -> _Read:
+    return _parsed(path.read_bytes())
+
+
+def imports_in(content: bytes) -> tuple[str, ...]:
+    """Modules that a Python text imports; for `from a import b` both a and a.b; relative ones begin with dots."""
+    return _parsed(content).imports
+
+
+def _parsed(content: bytes) -> _Read:
     """Both from one parse and one walk: it delays every start of the program."""
-    tree = ast.parse(path.read_bytes())
+    tree = ast.parse(content)
     names: list[str] = []
     for node in _statements(tree):
         if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
             node.body = node.body[1:]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names += [node.module, *(f"{node.module}.{name.name}" for name in node.names)]
+        elif isinstance(node, ast.ImportFrom):
+            base = "." * node.level + (node.module or "")
+            names += [base, *(f"{base}{'.' if node.module else ''}{name.name}" for name in node.names)]
         elif isinstance(node, ast.Import):
             names += [name.name for name in node.names]
     return _Read(ast.dump(tree), tuple(names))

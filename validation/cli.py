@@ -140,7 +140,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _say(error, INTERRUPTED)
     except (KeyboardInterrupt, typer.Abort):
         return _say("interrupted", INTERRUPTED)
-    except (BrokenPipeError, SystemExit) as end:  # SystemExit 0: the shell's completion is done; else the pipe is closed
+    except (BrokenPipeError, SystemExit) as end:  # SystemExit 0: the shell's completion is done; else typer found a closed pipe
         if not isinstance(end, SystemExit) or end.code:
             _abandon_stdout()
         return 0

@@ -2,8 +2,8 @@
 
 A checkpoint holds the solver and, by labels, everything else that has a `state()` (`slipwave.solve.Resumable`), such as
 observers and records of fields. The .npz file is written whole or not at all. It also holds the scene's digest (without `until`,
-so a run may be prolonged), the model, its settings, a digest of the solver packages' sources and one of its own contents. A
-checkpoint of another run, or a damaged one, is refused.
+so a run may be prolonged), the model, its settings, digests of the solver packages' sources and of the user's own files, and one
+of its own contents. A checkpoint of another run, or a damaged one, is refused.
 
 Restores a solver's state from a checkpoint: all of it or, with one line that says what is wrong, nothing.
 """
@@ -14,6 +14,7 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -25,32 +26,41 @@ from slipwave.observe.pieces import SAME, Array
 from slipwave.solve.solver import Resumable, Solver
 from slipwave.sources import source_digest
 
-FORMAT = 2
+FORMAT = 3
+NO_FILES: Mapping[str, str] = MappingProxyType({})
+"""The user's files of a run that needs none."""
+
 _LONGEST_VALUE = 60  # characters of a fact in a message
 _Arrays: TypeAlias = dict[str, NDArray[Any]]
 
 
-def save_checkpoint(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
-    """Write the present state of the run to `path`. Raises SceneError if the file cannot be written."""
+def save_checkpoint(
+    path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None, files: Mapping[str, str] = NO_FILES
+) -> None:
+    """Write the present state of the run to `path`; `files`: digests of the user's files that it depends on. Raises SceneError if
+    the file cannot be written."""
     parts = _parts(solver, observers).items()
     arrays = {prefix + name: array for prefix, part in parts for name, array in part.state().items()}
-    facts = _facts(solver) | {"time": solver.time, "observers": sorted(observers or {})}
+    facts = _facts(solver, files) | {"time": solver.time, "observers": sorted(observers or {})}
     text = json.dumps(facts | {"contents": _digest(facts, arrays)})
     with whole_or_absent(path) as temporary, temporary.open("wb") as file:
         np.savez(file, allow_pickle=False, facts=np.array(text), **arrays)
 
 
-def load_checkpoint(path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None) -> None:
+def load_checkpoint(
+    path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None, files: Mapping[str, str] = NO_FILES
+) -> None:
     """Restore the state of `solver` and `observers` from `path`.
 
     Raises SceneError, one line naming the file, if it is not a checkpoint, damaged or inconsistent, or if it belongs to another
-    scene, model, setting, version of the solvers or set of observers. `solver` and `observers` must not be used after that.
+    scene, model, setting, version of the solvers or of the user's files, or set of observers. `solver` and `observers` must not
+    be used after that.
     """
     facts, arrays = _read(path)
-    wanted = json.loads(json.dumps(_facts(solver) | {"observers": sorted(observers or {})}))
+    wanted = json.loads(json.dumps(_facts(solver, files) | {"observers": sorted(observers or {})}))
     for key, value in wanted.items():
         if facts[key] != value:
-            raise SceneError(f"checkpoint {str(path)!r}: {_difference(key, facts[key], value)}")
+            raise SceneError(f"checkpoint {str(path)!r}: {_difference(key, facts[key], value, path)}")
     try:
         for prefix, part in _parts(solver, observers).items():
             saved = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
@@ -73,9 +83,17 @@ def saved_time(path: Path) -> float:
 class Checkpoints:
     """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every` transits."""
 
-    def __init__(self, solver: Solver, observers: Mapping[str, Resumable], path: Path, until: float, every: float) -> None:
+    def __init__(
+        self,
+        solver: Solver,
+        observers: Mapping[str, Resumable],
+        path: Path,
+        until: float,
+        every: float,
+        files: Mapping[str, str] = NO_FILES,
+    ) -> None:
         self.until = until
-        self._solver, self._observers, self._path, self._every = solver, observers, path, every
+        self._solver, self._observers, self._path, self._every, self._files = solver, observers, path, every, files
         self._schedule()
 
     @property
@@ -86,12 +104,12 @@ class Checkpoints:
     def act(self) -> None:
         """As `Mark`. At the end of the run nothing is saved; the mark stays due for a run that continues."""
         if self._solver.time < self.until - SAME:
-            save_checkpoint(self._path, self._solver, self._observers)
+            save_checkpoint(self._path, self._solver, self._observers, self._files)
             self._schedule()
 
     def resume(self) -> None:
         """Restore the run from `path`. Raises SceneError as `load_checkpoint` does, and if that run has reached `until`."""
-        load_checkpoint(self._path, self._solver, self._observers)
+        load_checkpoint(self._path, self._solver, self._observers, self._files)
         if self._solver.time >= self.until - SAME:
             raise SceneError(f"until = {self.until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
         self._schedule()
@@ -100,7 +118,7 @@ class Checkpoints:
         self._due: float = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
 
 
-def _facts(solver: Solver) -> dict[str, Any]:
+def _facts(solver: Solver, files: Mapping[str, str]) -> dict[str, Any]:
     """Facts in which a checkpoint and the run that continues from it must agree; the first difference is reported."""
     return {
         "format": FORMAT,
@@ -108,11 +126,15 @@ def _facts(solver: Solver) -> dict[str, Any]:
         "model": solver.model,
         "settings": solver.settings,
         "sources": source_digest(),
+        "files": dict(files),
     }
 
 
-def _difference(key: str, saved: Any, wanted: Any) -> str:
-    """One line that states how the run in the file differs from this one."""
+def _difference(key: str, saved: Any, wanted: Any, path: Path) -> str:
+    """One line that states how the run in the file `path` differs from this one."""
+    if key == "files":
+        changed = ", ".join(sorted(name for name in {*saved, *wanted} if saved.get(name) != wanted.get(name)))
+        return f"{changed} changed since it was written: delete {str(path)!r} to begin again"
     if key == "sources":
         return f"was written by another version of the solvers ({_short(saved)}; this one is {wanted!r}): start the run again"
     if key == "settings":

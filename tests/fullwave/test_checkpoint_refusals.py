@@ -113,7 +113,7 @@ def test_every_array_dropped_replaced_or_flipped(tmp_path, kind):
             refused(path, fresh)
 
 
-FACTS = ("[]", "1", "null", '"format"', "{}", '{"format": 2}', '{"format": 1}', '{"format": [2]}', "{", "[" * 100_000, "")
+FACTS = ("[]", "1", "null", '"format"', "{}", '{"format": 3}', '{"format": 1}', '{"format": [2]}', "{", "[" * 100_000, "")
 
 
 def test_facts_that_are_none(tmp_path):

@@ -26,10 +26,12 @@ from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
 from slipwave.errors import NumericsError, SceneError
+from slipwave.friction.law import name_of
 from slipwave.solve import State
 from slipwave.sources import source_digest
 from validation.compute.models import one_port_of
 from validation.compute.orbits import find_orbit, moving
+from validation.compute.own import digests
 from validation.compute.parameter import Over
 from validation.compute.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt, point_of, special_of
 
@@ -88,6 +90,7 @@ class FollowedBranch:
     def facts(self) -> dict[str, Any]:
         """Facts in which a file and a branch that continues it must agree; tolerance and range may differ."""
         own = {"model": self.model, "cells": self.cells, "doubled": self.doubled, "parameter": self.over.name}
+        own |= digests([name_of(self.over.base.law)], [self.model])
         return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
 
     @property

@@ -15,6 +15,7 @@ from reduced.continuation.start import from_stored, stored
 from reduced.parameters import PARAMETERS, with_parameter
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
+from slipwave.friction.law import name_of
 from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -22,6 +23,7 @@ from slipwave.solve import State
 from slipwave.sources import source_digest
 from validation.compute.branch import FollowedBranch
 from validation.compute.models import one_port_of
+from validation.compute.own import digests
 from validation.compute.parameter import Over
 from validation.compute.points import SPECIAL_KINDS, CurvePoint, StopAt, curve_point_of
 
@@ -46,6 +48,7 @@ class Curve:
         """As `FollowedBranch`."""
         ends = [[one.name, one.first, one.last] for one in (self.over, self.second)]
         own = {"model": self.model, "type": self.kind, "rectangle": ends}
+        own |= digests([name_of(self.over.base.law)], [self.model])
         return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
 
     @property

@@ -1,7 +1,7 @@
 """Families of models that a user declares in a Python file."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,8 @@ from fullwave.families import FullWave
 from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.family import Family
-from slipwave.packages import run_file
+from slipwave.friction.own import own_law
+from slipwave.packages import OwnFile, own_file, run_file
 from slipwave.solve import FieldSolver
 from validation.compute.models import FAMILIES, GRIDS, add_family, family_of
 
@@ -43,24 +44,31 @@ def load_families(path: Path) -> list[Family]:
     for family in declared:
         require_members(family, label)
         add_family(family, label)
+    own_file(module)  # its digest is that of the text that was run
     _OWN[path] = declared
     return declared
 
 
-def own_family(model: str) -> dict[str, str]:
-    """Attributes of a file of results: file and digest of the family of `model`, if that is a user's own."""
+def own_family(model: str) -> OwnFile | None:
+    """The file of the family of `model`, if that is a user's own."""
     family = family_of(model)
-    if family is None or family.module.partition(".")[0] in _HOUSE:
-        return {}
-    path = Path(str(import_module(family.module).__file__))
-    return {"family_file": path.name, "family_digest": hashlib.sha256(path.read_bytes()).hexdigest()[:16]}
+    return None if family is None or family.module.partition(".")[0] in _HOUSE else own_file(import_module(family.module))
+
+
+def digests(laws: Iterable[str], models: Iterable[str], measure: Callable[..., Any] | None = None) -> dict[str, str]:
+    """Role and name -> digest, of the user's files among those of these laws, models and this measure: what they compute must not
+    be mixed with what was computed before a change."""
+    roles = [("law", own_law(name)) for name in laws] + [("family", own_family(name)) for name in models]
+    roles.append(("measure", own_file(measure) if measure else None))
+    return {f"{role} {own.path.name}": own.digest for role, own in roles if own}
 
 
 def require_same_family(model: str, facts: Mapping[str, Any], label: str) -> None:
     """Raises SceneError if a file of results with the attributes `facts` was computed with another family of that name."""
-    ours, theirs = own_family(model).get("family_digest"), facts.get("family_digest")
-    if ours and theirs and ours != theirs:
-        raise SceneError(f"{label}: was computed with another family of {model!r}: digest {theirs}; that of --family is {ours}")
+    ours, theirs = own_family(model), facts.get("family_digest")
+    if ours and theirs and ours.digest != theirs:
+        other = f"digest {theirs}; that of --family is {ours.digest}"
+        raise SceneError(f"{label}: was computed with another family of {model!r}: {other}")
 
 
 def require_members(family: Family, label: str) -> None:

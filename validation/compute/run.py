@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from slipwave.errors import NumericsError, SceneError
+from slipwave.friction.law import name_of
 from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
 from slipwave.observe.envelope import Envelope
 from slipwave.observe.events import NO_EVENTS
@@ -28,6 +29,7 @@ from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers, require_time
 from validation.compute.history_file import ALL, HistoryFile, Kept
 from validation.compute.outlook import LEFT_BY_ROUNDING, is_stable, outlook
+from validation.compute.own import digests
 from validation.compute.progress import LongRunAdvice, progress
 from validation.compute.recording import fields_for, history_for
 
@@ -115,7 +117,10 @@ def records_of(solver: Solver, until: float, wanted: Wanted) -> Records:
     watched, named = watch if scene.record else None, named_observers(solver)
     parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": samples, "fields": fields}
     saved: dict[str, Resumable] = {label: part for label, part in (parts | named).items() if part is not None}
-    marks = None if checkpoint is None else Checkpoints(solver, saved, checkpoint, until, every or _EVERY)
+    marks = None
+    if checkpoint is not None:
+        files = digests([name_of(scene.law)], [solver.model])
+        marks = Checkpoints(solver, saved, checkpoint, until, every or _EVERY, files)
     records = Records(watch, envelope, protocol, samples, fields, marks, named)
     if marks is not None and checkpoint is not None and checkpoint.exists():
         try:

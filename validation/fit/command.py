@@ -14,11 +14,13 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
+from slipwave.friction.law import name_of
 from slipwave.input import SceneSource, read
 from slipwave.input.source import is_stored, read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import Chart
+from validation.compute.own import digests
 from validation.data.series import read_series
 from validation.fit.drawn import chart_of_fit
 from validation.fit.kept import facts_of_fit, recalled_best
@@ -238,7 +240,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scene, free, words, records, model, tolerance)
-    settings = options.stored | {"free": words, "model": model}
+    settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
     best = recalled_best(options.checkpoint, next(problem.starts()), facts_of_fit(scene.digest, files, settings))
     stopped, waves = False, next((one for one in problem.models if isinstance(one, CycleOfOrbit)), None)
     try:

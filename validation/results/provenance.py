@@ -21,7 +21,7 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
     """Attributes of a result of `command`: the resolved scene as TOML (not for one that was made in Python), the model and the
     options of the call that were given, the scene's numbers, and when and by which program it was computed."""
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
-    own = own_law(name_of(scene.law))
+    law, family = own_law(name_of(scene.law)), own_family(model)
     program = f"slipwave {version('slipwave')}, commit {commit()}"
     return {
         "Conventions": CONVENTIONS,
@@ -38,9 +38,9 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
         "scene": scene.name,
         "scene_digest": scene.digest,
         **_scene_text(scene),
-        **({"law_file": own.path.name, "law_digest": own.digest} if own else {}),
+        **({"law_file": law.path.name, "law_digest": law.digest} if law else {}),
         "model": model,
-        **own_family(model),
+        **({"family_file": family.path.name, "family_digest": family.digest} if family else {}),
         "options": json.dumps({name: value for name, value in options.items() if value is not None}),
         **_numbers(scene),
     }

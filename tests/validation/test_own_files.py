@@ -1,0 +1,109 @@
+"""A user's own files, of a law, a family or a measure: what was computed before a change of one is not gone on with, and none can
+end the program."""
+
+import importlib
+import sys
+
+import pytest
+
+import slipwave as sw
+from slipwave.errors import SceneError
+from slipwave.packages import own_file
+from slipwave.sources import ROOT
+
+LAW = (ROOT / "examples" / "own_law.py").read_text(encoding="utf-8").split("\nif __name__")[0]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty working folder with the law `law.py`, from which modules can be imported."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    (tmp_path / "law.py").write_text(LAW)
+    before = set(sys.modules)
+    yield tmp_path
+    for name in set(sys.modules) - before:
+        if str(getattr(sys.modules[name], "__file__", "")).startswith(str(tmp_path)):
+            del sys.modules[name]
+
+
+OWN_LAW = ("--law", "law.py", "--set", "interface.law=cutoff")
+KEPT = {
+    "run": (
+        ["run", "paper", *OWN_LAW, "--checkpoint", "kept.npz", "--checkpoint-every", "5", "--until", "8"],
+        ["run", "paper", *OWN_LAW, "--checkpoint", "kept.npz", "--until", "9"],
+        "delete 'kept.npz'",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_what_was_computed_with_a_file_that_has_changed_is_not_gone_on_with(name, here, refused, printed):
+    first, again, way_out = KEPT[name]
+    printed(*first)
+    (here / "law.py").write_text(LAW + "\n# another\n")
+    told = refused(*again)
+    assert "law law.py" in told
+    assert way_out in told
+    (here / "law.py").write_text(LAW)
+    printed(*again)
+
+
+def test_a_digest_is_that_of_the_user_s_text_as_it_was_loaded_with_what_it_imports(here):
+    (here / "parts").mkdir()
+    for name, text in (
+        ("__init__", ""),
+        ("whole", "from . import half\ndef f(x): return half.x"),
+        ("half", "x = 1"),
+    ):
+        (here / "parts" / f"{name}.py").write_text(text)
+    sys.path.append(str(here))
+
+    def digest():
+        for name in [name for name in sys.modules if name.startswith("parts")]:
+            del sys.modules[name]
+        importlib.invalidate_caches()
+        function = importlib.import_module("parts.whole").f
+        first = own_file(function)
+        (here / "parts" / "half.py").write_text("x = 100")
+        assert own_file(function) == first
+        return first
+
+    assert digest().path == here / "parts" / "whole.py"
+    assert digest() == digest() != own_file(test_a_digest_is_that_of_the_user_s_text_as_it_was_loaded_with_what_it_imports)
+    assert own_file(sw.read_scene) is None
+
+
+END = "import sys\n"
+EXITS = {
+    "law": (["verify", "--law", "user.py"], "sys.exit(0)"),
+    "law, run": (["run", "paper", "--law", "user.py"], "raise SystemExit"),
+    "family": (["verify", "--family", "user.py"], "sys.exit(3)"),
+    "family, run": (["compare", "paper", "--models", "delay,block8", "--family", "user.py"], "exit()"),
+    "function of a law": (
+        ["verify", "--law", "user.py"],
+        LAW.replace("v, age = math.exp(z), math.exp(psi)", "sys.exit(0)"),
+    ),
+    "function of a family": (
+        ["run", "paper", "--model", "mine", "--family", "user.py"],
+        "from slipwave.family import Family\ndef make(*given, **named): sys.exit(0)\n"
+        "MINE = Family('mine', f'{__name__}:make', 'mine')\n",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", EXITS)
+def test_a_file_that_ends_the_program_is_wrong_input(name, here, refused):
+    words, text = EXITS[name]
+    (here / "user.py").write_text(END + text)
+    junit = ["--junit", "rows.xml"] if words[0] == "verify" else []
+    told = refused(*words, *junit)
+    assert "ends the program (sys.exit(" in told
+    assert "user.py" in told
+    assert not (here / "rows.xml").exists()
+
+
+def test_a_file_that_ends_the_program_ends_no_program_in_python(here):
+    (here / "user.py").write_text("raise SystemExit(0)")
+    with pytest.raises(SceneError, match="ends the program"):
+        sw.verify(law=here / "user.py")
