@@ -1,7 +1,7 @@
-"""The plan of a sweep: the points of its axes, in an order that keeps neighbours together, and their scenes."""
+"""The plan of a sweep: the points of its axes, their scenes, and their order."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -117,24 +117,6 @@ def require_plan(plan: Plan) -> None:
             changed(plan.base, {axis.key: axis.written(number)})
 
 
-def morton(shape: Sequence[int]) -> Indices:
-    """The numbers of all points of a lattice along its Morton curve: neighbours in the lattice are close in this order, so that
-    every part of it is a patch.
-
-    The bits of the coordinates are interleaved, those of the longest axis first where it has more.
-    """
-    points = np.indices(shape, dtype=np.int64).reshape(len(shape), -1)
-    code = np.zeros(points.shape[1], dtype=np.int64)
-    position = 0
-    for bit in range(max(max(shape) - 1, 1).bit_length()):
-        for axis, count in enumerate(shape):
-            if (count - 1) >> bit:
-                code |= ((points[axis] >> bit) & 1) << position
-                position += 1
-    return np.argsort(code, kind="stable").astype(np.int64)
-
-
 def order_of(plan: Plan) -> Indices:
-    """All points of a plan in the order in which they are computed: along the Morton curve, all models at each point."""
-    points, count = morton(plan.lattice), math.prod(plan.lattice)
-    return (points[:, None] + count * np.arange(len(plan.models))[None, :]).reshape(-1)
+    """All points of a plan in the order in which they are computed: all models at each point of the lattice."""
+    return np.arange(plan.size).reshape(len(plan.models), -1).T.reshape(-1)
