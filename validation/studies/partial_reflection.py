@@ -15,7 +15,7 @@ from validation.chart import BLUE, DASHED, DOTTED, GUIDE, Chart, Look, Panel, Sc
 from validation.compute.build import build
 from validation.compute.models import explicit_time
 from validation.compute.settle import NoCycle
-from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, memo, stated
+from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, memo
 from validation.study.text import plain
 from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding
 
@@ -92,13 +92,8 @@ def run(budget: Budget) -> StudyResult:
             "load therefore falls by the factor R every transit, to 1/e in about 1/(1 − R) transits. Stick-slip needs a load "
             "that lasts for a period.",
         ),
-        numbers={f"grip {k:g}, Z_{{g}}/ε = 1: T": _with_error(k, orbits[k][len(grid) // 2].period) for k in STIFFNESSES},
+        numbers={f"grip {k:g}, Z_{{g}}/ε = 1: T": Number(orbits[k][len(grid) // 2].period, _TOLERANCE) for k in STIFFNESSES},
     )
-
-
-def _with_error(stiffness: float, period: float) -> Number:
-    """The period where grips absorb every wave; its error is the difference from a run at ten times the tolerance."""
-    return stated(period, abs(settled_cycle_of(grip_scene(stiffness, 1.0, LOG10_R), 10.0 * _TOLERANCE).period - period))
 
 
 def _answers(leaks: tuple[float, ...], ends: list[str], held: list[Point]) -> tuple[StudyAnswer, ...]:
@@ -163,10 +158,10 @@ def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
     return slipwave.read("paper", {"slab.log10_r": LOG10_R_BARE, "start.size": nudge, **face})
 
 
-def settled_cycle_of(scene: Scene, tolerance: float = _TOLERANCE) -> Point:
+def settled_cycle_of(scene: Scene) -> Point:
     """The settled cycle of the delay system, NaN if there is none."""
     try:
-        found = memo.settled("delay", scene, tolerance, most=_MOST)
+        found = memo.settled("delay", scene, _TOLERANCE, most=_MOST)
     except NoCycle:
         return Point()
     orbit = found.orbit

@@ -10,14 +10,10 @@ from validation.study.known import JUST_BELOW
 from validation.study.text import plain
 from validation.study.verdict import ROUNDING
 
-Fold = tuple[float, float]
-"""log10 r and V of a fold."""
-
+Fold = tuple[float, float]  # log10 r and V
 _TOLERANCE = 1e-6
-_LOW, _HIGH = -2.73, -2.3
-"""log10 r at V = 100 between which the fold is searched for."""
-_ENDS = (50, 200)
-"""V towards which a curve is followed from V = 100."""
+_LOW, _HIGH = -2.73, -2.3  # log10 r at V = 100 between which the fold is searched for
+_ENDS = (50, 200)  # V towards which a curve is followed from V = 100
 
 
 def folds_over_drive(model: str, most: int) -> list[Fold]:
