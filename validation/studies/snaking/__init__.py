@@ -10,6 +10,7 @@ from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
 from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.chart.thin import staying
 from validation.compute.looks import model_look
 from validation.compute.points import BranchPoint
 from validation.studies.snaking import measured
@@ -116,7 +117,7 @@ _WHY = (
     "T; each time the branch turns to smaller r and back. Such snakes are known of other systems with long delays."
 )
 
-_ALONG, _RAISED = 24, 0.15
+_ALONG, _RAISED, _POINTS = 24, 0.15, 400  # orbits, their distance, points of each
 _LEAST = 74.0
 """Period (transits) from which the branch is shown."""
 
@@ -153,7 +154,8 @@ def orbits_along(branch: Branch) -> Chart:
         cycle = memo.cycle_of(closed, 0.0, 0.0)
         name = minus(f"T = {closed.cycle.period:.3f}, log10 r = {points[n].parameter:.5f}")
         look = model_look("delay", dashes=DOTTED if count_unstable(closed) else "-", width=0.8)
-        traces.append(Trace(name, cycle.time, cycle.stress, look, shift=(0.0, _RAISED * k)))
+        kept = staying(cycle.time, cycle.stress, _POINTS)
+        traces.append(Trace(name, cycle.time[kept], cycle.stress[kept], look, shift=(0.0, _RAISED * k)))
     raised = rf"$\mu$, each orbit {_RAISED:g} above the one before"
     return Chart([Panel("", Scale("time since the slip event (transits)"), Scale(raised), traces)], 6.0)
 
