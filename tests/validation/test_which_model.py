@@ -131,7 +131,7 @@ def test_onset_errors_fall_at_the_laws_power(onsets):
         index = int(small.nonzero()[0][-1])
         if model != "quasidynamic":
             assert one.ratio(index) == pytest.approx(1.0, abs=0.01)
-    assert {verdict.outcome for verdict in laws.onset_verdicts(onsets)} == {Outcome.PASS}
+    assert {verdict.outcome for verdict in laws.law_verdicts(onsets, ())} == {Outcome.PASS}
 
 
 @pytest.mark.parametrize("model", laws.MODELS)
@@ -141,18 +141,18 @@ def test_how_far_an_error_may_be_from_its_law(onsets, model, sign):
     one = onsets[model]
     law = np.array([one.law.at(float(theta)) for theta in one.theta])
     term = 0.1 * (one.theta / one.theta[0]) ** (1 if model == "quasidynamic" else 2)
-    wrong = [next(laws.onset_verdicts({model: one._replace(error=law * (1.0 + sign * off))})).outcome for off in (term, 0.01)]
+    wrong = [next(laws.law_verdicts({model: one._replace(error=law * (1.0 + sign * off))}, ())).outcome for off in (term, 0.01)]
     assert wrong == [Outcome.PASS, Outcome.FAIL]
 
 
 def test_the_cycles_error_does_not_fall():
     measured = [laws.measure_cycle(slipwave.read("paper"), scale) for scale in (1.0, 0.5)]
     assert [one.error() for one in measured] == pytest.approx([-0.0318, -0.0292], abs=2e-4)
-    assert laws.cycle_verdict(measured).outcome is Outcome.FINDING
+    assert [one.outcome for one in laws.law_verdicts({}, measured)] == [Outcome.FINDING]
 
 
 @pytest.mark.parametrize(("last", "outcome"), [(2.4e-3, "pass"), (2.6e-3, "finding"), (2e-2, "finding")])
 def test_an_error_that_falls_with_theta_must_more_than_halve_beside_it(last, outcome):
     pairs = ((0.2, -1e-2), (0.1, last))
     cycles = [laws.CycleErrors(1.0, theta, 7.0, {"kelvin-voigt": Compared(70.0, error, 0.0)}) for theta, error in pairs]
-    assert laws.cycle_verdict(cycles).outcome == outcome
+    assert outcomes(laws.law_verdicts({}, cycles)) == outcome

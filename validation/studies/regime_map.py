@@ -34,12 +34,7 @@ def run(budget: Budget) -> StudyResult:
     rows = sorted(differences.attrs["differences"], key=lambda row: float(row["other_regime_percent"]))
     areas = ", ".join(f"`{row['model']}` in {row['other_regime_percent']:.2g} %" for row in rows)
     return StudyResult(
-        answers=(
-            StudyAnswer(
-                f"Of the plane of r and V, as far as both decide, another regime than the delay system’s have {areas}.",
-                ("Regimes of runs",),
-            ),
-        ),
+        answers=(StudyAnswer(f"Of the plane of r and V another regime than the exact one have {areas}.", ("Regimes of runs",)),),
         figures=(
             Figure("regimes", _REGIMES, lambda: chart_of_sweep(data, "verdict", lines)),
             Figure("differences", _DIFFERENCES, lambda: chart_of_sweep(differences, "other_regime")),

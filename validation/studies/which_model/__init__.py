@@ -7,7 +7,7 @@ from validation.chart import WIDTH, Chart, Panel, Scale, Trace
 from validation.compute.looks import model_marks, style_of
 from validation.studies.which_model import judged, laws, periods, scenes
 from validation.studies.which_model.judged import WAVE, ByModel
-from validation.study import Budget, Figure, Number, Outcome, StudyAnswer, StudyResult, Verdict, stated
+from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, stated
 from validation.study.advice import GOOD
 from validation.study.compared import EXACT_MODEL, compared_table, critical_r, onset, relative_costs
 from validation.study.model_table import ModelColumn, ModelTable
@@ -33,10 +33,8 @@ _BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
 _UNTIL, _UNTIL_IN_SCENES = {True: 6000.0, False: 10000.0}, {True: 4000.0, False: 5000.0}
 _SETTLED = 4000.0  # transits of a run to a stable orbit
 _COSTED, _ROUNDS = (-2.68, -2.5), {True: 3, False: 7}
-_RUN_ERROR = 1e-9
-"""What the tolerance of the exact system's runs in the other scenes leaves, relative."""
-_LEAST = 1e-13
-"""The smallest error that is drawn."""
+_RUN_ERROR = 1e-9  # what the tolerance of the exact system's runs in the other scenes leaves, relative
+_LEAST = 1e-13  # the smallest error that is drawn
 
 
 def run(budget: Budget) -> StudyResult:
@@ -44,52 +42,39 @@ def run(budget: Budget) -> StudyResult:
     quick, grid = budget.quick, (*SHOWN, *_BEYOND[budget.quick])
     regimes = {model: {x: regime_at(model, x, _UNTIL[quick]) for x in grid} for model in budget.each(EVERY, 0.4)}
     table = _the_table(regimes, {_title(x): costs_at(x, _ROUNDS[quick]) for x in _COSTED})
-    elsewhere = _in_scenes(budget)
+    others = _in_scenes(budget)
     found = periods.branches_of(quick)
     budget.report(0.8)
-    over_r = periods.periods_of(found, regimes)
+    seen = periods.periods_of(found, regimes)
     onsets, cycles = laws.measure_onsets(scene_at(SHOWN[1])), laws.measure_cycles(scene_at(SHOWN[1]), budget, 0.85)
-    falls = laws.cycle_verdict(cycles)
     return StudyResult(
         answers=(
             StudyAnswer(" ".join(table.sentences), _RESTS_ON),
-            StudyAnswer(scenes.scene_answer(elsewhere), ("The ODEs that", "No model that")),
-            StudyAnswer(periods.period_answer(over_r), ("P7 ", "Periods over r")),
-            StudyAnswer(
-                laws.law_answer(onsets, cycles, falls.outcome is Outcome.PASS), ("A reduction’s", "The paper’s ODE tends")
-            ),
+            StudyAnswer(scenes.scene_answer(others), ("The ODEs that", "No model that")),
+            StudyAnswer(periods.period_answer(seen), ("P7 ", "Periods over r")),
+            StudyAnswer(laws.law_answer(onsets, cycles), ("A reduction’s", "The paper’s ODE tends")),
         ),
         figures=(
             Figure("cost-error", _COST_ERROR, lambda: cost_and_error(table), timed=True),
-            Figure(
-                "over-r",
-                periods.CAPTION,
-                lambda: periods.over_r(found, over_r),
-                paper="Fig 8",
-                carries=("P3 ", "P4 ", "P7 ", "P12 "),
-                zoom=True,
-            ),
+            Figure("over-r", periods.CAPTION, lambda: periods.over_r(found, seen), paper="Fig 8", carries=_CARRIES, zoom=True),
             Figure("laws", laws.CAPTION, lambda: laws.fall(onsets, cycles)),
         ),
-        tables=(scenes.bias_table(elsewhere),),
+        tables=(scenes.bias_table(others),),
         verdicts=(
-            *_verdicts(table, elsewhere, regimes, quick),
-            *periods.period_verdicts(over_r),
-            *laws.onset_verdicts(onsets),
-            falls,
+            *_verdicts(table, others, regimes, quick),
+            *periods.period_verdicts(seen),
+            *laws.law_verdicts(onsets, cycles),
         ),
         numbers=_numbers(table, regimes)
-        | scenes.scene_numbers(elsewhere, ("kelvin-voigt", "modal:4", "fitted:4", "block12"))
-        | periods.period_numbers(over_r, _BEYOND[quick])
+        | scenes.scene_numbers(others, ("kelvin-voigt", "modal:4", "fitted:4", "block12"))
+        | periods.period_numbers(seen, _BEYOND[quick])
         | laws.law_numbers(cycles),
-        model_tables=(table, elsewhere),
+        model_tables=(table, others),
     )
 
 
-_RESTS_ON = (
-    *("Runs ", "The full wave ", "Where cycles wander", "The slabs’ exact modes", "Every doubling"),
-    *("The quasi-static ", "No ODE ", "The paper’s ODE falls"),
-)
+_RESTS_ON = ("Runs ", "The full ", "Where cycles ", "The slabs’ ", "Every ", "The quasi", "No ODE ", "The paper’s ODE falls")
+_CARRIES = ("P3 ", "P4 ", "P7 ", "P12 ")
 
 
 def _title(log10_r: float) -> str:

@@ -18,12 +18,9 @@ ADVISED = ("modal:8", "modal:4", "fitted:4")
 _AVOIDED = ("kelvin-voigt", "block8", "block12", "quasidynamic", "quasistatic")
 _LADDER = ("modal:1", "modal:2", "modal:4", "modal:8")
 _MODES = "The slabs’ exact modes give the exact cycle"
-_TARGETS = {"modal:1": 1e-3, "modal:2": 1e-5}
-"""Model -> largest error of the period of the paper's scene."""
-_IN_SCENES = 1e-3
-"""Largest relative error of the advised models in other scenes."""
-_RUN_ERROR = {"T": 5e-9, "Δμ": 1e-8}
-"""What the tolerance of a run may leave, relative."""
+_TARGETS = {"modal:1": 1e-3, "modal:2": 1e-5}  # model -> largest error of the period of the paper's scene
+_IN_SCENES = 1e-3  # largest relative error of the advised models in other scenes
+_RUN_ERROR = {"T": 5e-9, "Δμ": 1e-8}  # what the tolerance of a run may leave, relative
 _PRINTED = 1.0 - 70.73 / 73.5
 _HALF_DIGITS = 0.05 / 73.5 + 0.005 / 70.73
 

@@ -18,8 +18,7 @@ WAVES, BLOCKS = ("kelvin-voigt", "delay"), ("block8", "block12")
 """Models with reverberations, whose orbits lose stability; blocks, whose orbits are all stable."""
 ENDS = {True: {"kelvin-voigt": (-2.64, FAR), "delay": (-2.3, 74.6)}, False: {"kelvin-voigt": (-2.3, FAR), "delay": (-2.3, 80.0)}}
 """Quick report -> model -> log10 r and the period (transits) at which its branch ends."""
-_PRINTED = -2.68
-"""log10 r whose periods `one-cycle` compares."""
+_PRINTED = -2.68  # log10 r whose periods `one-cycle` compares
 
 
 class Periods(NamedTuple):
