@@ -41,7 +41,7 @@ def test_a_bound_tells_its_limit_and_its_room():
     verdict = claim("c", Evidence.EXACT, 1.0 - 2.0**-25, 1e-6, near=1.0)
     assert (verdict.expected, verdict.ours) == ("1.0000000 ± 1 · 10^{−6}", "1.0000000")
     assert (verdict.size, verdict.limit, verdict.margin) == (2.0**-25, 1e-6, 2.0**-25 / 1e-6)
-    assert len(too_roomy([verdict, claim("c", Evidence.EXACT, 4e-8, 1e-6), claim("c", Evidence.EXACT, 1e-15, 1e-12)])) == 1
+    assert len(too_roomy([verdict, claim("d", Evidence.EXACT, 4e-8, 1e-6), claim("e", Evidence.EXACT, 1e-15, 1e-12)])) == 1
     assert claim("c", PAPER, 2e-6, 1e-6).outcome is Outcome.FINDING
 
 
