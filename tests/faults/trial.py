@@ -90,6 +90,6 @@ def _outcome(note: Path) -> Outcome:
     failures = []
     for case in ElementTree.parse(note).iter("testcase"):
         for problem in (*case.findall("failure"), *case.findall("error")):
-            failures.append((f"{case.get('file')}::{case.get('name')}", problem.get("message", "")))
-    said = [(test, message.splitlines()[0]) for test, message in failures if message.startswith(_ASSERTS)]
+            failures.append((f"{case.get('file')}::{case.get('name')}", problem.get("message", "").partition("\n")[0]))
+    said = [(test, message) for test, message in failures if message.startswith(_ASSERTS)]
     return Outcome(*(said or [("", "")])[0], tuple(f"{message.partition(':')[0]} in {test}" for test, message in failures))
