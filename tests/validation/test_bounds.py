@@ -89,13 +89,6 @@ def test_no_verdict_passes_beyond_its_limit():
         holding("c", PAPER, "1", "2", True).with_margin(2.0, 1.0)
 
 
-def test_what_refutes_a_claim():
-    told = [claim("c", kind, 1e-7, 1e-6).refutation for kind in (Evidence.EXACT, Evidence.WITNESS)]
-    assert told[0] == "anything but below 1 · 10^{−6}"
-    assert told[1].startswith(told[0] + ", or agreement to the last bit")
-    assert Verdict("c", PAPER, "1", "1", Outcome.PASS, refuted="a second orbit").refutation == "a second orbit"
-
-
 def test_each_verdict_has_a_name_that_stays():
     """Claim, and as much of evidence and remark as sets it apart; never what was measured."""
     told = [

@@ -109,8 +109,8 @@ def test_the_verdicts_rest_on_kinds_of_evidence(tmp_path):
 
 
 def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
-    html = page_of(tmp_path, stored("energy", verdict(size=0.1, limit=0.5, refuted="a second root")))
-    assert rows_of(html, "verdicts energy")[1][1:] == ["A holdsRefuted by a second root.", "exact", "below 0.5", "0.1", " 0.2"]
+    html = page_of(tmp_path, stored("energy", verdict(size=0.1, limit=0.5)))
+    assert rows_of(html, "verdicts energy")[1][1:] == ["A holds", "exact", "below 0.5", "0.1", " 0.2"]
     assert '<tr id="energy.a-holds">' in html
     assert '<i style="width:20%">' in html
 

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tinos,serif"
 _SVG, _LINK = "http://www.w3.org/2000/svg", "{http://www.w3.org/1999/xlink}href"
 _COLOR, _REFERRED = re.compile(r"#[0-9a-f]{6}"), re.compile(r"url\(#(.*)\)|#(.*)")
+_MARKS = (f"{{{_SVG}}}use", f"{{{_SVG}}}path")
 _PLACES = ("x", "y", "width", "height", "transform", "viewBox")
 _SHADES, _KEYS = 256, 16  # colours of a picture; of one whose colours a key explains
 _RASTER_DOTS = 72  # per inch, of pictures within a drawing
@@ -77,7 +78,7 @@ def _regroup(parent: ElementTree.Element) -> None:
     parent[:] = []
     for (tag, style), found in groupby(inner, lambda one: (one.tag, one.get("style"))):
         alike = list(found)
-        if len(alike) > 1 and style and tag == f"{{{_SVG}}}use":
+        if len(alike) > 1 and style and tag in _MARKS and parent.tag != f"{{{_SVG}}}defs":
             for one in alike:
                 del one.attrib["style"]
             ElementTree.SubElement(parent, f"{{{_SVG}}}g", {"style": style}).extend(alike)

@@ -43,10 +43,10 @@ class Verdict:
 
     `size` and `limit`, in `unit` (none: a pure number), are the measured and the allowed value of one quantity: distance of a
     number from another (`claim`) or from the middle of a range (`in_range`), ratio of required to found (`at_least`), number of
-    misses (`every`). Without them the claim is one of yes or no. `refuted`: what would refute the claim, if more than the
-    opposite of what was expected. `id` is the verdict's name on the page and in files (`validation.study.names`). `cases`: the
-    verdicts on one claim for several grids, models or scenes, each named by its remark; the verdict itself is then the worst of
-    them. Raises ValueError for a pass beyond the limit: then `size` and `limit` are different quantities.
+    misses (`every`). Without them the claim is one of yes or no. `id` is the verdict's name on the page and in files
+    (`validation.study.names`). `cases`: the verdicts on one claim for several grids, models or scenes, each named by its remark;
+    the verdict itself is then the worst of them. Raises ValueError for a pass beyond the limit: then `size` and `limit` are
+    different quantities.
     """
 
     claim: str
@@ -58,7 +58,6 @@ class Verdict:
     size: float | None = None
     limit: float | None = None
     unit: str = ""
-    refuted: str = ""
     id: str = ""
     cases: tuple["Verdict", ...] = ()
 
@@ -84,14 +83,6 @@ class Verdict:
     def timed(self) -> bool:
         """Whether a run time was judged (by its unit)."""
         return self.unit in RUN_TIMES
-
-    @property
-    def refutation(self) -> str:
-        """What would refute the claim."""
-        if self.refuted:
-            return self.refuted
-        itself = ", or agreement to the last bit: then a thing was compared with itself" if self.evidence is WITNESS else ""
-        return f"anything but {self.expected}" + (itself if self.limit is not None else "")
 
 
 def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
