@@ -77,21 +77,6 @@ def test_the_ground_room_imports_no_other_room_unless_a_command_is_used(use):
     assert use or not {"numpy", "numba", "pydantic", "xarray"} & set(done.stdout.split())
 
 
-def test_an_arrow_that_turns_back_is_seen(tmp_path, monkeypatch):
-    for file, text in {
-        "slipwave/scene/slab.py": "def thickness():\n    from slipwave.observe import follow\n",
-        "slipwave/observe/follow.py": "import slipwave.scene.slab\n",
-        "reduced/delay/system.py": "from fullwave import adapt\n",
-        "fullwave/adapt.py": "",
-    }.items():
-        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / file).write_text(text)
-    monkeypatch.setattr(sources, "ROOT", tmp_path)
-    pairs = arrows(tmp_path)
-    assert upward(pairs) == [("reduced/delay/system.py", "fullwave/adapt.py")]
-    assert circles(pairs) == [{"slipwave/scene/slab.py", "slipwave/observe/follow.py"}]
-
-
 @pytest.mark.parametrize("file", ["validation.py", "reduced.py"])
 def test_a_file_of_the_users_own_that_hides_a_room_is_named(file, tmp_path):
     (tmp_path / file).write_text("raise SystemExit('a file of the user was imported')\n")

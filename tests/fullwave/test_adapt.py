@@ -1,19 +1,16 @@
 """Grids chosen from a tolerance: the estimate bounds the true error, refusals are clear."""
 
 import dataclasses
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from grid_scenes import SCENES
 
-import slipwave
-from fullwave.adapt import _Outcome, _probed_until, judge_grid, to_tolerance
+from fullwave.adapt import _Outcome, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
-from fullwave.lines.blocks import most_cells_alike, sections_of
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
-from slipwave.scene.drive import Drive, Start, StartKind
+from slipwave.scene.drive import Start, StartKind
 from slipwave.solve import follow
 
 
@@ -77,20 +74,6 @@ def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
     assert int(str(refusal.value).split(" cells:")[0].split()[-1]) < 60
 
 
-@pytest.mark.parametrize(
-    ("drive", "until", "end"),
-    [
-        (Drive((0.0,), (100.0,)), 2000.0, 400.0),
-        (Drive((0.0, 500.0, 510.0), (100.0, 100.0, 1000.0)), 2000.0, 910.0),
-        (Drive((0.0, 500.0, 510.0), (100.0, 100.0, 1000.0)), 900.0, 900.0),
-        (Drive((0.0, 500.0), (100.0, 100.0)), 2000.0, 400.0),
-        (Drive((-50.0, -20.0), (100.0, 200.0)), 2000.0, 400.0),
-    ],
-)
-def test_a_probe_goes_beyond_the_last_knot_of_the_drive(drive, until, end):
-    assert _probed_until(dataclasses.replace(SCENES["alike"], drive=drive, until=until)) == end
-
-
 @pytest.mark.parametrize(("credited", "cells", "estimate"), [(np.inf, 8, 1e-4), (6.0, 8, 0.04 / 1.5**6), (2.0, 18, 2.733e-3)])
 def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credited, cells, estimate):
     """Values that differ from grid to grid by 0.08, 0.04, 1e-4, 4.1e-3 and 0. No refinement of order 2 gains a factor of 400, nor
@@ -106,35 +89,3 @@ def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credit
     monkeypatch.setattr("fullwave.adapt.probe", lambda solver: _Outcome("cycles", np.array([values[solver.cells]])))
     _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, credited)
     assert (choice.cells, choice.error_estimate) == (cells, pytest.approx(estimate, rel=2e-2))
-
-
-@pytest.mark.parametrize(
-    ("fine", "coarse", "quantity", "error"),
-    [
-        (("cycles", [70.0, 0.1]), ("cycles", [71.4, 0.101]), "cycles", 0.03),
-        (("final state", [4.0, -5.0]), ("final state", [4.0, -5.05]), "final state", 0.015),
-        (("cycles", [70.0, 0.1]), ("final state", [4.0, -5.0]), "cycles", np.inf),
-        (("final state", [4.0, -5.0]), ("cycles", [70.0, 0.1]), "final state", np.inf),
-        (("cycles", [70.0, 0.1]), None, "cycles", np.inf),
-        (None, ("cycles", [70.0, 0.1]), "final state", np.inf),
-    ],
-)
-def test_a_default_grid_is_judged_by_its_own_probe(monkeypatch, fine, coarse, quantity, error):
-    """Relative to the values on the judged grid, with a margin of half, and the error of steps that both grids share."""
-    outcomes = {name: found and _Outcome(found[0], np.array(found[1])) for name, found in (("fine", fine), ("coarse", coarse))}
-    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: outcomes[solver.model])
-    settings = {"resolution": 1e-4}
-    solvers = [SimpleNamespace(model=name, step=step, settings=settings) for name, step in (("fine", 0.1), ("coarse", 0.15))]
-    found = judge_grid(12, *solvers)
-    assert (found.cells, found.step, found.quantity) == (12, 0.1, quantity)
-    assert found.error_estimate == pytest.approx(error + 1e-3, rel=1e-12)
-
-
-@pytest.mark.parametrize(("fractions", "most"), [((0.5, 0.5), 32), ((0.1, 0.9), 17)])
-def test_the_first_two_grids_are_not_one_and_the_same(fractions, most):
-    """Every layer has 16 cells or more. Up to so many cells that is the whole grid, and two of them would agree exactly."""
-    layers = [{"fraction": fraction, "impedance": 1.0 + fraction} for fraction in fractions]
-    scene = slipwave.read("paper", {"slab.layers": layers})
-    cells = {asked: [section.cells for section in sections_of(scene, asked, 16)] for asked in (16, most, most + 1)}
-    assert cells[16] == cells[most] != cells[most + 1]
-    assert most_cells_alike(sections_of(scene, 16, 16)) == most

@@ -1,12 +1,10 @@
-"""Chunks of compiled work that end soon and leave no trace in the numbers; grids too big for the memory, refused before any is
-taken."""
+"""Chunks of compiled work that end soon; grids too big for the memory, refused before any is taken."""
 
 import dataclasses
 import resource
-from functools import partial
 
 import pytest
-from grid_scenes import FAMILIES, PAPER, SCENES
+from grid_scenes import PAPER
 
 import fullwave.lines.explicit
 import fullwave.lines.march
@@ -15,33 +13,7 @@ from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver, HistoryObserver
-from slipwave.solve import follow
 from tests.compiled_work import count_calls
-
-SMALL = {**FAMILIES, "fd": partial(Leapfrog, cells=16, cfl=0.9)}
-
-
-def outcome(solver, until):
-    events, history = EventObserver(solver.scene, solver.nodes), HistoryObserver(solver.scene.law, solver.nodes)
-    final = follow(solver, until, [events, history])
-    parts = [*solver.state().values(), *events.state().values(), *history.columns().values()]
-    return [array.tobytes() for array in parts], final, solver.failures, solver.time
-
-
-def allow_at_once(steps, monkeypatch):
-    """Solvers built from here on leave compiled code after so many steps."""
-    for march in (fullwave.lines.explicit, fullwave.finite_difference):
-        monkeypatch.setattr(march, "steps_at_once", lambda work: steps)
-
-
-@pytest.mark.parametrize("name", ["grip", "unlike", "standard-linear"])
-@pytest.mark.parametrize("family", SMALL)
-def test_no_bit_depends_on_the_length_of_a_chunk(family, name, monkeypatch):
-    whole = outcome(SMALL[family](SCENES[name]), 30.0)
-    for stride in (1, 3, 8, 29, 80):
-        allow_at_once(stride, monkeypatch)
-        assert outcome(SMALL[family](SCENES[name]), 30.0) == whole, stride
 
 
 @pytest.mark.parametrize(

@@ -187,7 +187,6 @@ def test_any_slip_rate_and_a_long_hold():
 
 
 FAR_RAMP = "drive.velocity=[[0.0, 100.0], [105.3, 100.0], [1211.17, 200.0]]"
-PAPER = slipwave.read("paper")
 
 
 @pytest.mark.parametrize("name", ["unlike", "unlike-irrational"])

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from reduced.continuation.branch import Control, follow_branch, is_smooth
-from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
+from reduced.continuation.branch import Control, follow_branch
+from reduced.continuation.point import FlowFamily, Metric
 from reduced.continuation.special import specials_between, trend_of
 from reduced.continuation.start import from_hopf, from_orbit, from_stored, stored
 from reduced.orbit.closing import CLOSES_TO, close
@@ -184,48 +184,6 @@ def test_a_count_that_no_event_explains_ends_the_branch():
     family, control = family_of(oscillator), replace(CONTROL, shortest=1e-3)
     with pytest.raises(NumericsError, match=r"changes from 0 to 2 near parameter = 0\.4999.*no single special point explains it"):
         branch(family, at(family, oscillator, 0.3), lambda q: q.parameter < 0.7, control=control)
-
-
-def point_at(unknowns, tangent):
-    start, (period, parameter) = np.array(unknowns[:2]), unknowns[2:]
-    closed = SimpleNamespace(unknowns=np.r_[start, period, parameter])
-    return OrbitPoint(closed, np.array(tangent) / METRIC.length(np.array(tangent)))
-
-
-@pytest.mark.parametrize(("chord", "tangent"), [(0, 0), (0.1, 0.19), (0.15, 0.21), (0.25, 0.15), (0.1, -0.15), (0.3, 0), (3, 0)])
-def test_a_step_counts_within_the_cone_of_both_tangents(chord, tangent):
-    """Angles of the chord and of the second tangent with the first one, of which none may exceed 0.2, nor their difference: a
-    neighbouring part may have the same direction."""
-    smooth = max(abs(chord), abs(tangent), abs(chord - tangent)) < 0.2
-
-    def change(angle):
-        return np.array([math.sqrt(2.0) * math.sin(angle), 0.0, 0.0, math.cos(angle)])
-
-    here = np.array([1.0, 0.0, 6.0, 0.3])
-    assert is_smooth(point_at(here, change(0.0)), point_at(here + 0.1 * change(chord), change(tangent)), METRIC) is smooth
-
-
-def test_a_branch_ends_where_no_mesh_resolves_the_motion():
-    family = family_of(SUPERCRITICAL, roughest=0.75, stuck=True)  # twice |w| = 1/0.75 at s = 0.44
-    found = []
-    with pytest.raises(NumericsError, match=r"the branch ends at parameter = 0\.4\d+: no mesh resolves the motion"):
-        found.extend(follow_branch(family, at(family, SUPERCRITICAL, 0.3), METRIC, lambda q: q.parameter < 0.9, 1e-8, CONTROL))
-    assert found[-1].point.parameter == pytest.approx(4.0 / 9.0, abs=0.05)
-
-
-class Fickle(FlowByHand):
-    """On another mesh its second oscillator grows."""
-
-    def remeshed(self, cycle, finer):
-        flow, state = super().remeshed(cycle, finer)
-        return replace(flow, oscillator=self.oscillator._replace(beside=lambda p: 0.1)), state
-
-
-def test_a_count_that_depends_on_the_mesh_ends_the_branch():
-    oscillator = beside(lambda p: -0.1)
-    family = FlowFamily(Fickle(oscillator, 0.0, roughest=1e-8), lambda p: SimpleNamespace(p=p))
-    with pytest.raises(NumericsError, match="depends on the mesh: 0 and 2"):
-        branch(family, at(family, oscillator, 0.2), lambda q: q.parameter < 0.7)
 
 
 def test_a_stored_point_goes_on_as_the_branch_did():

@@ -12,10 +12,8 @@ from reduced.delay.system import delay_system
 from reduced.delay.transmission_lines import delay_rows
 from slipwave import read
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe.pieces import empty_pieces
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
-from slipwave.step.nodal import DONE
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}
 
@@ -49,17 +47,6 @@ def test_a_march_that_shows_its_end_only_shows_the_last_transit():
     for name in ("time", "length", "z", "psi", "mu"):
         assert getattr(shown, name) == pytest.approx(getattr(wanted, name)[-5:], abs=1e-9)
     assert end.advance(60.0).time == pytest.approx([59.625, 59.75, 59.875])
-
-
-def test_a_rejected_step_takes_the_march_back_to_the_start_of_its_transit():
-    rejected, whole = (Delay(paper(-2.3), nodes=6, steps=6, tolerance=1e-6) for _ in range(2))
-    kept, verdict = rejected._march(400, empty_pieces(2400, 6))
-    assert kept > 0
-    assert verdict != DONE
-    assert whole._march(kept, empty_pieces(6 * kept, 6)) == (kept, DONE)
-    assert rejected.iterations > whole.iterations + 6  # some steps of its last transit were solved
-    state, wanted = rejected.state(), whole.state()
-    assert all(np.array_equal(state[name], wanted[name]) for name in ("incoming", "guess", "now"))
 
 
 @pytest.mark.parametrize(

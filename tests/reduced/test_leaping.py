@@ -267,16 +267,3 @@ def test_a_run_resumed_after_a_leap_is_the_same_to_the_last_bit(stop, tmp_path):
     assert follow(again, until, [later]) == end
     for ours, theirs in ((again.state(), straight.state()), (later.state(), kept.state())):
         assert all(np.array_equal(ours[name], theirs[name], equal_nan=True) for name in theirs)
-
-
-def test_tries_that_fail_are_made_ever_more_rarely(monkeypatch):
-    """Of steel on PMMA, which sticks for too short a time: after a try that is given up late, twice as long as before."""
-    scene, began = slipwave.read("steel-on-pmma"), []
-    solver = LeapingNetwork(scene, TOLERANCE)
-    check = solver._check
-    monkeypatch.setattr(solver, "_check", lambda split, count: began.append(solver.time) or check(split, count))
-    follow(solver, 40_000.0, [EventObserver(scene, solver.nodes)])
-    assert solver.skipped == 0.0
-    assert len(began) == 4
-    assert began[1] - began[0] == pytest.approx(2048.0, abs=2.0)
-    assert solver.state()["leaps"][1] == 1024.0 * 2.0 ** len(began)

@@ -27,37 +27,6 @@ class Equations:
         return solve_by_newton(self.evaluate, self.derivative, np.array(guess), tolerance, near, first)
 
 
-def circle_and_line():
-    """x^2 + y^2 = 2 and x = y."""
-    return Equations(lambda u: np.array([u @ u - 2.0, u[0] - u[1]]), lambda u: np.array([2.0 * u, [1.0, -1.0]]))
-
-
-def test_one_derivative_serves_until_the_end():
-    """The first error is squared; from then on each is below the product of the two before it, as a secant's, since every step
-    corrects the derivative. A derivative as it was taken would only divide the error by 5 each time."""
-    equations = circle_and_line()
-    solved = equations.solved([1.5, 1.2], near=1.0)
-    np.testing.assert_allclose(solved.at.unknowns, 1.0, rtol=0.0, atol=1e-13)
-    errors = [np.abs(u - 1.0).max() for u in equations.tried]
-    assert errors[1] < errors[0] ** 2
-    assert all(new < last * before for before, last, new in zip(errors, errors[1:], errors[2:], strict=False))
-    assert solved.iterations <= 8
-    assert equations.derivatives == 1
-
-
-def test_a_derivative_serves_as_long_as_it_contracts():
-    """From nearby, with the derivative of a neighbour, none is taken; far away it is taken anew; one is returned from nearby."""
-    matrix = np.array([[2.0, 2.0], [1.0, -1.0]])
-    near, far = circle_and_line(), circle_and_line()
-    near.solved([1.001, 1.0], near=1.0, first=matrix)
-    assert near.derivatives == 1  # that of the solution: the neighbour's distance is not known
-    solved = far.solved([1.001, 1.0], near=1e-7, first=9.0 * matrix)
-    assert far.derivatives >= 1
-    np.testing.assert_allclose(solved.at.unknowns, 1.0, rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(solved.derivative, matrix, rtol=0.0, atol=1e-6)
-    assert solved.away < 1e-7
-
-
 def test_steps_are_shortened_until_they_help_and_a_neighbour_that_misleads_is_not_followed():
     """For arctan the full step from 3 leads to -9.5, and on to ever larger values. The derivative of the neighbour leads from 0.5
     to -4600, whence no shortened step comes back."""

@@ -36,10 +36,6 @@ CASES = [
 ]
 
 
-def test_none_is_left_out():
-    assert {name for _, name in CASES} == set(PARAMETERS)
-
-
 @pytest.mark.parametrize(("kind", "name"), CASES)
 def test_it_takes_the_value_and_all_others_keep_theirs(kind, name):
     scene, plain = SCENES[kind], name.removeprefix("log10_")

@@ -6,7 +6,7 @@ from scipy.special import roots_jacobi
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
-from reduced.delay.alike import Delay, transit_mesh
+from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.system import delay_system
 from slipwave.observe import EventObserver
@@ -21,14 +21,6 @@ def test_radau_nodes_are_the_roots_of_a_jacobi_polynomial(stages):
     nodes = radau_nodes(stages)
     assert nodes[-1] == 1.0
     assert np.abs(nodes[:-1] - 0.5 * (roots_jacobi(stages - 1, 1.0, 0.0)[0] + 1.0)).max() < 4e-16
-
-
-def test_resampling_keeps_polynomials():
-    nodes, cuts = radau_nodes(5), np.array([0.0, 0.17, 0.4])
-    coarse, finer = transit_mesh(3, cuts), transit_mesh(4, cuts)
-    values = (coarse.starts[:, None] + nodes * coarse.lengths[:, None]) ** 4
-    wanted = (finer.starts[:, None] + nodes * finer.lengths[:, None]) ** 4
-    np.testing.assert_allclose(coarse.resample(values, nodes, finer), wanted, atol=1e-13)
 
 
 def outputs(solver, until=120.0):

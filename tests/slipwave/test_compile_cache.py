@@ -1,15 +1,12 @@
 """The compile cache is a convenience: whatever is wrong with its folder or files, the answer is the same and the run goes on."""
 
-import gc
 import os
 import resource
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
-from numba.core import event
 
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import njit
@@ -45,39 +42,6 @@ def kept(folder):
     """The one file in the cache."""
     (path,) = folder.iterdir()
     return path
-
-
-def test_a_constant_argument_is_compiled_like_any_other():
-    part = njit(_scaled)
-
-    @njit
-    def whole(number):
-        return int(part(number, 2) + part(number, number))
-
-    with event.install_recorder("numba:compile") as compiled:
-        assert whole(3) == 15
-    functions = [one.data["dispatcher"].py_func for _, one in compiled.buffer if one.is_start]
-    assert functions.count(_scaled) == 1
-
-
-def _scaled(number, factor):
-    return number * factor
-
-
-def test_compiling_leaves_the_garbage_collector_of_a_user_alone():
-    part = njit(_scaled)
-    collecting = []
-
-    class Watch(event.Listener):
-        def on_start(self, event):
-            collecting.append((gc.isenabled(), gc.get_threshold()))
-
-        on_end = on_start
-
-    expected = (True, gc.get_threshold())
-    with event.install_listener("numba:compile", Watch()):
-        assert part(3, 2) == 6
-    assert set(collecting) == {expected}
 
 
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.3, 0.999])
@@ -126,23 +90,6 @@ def test_a_run_without_a_usable_folder_ends_well(trouble, folder):
     assert (done.returncode, done.stdout) == (0, "1.5 1.5\n" * 2), done.stderr
     assert done.stderr.startswith("slipwave: the cache of compiled code in ")
     assert done.stderr.count("\n") == 1
-
-
-def test_what_nobody_used_for_a_month_is_removed(folder):
-    """Days since it was last used."""
-    for name, days in {"old.compiled": 31, "left.part": 31, "own.nbi": 31, "recent.compiled": 7}.items():
-        (folder / name).write_bytes(b"")
-        os.utime(folder / name, (time.time() - days * 86400,) * 2)
-    compile_cache._prune_once.cache_clear()
-    ask()
-    assert {path.name for path in folder.iterdir() if "size_of" not in path.name} == {"own.nbi", "recent.compiled"}
-
-
-def test_a_function_in_use_counts_as_new(folder):
-    ask()
-    os.utime(kept(folder), (0, 0))
-    assert ask() == (ANSWER, 1)
-    assert kept(folder).stat().st_mtime > 0
 
 
 def test_a_file_edited_since_the_process_began_keeps_its_functions_off_the_disk(folder, monkeypatch):

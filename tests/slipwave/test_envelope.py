@@ -7,7 +7,6 @@ import slipwave
 from slipwave.friction import rates
 from slipwave.observe import HistoryObserver
 from slipwave.observe.envelope import COUNT, Envelope
-from slipwave.observe.pieces import Pieces
 from slipwave.solve import follow
 from tests.granite import GRANITE
 from validation.compute.build import build
@@ -84,13 +83,3 @@ def test_a_leapt_stretch_has_the_ranges_of_whole_transits():
     assert high == pytest.approx(np.interp(ours.time, theirs.time, most), abs=3e-4)
     assert (low.min(), high.max()) == pytest.approx((least.min(), most.max()), rel=1e-6)
     assert (high - low)[ours.time > 15_000].min() > 0.8 * (most - least)[theirs.time > 15_000].min()
-
-
-def test_a_short_window_asks_for_every_transit_of_it():
-    scene = slipwave.read("paper")
-    nodes, ones = np.array([0.5, 1.0]), np.zeros((1, 2))
-    for begin, end, wanted in ((100.0, 200.0, 100.0), (100.0, 9000.0, np.inf), (0.0, np.inf, np.inf)):
-        envelope = Envelope(scene, nodes, begin, end)
-        assert envelope.whole_from == wanted
-        envelope.scan(Pieces(np.array([200.0]), np.array([1.0]), *(ones,) * 4))
-        assert envelope.whole_from == np.inf

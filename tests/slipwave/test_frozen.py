@@ -96,10 +96,3 @@ def test_what_cannot_be_told_is_never_kept(constant):
 def test_files_of_the_project_that_a_law_calls_are_named():
     found = frozen_parts([made(ageing.respond_ageing)])
     assert [path.name for path in found.files] == ["ageing.py"]
-
-
-def test_the_order_of_what_is_told_does_not_count():
-    """Two functions that call a third; sets of them have another order in each process."""
-    shared = made(0.25)
-    first, second = made(shared, default=1.5), made(shared, default=2.5)
-    assert frozen_parts([first, second]) == frozen_parts([second, first]) is not None

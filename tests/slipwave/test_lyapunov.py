@@ -72,17 +72,6 @@ def test_work_without_end_is_refused_for_its_whole_length():
         largest_exponent(*slow, 400.0, intervals=1000, most_seconds=2e5)
 
 
-def test_twins_must_take_the_same_steps():
-    class Longer(Logistic):
-        def advance(self, until):
-            pieces = super().advance(until)
-            self.now = self.now + 0.5
-            return pieces
-
-    with pytest.raises(NumericsError, match="take different steps near t = 6 transits"):
-        largest_exponent(Logistic(4.0), Longer(4.0), WHOLE)
-
-
 def exponent(model, log10_r, cycle, intervals, **options):
     scene = slipwave.read("paper", {"slab.log10_r": log10_r})
     solver, twin = (build(model, scene, **options) for _ in range(2))

@@ -59,8 +59,6 @@ def test_a_wrong_derivative_is_refused_by_name(wrong, fault):
         (law_with(lambda law, z, psi: respond(law, z, psi)[:7]), "respond must return"),
         (law_with(lambda law, z, psi: (2 * respond(law, z, psi)[0], *respond(law, z, psi)[1:])), "v of respond"),
         (law_with(lambda law, z, psi: 1 / 0), "ZeroDivisionError"),
-        (law_with(lambda law, z: None), "TypeError"),
-        (law_with(steady=lambda law, v: math.log(-v)), "ValueError"),
         (law_with(parameters=Unpriced), "defaults"),
         (LAWS["ageing"]._replace(rate_of=lambda law, z: z * z, unknown_of=lambda law, v: v**0.5), "v''"),
     ],

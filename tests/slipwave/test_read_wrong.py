@@ -133,32 +133,20 @@ BOTH = {"epsilon": 1e-5, "r": 1e-3}
     ("data", "key", "value", "told"),
     [
         (FULL, "interface", ..., "interface: missing; must be a table"),
-        (FULL, "drive", ..., "drive: missing; must be a table"),
         (changed(FULL, "upper", ...), "lower", ..., "slab: missing; must be [slab] (both alike) or both [upper] and [lower]"),
         (FULL, "lower", ..., "lower: missing; [upper] needs [lower] too"),
-        (FULL, "upper", ..., "upper: missing; [lower] needs [upper] too"),
         (FULL, "slab", BOTH, "upper: must not be given together with slab"),
-        (changed(FULL, "upper", ...), "slab", BOTH, "lower: must not be given together with slab"),
         (FULL, "upper.log10_r", -2, "upper.log10_r = -2: must not be given together with upper.r"),
         (SI, "slab.epsilon", 1e-5, "slab.density = 784: must not be given together with slab.epsilon"),
-        (SI, "slab.shear_modulus", ..., "slab.shear_modulus: missing"),
         (SI, "interface.memory_length", ..., "interface.memory_length: missing"),
         (SI, "interface", FULL["interface"], "slab.density = 784: must come with"),
         (changed(FULL, "upper.thickness", 0.1), "upper.r", ..., "upper.thickness = 0.1: must come with"),
-        (FULL, "interface.astar", 1.0, "did you mean a_star?"),
-        (FULL, "upper.epsilom", 1.0, "did you mean epsilon?"),
         (FULL, "upper.log_r", 1.0, "did you mean log10_r?"),
-        (FULL, "upper.face.stifness", 1.0, "did you mean stiffness?"),
-        (FULL, "upper.layers.1.impedence", 1.0, "did you mean impedance?"),
-        (FULL, "upper.viscosity.ratios", 1.0, "did you mean ratio?"),
-        (FULL, "drive.velocty", 1.0, "did you mean velocity?"),
         (FULL, "start.sise", 1.0, "did you mean size?"),
-        (FULL, "runs", 1.0, "did you mean run?"),
         (FULL, "log10_r", 1.0, "did you mean slab.log10_r?"),
         (FULL, "lower.face.stiffness", 1.0, 'it belongs to kind "grip" or "machine", not to kind "reflection"'),
         (FULL, "start.stop", 1.0, "[start] takes kind, size"),
         (FULL, "interface.law", ..., "interface.law = None: must be "),
-        (FULL, "upper.viscosity.kind", ..., "upper.viscosity.kind = None: must be "),
         (FULL, "interface.law", "aging", 'must be "ageing", "slip", '),
     ],
 )  # fmt: skip
@@ -174,13 +162,9 @@ ROUND_TRIP_KEYS = EPSILON_KEYS - {"interface.normal_stress"} | {"slab.thickness"
     ("key", "value", "result", "sources"),
     [
         ("slab.density", 1e-15, "epsilon = 3.16227766e-14, which must be a number from 1e-12 to 1e+06", EPSILON_KEYS),
-        ("slab.shear_modulus", 1e-15, "epsilon = 8.85", EPSILON_KEYS),
-        ("interface.normal_stress", 1e15, "epsilon = 2.8e-17", EPSILON_KEYS),
         ("interface.reference_velocity", 1e15, "epsilon = 2.8e+16", EPSILON_KEYS),
         ("slab.thickness", 1e15, "r = 6.2", ROUND_TRIP_KEYS),
         ("interface.memory_length", 2.0, "r = 8.4e-10, which must be a number from 1e-09 to 1e+06", ROUND_TRIP_KEYS),
-        ("interface.memory_length", 1e-15, "r = 1680000", ROUND_TRIP_KEYS),
-        ("interface.reference_velocity", 1e-13, "r = 1.86666667e-10", ROUND_TRIP_KEYS),
     ],
 )
 def test_a_derived_number_out_of_range_names_all_it_came_from(key, value, result, sources):
@@ -202,11 +186,6 @@ def test_fractions_add_up_to_one_but_for_rounding(excess, accepted):
 @pytest.mark.parametrize("text", ["", "=", "x", "=1", "slab", "slab..r=1", "slab.r", "slab r=1", "slab.r=", "slab.r=1 2", "é=1"])
 def test_override_texts(text):
     complaint("paper", [text])
-
-
-def test_a_monstrous_value_is_cut_short_after_its_control_characters_are_spelled_out():
-    monster = {f"{letter * 40}": "\x85" * 40 for letter in "\x81\x82\x83"}
-    assert len(complaint(changed(FULL, "upper.epsilon", monster))) < 300
 
 
 @pytest.mark.parametrize(
@@ -237,17 +216,10 @@ def test_sources_that_are_no_scene(source):
         b"\xff\xfe",
         random.Random(0).randbytes(10_000_000),
         b"x" * 1_000_001,
-        b"[",
-        b"a = ",
-        b"[" * 100_000,
         b"a = " + b"[" * 5000,
         b"x = 1" + b"0" * 5000,
         b"",
-        b"\0",
         b"slab = 1\n[slab]\n",
-        b'{"json": 1}',
-        b"import os",
-        b"a = 1\na = 2",
         b"x = 2026-01-01",
     ],
     ids=lambda content: repr(content[:8]) + str(len(content)),

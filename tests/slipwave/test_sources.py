@@ -22,12 +22,6 @@ def test_imports_are_followed_through_modules_packages_and_functions():
     assert not found & {"slipwave/__init__.py", "slipwave/input/source.py", "slipwave/scene/scene.py"}
 
 
-def test_packages_on_the_way_are_included_unless_left_out():
-    assert closure("slipwave/observe/pieces.py", packages=False) == {"slipwave/observe/pieces.py"}
-    with_packages = closure("slipwave/scene/drive.py")
-    assert {"slipwave/__init__.py", "slipwave/input/assemble.py"} <= with_packages
-
-
 @pytest.mark.parametrize(
     ("other", "same"),
     [

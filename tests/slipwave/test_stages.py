@@ -35,15 +35,6 @@ def test_the_run_ends_the_last_stage():
     assert stages_of(steady_drive(7.0), 6.0) == []
 
 
-def test_a_step_right_after_a_ramp_is_a_step():
-    drive = Drive((5.0, 8.0, 8.0), (1.0, 3.0, 10.0))
-    assert [(stage.kind, stage.before, stage.velocity) for stage in stages_of(drive, 12.0)] == [
-        ("start", 1.0, 1.0),
-        ("ramp", 1.0, 3.0),
-        ("step", 3.0, 10.0),
-    ]
-
-
 def ringing(rate, period):
     """What is seen of a step after which ln v oscillates about ln V with an amplitude of 2 exp(-rate t)."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 220})

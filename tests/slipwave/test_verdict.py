@@ -31,19 +31,15 @@ def henon(count, a, b=0.3):
     ("sizes", "kind", "multiplicity"),
     [
         (np.ones(24), "periodic", 1),
-        (np.ones(4), "periodic", 1),
         (1.0 + 2e-4 * (-1.0) ** K, "periodic", 1),
         (1.0 + 2e-2 * (-1.0) ** K, "periodic", 2),
-        (1.0 + 0.1 * np.cos(2 * np.pi * K / 3), "periodic", 3),
         (henon(24, 1.0), "periodic", 4),
         (1.0 + 0.01 * np.cos(2 * np.pi * 0.263 * np.arange(26)), "torus", None),
         (henon(24, 1.4), "irregular", None),
         (1.0 + 0.2 * 0.7**K, "settling", None),
-        (1.0 + 0.2 * (-0.7) ** K, "settling", None),
         (1.0 - 0.5 * 0.95**K, "settling", None),
         (1.0 + 0.2 * (-1.0) ** K * (1.0 - 0.7**K), "settling", None),  # to a period of two events
         (1.0 + 1e-2 * 0.99**K * np.cos(2 * np.pi * 0.263 * K), "settling", None),  # along a spiral, to one
-        (1.0 + 1e-2 * 1.01**K * np.cos(2 * np.pi * 0.263 * K), "settling", None),
         (1.0 + 1e-2 * np.cos(2 * np.pi * 0.26 * K / 24), "settling", None),  # a quarter of a turn
         (1.0 + 4e-5 * K, "settling", None),  # the later half agrees within 1e-3
         (1.0 + 0.9**K * (1.0 + 0.3 * np.sin(5.0 * K)), "settling", None),  # to a limit above half of the last
@@ -54,7 +50,6 @@ def henon(count, a, b=0.3):
         (0.9**K * (1.0 + 0.1 * (-1.0) ** K), "decaying", None),
         (1.1**K, "growing", None),
         (np.ones(3), "too short", None),
-        (henon(7, 1.4), "too short", None),
         (henon(15, 1.4), "too short", None),
     ],
 )
@@ -100,13 +95,6 @@ def test_means_of_a_periodic_motion_are_of_the_cycles_that_repeat(events, transi
     columns = [np.cumsum(period), period, *np.tile(period / 10.0, (4, 1))]
     found = repeating(Events(*columns), events)
     assert (found.time.tolist(), found.period.tolist()) == (columns[0][-left:].tolist(), period[-left:].tolist())
-
-
-def test_what_changes_is_told():
-    assert verdict(0.9**K).change == pytest.approx(0.9**23 - 1.0)
-    settling = verdict(1.0 + 0.2 * 0.8**K)
-    drops = 1.0 + 0.2 * 0.8 ** np.array([21, 22])
-    assert abs(drops[1] / drops[0] - 1.0) <= settling.change < 3 * abs(drops[1] / drops[0] - 1.0)
 
 
 def test_the_rate_of_decay_and_growth_is_that_of_the_stress_drops():

@@ -1,13 +1,9 @@
 """The table of models from regimes and run times: errors, their error bars, units, advice and the two sentences."""
 
-from dataclasses import replace
-
 import pytest
 
 import slipwave
 from slipwave.observe.statistics import Estimate
-from validation.study import compared
-from validation.study.advice import is_good
 from validation.study.compared import compared_table, onset
 from validation.study.model_table import Compared, ModelCell, ModelColumn
 from validation.study.regimes import AWAY, STEADY, UNDECIDED, UNTRIED, Regime
@@ -97,20 +93,6 @@ def test_each_ode_is_off_by_its_own_error_and_a_full_wave_is_no_ode():
     assert table.row("block8").why == "Δμ +0.0 to +5.0 %"
 
 
-@pytest.mark.parametrize(
-    ("error", "bar", "right", "good"),
-    [
-        (0.0099, 0.0, True, True),
-        (-0.011, 0.0, True, False),
-        (0.02, 0.006, True, True),
-        (0.03, 0.006, True, False),
-        (0.0, 0.0, False, False),
-    ],
-)
-def test_a_model_is_good_within_one_per_cent_and_two_standard_errors(error, bar, right, good):
-    assert is_good(ModelCell("periodic", right, 0, {"T": Compared(70.0, error, bar)})) is good
-
-
 def test_advice_over_scenes_goes_by_the_least_r_at_which_a_model_fails():
     """Columns of several scenes at the same r over their onsets; a scene in which a model was not tried says nothing of it."""
     columns = [ModelColumn(name, -2.6, over_onset, f"r = {over_onset} r_{{c}}") for over_onset in (1.02, 1.25) for name in "ab"]
@@ -124,14 +106,3 @@ def test_advice_over_scenes_goes_by_the_least_r_at_which_a_model_fails():
     table = table_of(found, columns=columns)
     assert [column.group for column in table.columns] == ["r = 1.02 r_{c}"] * 2 + ["r = 1.25 r_{c}"] * 2
     assert [row.advice for row in table.rows] == ["use", "use up to 1.02 r_{c}", "avoid", "use"]
-
-
-def test_costs_are_medians_of_ratios_to_the_exact_system(monkeypatch):
-    times = [
-        {"delay": 9.0, "block8": 1.0},
-        {"delay": 2.0, "block8": 1.0},
-        {"delay": 2.0, "block8": 4.0},
-        {"delay": 2.0, "block8": 1.2},
-    ]
-    monkeypatch.setattr(compared, "in_turn", lambda works, rounds: times[:rounds])
-    assert compared.relative_costs(["delay", "block8"], {}, replace(PAPER), 3) == {"delay": 1.0, "block8": 0.6}

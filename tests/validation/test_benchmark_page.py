@@ -73,13 +73,6 @@ def test_orbit_and_multipliers_are_those_of_both_programs(values, monkeypatch):
         assert astray(found) == []
 
 
-def test_a_bar_is_three_times_the_distance_and_no_less_than_rounding(values):
-    one, two = {"orbit.period": 70.0, "orbit.v_max": 4000.0}, {"orbit.period": 70.001, "orbit.v_max": 4000.0000000001}
-    first, second = values.rows_of(one, two)
-    assert (first.value, first.bar) == (70.0005, 3e-3)
-    assert second.bar == 4e-9
-
-
 @pytest.fixture
 def score(tmp_path):
     """Status and output of `score.py` on a table, in a process that sees no packages."""
@@ -135,14 +128,10 @@ def test_status_of_a_score(text, status, score):
         ("name,value\na,1\n", "line 1: must be id,value"),
         ("id,value\norbit.period,x\n", "line 2: x is no number"),
         ("id,value\norbit.period,73.4721\norbit.v_max,nan\n", "line 3: nan is no number"),
-        ("id,value\norbit.period,inf\n", "line 2: inf is no number"),
-        ("id,value\norbit.period,7_3\n", "line 2: 7_3 is no number"),
-        ("id,value\norbit.period,\n", "line 2: nothing is no number"),
         ('id,value\norbit.period,"73,4721"\n', "line 2: 73,4721 is no number"),
         ("id,value\norbit.period,73,4721\n", "line 2: must be an id and one number, with a decimal point and no comma"),
         ("id,value\n\norbit.period,1\norbit.period,2\n", "line 4: orbit.period is there twice"),
         ("id,value\n", "no row"),
-        ("", "line 1: must be id,value"),
     ],
 )
 def test_wrong_tables_are_refused_with_their_line(text, told, score):

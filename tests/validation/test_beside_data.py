@@ -1,7 +1,6 @@
 """Slip events in records: those of runs, dated alike by compare and fit; a record beside models: its table, figure, refusals."""
 
 import json
-import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -160,9 +159,3 @@ def test_refusals_are_one_line(
     assert len(lines) == 1
     assert told in lines[0]
     assert sorted(path.name for path in tmp_path.iterdir()) == ["x.csv"]
-
-
-def test_a_pure_rise_has_no_noise() -> None:
-    time = np.array([0.0, 1.0, 1.5, 4.0])
-    assert noise_of(time, 3.0 * time) == 0.0
-    assert math.isclose(noise_of(np.arange(2.0), np.arange(2.0)), 0.0)

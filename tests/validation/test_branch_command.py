@@ -12,7 +12,6 @@ import pytest
 import xarray
 
 import slipwave as sw
-from slipwave.errors import NumericsError
 from tests.copies import interrupted
 from validation.cli import INTERRUPTED
 from validation.compute import followed
@@ -159,33 +158,6 @@ def test_a_range_may_have_units(printed):
     assert float(first[2]) == pytest.approx(float(first[1]) * transit, rel=1e-6)
 
 
-def test_a_failed_branch_goes_on_to_the_file_of_one_that_did_not_fail(tmp_path, monkeypatch):
-    """Its file is not complete; the one that goes on from it is that of a branch computed at once."""
-
-    def failing(*all_of_it):
-        yield from islice(ends_of(*all_of_it), 5)
-        raise NumericsError("it turns too sharply")
-
-    monkeypatch.chdir(tmp_path)
-    words, options = ("paper", RANGE, "kelvin-voigt"), {"tol": 1e-4, "most_points": 9}
-    sw.branch(*words, **options, out="whole.nc")
-    with monkeypatch.context() as patch:
-        patch.setattr(followed, "ends_of", failing)
-        with pytest.raises(NumericsError, match="it turns too sharply") as failure:
-            sw.branch(*words, **options, out="part.nc")
-    assert len(failure.value.result.summary["points"]) == 5
-    failure.value.result.to_netcdf("again.nc")
-    for name in ("part.nc", "again.nc"):
-        with xarray.open_dataset(name) as data:
-            assert (data.attrs["complete"], data.sizes["point"]) == (0, 5)
-    sw.branch(*words, **options, resume="part.nc")
-    whole, part = xarray.open_datatree("whole.nc"), xarray.open_datatree("part.nc")
-    assert part.attrs["complete"] == 1
-    assert [part.attrs[name] for name in ("facts", "notes")] == [whole.attrs[name] for name in ("facts", "notes")]
-    for group in ("/", "/resume"):
-        xarray.testing.assert_equal(part[group].dataset, whole[group].dataset)
-
-
 def test_a_branch_ends_at_its_longest_period(answer):
     short = answer("branch", *COARSE, "--longest-period", "51")
     assert short["points"][-2]["period"] < 51.0 < short["points"][-1]["period"]
@@ -313,16 +285,9 @@ OTHER = over_range(RANGE, sw.read("paper", {"interface.a": 0.03491}))
         ("branch", "scene", {"over": OTHER}),
         ("branch", "model", {"model": "modal:1"}),
         ("branch", "cells", {"cells": 9}),
-        ("branch", "doubled", {"doubled": True}),
-        ("branch", "parameter", {"over": SECOND}),
         ("branch", "sources", {}),
-        ("curve", "scene", {"over": OTHER}),
-        ("curve", "model", {"model": "kelvin-voigt"}),
         ("curve", "type", {"kind": "NS"}),
         ("curve", "rectangle", {"over": over_range("log10_r=-2.72:-2.69", "paper")}),
-        ("curve", "rectangle", {"second": over_range("V=100:121", "paper")}),
-        ("curve", "rectangle", {"second": over_range("epsilon=100:120", "paper")}),
-        ("curve", "sources", {}),
     ],
 )
 def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, kind, fact, changes):

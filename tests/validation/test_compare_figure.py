@@ -1,4 +1,4 @@
-"""The overlay that `compare` draws: the last cycle of each model, with the right words on its axes; none of a transient."""
+"""The overlay that `compare` draws: the last cycle of each model, with the right words on its axes."""
 
 from pathlib import Path
 from typing import Any
@@ -53,20 +53,3 @@ def test_the_overlay_of_compare(tmp_path: Path, drawn: list[Figure]) -> None:
         np.testing.assert_allclose(time, columns["time"][inside] - begin, atol=1e-9)
         np.testing.assert_allclose(values, columns[name][inside], rtol=1e-9)
         assert len(axes.get_lines()) == 2
-
-
-def test_a_transient_has_a_word_in_the_legend_and_no_cycle(tmp_path: Path, drawn: list[Figure]) -> None:
-    words = ["compare", "paper", "--models", "delay,quasidynamic", "--until", "2000", "--out", str(tmp_path / "x.png")]
-    assert main(words) == 0
-    assert main([*words, "--set", "run.record=[]"]) == 0
-    above, below = drawn[0].axes
-    assert legend(drawn[0]) == [
-        "delay: periodic, T = 73.4718",  # mean of the cycles that repeat: the last is 73.4721
-        "quasidynamic: decaying, no cycle drawn",
-    ]
-    assert legend(drawn[1]) == [f"{model}: events not watched, no cycle drawn" for model in ("delay", "quasidynamic")]
-    told = [[text.get_text() for text in figure.axes[0].texts] for figure in drawn]
-    assert told == [[], ["no run has cycles that represent its motion"]]
-    for axes in (above, below):
-        (exact,) = (line.get_xdata() for line in axes.get_lines())
-        assert np.ptp(exact) == pytest.approx(73.4721, abs=1.0)

@@ -9,7 +9,7 @@ import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import MotionVerdict
 from validation.cli import INPUT_WRONG, main
-from validation.results.comparison import barred, conclusion, differences, errors_of, in_json, nothing
+from validation.results.comparison import conclusion, differences, in_json, nothing
 
 
 def row(model, wall, error=1e-3, **more):
@@ -38,13 +38,9 @@ APART = {
          "20 +- 10 % in the stress drop"),
         ([row("delay", 1.0, None, **APART), row("modal:2", 0.5, None, **APART | {"difference": {"period": -0.045}})],
          "modal:2 is cheaper than delay, 2 times, off by 4.5 +- 0.4 % in the period"),
-        ([row("delay", 1.0, None, **APART), row("modal:2", 0.5, None, **APART | {"difference": {"period": -0.047}})],
-         "nothing cheaper than delay is within 5 %: the nearest is modal:2, 2 times cheaper, off by 4.7 +- 0.4 % in the period"),
         ([row("delay", 1.0), row("delay", 0.5), row("fd", 5.0), row("dg:7", 2.0), STEADY],
          "delay is exact and 4 times cheaper than the cheapest full wave here, dg:7"),
         ([row("delay", 1.0), FAILED, STEADY], ""),
-        ([row("fd", 1.0), row("block8", 0.5)], ""),
-        ([row("delay", 1.0, None, verdict="steady"), STEADY], ""),
     ],
 )  # fmt: skip
 def test_the_conclusion_is_that_of_the_rows(rows, told):
@@ -77,21 +73,6 @@ def test_differences_of_motions_that_never_repeat_have_margins_and_are_no_errors
     assert (shown["difference"]["period"], shown["margin"]["period"]) == tuple(found["period"])
     beside = differences(ours, changed(runs[0], "periodic", 10.0, math.nan))
     assert beside["period"].margin == pytest.approx(1.2 * 0.05)
-
-
-@pytest.mark.parametrize(
-    ("margin", "cell"), [(0.0, "12.346"), (0.0234, "12.346 +- 0.023"), (30.0, "12 +- 30"), (math.nan, "12.346 +- ?")]
-)
-def test_a_number_with_its_bar(margin, cell):
-    assert barred(12.3456, margin, 5) == cell
-
-
-def test_a_reference_does_not_differ_from_itself(runs):
-    one, none = changed(runs[0], "irregular", 10.0, 0.4), changed(runs[1], "steady", math.nan, math.nan)  # has no cycles
-    assert in_json(one, one)["difference"] == in_json(one, one)["margin"] == {"period": 0.0, "stress_drop": 0.0}
-    assert in_json(none, one) == {"error": {"period": None, "stress_drop": None}}
-    apart = {"difference": {"period": 0.03, "stress_drop": -0.2}, "margin": {"period": 0.004, "stress_drop": None}}
-    assert errors_of({"error": dict.fromkeys(apart["margin"])} | apart) == ["0.0300 +- 0.0040", "-0.2 +- ?"]
 
 
 def test_an_empty_comparison_says_how_long_a_run_must_be(runs, capsys):

@@ -111,20 +111,11 @@ def test_verdicts_of_runs(words, verdict, multiplicity, answer):
     [
         ("delay", {}),
         ("delay", {"tolerance": 1e-5}),
-        ("delay", {"tolerance": 1e-7}),
         ("delay", {"tolerance": 1e-11}),
-        ("dg:7", {"cells": 2}),
         ("dg:7", {"cells": 8}),
         ("fd", {"cells": 64}),
-        ("fd", {"cells": 150}),
     ],
 )
 def test_brief_sticks_are_counted_alike(model, options):
     """V so large that the paper's slabs stick for hardly more than one round trip."""
     assert watch(slipwave.read("paper", ["drive.velocity=1e4"]), 100.0, model, **options).count == 37
-
-
-@pytest.mark.parametrize(("name", "count"), [("paper", 8), ("paper-2.3", 5), ("unlike", 11), ("reflection", 9), ("slip-law", 8)])
-def test_other_scenes_keep_their_count(name, count):
-    settings = [("delay", {}), ("delay", {"tolerance": 1e-6}), ("fd", {"cells": 64})]
-    assert [watch(slipwave.read(name), 500.0, model, **options).count for model, options in settings] == [count] * 3

@@ -108,16 +108,3 @@ def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(em
     assert follow(resumed, 300.0) == follow(straight, 300.0)
     assert resumed.steps > before
     assert_same_bits(resumed.state(), straight.state())
-
-
-def test_a_march_to_its_end_begins_again_where_it_was_set(monkeypatch):
-    """State at t = 100 of a march that shows everything, put into one that shows its end only and must refine: it would begin at
-    t = 0 again, in steady sliding."""
-    monkeypatch.setattr("reduced.delay.alike.end_resolution", lambda tolerance: 1e-9)
-    exact, end = (Delay(refining(True).scene, emit=emit, tolerance=1e-10) for emit in (True, False))
-    follow(exact, 100.0)
-    given, steps = exact.state(), exact.steps
-    beginning = {"beginning.incoming": given["incoming"], "beginning.now": given["now"]}
-    end.restore(given | beginning | {"counts": np.append(given["counts"][:3], given["counts"][0])})
-    assert follow(end, 160.0).psi == pytest.approx(follow(exact, 160.0).psi, abs=1e-8)
-    assert end.steps > steps

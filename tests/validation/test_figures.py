@@ -1,17 +1,14 @@
-"""Charts: drawn again from their CSV files, told in the numbers that were computed, in colours that can be told from the page."""
+"""Charts: drawn again from their CSV files, told in the numbers that were computed."""
 
 import base64
 import gzip
-import io
 import json
 import re
-from dataclasses import replace
 from html import unescape
 
 import numpy as np
 import pytest
 from fake_studies import draw as drawing_of
-from PIL import Image
 
 from validation.chart import (
     BLUE,
@@ -28,21 +25,14 @@ from validation.chart import (
     Trace,
     outline,
     with_gaps,
-    with_limits,
 )
-from validation.chart.colors import DARK_PAPER, PAPER, by_night, contrast, legible
 from validation.chart.draw import draw
 from validation.chart.labels import plain_label
-from validation.chart.render import render
-from validation.chart.svg import colors_of
 from validation.chart.table import curves_csv, panel_facts, read_chart
 from validation.chart.thin import CELLS, MOST, staying, with_fewer
 from validation.chart.words import described, meetings
-from validation.report import store
 from validation.report.build import make_report
-from validation.report.figures import of_paper_in
-from validation.report.store import Stored
-from validation.study import Evidence, Figure, Outcome, StudyResult, Verdict
+from validation.study import Figure, StudyResult
 
 X = np.linspace(0.0, 4.0, 1801)
 PART = X[:200:10] - 2.0
@@ -152,16 +142,6 @@ def test_what_is_drawn():
     assert [text.get_text() for text in left.get_legend().get_texts()] == ["wave", r"ramp $\Delta\mu$", "count"]
 
 
-def test_panels_of_one_label_share_limits_and_say_it_once():
-    """Within a column along x; `share` extends it to all panels, or to none."""
-    pair = [Panel("", Scale("t"), Scale("y"), [Trace("", [0.0, end], [0.0, end])]) for end in (1.0, 3.0)]
-    stacked, all_, none = (with_limits(Chart(pair, share=share)) for share in (("column", "row"), ("all", "all"), ("", "")))
-    ends = [[(panel.x.ends[1], panel.y.ends[1]) for panel in chart.panels] for chart in (stacked, all_, none)]
-    assert np.allclose(ends, [[(3.15, 1.05), (3.15, 3.15)], [(3.15, 3.15)] * 2, [(1.05, 1.05), (3.15, 3.15)]])
-    assert [axes.get_xlabel() for axes in draw(Chart(pair)).axes] == ["", "t"]
-    assert [axes.get_ylabel() for axes in draw(Chart(pair, columns=2)).axes] == ["y", ""]
-
-
 def test_thinning_keeps_every_extremum_and_changes_no_number():
     x = np.arange(50_000.0)
     y = np.zeros(x.size)
@@ -194,78 +174,6 @@ def test_words_are_the_numbers_that_were_computed():
     assert "At x = 4 ramp Δμ is highest (1.3), wave lowest (−0.5366)." in words
     assert "shades: V over r; x from 0 to 1, y from 1 to 2, logarithmic in y. T (cells)" not in words
     assert "log10 r" in words
-
-
-def test_pictures_within_a_chart_follow_a_dark_page(tmp_path):
-    """One of few colours has a second one in those of the key; the shades of one of many are turned by the page."""
-    few = Look(kind="cells", colors={"no": "#ffffff", "two": "#c44e52"})
-    shown = [Trace("", [0.0, 1.0], [0.0, 1.0], few, value=[[0, 1], [1, 0]]), Trace("", 0.5, 0.5, Look("#c44e52", kind="area"))]
-    many = Trace("", range(20), range(20), Look(kind="cells"), value=np.arange(400.0))
-    many = replace(many, value=np.arange(400.0).reshape(20, 20))
-    panels = [Panel(name, Scale(), Scale(), traces) for name, traces in (("few: two", shown), ("many", [many]))]
-    render(Chart(panels, 2.0, 2, legend="outside upper left"), tmp_path / "a", "a")
-    svg = (tmp_path / "a.svg").read_text()
-    assert ">few: two<" in svg
-    assert re.findall(r'class="(\w+)"', svg) == ["day", "night", "shades", "shades"]
-    day, night = (colors_in(packed) for packed in re.findall(r"base64,([^\"]*)", svg)[:2])
-    assert day >= {"#ffffff", "#c44e52"}
-    assert night >= {DARK_PAPER, by_night("#c44e52")}
-    assert "var(--cc44e52," in svg
-
-
-def colors_in(packed):
-    with Image.open(io.BytesIO(base64.b64decode(packed))) as image:
-        return {f"#{bytes(color).hex()}" for _, color in image.convert("RGB").getcolors(9999)}
-
-
-def test_svg_is_text_with_ids_of_its_own_and_the_same_twice(tmp_path):
-    for name in ("a", "b"):
-        render(CHART, tmp_path / name, "study-figure")
-    first, second = ((tmp_path / name).with_suffix(".svg").read_text() for name in "ab")
-    assert first == second
-    assert all((tmp_path / f"a{end}").read_bytes() == (tmp_path / f"b{end}").read_bytes() for end in (".png", ".csv"))
-    assert re.findall(r">(time)\b", first)
-    assert all(name.startswith("study-figure") for name in re.findall(r' id="([^"]*)"', first))
-    assert set(re.findall(r"(?:href=\"#|url\(#)([^\")]*)", first)) <= set(re.findall(r' id="([^"]*)"', first))
-    assert ">a &amp; b &lt;<" in first
-    assert "date" not in first
-
-
-@pytest.mark.parametrize("color", ["#111111", "#0072b2", "#e69f00", "#56b4e9", "#cc4f8a", "#b9b9b9", "#009e73"])
-def test_lines_are_clear_by_day_and_by_night(color):
-    day = legible(color)
-    assert contrast(day, PAPER) >= 3.0
-    assert contrast(by_night(day), DARK_PAPER) >= 3.0
-    assert contrast(by_night("#000000"), by_night(PAPER)) >= 7.0
-    assert (contrast("#000000", "#ffffff"), contrast("#777777", "#777777")) == pytest.approx((21.0, 1.0))
-    assert colors_of([f"var(--c{day[1:]},{day})"]) == (f"--c{day[1:]}:{day};", f"--c{day[1:]}:{by_night(day)};")
-
-
-def test_labels_lose_their_markup():
-    assert plain_label(r"$\log_{10} r$ of $r\,\omega_c$, slab.log10_r, $V/V^*$") == "log10 r of r ωc, slab.log10_r, V/V*"
-
-
-def test_a_stored_figure_has_its_data_and_words(fake, tmp_path):
-    module = fake.add("first")
-    store.store_result(tmp_path, module, "key", StudyResult("", figures=(Figure("line", "A line.", drawing_of),)), 1.0)
-    (picture,) = store.stored_result(tmp_path, module, "key").pictures
-    assert picture.title == "panel: 1 curve; largest 1 at x = 1 (curve); least 0 at x = 0 (curve)."
-
-
-def test_the_papers_figures_stand_in_its_order_with_what_they_carry(tmp_path):
-    """P1 is not P10; a figure takes verdicts of every study."""
-    rows = [Verdict(claim, Evidence.PAPER, "73.5", "73.47", Outcome.PASS) for claim in ("P1 a", "P10 b", "Fig 5: c", "other")]
-    one = Stored("one", "?", 1.0, True, StudyResult("", verdicts=tuple(rows[:2])), (picture_of(tmp_path, "Fig 7", "P10 "),))
-    two = Stored(
-        "two", "?", 1.0, True, StudyResult("", verdicts=tuple(rows[2:])), (picture_of(tmp_path, "Fig 5", "P1 ", "Fig 5"),)
-    )
-    found = [(one.picture.paper, [verdict.claim for verdict in one.verdicts]) for one in of_paper_in([one, two])]
-    assert found == [("Fig 5", ["P1 a", "Fig 5: c"]), ("Fig 7", ["P10 b"])]
-
-
-def picture_of(folder, paper, *carries):
-    files = [folder / f"a{end}" for end in (".svg", ".png", ".csv")]
-    return store.Picture("one", "a", "A.", False, False, paper, carries, False, "", "t", "d", [], *files)
 
 
 def test_a_figure_that_opens_has_its_file_in_the_page(fake, tmp_path):

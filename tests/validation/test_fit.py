@@ -17,7 +17,7 @@ from validation.fit.forward import OfReduction, OfSolver, marched
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
 from validation.fit.problem import problem_of
-from validation.fit.records import Experiment, followed, stick_slip, travelled
+from validation.fit.records import Experiment, stick_slip, travelled
 
 Made = OfReduction | OfSolver | CycleOfReduction
 KEYS = ["interface.a", "interface.b", "interface.memory_length"]
@@ -268,14 +268,6 @@ def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:
     shift = np.array([0.0, 1e-3])
     difference = (heavy.friction(inner + shift)[0] - heavy.friction(inner - shift)[0]) / 2e-3
     assert by[1] == pytest.approx(difference, rel=1e-3)
-
-
-def test_the_load_point_of_a_file_gives_steps_and_holds() -> None:
-    times = np.arange(0.0, 400.0, 0.05)
-    moved = np.interp(times, [0.0, 50.0, 150.0, 250.0, 260.0, 400.0], [0.0, 500.0, 500.0, 1500.0, 2500.0, 3900.0])
-    found = followed(times + 1000.0, 1e-6 * (moved + 0.1 * np.random.default_rng(3).standard_normal(times.size)))
-    assert np.array(found.times) == pytest.approx([1000, 1050, 1050, 1150, 1150, 1250, 1250, 1260, 1260, 1399.95], abs=0.01)
-    assert np.array(found.velocities) == pytest.approx(np.repeat([1e-5, 0.0, 1e-5, 1e-4, 1e-5], 2), rel=1e-3)
 
 
 def test_a_slide_hold_slide_in_columns_of_its_own_is_fitted_with_its_own_drive(tmp_path: Path) -> None:

@@ -78,11 +78,6 @@ def test_a_drift_that_a_verdict_of_irregular_does_not_see_goes_on():
     assert UNSTABLE.ended(drifts) is None
 
 
-def test_halves_are_compared_over_whole_periods():
-    """Nine cycles of period two: the halves of four have the same mean, 4 and 5 cycles would not."""
-    assert halves_agree(judged(1.0 + 0.05 * (-1.0) ** np.arange(9.0)))
-
-
 def test_steady_sliding_is_settled_where_it_is_stable_or_nothing_disturbs_it():
     slides = judged(NONE, slides=True)
     assert STABLE.ended(slides) == "settled"
@@ -92,26 +87,6 @@ def test_steady_sliding_is_settled_where_it_is_stable_or_nothing_disturbs_it():
     assert UNSTABLE.ended(judged(np.ones(2), rests=False)) == "settled"
     assert UntilCycles(5, STABLE.scene, "delay").ended(slides) == "settled"
     assert UntilCycles(5, OPEN, "delay").ended(slides) is None
-
-
-@pytest.mark.parametrize(("cycles", "ended"), [(4, None), (5, "cycles"), (6, "cycles")])
-def test_a_number_of_cycles_is_enough_when_it_is_reached(cycles, ended):
-    assert UntilCycles(5, OPEN, "delay").ended(judged(np.ones(cycles))) == ended
-
-
-def test_stretches_begin_with_the_expected_cycles_and_grow_by_a_quarter():
-    ends, first = list(itertools.islice(UNSTABLE.ends(0.0), 3)), 26.0 + 16.0 * outlook(OPEN, "delay").period
-    assert ends == [first, 1.25 * first, 1.25**2 * first]
-    far = UntilSettled(slipwave.read("paper", ["slab.log10_r=-3.2"]), "delay")
-    assert (
-        next(far.ends(0.0)) == 26.0 - 16.0 / outlook(far.scene, "delay").rate < 26.0 + 16.0 * outlook(far.scene, "delay").period
-    )
-    assert next(UNSTABLE.ends(ends[0] + 1.0)) == ends[1]  # from a checkpoint
-    changing = slipwave.read("paper", ["drive.velocity=[[0, 50], [300, 100]]"])
-    assert next(UntilSettled(changing, "delay").ends(0.0)) == 600.0 + ends[0]
-    assert max(UNSTABLE.ends(0.0)) < 1e9
-    assert list(Length(until=5.0).ends(7.0)) == [5.0]
-    assert list(UntilSettled(OPEN, "delay", until=400.0).ends(150.0)) == [200.0, 400.0]
 
 
 def test_the_length_of_a_scene():

@@ -3,7 +3,6 @@
 import json
 import math
 import re
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,7 +17,7 @@ from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.cli import INPUT_WRONG, main
 from validation.compute import at_scene
 from validation.compute.at_scene import Primary
-from validation.compute.orbits import OrbitFound, most_transits
+from validation.compute.orbits import OrbitFound
 from validation.references.published import half_digit, reference, reference_orbit
 
 
@@ -83,43 +82,12 @@ def test_a_run_that_leads_to_none_gives_way_to_the_branch():
     assert hopf < unstable < fold < found.period < unstable + 5.0
 
 
-def test_a_period_in_seconds_is_asked_for_in_transits(monkeypatch):
-    asked = []
-    monkeypatch.setattr("validation.results.orbit.orbit_at_scene", lambda *all_of_it: asked.append(all_of_it[4]))
-    scene = sw.read("paper-si")
-    transit = scene.transit * scene.units.time
-    for given in (f"{80 * transit:.17g} s", f"{8e4 * transit:.17g} ms", 80, "80"):
-        sw.orbit("paper-si", near_period=given)
-    assert asked == pytest.approx([80.0] * 4, rel=1e-14)
-
-
-@pytest.mark.parametrize("others", [True, False])
-def test_beside_the_orbit_of_a_run_the_others_are_named_if_asked_for(monkeypatch, others):
-    """Two orbits coexist, and a run leads to the stable one; the branch is not followed for nothing."""
-    flow = FlowByHand(SUBCRITICAL, -0.16)
-    both = [close(flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)]
-    reached = OrbitFound(periodic_orbit(flow, SUBCRITICAL.state(0.8), SUBCRITICAL.period(0.8)), 1e-8)
-    followed = []
-    monkeypatch.setattr(at_scene, "moving", lambda *_: None)
-    monkeypatch.setattr(at_scene, "find_orbit", lambda *_: reached)
-    monkeypatch.setattr(at_scene, "primary", lambda *_: followed.append(1) or Primary(both, "it was followed to 6"))
-    found = at_scene.orbit_at_scene("by hand", flow.scene, 1e-8, others=others)
-    assert found.found is reached.found
-    assert len(followed) == others
-    assert [one.period for one in found.others] == pytest.approx([SUBCRITICAL.period(0.2)] * others, rel=1e-9)
-    assert [one.unstable for one in found.others] == [1] * others
-    assert found.notes[-1].endswith(": it was followed to 6" if others else ": --others looks for them")
-
-
 @pytest.mark.parametrize(
     ("near", "s", "other", "word", "on_branch", "own"),
     [
         (5.9, 0.2, 0.8, "stable", (0.2, 0.8), None),
-        (5.1, 0.8, 0.2, "unstable", (0.2, 0.8), None),
         (5.1, 0.8, 0.2, "unstable", (0.2, 0.8), 0.8),
         (5.1, 0.8, 0.2, "unstable", (0.2,), 0.8),
-        (5.9, 0.2, 0.8, "stable", (0.2,), 0.8),
-        (5.1, 0.8, None, "", (), 0.8),
         (5.1, 0.8, None, "", None, 0.8),
     ],
 )
@@ -148,12 +116,6 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     assert found.found.multipliers.stable is (s == 0.8)
     assert (found.source == "from the run") is (s == own and s not in (on_branch or ()))
     assert [str(one) for one in found.others] == ([f"{SUBCRITICAL.period(other):.7g} ({word})"] if other else [])
-
-
-@pytest.mark.parametrize(("expected", "most"), [(100.0, 6000.0), (1e3, 25e3), (2e4, 5e5), (1e5, 6000.0), (math.inf, 6000.0)])
-def test_a_run_to_an_orbit_is_long_enough_for_its_cycles(monkeypatch, expected, most):
-    monkeypatch.setattr("validation.compute.orbits.outlook", lambda scene, model: SimpleNamespace(period=expected))
-    assert most_transits(sw.read("paper"), "delay") == most
 
 
 def test_a_branch_of_long_periods_is_not_begun():

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-import xarray
 from scipy.interpolate import CubicSpline
 
 import slipwave
@@ -12,7 +11,6 @@ from fullwave.fields.record import record_field
 from slipwave import read
 from slipwave.observe import EventObserver, HistoryObserver, Pieces
 from slipwave.solve import follow
-from validation.cli import main
 from validation.compute.build import build
 from validation.compute.settle import MOST_TRANSITS, NoCycle, settle
 from validation.measure.cycle import one_cycle
@@ -224,12 +222,3 @@ def friction_work(solver, columns):
     assert times[0] == pytest.approx(0.0, abs=0.2)
     power = (columns["stress"] * columns["slip_rate"])[first]
     return solver.scene.transit * float(CubicSpline(times, power).integrate(times[0], times[-1]))
-
-
-def test_the_file_of_fields_begins_at_zero(tmp_path, capsys):
-    out = tmp_path / "orbit.nc"
-    words = ["run", "paper", "--set", "start.kind=orbit", "--model", "fd", "--cells", "16", "--until", "10"]
-    assert main([*words, "--fields", str(out)]) == 0
-    with xarray.open_dataset(out) as data:
-        assert float(data["time"][0]) == 0.0
-        assert 10.0 - 1e-9 <= float(data["time"][-1]) < 10.5

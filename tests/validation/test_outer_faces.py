@@ -11,7 +11,6 @@ from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import stability_polynomial
 from reduced.stability import leading_roots
 from reduced.stability.characteristic import characteristic
-from slipwave.errors import SceneError
 from slipwave.scene.slab import GripFace, MachineFace, ReflectingFace, Termination
 from slipwave.solve import follow
 from tests.one_port_by_hand import leading_root
@@ -79,11 +78,6 @@ class Bolt:
 @pytest.mark.parametrize("model", SPRUNG)
 def test_every_model_takes_a_face_that_it_has_never_heard_of(model):
     assert values(end(model, of(Bolt()))) == values(end(model, of(MACHINE)))
-
-
-def test_a_quasi_static_reduction_needs_a_spring():
-    with pytest.raises(SceneError, match="cannot do an outer face without a spring"):
-        build("quasidynamic", of(MachineFace(0.0, 1.0, 0.4)))
 
 
 @pytest.mark.parametrize(("model", "cells"), [("delay", None), ("fd", 64), ("dg:5", 3)])

@@ -1,12 +1,7 @@
 """The page: seven questions, the table of models, rows of verdicts, in the words and numbers of the stored results."""
 
-import dataclasses
 import re
 
-import pytest
-from fake_studies import result
-
-from validation.report.first_screen import cost_at, usual
 from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask, left_out
 from validation.report.recorded import record_of
@@ -15,7 +10,6 @@ from validation.studies import STUDIES
 from validation.study import Evidence, Omission, Outcome, StudyAnswer, StudyResult, Verdict
 from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.study.names import by_claim
-from validation.study.text import first_sentence
 
 FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "platform", "processor", "cores"), "1")
 
@@ -93,21 +87,6 @@ def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
     assert cited == {"bifurcation", "bifurcation.a-holds", "bifurcation.b-holds"}
 
 
-def test_claims_of_the_paper_are_counted_and_findings_come_first(tmp_path):
-    kinds = [Outcome.PASS, Outcome.FINDING, Outcome.PASS]
-    studies = [stored("claims", *(verdict(kind, Evidence.PAPER, f"P{n} holds") for n, kind in enumerate(kinds)), verdict())]
-    html = page_of(tmp_path, *studies)
-    assert "Of 3 checks against the paper’s claims, under all seven questions, 2 hold; 1 do not" in summary_of(html, "paper")
-    assert [row[1:] for row in rows_of(html, "verdicts that are findings")][1:] == [["P1 holds", "paper", "below 0.5", "0.1", ""]]
-
-
-def test_the_verdicts_rest_on_kinds_of_evidence(tmp_path):
-    told = verdict(), verdict(Outcome.FAIL, title="B holds"), verdict(evidence=Evidence.WITNESS)
-    html = page_of(tmp_path, stored("energy", *told))
-    assert "The 3 verdicts rest on five kinds of evidence: 2 exact, 0 self-convergence, 1 independent witness" in html
-    assert rows_of(html, "studies and kinds of evidence")[1] == ["energy", "✗ 2", "", "✓ 1", "", ""]
-
-
 def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
     html = page_of(tmp_path, stored("energy", verdict(size=0.1, limit=0.5)))
     assert rows_of(html, "verdicts energy")[1][1:] == ["A holds", "exact", "below 0.5", "0.1", " 0.2"]
@@ -177,37 +156,3 @@ def test_a_reason_with_numbers_is_checked_by_a_verdict_or_said_not_to_be(tmp_pat
     html = page_of(tmp_path, *studies)
     assert "3 reasons, 1 unchecked" in summary_of(html, "omissions")
     assert 'At 3. <a href="#claims">claims</a> <a href="#energy.a-holds-so"' in html
-
-
-def test_on_a_phone_the_cost_is_that_of_the_nearest_place():
-    row = dataclasses.replace(models().rows[0], costs=(1.0, 9.0))
-    table = dataclasses.replace(models(), costed=("−2.7", "−2.5"))
-    assert [cost_at(table, row, column) for column in table.columns] == [1.0, 1.0, 9.0]
-    assert (usual(table), usual(models())) == (0, 1)
-
-
-def test_a_study_that_no_question_names_is_shown_once(tmp_path):
-    html = page_of(tmp_path, stored("energy", verdict()), stored("stability-attacks", verdict()))
-    asked = ask([stored("energy"), stored("a-new-one")], "")
-    assert [[study.name for study in one.studies] for one in asked if one.studies] == [["energy"], ["a-new-one"]]
-    assert html.count('<details class="study"') == 2
-
-
-@pytest.mark.parametrize(
-    ("words", "first"),
-    [
-        ("Errors of T. Means.", "Errors of T."),
-        ("At 10^{-2.5}, say. `delay` is", "At 10^{-2.5}, say."),
-        ("One", "One"),
-        ("Leeman et al. (2016), quartz. Points: measured.", "Leeman et al. (2016), quartz."),
-    ],
-)
-def test_a_caption_folds_behind_its_first_sentence(words, first):
-    assert first_sentence(words)[0] == first
-    assert " ".join(filter(None, first_sentence(words))) == words
-
-
-def test_a_whole_result_is_shown_with_its_data(tmp_path):
-    html = page_of(tmp_path, Stored("claims", "?", 1.0, True, result()), stored("which-model", model_tables=(models(),)))
-    told = ("data/claims/table-t.csv", "data/which-model/models-paper.csv", "Clock: transits.", "<b>P8</b> needs continuation")
-    assert [one for one in told if one not in html] == []

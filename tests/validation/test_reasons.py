@@ -9,22 +9,19 @@ import pytest
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from fullwave.lines.march import MethodOfLines
 from reduced.delay.march import DelayMarch
 from reduced.stability import characteristic, leading_roots
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from slipwave.solve.follow import DAY, require_time
+from slipwave.solve.follow import DAY
 from tests.granite import GRANITE, THIN
 from validation.cli import INPUT_WRONG, main
 from validation.compute import progress as module
 from validation.compute.build import build
-from validation.compute.models import GRIDS, explicit_time
 from validation.compute.outlook import outlook, stress_released
 from validation.compute.progress import LongRunAdvice, error_without_echoes, progress
 from validation.compute.run import simulate
-from validation.results.reasons import engineering
 
 
 def told(*settings, until, scene="paper"):
@@ -50,13 +47,6 @@ def test_a_decaying_run_says_how_fast():
 def test_unlike_slabs_are_scaled_together():
     (line,) = told("upper.r=0.002", "lower.r=0.004", until=50.0, scene="unlike")[-1:]
     assert "r of the upper slab, both slabs scaled together, over 0.00239 (here 0.002)" in line
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"), [(1.5e8, "Pa", "150 MPa"), (5.99999997, "m", "6 m"), (999.9, "s", "1 ks"), (0.2, "", "0.2")]
-)
-def test_three_figures_and_a_prefix(value, unit, text):
-    assert engineering(value, unit) == text
 
 
 def test_an_interface_that_is_hardly_loaded_has_no_expected_cycle():
@@ -130,21 +120,6 @@ def test_the_error_is_that_of_one_echo():
     """2 Z V/a for the ageing law, with Z = epsilon/2."""
     scene = slipwave.read("paper")
     assert error_without_echoes(scene) == pytest.approx(2.8e-5 * 100.0 / 0.0349, rel=1e-9)
-
-
-@pytest.mark.parametrize("family", GRIDS, ids=lambda family: family.name)
-def test_a_run_of_a_day_goes_and_a_longer_one_does_not(family, monkeypatch):
-    march = explicit_time(family.example)
-    solver = build(family.example, slipwave.read("paper"), time=march)
-    pieces = 4000.0 / solver.advance(1e-6).length[0]  # type: ignore[attr-defined]
-    kind = Leapfrog if family.name == "fd" else MethodOfLines
-    fresh = build(family.example, slipwave.read("paper"), time=march)
-    monkeypatch.setattr(kind, "seconds_per_piece", 0.999 * DAY / pieces)
-    require_time(fresh, 4000.0)
-    monkeypatch.setattr(kind, "seconds_per_piece", 1.001 * DAY / pieces)
-    with pytest.raises(SceneError, match=r"4000 transits would take about 1 days .*fewer cells or a larger cfl; --yes"):
-        require_time(fresh, 4000.0)
-    require_time(fresh, 4000.0, most=float("inf"))
 
 
 @pytest.mark.parametrize("model", ["delay", "block8"])

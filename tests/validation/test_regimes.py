@@ -8,9 +8,8 @@ import slipwave
 from slipwave.observe.statistics import autocorrelations, mean_of, median_of
 from tests.granite import GRANITE
 from validation.fit.least_squares import correlated_samples
-from validation.measure.cycle import OneCycle, ripple_period
 from validation.study.over_r import begun_at, scene_at
-from validation.study.regimes import AWAY, STEADY, UNDECIDED, Regime, regime_of
+from validation.study.regimes import AWAY, STEADY, regime_of
 
 
 @pytest.mark.parametrize(
@@ -34,20 +33,6 @@ def test_an_orbit_is_refined_where_a_tolerance_is_given():
     assert run.figures["T"].value == pytest.approx(76.6102996396875, rel=3e-9)
     assert refined.figures["T"].value == pytest.approx(76.6102996396875, rel=1e-12)
     assert (refined.ran, run.ran) == (run.figures, {})
-
-
-def test_what_is_undecided_agrees_with_everything():
-    assert Regime("torus").agrees(Regime("torus"))
-    assert not Regime("torus").agrees(Regime("irregular"))
-    assert Regime(UNDECIDED).agrees(Regime("irregular"))
-
-
-def test_cycles_that_alternate_have_an_error_all_the_same():
-    """Autocorrelations of -1, 1, ... leave none of it, but the level wanders by a hundredth."""
-    level = np.repeat(np.random.default_rng(1).normal(size=8), 10)
-    found = mean_of(np.tile([1.0, 3.0], 40) + 0.01 * level)
-    assert found.error > 0.001
-    assert found.value == pytest.approx(2.0, abs=4.0 * found.error)
 
 
 def sequence(memory, count, seed):
@@ -88,30 +73,6 @@ def test_twice_the_error_of_a_median_is_a_margin_too_and_a_heavy_tail_does_not_m
     found = [median_of(np.exp(3.0 * sequence(memory, 4000, seed))) for seed in range(40)]
     assert np.mean([abs(one.value - np.exp(15.0)) <= 2.0 * one.error for one in found]) >= 0.9
     assert np.median([one.error for one in found]) < 0.5 * np.exp(15.0)
-
-
-@pytest.mark.parametrize(("values", "mean"), [(np.tile([3.0, 1.0], 12), 2.0), (np.full(9, 2.5), 2.5)])
-def test_a_sequence_that_repeats_has_no_error(values, mean):
-    found = mean_of(values)
-    assert found.value == pytest.approx(mean, abs=1e-14)
-    assert found.error < 1e-7
-
-
-def cycle(period, amplitude=0.01):
-    time = np.sort(np.concatenate([np.arange(0.0, 70.0, 0.031), np.arange(0.0, 70.0, 0.047)]))
-    time = np.unique(time)
-    stress = 0.2 + 0.002 * time + 1e-5 * time**2 + amplitude * np.cos(2 * np.pi * time / period)
-    return OneCycle(time, np.ones_like(time), time * 0, stress, stress, np.ptp(time))
-
-
-@pytest.mark.parametrize("period", [1.0, 1.2825498])
-def test_known_ripple(period):
-    assert ripple_period(cycle(period)) == pytest.approx(period, rel=2e-4)
-
-
-def test_no_ripple():
-    with pytest.raises(ValueError, match="ripples between"):
-        ripple_period(cycle(40.0))
 
 
 LONG_MEAN, ITS_MARGIN = 463.0, 0.2

@@ -14,15 +14,11 @@ import xarray
 
 import slipwave
 import slipwave as sw
-from slipwave.files import CONVENTIONS
 from slipwave.friction.law import LAWS
 from slipwave.friction.own import LAW_FILES
 from slipwave.input.source import gallery_names
-from slipwave.observe.stages import StageFigures
-from tests.conventions import quick_results
 from validation.cli import main
 from validation.results.provenance import provenance
-from validation.results.stage_table import stage_rows
 
 ROOT = Path(__file__).resolve().parents[2]
 SHORT = {"drive.velocity": 2000, "slab.thickness": 0.0335}
@@ -115,14 +111,6 @@ def test_show_prints_a_scene_that_is_read_as_the_same(name, tmp_path, printed):
     assert (mine, mine.digest, mine.name) == (own, own.digest, name)
 
 
-def test_show_prints_what_a_file_holds_as_comments(tmp_path, printed):
-    sw.run("paper", "block8", until=20, **{"slab.log10_r": -2.6}).to_netcdf(tmp_path / "run.nc")
-    text = printed("show", str(tmp_path / "run.nc"))
-    assert "# model = block8\n" in text
-    tables = tomllib.loads(text)
-    assert (tables["slab"]["log10_r"], tables["run"]["until"]) == (-2.6, 20)
-
-
 def test_an_orbit_is_one_period_with_its_multipliers(tmp_path, again, refused):
     result = sw.orbit("paper", "kelvin-voigt", tol=1e-6, **{"drive.velocity": 2000})
     data, facts = result.dataset, result.summary
@@ -151,39 +139,6 @@ def test_a_file_has_the_numbers_of_every_slab():
     wanted |= {"memory_length_m": 0.9e-6, "reference_velocity_m_per_s": 1e-6, "normal_stress_Pa": 1e3}
     wanted["epsilon"] = (784.0 * 1e6) ** 0.5 * 1e-6 / 1e3
     assert {name: facts[name] for name in wanted} == pytest.approx(wanted, rel=1e-12)
-
-
-UNITS = {"1", "s", "Pa", "m", "m s-1"}
-"""The units in use: UDUNITS knows them."""
-
-
-def require_cf(data):
-    """Of the CF conventions: names (2.3), no missing coordinate values (2.5.1), units (3.1), long names (3.2), rising coordinates
-    (1.2)."""
-    for name, variable in data.variables.items():
-        assert str(name).isidentifier()
-        assert variable.attrs["long_name"]
-        assert variable.attrs.get("units") in UNITS or variable.dtype.kind in "OU", name
-        if name in data.dims:
-            assert "_FillValue" not in variable.attrs
-            assert (np.diff(variable.values) > 0.0).all()
-
-
-@pytest.mark.parametrize("scene", ["paper", "paper-si"])
-def test_files_follow_the_cf_conventions(scene, tmp_path):
-    """The rules that need no library; `make cf` runs a checker from outside on the same kinds of file."""
-    path = tmp_path / "x.nc"
-    works = list(quick_results(scene))
-    for work in works:
-        work.to_netcdf(path)
-        with xarray.open_dataset(path, decode_cf=False) as data:
-            assert data.attrs["Conventions"] == CONVENTIONS == "CF-1.11"
-            assert {"title", "institution", "source", "history", "references"} <= set(data.attrs)
-            assert ("stage_velocity" in data) == (work is works[-1])
-            require_cf(data)
-    with xarray.open_dataset(path, group="fields", decode_cf=False) as data:
-        assert {"time", "upper_depth", "upper_velocity", "upper_stress"} == set(data.variables)
-        require_cf(data)
 
 
 LAW = ROOT / "examples" / "own_law.py"
@@ -315,28 +270,6 @@ def test_the_figure_is_friction_against_time_and_slip():
     slipped = 40.0 + 150.0 + unloaded
     assert [line.get_xdata()[0] for line in below.lines[:-2]] == pytest.approx([40.0, slipped], abs=0.05)  # 0.007 measured
     assert slipped < float(slip[-1]) < slipped + 20.0  # in the hold friction relaxes
-
-
-@pytest.mark.parametrize("name", ["paper", "paper-si"])
-def test_every_column_of_the_table_has_the_figure_that_its_heading_names(name):
-    scene = slipwave.read(name)
-    second, metre, rate = (scene.transit * 0.9, 0.9e-6, 1e-6) if scene.units else (1.0, 1.0, 1.0)
-    clock, length, speed = ("s", "m", "m/s") if scene.units else ("transits", "L", "V*")
-    heading, rows = stage_rows([StageFigures("step", 10.0, 20.0, 3.0, 0.61, 0.012, 0.017, 1.3, 0.021, 0.026)], scene)
-    wanted = {f"from [{clock}]": 10.0 * second, f"V [{speed}]": 3.0 * rate, f"slip to 1/e [{length}]": 1.3 * metre}
-    wanted |= {"steady": 0.61, "direct": 0.012, "evolution": 0.017, "relaxation": 0.021, "healing": 0.026}
-    assert (heading[0], rows[0][0]) == ("stage", "step")
-    assert dict(zip(heading[1:], map(float, rows[0][1:]), strict=True)) == pytest.approx(wanted, rel=1e-5)
-
-
-def test_a_figure_that_is_missing_has_a_reason(printed):
-    """V changes to 90 at t = 10 and the sample is not steady when a hold begins at t = 30."""
-    drive = "drive.velocity=[[0, 100], [10, 100], [10, 90], [30, 90], [30, 0], [40, 0], [40, 100]]"
-    assert printed("run", "paper", "--set", drive, "--until", "60").split("\n\n")[1].splitlines()[-2:] == [
-        "no relaxation of the hold from 30 transits on: the step before it is not settled, so there is no steady stress to "
-        "compare with",
-        "no healing of the slide from 40 transits on: its hold has no relaxation",
-    ]
 
 
 def test_a_stage_shorter_than_a_step_leaves_the_others(answer, printed):

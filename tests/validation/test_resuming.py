@@ -60,7 +60,6 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, place):
         (["--set", "slab.log10_r=-2.6"], "scene"),
         (["--until", "50"], "already at"),
         (["--checkpoint-every", "0"], "'0': must be a positive number of transits, or in scenes with SI units a time as in 10s"),
-        (["--checkpoint-every", "often"], "positive"),
         (["--checkpoint-every", "1 s"], '--checkpoint-every = "1 s": must come with interface.normal_stress'),
         (["--fields", "fields.nc"], "observers is ['envelope', 'events']; this run needs ['envelope', 'events', 'fields']"),
     ],
@@ -70,15 +69,6 @@ def test_what_does_not_belong_is_refused(tmp_path, printed, refused, monkeypatch
     printed(*BASE, "--until", "200", "--checkpoint", "run.npz", "--checkpoint-every", "90")
     options = {"--model": "dg:7", "--until": "200", "--checkpoint": "run.npz"} | dict([words])
     assert hint in refused("run", "paper", "--json", *itertools.chain(*options.items()))
-
-
-def test_the_interval_may_have_a_unit(tmp_path):
-    scene = slipwave.read("paper-si")
-    five = 5.0 * scene.transit * scene.units.time
-    for every in (f"{1e3 * five!r} ms", "5", 5):
-        slipwave.run("paper-si", "block8", until=19, checkpoint=tmp_path / "run.npz", checkpoint_every=every)
-        assert 15.0 <= saved_time(tmp_path / "run.npz") < 17.0
-        (tmp_path / "run.npz").unlink()
 
 
 def test_the_fields_of_a_resumed_run_are_those_of_one_that_never_stopped(tmp_path):
@@ -152,9 +142,7 @@ FULL = Path("/dev/full")
         ("run paper --model delay --until 400 --out x.nc", "x.nc"),
         ('run paper --model delay --until 400 --out x.nc --set run.record=["events","interface"]', "samples"),
         ("run paper --model fd --cells 16 --until 110 --fields x.nc", "x.nc"),
-        ("run paper --model fd --cells 16 --until 110 --fields x.vtu", "x.vtu"),
         ("compare paper --models delay --until 400 --out x.pdf", "x.pdf"),
-        ("compare paper --models delay --until 400 --out x.png", "x.png"),
     ],
 )
 def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, file):

@@ -18,12 +18,10 @@ import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
 from tests.one_port_by_hand import pair_impedance
 from validation.cli import main
-from validation.compute.branch import FollowedBranch
 from validation.compute.curve import Curve
 from validation.compute.models import families
 from validation.compute.parameter import Over
-from validation.compute.points import BranchPoint, CurvePoint
-from validation.results.branch import BranchOptions, BranchResult
+from validation.compute.points import CurvePoint
 from validation.results.curve import CurveOptions, CurveResult
 
 UNTIL = 4000.0
@@ -38,18 +36,16 @@ RUN = ["run", "paper-si", "--model", "delay", "--tol", "1e-6", "--until", f"{UNT
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
-    """JSON, file and table of one run."""
+    """JSON and file of one run."""
     out = tmp_path_factory.mktemp("values") / "run.nc"
     with redirect_stdout(io.StringIO()) as printed:
         assert main([*RUN, "--json", "--out", str(out), "--set", 'run.record=["events", "interface"]']) == 0
-    with redirect_stdout(io.StringIO()) as table:
-        assert main(RUN) == 0
     with xarray.open_dataset(out) as data:
-        return json.loads(printed.getvalue()), data.load(), table.getvalue().splitlines()
+        return json.loads(printed.getvalue()), data.load()
 
 
 def test_statistics_are_those_of_the_second_half(told):
-    result, data, _ = told
+    result, data = told
     late = data["event_time"].values >= 0.5 * UNTIL
     assert late.sum() > 4
     for name in ("period", "stress_drop", "elastic_stress_drop"):
@@ -66,10 +62,20 @@ def test_statistics_are_those_of_the_second_half(told):
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 
 
+def test_the_si_of_the_json_is_by_hand(told):
+    """`printed.txt` has the table."""
+    result, _ = told
+    si = {"transit_s": SECONDS} | {f"{name}_m_per_s": result[name] * RATE for name in ("v_max", "v_min")}
+    for name, unit, size in (("period", "s", SECONDS), ("stress_drop", "Pa", PRESSURE), ("elastic_stress_drop", "Pa", PRESSURE)):
+        of_means = {"": result[name]["mean"], "std_": result[name]["std"], "margin_": result["margins"][name]}
+        si |= {f"{name}_{kind}{unit}": value * size for kind, value in of_means.items()}
+    assert result["si"] == pytest.approx(si)
+
+
 def test_the_recorded_motion_obeys_the_equations(told):
     """psi' = r (e^-psi - v) and y' = eps (V - v) on the clock of transits, by differences between neighbouring samples; the
     friction law at every sample."""
-    _, data, _ = told
+    _, data = told
     time, rate, psi, y, mu = (
         data[name].values
         for name in ("time", "interface_slip_rate", "interface_psi", "interface_elastic_stress", "interface_stress")
@@ -84,71 +90,16 @@ def test_the_recorded_motion_obeys_the_equations(told):
         assert np.abs(misfit).max() < 2e-3 * np.abs(wanted[slow]).max()
 
 
-def test_facts_of_the_file(told):
-    result, data, _ = told
-    facts = data.attrs
-    assert facts["transit_in_friction_time"] == pytest.approx(TRANSIT, rel=1e-12)
-    assert (facts["until_transits"], facts["failures"], facts["complete"]) == (UNTIL, 0, 1)
-    assert facts["events"] == result["events"]
-    assert result["events"] - data.sizes["event"] in (1, 2)  # complete cycles lie between events
-    assert facts["scene_digest"] == slipwave.read("paper-si", [f"slab.thickness={THICKNESS}", f"run.until={UNTIL}"]).digest
-
-
-def test_the_table_is_the_json_and_its_si_column_is_by_hand(told):
-    result, _, lines = told
-    wanted = {
-        "period [transits]": (result["period"]["mean"], result["period"]["std"], SECONDS, "s"),
-        "period [L/V*]": (TRANSIT * result["period"]["mean"], TRANSIT * result["period"]["std"], LENGTH / RATE, "s"),
-        "stress drop": (*result["stress_drop"].values(), PRESSURE, "Pa"),
-        "elastic stress drop": (*result["elastic_stress_drop"].values(), PRESSURE, "Pa"),
-        "v_max [V*]": (result["v_max"], None, RATE, "m/s"),
-        "v_min [V*]": (result["v_min"], None, RATE, "m/s"),
-    }
-    for label, (mean, std, unit, name) in wanted.items():
-        (row,) = [line[len(label) :].split() for line in lines if line.startswith(f"{label} ")]
-        assert float(row[0]) == pytest.approx(mean, rel=1e-8)
-        assert row[1] == "-" if std is None else float(row[1]) == pytest.approx(std, rel=5e-3)
-        assert (float(row[2]), row[3]) == (pytest.approx(mean * unit, rel=1e-5), name)
-        assert row[4:] == ["-"] if std is None else (float(row[4]), row[5]) == (pytest.approx(std * unit, rel=5e-3), name)
-    (margins,) = [line for line in lines if "95 %" in line]
-    numbers = [float(word.strip("(,")) for word in margins.split() if word.strip("(,")[0].isdigit()]
-    period, drop = result["margins"]["period"], result["margins"]["stress_drop"]
-    assert numbers[1:] == pytest.approx([period, period * SECONDS, drop, drop * PRESSURE], rel=5e-3)
-    si = {"transit_s": SECONDS} | {f"{name}_m_per_s": result[name] * RATE for name in ("v_max", "v_min")}
-    for name, unit, size in (("period", "s", SECONDS), ("stress_drop", "Pa", PRESSURE), ("elastic_stress_drop", "Pa", PRESSURE)):
-        of_means = {"": result[name]["mean"], "std_": result[name]["std"], "margin_": result["margins"][name]}
-        si |= {f"{name}_{kind}{unit}": value * size for kind, value in of_means.items()}
-    assert result["si"] == pytest.approx(si)
-    (transit,) = [line for line in lines if line.startswith("one transit = ")]
-    assert float(transit.split("one transit = ")[1].split()[0]) == pytest.approx(SECONDS, rel=1e-5)
-    slabs, _ = [line for line in lines if line.startswith("slabs:")]
-    words = slabs.replace(",", "").split()
-    assert float(words[2]) == pytest.approx(math.sqrt(784.0 * 1e6) * RATE / PRESSURE, rel=1e-8)
-    assert float(words[4]) == pytest.approx(TRANSIT, rel=1e-8)
-    (end,) = [line for line in lines if line.startswith("at the end:")]
-    assert [float(part.split(" = ")[1]) for part in end.split(",")] == pytest.approx(list(result["final"].values()), rel=1e-10)
-
-
 A, B, V = 0.0349, 0.0489, 100.0
 
 
-def test_stability_of_unlike_slabs_in_its_table(answer, printed):
-    """The table's roots are the JSON's, in cycles per round trip of the upper slab beside them."""
+def test_roots_of_unlike_slabs_solve_the_equation(answer):
     found = answer("stability", "unlike")
     chosen = slipwave.read("unlike")
     for real, im in found["leading_roots"]:
         s = complex(real, im)
         friction = (A / V * s + (A - B)) / (s + V)
         assert abs(friction + pair_impedance(chosen, s)) < 1e-8 * abs(friction)
-    lines = printed("stability", "unlike").splitlines()
-    rows = [line.split() for line in lines[lines.index(next(line for line in lines if "leading roots" in line)) + 1 :]]
-    upper_half = [root for root in found["leading_roots"] if root[1] >= 0.0]
-    assert len(rows) == len(upper_half)
-    for row, (real, im) in zip(rows, upper_half, strict=True):
-        assert [float(row[0]), float(row[1])] == pytest.approx([real, im], rel=1e-6)
-        assert float(row[-1]) == pytest.approx(im * 0.00244 / (2.0 * math.pi), rel=1e-5)
-    critical = {line.split("  ")[0]: line.split() for line in lines if line.startswith("critical")}
-    assert float(critical["critical frequency omega_c [V*/L]"][4]) == pytest.approx(found["omega_c"], rel=1e-10)
 
 
 COMPARE = ["--until", "4000", "--cells", "24"]
@@ -200,18 +151,9 @@ def table(lines, heading):
     return [dict(zip(heading, row, strict=True)) for row in cells]
 
 
-def test_stability_in_si(printed):
-    found = sw.stability("paper-si")
-    si = found.summary["si"]
-    rows = [re.split(r"\s{2,}", line.strip()) for line in printed("stability", "paper-si").splitlines()]
-    rows = [row for row in rows if row[0].endswith(("[m]", "[Pa]", "[s]", "[Hz]"))]
-    assert {name: [float(text.removeprefix("scene ")) for text in told] for name, *told in rows} == {
-        "critical thickness [m]": pytest.approx([si["critical_thickness_m"], 0.03357797353158276], rel=1e-8),
-        "critical normal stress [Pa]": pytest.approx([si["critical_normal_stress_Pa"], 1e3], rel=1e-8),
-        "growth time of the leading root [s]": pytest.approx([si["growth_time_s"]], rel=1e-8),
-        "frequency of the leading root [Hz]": pytest.approx([si["frequency_Hz"]], rel=1e-8),
-    }
-    root = complex(*found.summary["leading_roots"][0])
+def test_stability_in_si():
+    found = sw.stability("paper-si").summary
+    root, si = complex(*found["leading_roots"][0]), found["si"]
     assert (si["growth_time_s"], si["frequency_Hz"]) == pytest.approx(
         (0.9 / root.real, abs(root.imag) / (2.0 * 3.141592653589793 * 0.9)), rel=1e-12
     )
@@ -223,17 +165,6 @@ RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V
 def values(axes):
     """x and y of every line of a panel."""
     return [(np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist()) for line in axes.get_lines()]
-
-
-def test_every_root_of_steady_sliding_lies_in_the_plane_where_the_json_has_it():
-    found = sw.stability("unlike")
-    real, imaginary = (list(part) for part in zip(*found.summary["leading_roots"], strict=True))
-    assert max(np.abs(np.subtract(np.abs(real), np.abs(imaginary)))) > 1.0
-    assert found.dataset["root_real"].values.tolist() == real
-    assert found.dataset["root_imaginary"].values.tolist() == imaginary
-    assert values(found.plot().axes[0])[0] == (real, imaginary)
-    for name in ("omega_c", "log10_r_c", "epsilon_c"):
-        assert float(found.dataset[name]) == found.summary[name]
 
 
 def test_the_ranges_of_the_motion_are_drawn_in_both_units():
@@ -326,19 +257,6 @@ def orbits(count):
     """Parameter, period, both drops and extreme rates, all different."""
     rows = np.array([[-2.7, 50.0, 0.1, 0.2, 900.0, 20.0]]) * (1.0 + 0.01 * np.arange(count)[:, None])
     return [tuple(row) for row in rows.tolist()]
-
-
-def test_a_branch_shows_its_figures_and_where_stability_is_not_decided():
-    decided = (True, False, None)
-    points = [BranchPoint(*row, unstable, stable) for row, unstable, stable in zip(orbits(3), (0, 1, 0), decided, strict=True)]
-    found = BranchResult(FollowedBranch(RANGES[0], "delay", 1e-6, points=points), BranchOptions(), 1.0)
-    assert found.dataset["point_stable"].values.tolist() == [1, 0, -1]
-    assert [point["stable"] for point in found.summary["points"]] == list(decided)
-    names = ("period", "stress_drop", "elastic_stress_drop")
-    for axes, name in zip(found.plot().axes, names, strict=True):
-        drawn = [line for line in values(axes) if line[0]]
-        assert drawn == [([point.value], [getattr(point, name)]) for point in points]
-        assert found.dataset[f"point_{name}"].values.tolist() == [getattr(point, name) for point in points]
 
 
 def test_a_curve_has_both_parameters_and_the_period_in_their_places():

@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from xarray import DataArray, Dataset
 
 import slipwave as sw
 from reduced.delay import alike
@@ -24,9 +23,9 @@ from validation.cli import main
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.engine import Engine, compute
 from validation.sweep.map_figures import chart_of_sweep, other_side
-from validation.sweep.measures import MEASURES, VERDICTS
+from validation.sweep.measures import VERDICTS
 from validation.sweep.plan import order_of
-from validation.sweep.refine import fill, refine, regime_numbers
+from validation.sweep.refine import refine
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
 
@@ -125,14 +124,6 @@ def test_parts_of_a_job_array_and_a_resumed_sweep_are_the_whole(tmp_path):
     assert same(whole, computed(plan((7, 5)), tmp_path / "parts"))
 
 
-def test_a_finished_sweep_computes_nothing(tmp_path):
-    computed(plan((3, 3)), tmp_path / "done")
-    assert sw.sweep(tmp_path / "done", executor=Here()).summary["computed_now"] == 0
-    before = sorted((tmp_path / "done" / "parts").iterdir())
-    computed(plan((3, 3)), tmp_path / "done")
-    assert sorted((tmp_path / "done" / "parts").iterdir()) == before
-
-
 def test_a_half_done_sweep_can_be_gathered(tmp_path, answer):
     computed(plan((6, 6)), tmp_path / "half", part=(1, 2))
     told = answer("sweep", str(tmp_path / "half"), "--gather")
@@ -188,27 +179,6 @@ def test_the_audit_sees_an_island():
     again, *how = reading(what, island)
     assert refine(what, 3, *how).hidden >= 1
     assert (again >= 0).sum() > (known >= 0).sum()
-
-
-def test_a_finger_of_a_regime_is_followed_into_the_next_cell():
-    """It crosses the edge between two corners that lie outside."""
-    what = plan((33, 33), refine=3)
-    truth = np.zeros(what.shape, dtype=int)
-    truth[0, 15:18, 15:21] = truth[0, 16:31, 20] = 1
-    known, *how = reading(what, truth)
-    refine(what, 3, *how)
-    shown = known.astype(float)
-    fill(what, 3, known.reshape(-1), {"regime": shown.reshape(-1)})
-    assert np.array_equal(shown, truth)
-    assert (known >= 0).mean() < 0.7
-
-
-def test_words_of_one_regime_have_no_boundary_between_them():
-    words = ["steady", "decaying", "periodic", "torus", "settling", "too short"]
-    columns = {"status": np.zeros(6, dtype=int), "verdict": np.array([VERDICTS.index(word) for word in words])}
-    steady, decaying, periodic, torus, settling, short = regime_numbers(MEASURES["verdict"], columns)
-    assert (steady, settling) == (decaying, short)
-    assert len({steady, periodic, torus, settling}) == 4
 
 
 @pytest.fixture
@@ -314,25 +284,6 @@ def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path):
     assert (chart_of_sweep(data).panels[0].traces[0].columns["y"] == late[0]).any()
 
 
-@pytest.mark.parametrize(
-    ("key", "unit", "label"),
-    [
-        ("log10_r", "1", r"round trip $\log_{10}$ r"),
-        ("V", "1", "velocity of the drive V / V*"),
-        ("drive.velocity", "um/s", "velocity of the drive V / (um/s)"),
-        ("slab.thickness", "m", "thickness H / m"),
-        ("upper.epsilon", "1", "impedance ε of the upper slab"),
-        ("log10_ratio_r", "1", r"$\log_{10}$ of the round trip, lower over upper slab"),
-        ("slab.face.stiffness", "1", "stiffness of the face's spring / (ε/r)"),
-        ("nothing.known", "1", "nothing.known"),
-    ],
-)
-def test_an_axis_says_in_words_what_it_shows(key, unit, label):
-    axis = DataArray([1.0, 2.0], dims="x", attrs={"long_name": key, "units": unit})
-    chart = chart_of_sweep(Dataset({"figure": ("x", [1.0, 2.0])}, coords={"x": axis, "model": "delay"}))
-    assert chart.panels[-1].x.label == label
-
-
 def test_the_other_side_of_an_axis_has_the_other_units():
     rock = sw.read("rock")
     data = xarray.Dataset(attrs={"scene_toml": sw.show("rock")})
@@ -347,15 +298,6 @@ def test_the_other_side_of_an_axis_has_the_other_units():
     assert power.is_power
     assert power.factor == pytest.approx(rock.units.time if rock.units else 0.0, rel=1e-12)
     assert other_side(data, axis("a", 0.01)) is None
-
-
-def test_two_sweeps_into_one_folder_are_one(tmp_path):
-    what = plan((6, 4), "tests.validation.sweep_measures:slowly")
-    with ThreadPoolExecutor(2) as both:
-        found = list(both.map(lambda _: computed(what, tmp_path / "both", executor=None, workers=1), range(2)))
-    for data in found:
-        assert (data["status"].values == 0).all()
-        assert same(data, found[0])
 
 
 def test_another_sweep_in_the_folder_is_refused(tmp_path, refused):

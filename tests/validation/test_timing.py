@@ -7,10 +7,10 @@ from functools import partial
 
 import pytest
 
-from tests.bench.__main__ import Entrant, fastest, full_waves, main, measured, pairs, run_program, wave_ratios
+from tests.bench.__main__ import full_waves, main, run_program
 from validation.measure import stopwatch
 from validation.measure.stopwatch import timed
-from validation.timing import March, Setting, alternating, in_turn, quartiles
+from validation.timing import Setting, alternating, in_turn, quartiles
 
 PLAIN = """
 import json, time
@@ -60,44 +60,6 @@ def test_works_take_turns(clock):
 
 def test_quartiles_by_hand():
     assert quartiles([2.0, 6.0, 4.0, 10.0, 8.0]) == (4.0, 6.0, 8.0)
-
-
-def test_a_ratio_is_the_median_over_the_rounds_but_the_first(clock):
-    works = clock(99.0, 2.0, 6.0, 4.0, 10.0, 8.0), clock(1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
-    assert measured(works, rounds=5) == "6.00 (4.00 to 8.00)"
-
-
-def test_both_sides_of_a_ratio_differ_in_what_it_is_named_after():
-    named = pairs()
-    for name, (first, second) in named.items():
-        if isinstance(first, March) and isinstance(second, March):
-            one, other = vars(first), vars(second)
-            assert sum(one[part] != other[part] for part in one) == 1, name
-            assert one["begin"] == 1.0
-    assert float(measured(named["block12: time of the delay system"], rounds=1).split()[0]) > 0.0
-
-
-FOUND = [
-    Entrant(kind, "", error, (ms, 2.0 * ms, 3.0 * ms))
-    for kind, error, ms in (
-        ("rival", 1e-7, 50.0),
-        ("rival", 9e-10, 800.0),
-        ("rival", 1e-10, 2000.0),
-        ("delay", 5e-12, 10.0),
-        ("exact", 1e-8, 10.0),
-        ("exact", 1e-10, 20.0),
-        ("exact", 8e-12, 25.0),
-        ("explicit", 5e-10, 110.0),
-        ("fd", 2e-6, 30.0),
-    )
-]
-
-
-def test_times_are_compared_at_equal_errors_and_within_a_round():
-    ratios = ["40.00", "5.50", "1.50", "1.25", "2.00", "2.50"]
-    assert [ratio for _, ratio in wave_ratios(FOUND)] == [f"{ratio} ({ratio} to {ratio})" for ratio in ratios]
-    assert fastest(FOUND, "rival", 1e-11) is None
-    assert next(wave_ratios(FOUND[3:])) == ("rival to 1e-09 over exact to 1e-09", "-")
 
 
 def test_the_program_prints_the_error_and_the_time_of_every_march(tmp_path, capsys):
