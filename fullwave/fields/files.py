@@ -21,8 +21,6 @@ from slipwave.scene.units import IN_SI
 
 if TYPE_CHECKING:
     import meshio
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 
 def write_field(path: Path, field: Field) -> None:
@@ -90,28 +88,3 @@ def _write_series(path: Path, field: Field) -> None:
         for time, moving, loaded in zip(field.time, velocity, stress, strict=True):
             values = {"velocity": moving, "stress": loaded}
             writer.write_data(float(time), point_data=values | _in_si(field, **values))
-
-
-def picture(field: Field, title: str = "") -> "Figure":
-    """Two panels over the same time: velocity (colour scale linear up to V, logarithmic beyond) and shear stress."""
-    from matplotlib.colors import SymLogNorm
-    from matplotlib.figure import Figure
-
-    position, velocity, stress = profile(field)
-    figure = Figure(figsize=(8.0, 6.0), layout="constrained")
-    upper, lower = figure.subplots(2, 1, sharex=True)
-    largest = float(np.abs(velocity).max())
-    scale = SymLogNorm(linthresh=min(field.scene.velocity, largest), vmin=-largest, vmax=largest)
-    _panel(figure, upper, field.time, position, velocity, "velocity / V*", cmap="RdBu_r", norm=scale)
-    _panel(figure, lower, field.time, position, stress, "shear stress / normal stress", cmap="viridis")
-    lower.set_xlabel("time / transits")
-    upper.set_title(title or f"{field.scene.name}: waves of one slip event ({field.model})")
-    return figure
-
-
-def _panel(figure: "Figure", axes: "Axes", time: Array, position: Array, values: Array, label: str, **look: Any) -> None:
-    mesh = axes.pcolormesh(time, position, values.T, shading="gouraud", rasterized=True, **look)
-    axes.axhline(0.0, color="black", linewidth=0.8)
-    axes.set_ylabel("depth / travel time")
-    axes.set_yticks([-1.0, 0.0, 1.0], ["lower face", "interface", "upper face"])
-    figure.colorbar(mesh, ax=axes, label=label)

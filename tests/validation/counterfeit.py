@@ -166,18 +166,25 @@ def green(study, tapes):
 S = (scaled,)
 PLACES = {
     "one-cycle": (Place("one_cycle:run_model", (part("orbit"),)),),
-    "leapfrog-convergence": (
-        Place("leapfrog_convergence:build"),
-        Place("leapfrog_convergence:settle", (part("orbit"),)),
-        Place("leapfrog_convergence:_psi", S),
+    "orders": (
+        Place("orders:climb_of", (part("errors", change=displaced(1e-3)),), few=True),
+        Place("orders.in_space:leapfrog_at", (part("errors", change=displaced(1e-3)),)),
+        Place("orders.in_space:jump_errors", (displaced(0.1),)),
+        Place("orders.in_space:shared", (lambda common: ("one", *common),), unjudged=("fd", "sbp", "fem")),
+        Place("orders.own_orbits:_figures", (only("period", scaled), only("stress_drop", scaled))),
+        Place("orders.own_orbits:means_of", (lambda found: (scaled(found[0], 0.02), found[1]),)),
+        Place("orders.in_time:marches_of", tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact"))),
+        Place("orders.given_motion:error_of_motion", (lambda error: 100.0 * error,), few=True),
+        Place("orders.slip_event:recorded_event", (part("upper.velocity"),)),
     ),
-    "grid-convergence": (
-        Place("grid_convergence:climb_of", (part("errors", change=displaced(1e-3)),), few=True),
-        Place("grid_convergence:_curve"),
-        Place("grid_convergence:code_table"),
-        Place("grid_convergence:code_note"),
-        Place("grid_convergence.orbits:own_orbit", (part("orbit"),)),
-        Place("grid_convergence.in_time:marches_of", tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact"))),
+    "stability-attacks": (
+        Place("stability_attacks:limit_at", (lambda share: 0.9 * share,)),
+        Place("stability_attacks:around_the_limit", (lambda pair: (1e3, pair[1]), lambda pair: (pair[0], 1.0))),
+        Place("stability_attacks:state_reach", (lambda reach: 0.9 * reach,), unjudged=("fd",)),
+        Place("stability_attacks:stops_beyond", (scaled,)),
+        Place("stability_attacks:attack", (each(lambda one: replace(one, error=1e3 * one.error, message="")),)),
+        Place("stability_attacks:advised", (part("error", change=lambda error: 1e5 * error),)),
+        Place("stability_attacks:locked_noise", (lambda left: 1.1 + left,)),
     ),
     "onset": (
         Place("onset:boundary", (each(part("second")),), 1),
@@ -188,7 +195,6 @@ PLACES = {
         Place("onset:analyse", (part("log10_r_c"),), unjudged=("paper",), few=True),
     ),
     "energy": (Place("energy:balance", (lambda found: (found[0] | {"residual": found[0]["residual"] + 1e-6}, found[1]),)),),
-    "slip-event": (Place("slip_event:_record", (part("field.upper.velocity"),)),),
     "partial-reflection": (
         Place("partial_reflection:settled_cycle_of"),
         Place("partial_reflection:end_of"),
@@ -238,7 +244,6 @@ PLACES = {
             "snaking.measured:torus_at", (lambda found: (found[0] + 1e-3, found[1]), lambda found: (found[0], scaled(found[1])))
         ),
     ),
-    "manufactured": (Place("manufactured:error_of_motion", (lambda error: 100.0 * error,), few=True),),
     "laboratory": (
         Place("laboratory:cycles_of_samples", (lambda found: [None] * len(found),), 9, claimed=True),
         Place("laboratory:cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),

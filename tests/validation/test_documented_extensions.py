@@ -115,10 +115,10 @@ from pathlib import Path
 from reduced.stability import scaled
 from validation.compute.own import load_families
 from validation.measure.grids import in_space
-from validation.studies import grid_convergence as study
+from validation.studies.orders.in_space import judged_models
 from validation.study.grid_verdicts import order_verdict
 load_families(Path("finite_volume.py"))
-assert "fv" in study.judged_models(quick=True)
+assert "fv" in judged_models(quick=True)
 true = in_space.without_error_in_time
 factor = float(sys.argv[1])
 in_space.without_error_in_time = lambda model, scene, cells, **o: true(model, scaled(scene, epsilon=factor), cells, **o)

@@ -84,7 +84,7 @@ def test_a_scheme_with_one_mistake_is_red_where_it_shows(file, capsys, tmp_path,
     assert red <= set(found)
     suite = xml.parse(tmp_path / "v.xml").getroot()
     cases = suite.findall("testcase")
-    assert (suite.get("tests"), len(cases), len({case.get("name") for case in cases})) == ("14", 14, 14)
+    assert (suite.get("tests"), len(cases), len({case.get("name") for case in cases})) == ("17", 17, 17)
     assert int(suite.get("failures")) == len([case for case in cases if case.find("failure") is not None]) >= len(red)
 
 

@@ -1,8 +1,21 @@
-"""How a test holds a scheme to its declared order (import it as `from order import assert_order` inside this folder)."""
+"""How a test holds a scheme to its declared order (import it as `from order import assert_order` inside this folder); limits of
+fine grids."""
 
 import numpy as np
 
+from slipwave.observe.statistics import Estimate
 from validation.measure.order_fit import fit_order, shortfall
+
+
+def extrapolated(coarse, fine, order):
+    """Richardson's limit of two runs, one with twice the cells of the other."""
+    return float(fine + (fine - coarse) / (2.0**order - 1.0))
+
+
+def richardson(coarse, middle, fine, order):
+    """Richardson's limit of the two finer of three runs; its error: the distance from that of the two coarser."""
+    first, second = extrapolated(coarse, middle, order), extrapolated(middle, fine, order)
+    return Estimate(second, abs(second - first))
 
 
 def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, at_least=False):

@@ -2,6 +2,7 @@
 leapfrog below cfl 1 against discontinuous Galerkin: different bulk, different time stepping, different interface."""
 
 import pytest
+from order import extrapolated
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
@@ -14,7 +15,6 @@ from slipwave.scene.slab import GripFace, Layer, MachineFace, ReflectingFace, St
 from slipwave.solve import follow
 from tests.fullwave.grid_scenes import PAPER, ROUND_TRIP, SLAB, of
 from tests.fullwave.grid_scenes import SCENES as OF_GRIDS
-from validation.measure.order_fit import extrapolated
 
 PERIOD = 73.4721449443
 """The paper's orbit at log10 r = -2.68 by Newton on the delay system: three meshes and a second program agree on these digits."""

@@ -67,7 +67,7 @@ def climbed(model, order, scatter=0.0):
     errors = {
         name: (8 * cells / cells[0]) ** -order * np.exp(scatter * random.standard_normal(cells.size)) for name in QUANTITIES
     }
-    return Climb(ladder, cells, np.ones(cells.size), errors)
+    return Climb(ladder, cells, errors)
 
 
 @pytest.mark.parametrize("right", [("dg:3", 4.0), ("dg:3", 6.3, 0.3), ("sbp:4", 3.95), ("fd", 2.02)], ids=str)
@@ -82,7 +82,7 @@ def test_an_order_approached_from_below_holds_and_a_wrong_limit_does_not(bend, w
     """Errors of order 1 whose local orders rise to it (bend > 0) or fall, and of a scheme whose limit is off by `wrong`."""
     ladder = replace(LADDERS["dg:1"], declared=1.0, promised=1.0, finest=1.0)
     cells = np.geomspace(64.0, 256.0, 9).round()
-    one = Climb(ladder, cells, np.ones(9), dict.fromkeys(QUANTITIES, 20.0 / cells * np.exp(-bend / cells) + wrong))
+    one = Climb(ladder, cells, dict.fromkeys(QUANTITIES, 20.0 / cells * np.exp(-bend / cells) + wrong))
     assert (one.shortfall() == []) is (wrong == 0.0)
     if (bend, wrong) == (20.0, 0.0):
         assert (one.fit("state").order, one.fit("state").limit) == (pytest.approx(0.87, abs=0.01), pytest.approx(1.0, abs=1e-6))

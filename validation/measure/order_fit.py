@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from slipwave.observe.pieces import Array
-from slipwave.observe.statistics import Estimate
 
 _ROUND_OFF = 100.0 * np.finfo(float).eps
 _ASYMPTOTIC = 0.15
@@ -152,15 +151,3 @@ def asked(order: float, declared: float, allowed: float, above: bool) -> tuple[s
     if above:
         return f"{math.floor(100.0 * (declared - allowed)) / 100.0:.2f} or more", max(0.0, declared - order)
     return f"{declared:g} ± {allowed:.2f}", abs(order - declared)
-
-
-def extrapolated(coarse: float, fine: float, order: float, ratio: float = 2.0) -> float:
-    """Richardson's limit of two runs whose cells differ by the factor `ratio`: a better reference for self-convergence."""
-    return float(fine + (fine - coarse) / (ratio**order - 1.0))
-
-
-def richardson(coarse: float, middle: float, fine: float, order: float, ratio: float = 2.0) -> Estimate:
-    """Richardson's limit of the two finer of three runs, whose cells differ by the factor `ratio`; its error is stated as its
-    distance from the limit of the two coarser ones."""
-    first, second = extrapolated(coarse, middle, order, ratio), extrapolated(middle, fine, order, ratio)
-    return Estimate(second, abs(second - first))

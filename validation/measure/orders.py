@@ -25,7 +25,6 @@ from slipwave.solve import Solver, follow
 from validation.measure.cycle import SYMBOLS
 from validation.measure.grid_ladders import GridLadder, LadderRun
 from validation.measure.order_fit import TREND, Fit, asked, fit_dense
-from validation.measure.stopwatch import timed
 
 OUTPUTS = {name: symbol for name, symbol in SYMBOLS.items() if name != "v_min"}
 """The outputs of every cycle whose order is fitted, and their symbols."""
@@ -38,7 +37,6 @@ _FIRST_QUARTER = 0.25  # of the run: events still grow there, and one of a tenth
 ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the curvature that is left
 KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
 RESOLVED = 3.0
-_WORTH_REPEATING = 0.01  # seconds
 
 Measured: TypeAlias = dict[str, Array]
 """Quantity -> one entry per complete cycle; for the state (256, 3): z, psi, mu."""
@@ -48,22 +46,12 @@ Maker: TypeAlias = Callable[..., Solver]
 
 def measure(solver: Solver, run: LadderRun) -> Measured:
     """Run `solver` over the `run`."""
-    return _marching(solver, run)()
-
-
-def _marching(solver: Solver, run: LadderRun) -> Callable[[], Measured]:
-    """Function that marches `solver` over the `run` and detects its events."""
     events = EventObserver(solver.scene, solver.nodes)
     last = np.linspace(run.until - run.window, run.until, _MOMENTS, endpoint=False)
     history = HistoryObserver(solver.scene.law, solver.nodes, last[0], last[-1])
-
-    def march() -> Measured:
-        """March, and detect the events."""
-        follow(solver, run.until, [events, history])
-        cycles = events.events(_FIRST_QUARTER * run.until)
-        return {name: getattr(cycles, name) for name in OUTPUTS} | {"state": history.at(last)[1:4].T}
-
-    return march
+    follow(solver, run.until, [events, history])
+    cycles = events.events(_FIRST_QUARTER * run.until)
+    return {name: getattr(cycles, name) for name in OUTPUTS} | {"state": history.at(last)[1:4].T}
 
 
 def errors(ours: Measured, reference: Measured) -> dict[str, float]:
@@ -82,11 +70,10 @@ def _mean_square(values: Array) -> float:
 
 @dataclass(frozen=True)
 class Climb:
-    """Result of a climb: cells, processor seconds, and errors by quantity, one entry per grid."""
+    """Result of a climb: cells, and errors by quantity, one entry per grid."""
 
     ladder: GridLadder
     cells: Array
-    seconds: Array
     errors: dict[str, Array]
 
     @property
@@ -168,32 +155,15 @@ class Climb:
 
 
 def climb(ladder: GridLadder, reference: Measured, build: Maker) -> Climb:
-    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to run are left out. A first
-    march, which may compile, is not timed."""
-    rows = list[tuple[int, float, dict[str, float]]]()
+    """Run every grid of the `ladder` up to the first whose state is at the floor; grids too coarse to run are left out."""
+    rows = dict[int, dict[str, float]]()
     for cells in ladder.levels():
         try:
-            if not rows:
-                _marching(build(ladder.model, ladder.run.scene, cells=cells, cfl=ladder.cfl), ladder.run)()
-            seconds, found = _timed(build, ladder, cells)
+            solver = build(ladder.model, ladder.run.scene, cells=cells, cfl=ladder.cfl)
+            rows[cells] = errors(measure(solver, ladder.run), reference)
         except (NumericsError, SceneError):
             continue
-        rows.append((cells, seconds, errors(found, reference)))
-        if rows[-1][2]["state"] < ladder.run.floor:
+        if rows[cells]["state"] < ladder.run.floor:
             break
-    return Climb(
-        ladder,
-        np.array([cells for cells, _, _ in rows], dtype=float),
-        np.array([seconds for _, seconds, _ in rows]),
-        {name: np.array([found[name] for _, _, found in rows]) for name in QUANTITIES},
-    )
-
-
-def _timed(build: Maker, ladder: GridLadder, cells: int) -> tuple[float, Measured]:
-    """(processor seconds of the march, its result); short runs are repeated and the fastest counts."""
-    best, spent = np.inf, 0.0
-    while spent < _WORTH_REPEATING:
-        solver = build(ladder.model, ladder.run.scene, cells=cells, cfl=ladder.cfl)
-        taken, found = timed(_marching(solver, ladder.run))
-        best, spent = min(best, taken), spent + taken
-    return best, found
+    found = {name: np.array([row[name] for row in rows.values()]) for name in QUANTITIES}
+    return Climb(ladder, np.array([*rows], dtype=float), found)

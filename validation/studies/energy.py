@@ -8,9 +8,10 @@ import numpy as np
 import slipwave as sw
 from slipwave.observe.pieces import Array
 from slipwave.solve import FieldSolver
+from validation.chart import Chart, Look, Panel, Scale, Trace
+from validation.compute.looks import grid_styles
 from validation.measure.order_fit import Fit, fit_order
 from validation.study import EXACT, Budget, Cell, Figure, StudyAnswer, StudyResult, Verdict, claim, stated, table
-from validation.study.drawing import Drawing, grid_styles, subplots
 from validation.study.known import of_order, rounding
 from validation.study.text import plain
 
@@ -110,12 +111,9 @@ _CLOSURE = (
 )
 
 
-def closure(residuals: Mapping[str, Array]) -> Drawing:
+def closure(residuals: Mapping[str, Array]) -> Chart:
     """Residuals over cells per slab, a line for each model."""
-    figure, axes = subplots(3.6, 1, 1, "cells per slab", "residual")
-    for model, look in grid_styles(residuals).items():
-        shown = np.maximum(residuals[model], 1e-16)
-        axes.loglog(LADDERS[model], shown, color=look.color, marker=look.marker, linestyle=look.dashes, label=model)
-    axes.grid(True)
-    figure.legend(loc="outside right center")
-    return figure
+    looks = {model: Look(own.color, own.dashes, own.marker) for model, own in grid_styles(residuals).items()}
+    lines = [Trace(model, LADDERS[model], residuals[model], look) for model, look in looks.items()]
+    axes = Scale("cells per slab", "log"), Scale("residual", "log", floor=1e-16)
+    return Chart([Panel("", *axes, lines, grid=True)], 3.6, legend="outside right center")

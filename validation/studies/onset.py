@@ -17,6 +17,8 @@ from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import follow_root, unstable_count
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from validation.chart import DASHED, GUIDE, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
+from validation.compute.looks import model_line, model_marks
 from validation.study import (
     ASYMPTOTIC,
     EXACT,
@@ -31,7 +33,6 @@ from validation.study import (
     holding,
     of_paper,
 )
-from validation.study.drawing import Drawing, line, style_of, subplots
 from validation.study.text import plain
 
 NAME = "onset"
@@ -125,40 +126,35 @@ _FIG_3 = (
 )
 
 
-def critical_curves(velocity: Array, critical: Mapping[str, Array]) -> Drawing:
+def critical_curves(velocity: Array, critical: Mapping[str, Array]) -> Chart:
     """The paper's Fig 2."""
-    figure, (left, right) = subplots(3.1, 1, 2, "$V/V^*$", "$r_c$")
-    for model, values in critical.items():
-        left.loglog(velocity, values, **line(model, linestyle="-" if model == "delay" else (0, (5, 2))))
-    left.legend()
-    right.loglog(velocity, np.abs(critical["kelvin-voigt"] / critical["delay"] - 1.0), color=style_of("kelvin-voigt").color)
-    right.set_ylabel("relative error of $r_c$")
-    right.axhline(0.1, color="#b5b5b0", linewidth=0.8, linestyle=(0, (2, 2)))
-    right.text(1.3, 0.12, "10 %", color="#6b6b66")
-    return figure
+    over, dashes = Scale("$V/V^*$", "log"), {"delay": "-", "kelvin-voigt": DASHED}
+    lines = [model_line(model, velocity, values, dashes=dashes[model]) for model, values in critical.items()]
+    error = model_line("kelvin-voigt", velocity, np.abs(critical["kelvin-voigt"] / critical["delay"] - 1.0), dashes="-")
+    tenth = Trace("10 %", [-np.inf, np.inf], [0.1, 0.1], GUIDE)
+    panels = (
+        Panel("", over, Scale("$r_c$", "log"), lines, "best"),
+        Panel("", over, Scale("relative error of $r_c$", "log"), [error, tenth]),
+    )
+    return Chart(panels, 3.1, 2)
 
 
-def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Drawing:
+def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Chart:
     """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
-    figure, axes = subplots(4.0, 1, 1, "$r$", r"$\epsilon$")
-    r = np.geomspace(10**-3.2, 10**-0.75, 4000)
-    for model, (_, function) in FORMS.items():
-        style = style_of(model)
-        values = np.array([function(slopes, x) for x in r])
-        values[values <= 0.0] = np.nan
-        axes.loglog(r, values, **line(model, linestyle="-", linewidth=1.1))
-        for curve in traced[model]:
-            axes.plot(10 ** curve.first[::3], 10 ** curve.second[::3], style.marker, color=style.color, markersize=3.5)
-    axes.plot(paper.transit, paper.upper.epsilon, "X", color="#d55e00", markersize=8)
-    axes.annotate("paper's scene", (paper.transit, paper.upper.epsilon), (9, -12), textcoords="offset points", color="#d55e00")
-    for square, name in ((8.0, r"$\sqrt{8}/\omega_c$"), (24.0, r"$\sqrt{24}/\omega_c$")):
-        axes.axvline(np.sqrt(square) / slopes.omega_c, color="#b5b5b0", linewidth=0.8, linestyle=(0, (2, 2)))
-        axes.text(np.sqrt(square) / slopes.omega_c, 1.6e-6, name, ha="right", rotation=90, va="bottom", color="#6b6b66")
-    axes.text(1.0e-3, 2e-3, "steady sliding stable")
-    axes.text(6e-3, 4e-6, "unstable")
-    axes.set(xlim=(r[0], r[-1]), ylim=(1e-6, 0.1))
-    axes.legend(loc="upper left")
-    return figure
+    r, series = np.geomspace(10**-3.2, 10**-0.75, 1000), list[Trace]()
+    for model, (_, closed) in FORMS.items():
+        values = np.array([closed(slopes, x) for x in r])
+        points = with_gaps((10 ** curve.first[::3], 10 ** curve.second[::3]) for curve in traced[model])
+        own = model_line(model, r, np.where(values > 0.0, values, np.nan), dashes="-", width=1.1)
+        series += [own, Trace(f"{own.name}, traced", *points, model_marks(model, size=3.5))]
+    series.append(Trace("paper's scene", [paper.transit], [paper.upper.epsilon], Look(ORANGE, "", "X", size=8.0)))
+    for square in (8, 24):
+        at = math.sqrt(square) / slopes.omega_c
+        series.append(Trace(rf"$\sqrt{{{square}}}/\omega_c$", [at, at], [-np.inf, np.inf], GUIDE))
+    for words, x, y in (("steady sliding stable", 6e-3, 4e-3), ("unstable", 6e-3, 4e-6)):
+        series.append(Trace(words, [x], [y], Look(kind="text")))
+    plane = Scale("$r$", "log", (float(r[0]), float(r[-1]))), Scale(r"$\epsilon$", "log", (1e-6, 0.1))
+    return Chart([Panel("", *plane, series, "upper left")], 4.0)
 
 
 def critical_over_velocity(paper: Scene, model: str, velocity: Array) -> Array:

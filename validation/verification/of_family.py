@@ -15,17 +15,23 @@ from validation.measure.grid_ladders import ladder_of
 from validation.measure.grids.in_space import climb_of
 from validation.measure.grids.limits import (
     BEYOND,
-    MEDIA,
     around_the_limit,
     limit_at,
     rubbing,
     state_reach,
     stops_beyond,
 )
-from validation.measure.grids.noise import locked_noise, noise_left
+from validation.measure.grids.noise import locked_noise
 from validation.measure.order_fit import fit_order, shortfall
 from validation.study import EXACT, SELF, WITNESS, Evidence, Verdict, claim, holding
-from validation.study.grid_verdicts import limit_verdict, medium_verdict, order_verdict, state_verdict, stop_verdict
+from validation.study.grid_verdicts import (
+    limit_verdict,
+    medium_verdict,
+    noise_verdict,
+    order_verdict,
+    state_verdict,
+    stop_verdict,
+)
 from validation.study.known import rounding
 
 _DECADES = (-4, 0, 4)
@@ -43,27 +49,18 @@ _WIDE = 2.0  # half-width of the interval of an order from few grids, from which
 def rows_of_family(model: str) -> Iterator[Verdict]:
     """The rows of the member of a family on a grid, on scenes of ours."""
     yield order_verdict(climb_of(model))
-    yield limit_verdict({model: {decade: limit_at(model, decade) for decade in _DECADES}})
+    yield limit_verdict(model, {decade: limit_at(model, decade) for decade in _DECADES})
     family, _ = grid_of(model)
-    media = [name for name in _MEDIA if name in MEDIA and not family.refusal(rubbing(0.0, name))]
-    yield medium_verdict({medium: {model: around_the_limit(model, medium)} for medium in media})
-    if not family.implicit_state:
-        yield state_verdict({model: state_reach(model)})
+    for medium in _MEDIA:
+        if not family.refusal(rubbing(0.0, medium)):
+            yield medium_verdict(medium, {model: around_the_limit(model, medium)})
+    yield state_verdict(model, state_reach(model))
     yield stop_verdict({model: stops_beyond(model, BEYOND)})
-    yield noise_row(model)
+    yield noise_verdict(model, locked_noise(model, _NOISE_UNTIL), _NOISE_UNTIL)
     for name in _SCENES:
         scene = slipwave.read(name)
         if not family.refusal(scene):
             yield from rows_on_scene(model, scene)
-
-
-def noise_row(model: str) -> Verdict:
-    """Whether noise at the scale of the grid gains energy in a locked slab, or loses any if the family conserves it."""
-    conserves, left, known = grid_of(model)[0].conserves, locked_noise(model, _NOISE_UNTIL), noise_left(_NOISE_UNTIL)
-    expected = f"{known.value:.10g}, what friction leaves" if conserves else "1 or less"
-    holds = abs(left - known.value) < known.error if conserves else left <= 1.0
-    remark = f"`{model}`, energy after {_NOISE_UNTIL:g} transits over that in the first ten"
-    return holding("Noise at the grid scale gains no energy in a locked slab", EXACT, expected, f"{left:.10g}", holds, remark)
 
 
 def rows_on_scene(model: str, scene: Scene) -> Iterator[Verdict]:

@@ -13,11 +13,11 @@ from slipwave.scene import Scene
 from slipwave.solve import Solver, follow
 from tests.verification.coverage.held import Held
 from tests.verification.coverage.scenes import SLABS, random_scene
+from tests.verification.order import richardson
 from validation.compute.build import build, build_full_wave, prepare
 from validation.compute.default_grid import judged_grid
 from validation.compute.orbits import find_orbit
 from validation.compute.settle import settle
-from validation.measure.order_fit import richardson
 
 WITNESS = "dg:9"
 """The reference model for viscous slabs."""

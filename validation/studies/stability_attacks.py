@@ -1,0 +1,224 @@
+"""Attacks on the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale. About kernels: steps
+beyond the limit are set inside the solvers, since users cannot pass it."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+import slipwave as sw
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import EventObserver, RunStatistics, summarise
+from slipwave.solve import Solver, follow
+from validation.compute.build import build
+from validation.compute.models import explicit_time
+from validation.measure.grids.limits import ATTACKED, BEYOND, MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
+from validation.measure.grids.noise import locked_noise
+from validation.study import WITNESS, Budget, StudyAnswer, StudyResult, Verdict, claim, every
+from validation.study.grid_verdicts import limit_verdict, medium_verdict, noise_verdict, state_verdict, stop_verdict
+from validation.study.text import plain
+
+NAME = "stability-attacks"
+QUESTION = "Can extreme inputs make the full-wave solvers fail without a message?"
+SCENES = ("paper", "unlike")
+SECONDS = (8.0, 32.0)
+
+RIGHT = "Extreme scenes end right or with a message, never silently wrong"
+CURED = "A run that asks for more cells is right once it has them"
+
+_QUICK_DECADES, _FULL_DECADES = (-4, 0, 2, 4, 8), (-4, -2, *range(9))
+_QUICK_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
+_ADVISED = ("sbp:4", "fem:4", "dg:3")
+_ALLOWED = {"sbp:2": 5e-3, "fem:1": 5e-3, "fd": 1e-5}  # error of psi on the grid that was asked for: 3e-4, 3e-4, 8e-7 and at most
+_ALLOWED_OTHERS = 2e-6  # 8e-8 was measured
+_ADVISED_UNTIL = 400.0  # transits
+_FEWEST_CYCLES = 2
+_FINEST = 16  # times the usual cells, at most
+
+MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)
+"""Transits at which psi is compared."""
+
+CELLS = {model: cells.fine for model, cells in ATTACKED.items()}
+"""Cells of the faster slab for runs that are compared with the delay system."""
+
+
+class Attack(NamedTuple):
+    """An extreme scene: its title, the scene and its changes, the errors of psi up to t = 40 and of the late motion that count as
+    `right` (the coarsest family's are a tenth to a half of them), the refinement of its grids over CELLS, and the time (transits)
+    of the late motion."""
+
+    title: str
+    scene: str
+    changes: tuple[str, ...]
+    right: tuple[float, float]
+    finer: int = 1
+    late: float = 400.0
+
+
+_IMPEDANCES = {-9: (2e-6, 2e-7), -4: (3e-6, 1e-11), -2: (6e-6, 1e-12), 2: (7e-6, 3e-9)}
+_DRIVES = {-6: (2e-6, 1e-9), -2: (2e-6, 1e-10), 3: (1e-2, 4e-3), 4: (2e-3, 3e-2), 5: (2e-8, 2e-5), 6: (3e-9, 1e-8)}
+_GRIDS = {4: (2, 400.0), 5: (4, 200.0), 6: (1, 200.0)}
+"""Power of ten -> right errors, of epsilon and of V; refinement of the grids of some V, and their late time."""
+
+_PI = ("upper.r=2e-3", f"lower.r={2e-3 * math.pi:.17g}")
+ATTACKS = {
+    **{f"epsilon {n}": Attack(f"ε = 10^{{{n}}}", "paper", (f"slab.epsilon=1e{n}",), _IMPEDANCES[n]) for n in _IMPEDANCES},
+    **{
+        f"V {n}": Attack(f"V = 10^{{{n}}} V*", "paper", (f"drive.velocity=1e{n}",), right, *_GRIDS.get(n, (1, 400.0)))
+        for n, right in _DRIVES.items()
+    },
+    "impedance": Attack("impedances 1 : 1000", "unlike", ("upper.epsilon=2.8e-5", "lower.epsilon=2.8e-2"), (6e-6, 1e-6)),
+    "round trip": Attack("round trips 1 : 50", "unlike", ("upper.r=2e-4", "lower.r=1e-2"), (2e-6, 2e-7), late=200.0),
+    "pi": Attack("round trips 1 : π", "unlike", _PI, (3e-5, 1e-4)),
+    "jump": Attack("jump of 5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=5"), (1e-4, 5e-2)),
+    "jump back": Attack("jump of −5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=-5"), (1e-2, 5e-2)),
+}
+"""The most extreme scenes that still make sense."""
+
+
+def run(budget: Budget) -> StudyResult:
+    """Step limits over eight decades of stiffness and over media, extreme scenes, and noise in a locked slab."""
+    decades, media = (_QUICK_DECADES, _QUICK_MEDIA) if budget.quick else (_FULL_DECADES, tuple(MEDIA))
+    transits, late = 1e3 if budget.quick else 2e4, not budget.quick
+    steps = {model: {decade: limit_at(model, decade) for decade in decades} for model in budget.each(CELLS, 0.2)}
+    around = {medium: {model: around_the_limit(model, medium) for model in CELLS} for medium in budget.each(media, 0.4, 0.2)}
+    attacks = {name: attack(name, late) for name in budget.each(ATTACKS, 0.8, 0.4)}
+    advice = {model: advised(model) for model in (_ADVISED if budget.quick else CELLS)}
+    verdicts = (
+        *map(limit_verdict, steps, steps.values()),
+        *map(medium_verdict, around, around.values()),
+        *(state_verdict(model, state_reach(model)) for model in CELLS),
+        stop_verdict({model: stops_beyond(model, BEYOND) for model in CELLS}),
+        *(attack_verdict(name, outcomes) for name, outcomes in attacks.items()),
+        advice_verdict(advice),
+        *(noise_verdict(model, locked_noise(model, transits), transits) for model in budget.each(CELLS, 1.0, 0.8)),
+    )
+    return StudyResult(
+        answers=(StudyAnswer(answer(steps, attacks), tuple(dict.fromkeys(one.claim for one in verdicts))),),
+        verdicts=verdicts,
+        notes=_NOTES,
+    )
+
+
+def answer(steps: Mapping[str, Mapping[int, float]], attacks: Mapping[str, Mapping[str, "AttackOutcome"]]) -> str:
+    """One sentence with the figures that matter."""
+    stiff = [share for shares in steps.values() for decade, share in shares.items() if decade > 0]
+    outcomes = [(name, outcome) for name, by_model in attacks.items() for outcome in by_model.values()]
+    silent = sum(outcome.silently_wrong(*ATTACKS[name].right) for name, outcome in outcomes)
+    stopped = sum(bool(outcome.message) for _, outcome in outcomes)
+    return (
+        f"The step limit lies at {min(stiff):.2f} to {max(stiff):.2f} of the declared one however stiff friction is, and noise "
+        f"never gains energy; of {len(outcomes)} attacks {len(outcomes) - stopped - silent} end right, {stopped} with a message, "
+        f"{silent} silently wrong."
+    )
+
+
+_NOTES = (
+    f"Attacks: the largest error of ψ up to t = {MOMENTS[-1]:g} and, in the full report, of the late motion, in any of the "
+    f"{len(CELLS)} families, against the delay system, over what counts as right. Users cannot pass the step limit: cfl beyond 1 "
+    "is refused before a run begins.",
+)
+
+
+@dataclass(frozen=True)
+class AttackOutcome:
+    """Largest error of psi up to t = 40; `late` as `_late_error` gives it; the message of a run that stopped (empty if none did).
+    Only a run that stops need not be right: counted failed solves do not suffice."""
+
+    error: float
+    late: float = 0.0
+    message: str = ""
+
+    def silently_wrong(self, allowed: float, late: float = math.inf) -> bool:
+        """Whether the run ended with an error of psi above `allowed`, or of the late motion above `late`."""
+        return not self.message and not (self.error <= allowed and self.late <= late)
+
+
+class _Trajectory(NamedTuple):
+    psis: list[float]
+    late: float
+    statistics: RunStatistics
+
+
+def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
+    """The outcome of attack `name` for every family, in 40 transits or until its late time."""
+    finer, until = ATTACKS[name].finer, ATTACKS[name].late if late else MOMENTS[-1]
+    exact = _exact(name, until)
+    return {model: _outcome(model, finer * cells, exact, name, until) for model, cells in CELLS.items()}
+
+
+def _exact(name: str, until: float) -> _Trajectory:
+    return _trajectory(build("delay", sw.read(ATTACKS[name].scene, list(ATTACKS[name].changes)), tolerance=1e-10), until)
+
+
+def _trajectory(solver: Solver, until: float) -> _Trajectory:
+    watch = EventObserver(solver.scene, solver.nodes)
+    psis = [follow(solver, moment, [watch]).psi for moment in MOMENTS]
+    late = follow(solver, until, [watch]).psi if until > MOMENTS[-1] else psis[-1]
+    return _Trajectory(psis, late, summarise(watch.events(0.5 * until)))
+
+
+def _outcome(model: str, cells: int, exact: _Trajectory, name: str, until: float) -> AttackOutcome:
+    scene = sw.read(ATTACKS[name].scene, list(ATTACKS[name].changes))
+    try:
+        ours = _trajectory(build(model, scene, cells=cells, time=explicit_time(model)), until)
+    except (SceneError, NumericsError) as error:
+        return AttackOutcome(math.nan, message=str(error))
+    off = max(abs(psi - theirs) for psi, theirs in zip(ours.psis, exact.psis, strict=True))
+    return AttackOutcome(off, _late_error(ours, exact) if until > MOMENTS[-1] else 0.0)
+
+
+def _late_error(ours: _Trajectory, exact: _Trajectory) -> float:
+    """Error of psi at the end or, if that is less, the largest relative error of the mean period, stress drop and v_max of the
+    second half's cycles: an orbit may be right while its phase has drifted."""
+    of_state = abs(ours.late - exact.late)
+    mine, theirs = ours.statistics, exact.statistics
+    if min(mine.cycles, theirs.cycles) < _FEWEST_CYCLES:
+        return of_state
+    pairs = ((mine.period.mean, theirs.period.mean), (mine.stress_drop.mean, theirs.stress_drop.mean), (mine.v_max, theirs.v_max))
+    return min(of_state, max(abs(value / true - 1.0) for value, true in pairs))
+
+
+def attack_verdict(name: str, by_model: Mapping[str, AttackOutcome]) -> Verdict:
+    """Whether an attack ended right or with a message in every model."""
+    (early, late), title = ATTACKS[name].right, ATTACKS[name].title
+    ended = [(one.error / early, one.late / late) for one in by_model.values() if not one.message]
+    silent = [model for model, one in by_model.items() if one.silently_wrong(early, late)]
+    stopped, remark = len(by_model) - len(ended), title + (f"; silently wrong: {', '.join(silent)}" if silent else "")
+    if not ended:
+        return every(RIGHT, WITNESS, stopped, len(by_model), remark, "with a message")
+    remark += f"; {stopped} of {len(by_model)} with a message" if stopped else ""
+    allowed = f"; 1: ψ off by {plain(early, '.0e')}, late motion by {plain(late, '.0e')}"
+    return claim(RIGHT, WITNESS, float(np.max(ended)), 1.0, remark + allowed)
+
+
+class Cure(NamedTuple):
+    """Cells at which a run stopped with `message` (0 if it never did), cells at which it ended, its error of psi."""
+
+    stopped: int
+    message: str
+    cells: int
+    error: float
+
+
+def advised(model: str) -> Cure:
+    """Run V = 1e5 with `model`'s usual cells, doubled as long as the run stops with a message."""
+    exact, cells = _exact("V 5", _ADVISED_UNTIL), CELLS[model]
+    cure = Cure(0, "", cells, math.inf)
+    while cells <= _FINEST * CELLS[model]:
+        outcome = _outcome(model, cells, exact, "V 5", _ADVISED_UNTIL)
+        if not outcome.message:
+            return cure._replace(cells=cells, error=max(outcome.error, abs(outcome.late)))
+        cure, cells = Cure(cells, outcome.message, 2 * cells, math.inf), 2 * cells
+    return cure
+
+
+def advice_verdict(advice: Mapping[str, Cure]) -> Verdict:
+    """Whether more cells cured the runs that asked for them: the worst."""
+    off = {model: cure.error / _ALLOWED.get(model, _ALLOWED_OTHERS) for model, cure in advice.items()}
+    worst = max(off, key=lambda model: (math.isnan(off[model]), off[model]))
+    asked = f"{sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked"
+    remark = f"ψ, V = 10^{{5}} V*, {_ADVISED_UNTIL:g} transits; {asked}; shown: `{worst}` on {advice[worst].cells} cells"
+    return claim(CURED, WITNESS, advice[worst].error, _ALLOWED.get(worst, _ALLOWED_OTHERS), remark)
