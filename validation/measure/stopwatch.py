@@ -4,17 +4,6 @@ number of cores."""
 import os
 import resource
 import time
-from collections.abc import Callable
-from typing import TypeVar
-
-_Answer = TypeVar("_Answer")
-
-
-def timed(work: Callable[[], _Answer]) -> tuple[float, _Answer]:
-    """(processor seconds, answer) of `work`."""
-    began = processor_seconds()
-    answer = work()
-    return processor_seconds() - began, answer
 
 
 def cores() -> int:
