@@ -3,8 +3,11 @@
 import os
 import platform
 import re
+import stat
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import FileIO
 from pathlib import Path
 
 from slipwave.errors import SceneError
@@ -19,9 +22,13 @@ TIME = "time"
 FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file that figures are drawn to."""
 
+MOST_BYTES = 10**9
+"""Of a file of data; a longer one is refused."""
+
 _EXTRA = dict.fromkeys(FIGURES, "plot") | dict.fromkeys((".nc", ".vtu", ".xdmf"), "files")
 
 _LONGEST_STEM = 40
+_PATIENCE = 10  # seconds for a pipe without a writer
 _PROBE = 1 << 20  # bytes; a disk with less space counts as full
 
 
@@ -107,6 +114,39 @@ def alone_in(folder: Path, label: str) -> Iterator[None]:
         yield
     finally:
         os.close(lock)
+
+
+def content_of(path: Path, label: str) -> bytes:
+    """The bytes of a file of data, or of a pipe. Raises SceneError, which begins with `label`, for a folder, a device, more than
+    1 GB, and if it cannot be read. A pipe to which nobody writes is empty."""
+    try:
+        kind = path.stat().st_mode
+        is_pipe = stat.S_ISFIFO(kind)
+        if not (is_pipe or stat.S_ISREG(kind)):
+            raise SceneError(f"{label}: is {'a folder' if stat.S_ISDIR(kind) else 'a device'}; must be a file or a pipe")
+        flags = os.O_NONBLOCK if is_pipe else getattr(os, "O_BINARY", 0)
+        with open(os.open(path, os.O_RDONLY | flags), "rb", buffering=0) as file:
+            content = bytearray(_first_of_pipe(file) if is_pipe else b"")
+            while len(content) <= MOST_BYTES and (more := file.read(_PROBE)):
+                content += more
+    except (OSError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError(f"{label}: cannot be read: {reason_of(error)}") from None
+    if len(content) > MOST_BYTES:
+        raise SceneError(f"{label}: is longer than 1 GB")
+    return bytes(content)
+
+
+def _first_of_pipe(file: FileIO) -> bytes:
+    """The first bytes of a pipe that does not block; with a writer it blocks from then on."""
+    for _ in range(_PATIENCE):
+        first = file.read(_PROBE)
+        if first != b"":  # None: there is a writer, who has written nothing yet
+            os.set_blocking(file.fileno(), True)
+            return first or b""
+        time.sleep(1.0)
+    return b""
 
 
 def require_folder(folder: Path) -> None:

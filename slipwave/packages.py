@@ -57,13 +57,18 @@ def own_file(thing: Any) -> OwnFile | None:
 
 
 @contextmanager
-def no_exit(label: str = "") -> Iterator[None]:
-    """Context in which the user's code cannot end the program: if it tries, SceneError, which begins with `label`, is raised."""
+def no_exit(label: str) -> Iterator[None]:
+    """Context in which the user's code cannot end the program: if it tries, `ended` is raised."""
     try:
         yield
     except SystemExit as end:
-        who = label or line_of_user(end) or "a law, family or measure of your own"
-        raise SceneError(f"{who}: ends the program (sys.exit({end.code!r})); it must return, or raise an error") from end
+        raise ended(end, label) from end
+
+
+def ended(end: SystemExit, label: str = "") -> SceneError:
+    """The error, which begins with `label` or the line, about a user's code that ended the program."""
+    who = label or line_of_user(end) or "a law, family or measure of your own"
+    return SceneError(f"{who}: ends the program (sys.exit({end.code!r})); it must return, or raise an error")
 
 
 def run_file(path: Path, name: str, label: str) -> ModuleType:

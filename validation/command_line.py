@@ -15,7 +15,7 @@ import slipwave
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of, require_writable
 from slipwave.input.source import gallery_names
-from slipwave.packages import no_exit
+from slipwave.packages import ended
 from validation.results.options import Option, SceneOptions, options_of
 from validation.results.result import Output, Result
 
@@ -71,8 +71,10 @@ def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] =
         """Take the words of the command line."""
         files = {one: _path_of(one, words.pop(one.name), json) for one in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
-        with no_exit():
+        try:
             act(source, kind(**given).load_own(), files, json)
+        except SystemExit as end:
+            raise ended(end) from end
 
     parameters = [
         _parameter("source", *((Annotated[str | None, SCENE], None) if optional else (Annotated[str, SCENE], Parameter.empty))),

@@ -27,25 +27,44 @@ def here(tmp_path, monkeypatch):
             del sys.modules[name]
 
 
+MEASURE = "def f(scene): return {'twice': 2.0 * scene.law.a}"
 OWN_LAW = ("--law", "law.py", "--set", "interface.law=cutoff")
 KEPT = {
     "run": (
         ["run", "paper", *OWN_LAW, "--checkpoint", "kept.npz", "--checkpoint-every", "5", "--until", "8"],
         ["run", "paper", *OWN_LAW, "--checkpoint", "kept.npz", "--until", "9"],
         "delete 'kept.npz'",
+        "law law.py",
+    ),
+    "sweep": (
+        ["sweep", "paper", *OWN_LAW, "--vary", "V=50,100", "--measure", "stability", "--workers", "1", "--out", "map"],
+        ["sweep", "map", "--law", "law.py", "--workers", "1"],
+        "--anew",
+        "law law.py",
+    ),
+    "measure": (
+        ["sweep", "paper", "--vary", "V=50,100", "--measure", "mine:f", "--workers", "1", "--out", "map"],
+        ["sweep", "map", "--measure", "mine:f", "--workers", "1"],
+        "--anew",
+        "measure mine.py",
     ),
 }
 
 
 @pytest.mark.parametrize("name", KEPT)
 def test_what_was_computed_with_a_file_that_has_changed_is_not_gone_on_with(name, here, refused, printed):
-    first, again, way_out = KEPT[name]
+    first, again, way_out, changed = KEPT[name]
+    (here / "mine.py").write_text(MEASURE)
     printed(*first)
-    (here / "law.py").write_text(LAW + "\n# another\n")
+    sys.modules.pop("mine", None)
+    path = here / changed.split()[1]
+    text = path.read_text()
+    path.write_text(text + "\n# another\n")
     told = refused(*again)
-    assert "law law.py" in told
+    assert f"{changed} changed" in told
     assert way_out in told
-    (here / "law.py").write_text(LAW)
+    sys.modules.pop("mine", None)
+    path.write_text(text)
     printed(*again)
 
 
@@ -80,6 +99,11 @@ EXITS = {
     "law, run": (["run", "paper", "--law", "user.py"], "raise SystemExit"),
     "family": (["verify", "--family", "user.py"], "sys.exit(3)"),
     "family, run": (["compare", "paper", "--models", "delay,block8", "--family", "user.py"], "exit()"),
+    "measure": (["sweep", "paper", "--vary", "V=50,100", "--measure", "user:f", "--out", "map"], "sys.exit(0)"),
+    "function of a measure": (
+        ["sweep", "paper", "--vary", "V=50,100", "--measure", "user:f", "--workers", "1", "--out", "map"],
+        "def f(scene): sys.exit(0)",
+    ),
     "function of a law": (
         ["verify", "--law", "user.py"],
         LAW.replace("v, age = math.exp(z), math.exp(psi)", "sys.exit(0)"),
@@ -99,7 +123,7 @@ def test_a_file_that_ends_the_program_is_wrong_input(name, here, refused):
     junit = ["--junit", "rows.xml"] if words[0] == "verify" else []
     told = refused(*words, *junit)
     assert "ends the program (sys.exit(" in told
-    assert "user.py" in told
+    assert "user" in told
     assert not (here / "rows.xml").exists()
 
 

@@ -240,7 +240,7 @@ def test_a_sweep_killed_at_any_moment_goes_on(tmp_path, moment, forked):
         with contextlib.suppress(ProcessLookupError):  # it may end just now
             os.kill(victim, signal.SIGKILL)
     running.join()
-    result = sw.sweep(folder, executor=Here())
+    result = sw.sweep(folder, executor=Here(), measure="tests.validation.sweep_measures:slowly")
     x, y = np.linspace(0.001, 0.019, 10), np.linspace(0.011, 0.029, 10)
     assert result.summary["done"] == 100
     assert np.array_equal(result.dataset["sum"].values, x[:, None] + y)
@@ -309,7 +309,11 @@ def test_another_sweep_in_the_folder_is_refused(tmp_path, refused):
     changed["program"]["code"] = "another"
     for text, told in ((json.dumps(changed), "program: code changed"), ("{", "damaged")):
         manifest.write_text(text)
-        assert told in refused("sweep", out)
+        assert told in refused("sweep", out, "--measure", DISC)
+    manifest.write_text(json.dumps(changed))
+    told = refused("sweep", "rock", "--measure", DISC, "--out", out, "--vary", "a=0.01:0.02:3")
+    assert "scene = paper, now rock" in told
+    assert len(told) - len(out) < 300
 
 
 def test_a_dry_sweep_computes_nothing(tmp_path, answer, monkeypatch):

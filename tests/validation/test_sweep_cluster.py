@@ -68,7 +68,7 @@ def test_a_scheduler_killed_half_way_costs_nothing(tmp_path, cluster):
     assert running.returncode == 3, told
     assert "went away" in told.splitlines()[-1]
     (tmp_path / "freed").touch()
-    result = sw.sweep(tmp_path / "out", workers=1)
+    result = sw.sweep(tmp_path / "out", workers=1, measure="tests.validation.sweep_measures:until_freed")
     assert result.summary["done"] == 200
     assert result.summary["computed_now"] < 200
 

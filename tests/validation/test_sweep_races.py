@@ -48,20 +48,20 @@ def test_no_part_of_another_sweep_is_taken_for_one_of_a_sweep_begun_anew(tmp_pat
     before = begun(tmp_path, 3)
     (tmp_path / "sweep.nc").write_text("gathered")
     now = begun(tmp_path, 1, anew=True)
-    assert np.flatnonzero(now.done(5)).tolist() == [1]
+    assert np.flatnonzero(now.done(plan())).tolist() == [1]
     with pytest.raises(SceneError, match="another process has begun another sweep there"):
         before.write(np.array([4]), {})
     monkeypatch.setattr(Store, "manifest", {"axes": [3]})  # it had looked before the new one began
     before.write(np.array([4]), {"status": np.zeros(1, dtype=np.int8)})
     monkeypatch.undo()
-    assert np.flatnonzero(now.done(5)).tolist() == [1]
-    assert np.flatnonzero(Store(tmp_path).done(5)).tolist() == [1]
+    assert np.flatnonzero(now.done(plan())).tolist() == [1]
+    assert np.flatnonzero(Store(tmp_path).done(plan())).tolist() == [1]
     monkeypatch.setattr("validation.sweep.store.shutil.rmtree", lambda *_, **__: sys.exit("killed"))
     with pytest.raises(SystemExit):
         now.begin({"axes": [2]}, anew=True)
     monkeypatch.undo()
     (tmp_path / "sweep.nc").unlink()
-    assert np.flatnonzero(begun(tmp_path, 2).done(5)).tolist() == [2]
+    assert np.flatnonzero(begun(tmp_path, 2).done(plan())).tolist() == [2]
 
 
 def test_two_that_begin_anew_at_once_are_one(tmp_path):

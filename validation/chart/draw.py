@@ -197,8 +197,10 @@ def _draw_cells(axes: Axes, trace: Trace) -> None:
     look, values = trace.look, np.ma.masked_invalid(np.asarray(trace.value, float))
     colors: Any = look.colors
     if isinstance(colors, str):
-        largest = float(np.abs(values).max())
-        norm: Any = SymLogNorm(linthresh=min(look.linear, largest), vmin=-largest, vmax=largest) if look.linear else None
+        largest = float(np.abs(values.compressed()).max(initial=0.0))
+        norm: Any = (
+            SymLogNorm(linthresh=min(look.linear, largest), vmin=-largest, vmax=largest) if look.linear and largest else None
+        )
     else:  # those below 0 are absent
         norm = BoundaryNorm(np.arange(-1.5, len(colors) + 0.5), len(colors) + 1)
         colors = ListedColormap(["#ffffff", *colors.values()])

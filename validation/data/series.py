@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
-from slipwave.files import reason_of
+from slipwave.files import content_of
 from slipwave.input.wording import listed, shorten
 from slipwave.scene import Scene
 from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, name_of_quantity, unit_of, unit_sizes
@@ -119,10 +119,7 @@ def read_series(path: Path | str, columns: str | None = None, units: str | None 
 
 def _lines_of(path: Path) -> list[str]:
     """The lines of a file in UTF-8, UTF-16 or Latin-1. Raises SceneError if it cannot be read or is empty."""
-    try:
-        raw = path.read_bytes()
-    except (OSError, ValueError) as error:
-        raise SceneError(f"{str(path)!r}: cannot be read: {reason_of(error)}") from None
+    raw = content_of(path, repr(str(path)))
     wide = raw.startswith((b"\xff\xfe", b"\xfe\xff"))
     if b"\0" in raw and not wide:
         raise SceneError(f"{str(path)!r}: is no file of text: CSV, or columns of numbers between blanks")

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.files import require_writable, whole_or_absent
+from slipwave.files import content_of, require_writable, whole_or_absent
 from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from validation.fit.least_squares import Best
@@ -37,7 +37,7 @@ class KeptBest(Best):
 
 def facts_of_fit(scene_digest: str, files: Sequence[str], settings: Mapping[str, Any]) -> dict[str, Any]:
     """Facts that must agree for a fit to continue: the scene, every file's contents, and the settings."""
-    contents = {f"contents of {name}": hashlib.sha256(Path(name).read_bytes()).hexdigest()[:12] for name in files}
+    contents = {f"contents of {name}": hashlib.sha256(content_of(Path(name), repr(name))).hexdigest()[:12] for name in files}
     return {"scene": scene_digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}
 
 

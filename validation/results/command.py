@@ -8,7 +8,7 @@ from inspect import Parameter, Signature
 from typing import Any, TypeVar
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.packages import no_exit
+from slipwave.packages import ended
 from validation.results.options import SceneOptions, options_of
 from validation.results.result import Result, Stopped
 
@@ -38,8 +38,10 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
             raise SceneError(f"{compute.__name__}: {error}") from None
         source, changes = bound.pop("source", first.default), bound.pop("changes", {})
         options = kind(**{name: known[name].checked(value) for name, value in bound.items()}, changes=changes)
-        with no_exit():
+        try:
             result = compute(source, options.load_own())
+        except SystemExit as end:
+            raise ended(end) from end
         if isinstance(result, Result) and (result.failed or result.stopped):
             raise (Stopped if result.stopped else NumericsError)(result.failed, result)
         return result

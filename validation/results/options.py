@@ -12,7 +12,7 @@ from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache
 from inspect import get_annotations
 from pathlib import Path
-from types import NoneType
+from types import FunctionType, NoneType
 from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict, Unpack, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -33,7 +33,7 @@ log = logging.getLogger("slipwave")
 """Automatic choices and the progress of long work, at level INFO; the command line prints it on stderr."""
 
 _WORDS = {bool: "True or False", int: "a whole number", float: "a number", str: "a text", NoneType: "None"}
-_WORDS[Path] = "a text, a path"
+_WORDS |= {Path: "a text, a path", FunctionType: "a function", object: "values"}
 _KINDS: dict[Any, Any] = {bool: bool, int: numbers.Integral, float: numbers.Real, Path: (str, Path)}
 
 
@@ -292,4 +292,4 @@ def _words(hint: Any) -> Iterable[str]:
         for part in parts:
             yield from _words(part)
     else:
-        yield _WORDS[hint]
+        yield _WORDS.get(hint) or f"of the class {hint.__name__}"

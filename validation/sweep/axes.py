@@ -51,6 +51,8 @@ def axis_of(key: str, values: Values) -> Axis:
     where = f"--vary {key}"
     if isinstance(values, str):
         return _from_text(key, values, where)
+    if not isinstance(values, Iterable):
+        raise SceneError(f"{where}: {shorten(values)} must be several values, or FROM:TO:COUNT")
     listed = list(values)
     if isinstance(values, tuple) and len(listed) == 3 and isinstance(listed[2], int) and not isinstance(listed[2], bool):
         first, last, count = listed

@@ -1,6 +1,7 @@
 """`slipwave.sweep`: one measure of many scenes, on all cores or on a cluster, resumed after any interruption."""
 
 import csv
+import io
 import shutil
 import tempfile
 import time
@@ -16,19 +17,20 @@ from typing import Any, ClassVar
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.files import FIGURES
+from slipwave.files import FIGURES, content_of
 from slipwave.input import SceneSource
+from slipwave.input.wording import sentence
+from slipwave.packages import no_exit
 from validation.chart import Chart
 from validation.results.command import command
 from validation.results.options import RunsOptions, option
 from validation.results.result import Dataset, Output, Result, aligned, rounded
 from validation.sweep.axes import Axis, axis_of
-from validation.sweep.engine import STATUS
 from validation.sweep.gather import dataset_of
 from validation.sweep.map_figures import chart_of_sweep
 from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Plan
-from validation.sweep.store import Store
+from validation.sweep.store import STATUS, Store
 from validation.sweep.sweep import Forecast, Swept, Where, forecast, perform_sweep, plan_of, stored_plan
 
 _SHOWN = 5  # reasons why points have no figures
@@ -166,7 +168,8 @@ class SweepResult(Result):
 
     def to_go_on(self, options: SweepOptions) -> str:
         """As `Result`."""
-        return f"slipwave sweep {self.swept.store.folder} goes on"
+        again = "" if self.plan.measure in MEASURES else f" --measure {self.plan.measure}"
+        return f"slipwave sweep {self.swept.store.folder}{again} goes on"
 
     def close(self) -> None:
         """Remove the temporary folder of a sweep without `out`."""
@@ -186,8 +189,14 @@ def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
     folder = Path(source) if isinstance(source, str | Path) and Path(source).is_dir() else None
     plan = stored_plan(folder) if folder is not None else _plan(source, options)
     folder = folder or options.out
+    is_own = plan.measure not in MEASURES
+    if not options.gather and is_own and plan.measure != measure_name(options.measure):
+        needs = f"--measure {sentence(plan.measure)}, which is a function of your own: no folder says what is run"
+        raise SceneError(f"SCENE = {str(folder)!r}: going on needs {needs}")
+    label = f"--measure = {plan.measure!r}" if is_own else ""
     if options.dry:
-        return SweepResult(Swept(plan, Store(folder or Path())), forecast(plan, _where(options)))
+        with no_exit(label):
+            return SweepResult(Swept(plan, Store(folder or Path())), forecast(plan, _where(options)))
     store = Store(folder or Path(tempfile.mkdtemp(prefix="slipwave-sweep-")))
     if options.gather:
         result = SweepResult(Swept(plan, store))
@@ -195,11 +204,12 @@ def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
         return result
     failed, stopped, swept = "", False, Swept(plan, store)
     try:
-        swept = perform_sweep(plan, store, _where(options), options.anew)
+        with no_exit(label):
+            swept = perform_sweep(plan, store, _where(options), options.anew)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
-        failed, stopped = f"interrupted after {int(store.done(plan.size).sum())} of {plan.size} points", True
+        failed, stopped = f"interrupted after {int(store.done(plan).sum())} of {plan.size} points", True
         swept = Swept(plan, store, None, time.perf_counter() - began)
     return SweepResult(swept, None, folder is None, failed=failed, stopped=stopped)
 
@@ -226,7 +236,7 @@ def _plan(source: SceneSource, options: SweepOptions) -> Plan:
 
 def _axes(vary: Iterable[str] | Mapping[str, Any]) -> list[Axis]:
     if isinstance(vary, Mapping):
-        return [axis_of(key, values) for key, values in vary.items()]
+        return [axis_of(str(key), values) for key, values in vary.items()]
     pairs = [text.partition("=") for text in ([vary] if isinstance(vary, str) else vary)]
     for key, sign, values in pairs:
         if not sign:
@@ -236,10 +246,10 @@ def _axes(vary: Iterable[str] | Mapping[str, Any]) -> list[Axis]:
 
 def _rows(path: Path) -> tuple[dict[str, float | str], ...]:
     """The rows of a table of scenes. Raises SceneError for any other file."""
+    content = content_of(path, f"--rows = {str(path)!r}")
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file, restkey="", strict=True))
-    except (OSError, ValueError, csv.Error) as error:
+        rows = list(csv.DictReader(io.StringIO(content.decode(), newline=""), restkey="", strict=True))
+    except (ValueError, csv.Error) as error:
         raise SceneError(f"--rows = {str(path)!r}: cannot be read: {error}") from None
     if not rows or any("" in row or None in row.values() for row in rows):
         raise SceneError(f"--rows = {str(path)!r}: must be a CSV file with keys of the scene above and one scene a row")

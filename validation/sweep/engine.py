@@ -15,7 +15,7 @@ from slipwave.scene import Scene
 from validation.results.quantities import twins_in_si
 from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
-from validation.sweep.store import Columns, Store
+from validation.sweep.store import STATUS, Columns, Store
 
 PART_SECONDS, SLOW_PART_SECONDS = 10.0, 60.0
 """Target time (s) of a part, and of a part with points of more than a second each."""
@@ -26,8 +26,6 @@ IN_FLIGHT = 3
 _LARGEST = 20_000
 _TRIES = 3
 _PATIENCE = 5.0  # seconds between looks at the scheduler
-STATUS = ("done", "refused", "failed", "died")
-"""Status of a point: computed; refused as a scene; numerics failed; process killed three times in a row."""
 
 
 class Finished(NamedTuple):

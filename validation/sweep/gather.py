@@ -9,11 +9,10 @@ import numpy.typing as npt
 from validation.results.provenance import provenance
 from validation.results.quantities import Meaning, attributes
 from validation.results.result import Dataset, new_dataset
-from validation.sweep.engine import STATUS
 from validation.sweep.measures import Measure, measure_of
 from validation.sweep.plan import Plan
 from validation.sweep.refine import fill, regime_numbers
-from validation.sweep.store import Store
+from validation.sweep.store import STATUS, Store
 
 Array = npt.NDArray[Any]
 
@@ -22,7 +21,8 @@ def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
     """Every column over all points of the plan: NaN, -1 and "" where a point is missing. Duplicates by two processes have the
     same figures."""
     found: dict[str, Array] = {"status": np.full(plan.size, -1, dtype=np.int8), "reason": np.full(plan.size, "", dtype=object)}
-    for points, columns in store.parts():
+    found |= {name: np.full(plan.size, -1, dtype=np.int8) for name in measure_of(plan.measure).words}
+    for points, columns in store.parts(plan):
         for name, values in columns.items():
             if name not in found:
                 empty: Any = np.nan if values.dtype.kind == "f" else -1

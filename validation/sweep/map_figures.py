@@ -70,6 +70,7 @@ def _models(data: Dataset) -> list[Dataset]:
 
 def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Sequence[Line]) -> Chart:
     columns = [shown] if shown else [name for name in ("verdict", "stable", "other_regime", *_PICTURES) if name in data]
+    columns = columns or [str(next(iter(data.data_vars)))]
     panels = []
     for model in _models(data):
         across, up = (_scale(data, model[name]) for name in names)

@@ -1,9 +1,11 @@
 """The measures that a sweep computes at each point; each is one function and one line of `MEASURES`."""
 
 import math
+import os
+import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
-from typing import Any, NamedTuple, get_args
+from typing import Any, NamedTuple, cast, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.verdict import Kind
+from slipwave.packages import no_exit
 from slipwave.scene import Scene
 from validation.compute.build import prepare
 from validation.compute.models import one_port_of
@@ -151,17 +154,27 @@ MEASURES: Mapping[str, Measure] = {
 
 def measure_of(name: str) -> Measure:
     """The measure called `name`; "module:function" is a user's own function of a scene that returns numbers by name; a number
-    `regime`, if returned, distinguishes regimes. Raises SceneError for an unknown name."""
-    if name in MEASURES:
-        return MEASURES[name]
-    module, colon, function = name.partition(":")
+    `regime`, if returned, distinguishes regimes. Nothing is imported before a point is computed."""
+    return MEASURES.get(name) or Measure(lambda scene, model, options: own_measure(name)(scene), regime=("regime",))
+
+
+def own_measure(name: str) -> Callable[[Scene], Figures]:
+    """The user's function "module:function", which is imported, also from the working folder. Raises SceneError if it cannot
+    be."""
+    if os.getcwd() not in sys.path:  # that of the console script begins with its own folder
+        sys.path.append(os.getcwd())
+    label, (module, _, function) = f"--measure = {name!r}", name.partition(":")
     try:
-        own = getattr(import_module(module), function) if colon else None
-    except (ImportError, AttributeError):
-        own = None
-    if own is None:
-        raise SceneError(f"--measure = {name!r}: must be one of {', '.join(MEASURES)}, or an importable module:function")
-    return Measure(lambda scene, model, options: own(scene), regime=("regime",))
+        with no_exit(label):
+            own = getattr(import_module(module), function)
+    except SceneError:
+        raise
+    except Exception as error:
+        must = f"must be one of {', '.join(MEASURES)}, or an importable module:function"
+        raise SceneError(f"{label}: {must} ({type(error).__name__}: {error})") from error
+    if not callable(own):
+        raise SceneError(f"{label}: {function} is no function")
+    return cast(Callable[[Scene], Figures], own)
 
 
 def measure_name(measure: str | Callable[[Scene], Figures]) -> str:

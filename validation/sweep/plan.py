@@ -105,7 +105,7 @@ class _Alone(NamedTuple):
 def require_plan(plan: Plan) -> None:
     """Raises SceneError for a plan without points or with too many, with a key twice, and for values that a scene refuses at the
     ends of its axes."""
-    if not plan.axes and not plan.rows:
+    if not plan.models or bool(plan.axes) == bool(plan.rows):
         raise SceneError("--vary: missing; must be KEY=FROM:TO:COUNT, as in log10_r=-2.75:-2.2:200")
     if plan.size > MOST:
         raise SceneError(f"--vary: {plan.size} points; must be at most 1e8; divide the sweep, or --refine")

@@ -7,24 +7,30 @@ parts of a former sweep, which another process still writes or left behind, are 
 
 import hashlib
 import json
+import math
 import os
 import shutil
 import uuid
+import zipfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 import numpy.typing as npt
 
 from slipwave.errors import SceneError
 from slipwave.files import reason_of, whole_or_absent
-from validation.sweep.plan import Indices
+from validation.sweep.measures import MOST_CYCLES, measure_of
+from validation.sweep.plan import MOST, Indices, Plan
 
-_MANIFEST, _PARTS = "manifest.json", "parts"
-_OURS = (".", _PARTS, _MANIFEST)  # another process may begin a sweep here between a look for the manifest and a look around
-_SHOWN = 3
+STATUS = ("done", "refused", "failed", "died")
+"""Status of a point: computed; refused as a scene; numerics failed; process killed three times in a row."""
+
+MANIFEST, _PARTS = "manifest.json", "parts"
+_OURS = (".", _PARTS, MANIFEST)  # another process may begin a sweep here between a look for the manifest and a look around
+_SHOWN, _LONG = 3, 40
+_LARGEST = 8 * MOST  # bytes of an unpacked part: a number at each of the most points of a plan
 Columns = Mapping[str, npt.NDArray[Any]]
 
 
@@ -39,21 +45,22 @@ class Store:
     def manifest(self) -> dict[str, Any] | None:
         """The manifest in the folder; None if there is no sweep. Raises SceneError for a damaged manifest."""
         try:
-            found = json.loads((self.folder / _MANIFEST).read_text(encoding="utf-8"))
+            path = self.folder / MANIFEST
+            found = json.loads(path.read_text(encoding="utf-8")) if path.is_file() or not path.exists() else None
         except (FileNotFoundError, NotADirectoryError):
             return None
-        except (OSError, ValueError):
+        except (OSError, ValueError, RecursionError):
             found = None
         if isinstance(found, dict):
             return found
-        raise SceneError(f"{str(self.folder / _MANIFEST)!r} is damaged: it is no manifest of a sweep")
+        raise SceneError(f"{str(self.folder / MANIFEST)!r} is damaged: it is no manifest of a sweep")
 
     def begin(self, manifest: Mapping[str, Any], anew: bool = False) -> None:
         """Begin or continue the sweep of `manifest`. Raises SceneError if the folder holds another one, naming the differences,
         unless `anew`; and for a folder with other files."""
         present = self.manifest
         if anew and present is not None:
-            (self.folder / _MANIFEST).unlink(missing_ok=True)  # first: parts of a sweep that has none are nobody's
+            (self.folder / MANIFEST).unlink(missing_ok=True)  # first: parts of a sweep that has none are nobody's
             shutil.rmtree(self.folder / _PARTS, ignore_errors=True)
         elif present is None:
             if self.folder.exists() and (
@@ -84,7 +91,7 @@ class Store:
             with temporary.open("w", encoding="utf-8") as file:
                 json.dump(manifest, file, indent=1, ensure_ascii=False)
                 os.fsync(file.fileno())
-            os.link(temporary, self.folder / _MANIFEST)  # fails where another process has begun a sweep here just now
+            os.link(temporary, self.folder / MANIFEST)  # fails where another process has begun a sweep here just now
             self._digest = _digest(manifest)
         except FileExistsError:
             self.begin(manifest)
@@ -104,7 +111,7 @@ class Store:
             np.savez(file, allow_pickle=False, **{"point": points, **columns})
         _flush(path.parent)
 
-    def parts(self) -> Iterator[tuple[Indices, Columns]]:
+    def parts(self, plan: Plan) -> Iterator[tuple[Indices, Columns]]:
         """Every whole part: its points and their columns. Damaged parts and those of another manifest count as absent. A sweep of
         an earlier version, whose parts have no digest, can be read but not continued."""
         ours = self._digest or _digest(self.manifest or {})
@@ -112,20 +119,47 @@ class Store:
             whose = path.stem.split("-")[1:-1]
             if whose != [ours] and (whose or self._digest):
                 continue
-            try:
-                with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-                    columns = {name: data[name] for name in data.files}
-                points = columns.pop("point")
-            except (BadZipFile, OSError, ValueError, KeyError, EOFError):
-                continue
-            yield points.astype(np.int64), columns
+            columns = _read(path, plan)
+            if columns is not None:
+                yield columns.pop("point"), columns
 
-    def done(self, size: int) -> npt.NDArray[np.bool_]:
-        """Which of `size` points are finished."""
-        found = np.zeros(size, dtype=bool)
-        for points, _ in self.parts():
+    def done(self, plan: Plan) -> npt.NDArray[np.bool_]:
+        """Which points of `plan` are finished."""
+        found = np.zeros(plan.size, dtype=bool)
+        for points, _ in self.parts(plan):
             found[points] = True
         return found
+
+
+def _read(path: Path, plan: Plan) -> dict[str, npt.NDArray[Any]] | None:
+    """The columns of a part; None if it is damaged: no zip, or with kinds, shapes, points or words that the plan has not. Kinds,
+    shapes and sizes are read from the headers, before anything is unpacked."""
+    measure = measure_of(plan.measure)
+    words = {**measure.words, "status": STATUS}
+    try:
+        with path.open("rb") as file, zipfile.ZipFile(file) as packed:
+            if not path.is_file() or sum(one.file_size for one in packed.infolist()) > _LARGEST:
+                return None
+            kinds, size = {}, 0
+            for name in packed.namelist():
+                with packed.open(name) as stream:
+                    if np.lib.format.read_magic(stream) != (1, 0):
+                        return None
+                    shape, _, kind = np.lib.format.read_array_header_1_0(stream)
+                kinds[name.removesuffix(".npy")] = shape, kind.kind
+                size += math.prod(shape) * kind.itemsize
+            count = kinds["point"][0][0]
+            shapes = {name: (count, *[MOST_CYCLES] * bool(measure.lists and name.startswith(measure.lists))) for name in kinds}
+            wanted = {name: "i" if name in ("point", *words) else "U" if name == "reason" else "f" for name in kinds}
+            if size > _LARGEST or "status" not in kinds or kinds != {name: (shapes[name], wanted[name]) for name in kinds}:
+                return None
+            file.seek(0)
+            with np.load(file, allow_pickle=False) as data:
+                found = {name: data[name] for name in data.files}
+    except Exception:  # a damaged zip, header or text raises errors of many kinds
+        return None
+    limits = {"point": (0, plan.size), **{name: (-1, len(known)) for name, known in words.items() if name in found}}
+    return found if all(((found[name] >= low) & (found[name] < high)).all() for name, (low, high) in limits.items()) else None
 
 
 def _digest(manifest: Mapping[str, Any]) -> str:
@@ -136,7 +170,7 @@ def _difference(key: str, before: Any, now: Any) -> str:
     if isinstance(before, dict) and isinstance(now, dict):
         inner = [name for name in {*before, *now} if before.get(name) != now.get(name)]
         return f"{key}: {', '.join(sorted(inner))} changed"
-    short = all(isinstance(value, str | int | float | None) for value in (before, now))
+    short = all(isinstance(value, str | int | float | None) and len(str(value)) < _LONG for value in (before, now))
     return f"{key} = {before}, now {now}" if short else f"{key} changed"
 
 

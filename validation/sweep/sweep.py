@@ -3,7 +3,6 @@
 import json
 import shutil
 import time
-import tomllib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -14,25 +13,28 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
+from pydantic import BaseModel
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.input.source import to_toml
+from slipwave.friction.law import name_of
+from slipwave.input.source import parse_toml, to_toml
 from slipwave.scene import Scene
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.compute.models import parse, resolve
+from validation.compute.own import digests
 from validation.compute.progress import progress
 from validation.measure.stopwatch import cores
 from validation.results.result import Dataset
 from validation.sweep import executors
-from validation.sweep.axes import Axis, whole_key
+from validation.sweep.axes import Axis, axis_of, whole_key
 from validation.sweep.engine import Engine, compute
 from validation.sweep.gather import arrays_of, dataset_of
-from validation.sweep.measures import measure_of
+from validation.sweep.measures import MEASURES, measure_of, own_measure
 from validation.sweep.plan import Indices, Plan, order_of, require_plan
 from validation.sweep.refine import Audit, refine, regime_numbers, require_refinable
-from validation.sweep.store import Store
+from validation.sweep.store import MANIFEST, Store
 
 _BYTES = 40  # per figure of a point: its value in the parts, and in the netCDF file
 _PROBES = 8
@@ -81,7 +83,8 @@ def plan_of(scene: Scene, axes: Sequence[Axis], models: Sequence[str], measure: 
     given = {name: value for name, value in options.items() if value}
     rows = tuple(given.pop("rows", ()))
     plan = Plan(scene, tuple(replace(axis, key=whole_key(axis.key, scene)) for axis in axes), names, measure, given, rows)
-    measure_of(measure)
+    if measure not in MEASURES:
+        own_measure(measure)
     require_plan(plan)
     if given.get("refine"):
         require_refinable(plan, given["refine"])
@@ -89,23 +92,43 @@ def plan_of(scene: Scene, axes: Sequence[Axis], models: Sequence[str], measure: 
 
 
 def manifest_of(plan: Plan) -> dict[str, Any]:
-    """The plan and the program, with which a folder must agree to be continued."""
+    """The plan and the programs, ours and the user's, with which a folder must agree to be continued."""
     program = {name: version(name) for name in ("slipwave", "numpy", "scipy", "numba")} | {"code": source_digest()}
     source = {"scene_toml": to_toml(plan.base)}
-    return dict(json.loads(json.dumps(plan.manifest | source | {"program": program})))
+    laws = {name_of(plan.base.law), *(value for row in plan.rows for value in row.values() if isinstance(value, str))}
+    files = digests(laws, plan.models, None if plan.measure in MEASURES else own_measure(plan.measure))
+    return dict(json.loads(json.dumps(plan.manifest | source | {"program": program, "files": files})))
+
+
+class _Stored(BaseModel):
+    """What a manifest says of its plan."""
+
+    scene_toml: str
+    axes: list[Axis]
+    models: tuple[str, ...]
+    measure: str
+    options: dict[str, int | float]
+    rows: tuple[dict[str, float | str], ...]
 
 
 def stored_plan(folder: Path) -> Plan:
-    """The plan of a folder. Raises SceneError if it holds no sweep."""
+    """The plan of a folder, checked as one that is made; nothing is imported for its measure. Raises SceneError if it holds no
+    sweep, or none that may be planned."""
     found = Store(folder).manifest
     if found is None:
         raise SceneError(f"SCENE = {str(folder)!r}: a folder without a sweep (no manifest.json)")
     try:
-        axes = tuple(Axis(axis["key"], tuple(axis["values"]), axis["unit"]) for axis in found["axes"])
-        scene = slipwave.read_scene(tomllib.loads(found["scene_toml"]))
-        return Plan(scene, axes, tuple(found["models"]), found["measure"], found["options"], tuple(found["rows"]))
-    except (KeyError, TypeError):
-        raise SceneError(f"{str(folder)!r}: written by a slipwave {found.get('program')} that this one cannot read") from None
+        said = _Stored(**found)
+        axes = tuple(replace(axis_of(axis.key, [*axis.values]), unit=axis.unit) for axis in said.axes)
+        scene = slipwave.read_scene(parse_toml(said.scene_toml))
+        plan = Plan(scene, axes, said.models, said.measure, said.options, said.rows)
+        require_plan(plan)
+        if plan.options.get("refine"):
+            require_refinable(plan, int(plan.options["refine"]))
+    except (ValueError, RecursionError) as error:
+        reason = error if isinstance(error, SceneError) else "it is damaged, or of another version"
+        raise SceneError(f"{str(folder / MANIFEST)!r}: holds no plan of a sweep: {reason}") from None
+    return plan
 
 
 def forecast(plan: Plan, where: Where) -> Forecast:
@@ -129,6 +152,8 @@ def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) ->
     """Compute the missing points, or all `anew`. Raises SceneError for more than the disk or `most_seconds`; NumericsError if the
     scheduler disappears. Finished parts stay in the store in any case.
     """
+    for name in plan.models:
+        parse(name)
     with _engine(plan, store, where) as engine:
         store.begin(manifest_of(plan), anew)
         return _complete(plan, store, where, engine)
@@ -145,7 +170,7 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
     free = shutil.disk_usage(store.folder).free
     if _size(plan) > free:
         raise SceneError(f"--out = {str(store.folder)!r}: needs about {_size(plan):.1e} bytes, and {free:.1e} are free")
-    began, done = time.perf_counter(), store.done(plan.size)
+    began, done = time.perf_counter(), store.done(plan)
     before, order, levels = int(done.sum()), order_of(plan), int(plan.options.get("refine", 0))
     order = order[len(order) * (where.part[0] - 1) // where.part[1] : len(order) * where.part[0] // where.part[1]]
     with progress(f"{plan.base.name}, points", len(order)) as report:
@@ -165,7 +190,7 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
             """Compute the missing points among `wanted`, in their order."""
             chosen = np.zeros(plan.size, dtype=bool)
             chosen[wanted] = True
-            engine.run(order[(chosen & ~store.done(plan.size))[order]])
+            engine.run(order[(chosen & ~store.done(plan))[order]])
 
         if levels:
             measure = measure_of(plan.measure)
@@ -173,7 +198,7 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
         else:
             audit = None
             missing(order)
-    return Swept(plan, store, audit, time.perf_counter() - began, int(store.done(plan.size).sum()) - before)
+    return Swept(plan, store, audit, time.perf_counter() - began, int(store.done(plan).sum()) - before)
 
 
 @contextmanager
