@@ -22,6 +22,7 @@ import slipwave as sw
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.scene.slab import KelvinVoigtViscosity
 from slipwave.solve import follow
+from tests.granite import GRANITE
 from tests.plain_ode import plain_kelvin_voigt
 from validation.results.result import aligned
 from validation.timing import March, Setting, Work, alternating, in_turn, quartiles, solver_of
@@ -53,14 +54,6 @@ _BY_PROCESSOR = (
     "import runpy, sys, time; time.perf_counter = time.process_time; sys.path.insert(0, sys.argv[2]); "
     "runpy.run_path(sys.argv[1], run_name='__main__')"
 )
-_GRANITE = {
-    "interface": {
-        "law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015,
-        "normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6,
-    },
-    "slab": {"thickness": 10.0, "density": 2700.0, "shear_modulus": 30e9},
-    "drive": {"velocity": 1.0},
-}  # fmt: skip
 
 
 class Entrant(NamedTuple):
@@ -162,7 +155,7 @@ def _process(*words: str) -> Work[Any]:
 
 def _granite(every: bool) -> Any:
     """Two cycles of granite slabs of 10 m at 1 um/s, 1.6e5 transits; `every` one of them marched, or sticks leapt over."""
-    scene = sw.read(_GRANITE)
+    scene = sw.read(GRANITE)
     solver = solver_of(Setting("delay", tolerance=1e-6), scene)
     follow(solver, 1.0)
     needs_all = [HistoryObserver(scene.law, solver.nodes, start=math.inf)] if every else []

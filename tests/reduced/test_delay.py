@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 
 from fullwave.discontinuous import DiscontinuousGalerkin
-from reduced.commensurate import common_divisor
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
 from reduced.delay.transmission_lines import delay_rows
 from slipwave import read
-from slipwave.errors import NumericsError, SceneError
+from slipwave.errors import NumericsError
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
 
@@ -114,12 +113,6 @@ def test_steps_that_follow_breaks_let_no_noise_grow():
     assert found.steps <= 8.0
 
 
-@pytest.mark.parametrize(("ratio", "divisor"), [(2.0, 0.5), (1.5, 0.25), (np.sqrt(2.0), None)])
-def test_common_divisor_of_travel_times(ratio, divisor):
-    found = common_divisor(np.array([0.5, 0.5 * ratio]), 64)
-    assert found == divisor or found == pytest.approx(divisor)
-
-
 @pytest.mark.parametrize(
     ("name", "one_way"), [("yardstick", [0.5]), ("unlike", [0.5, 1.0]), ("unlike-irrational", [0.5, 0.5**0.5])]
 )
@@ -137,11 +130,6 @@ def test_break_points_are_the_arrivals_of_the_jump_and_no_others(name, one_way):
                 arrivals.add(back)
                 at_interface.append(back)
     assert solver.break_points == len(arrivals)
-
-
-def test_viscous_slabs_are_refused_with_the_reason():
-    with pytest.raises(SceneError, match="disperse"):
-        delay_system(read("viscous"))
 
 
 def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):

@@ -13,7 +13,7 @@ from reduced.impedance import reduction_of
 from reduced.impedance.reduction import TABULATED, reduction
 from reduced.ode import slabs
 from reduced.ode.slabs import ReducedModel, impedance_at
-from slipwave.errors import NumericsError, SceneError
+from slipwave.errors import NumericsError
 from slipwave.scene.drive import Drive
 from slipwave.solve import follow
 from slipwave.step.port import LEVELS
@@ -69,12 +69,6 @@ def test_only_the_quasistatic_pair_runs_away_and_it_says_so():
     assert [name for name in TABULATED if reduction(name).runs_away] == ["quasistatic"]
     with pytest.raises(NumericsError, match=r"quasistatic: no step is short enough at t = .*runs away"):
         follow(ReducedModel(slipwave.read("paper", ["slab.log10_r=-2.5"]), reduction("quasistatic")), 6000)
-
-
-@pytest.mark.parametrize("name", ["modal:-1", "modal:65", "modal:", "modal:x", "modal:1.5", "block9", "taylor", "", "modal:²"])
-def test_a_wrong_name_is_the_users_error(name):
-    with pytest.raises(SceneError, match="model = "):
-        reduction(name)
 
 
 def test_a_drive_of_many_knots_is_marched_at_once_to_the_same_motion(monkeypatch):

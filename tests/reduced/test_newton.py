@@ -13,14 +13,13 @@ class Equations:
     """`residual(u)` = 0 with its `derivative`, and what was asked for."""
 
     def __init__(self, residual, derivative):
-        self._residual, self._derivative, self.tried, self.derivatives = residual, derivative, [], 0
+        self._residual, self._derivative, self.tried = residual, derivative, []
 
     def evaluate(self, u):
         self.tried.append(u)
         return Evaluated(u, self._residual(u), None)
 
     def derivative(self, at):
-        self.derivatives += 1
         return self._derivative(at.unknowns)
 
     def solved(self, guess, tolerance=1e-13, near=1e-7, first=None):

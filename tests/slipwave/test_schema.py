@@ -58,7 +58,6 @@ def test_every_scene_of_the_gallery_is_valid(path):
         (FULL, "upper.layers", LAYERS[:1], False),
         (FULL, "drive.velocity", [["0 s", "1 um/s"], [5.0, 0.0]], True),
         (FULL, "run.until", "60 s", True),
-        (FULL, "start.kind", "jumb", False),
         (FULL, "name", "n" * 201, False),
         (SI, "slab.density", "2.7 g/cm3", True),
     ],

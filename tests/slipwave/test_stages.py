@@ -9,7 +9,7 @@ import slipwave
 from slipwave.observe import Pieces
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.observe.stages import stages_of
-from slipwave.scene.drive import Drive, steady_drive
+from slipwave.scene.drive import Drive
 
 KNOTS = [(0, 1), (5, 1), (5, 10), (8, 10), (8, 0), (12, 0), (12, 1), (15, 1), (20, 3), (25, 3)]
 
@@ -26,13 +26,6 @@ def test_every_kind_of_stage():
         ("level", 20, 40.0, 3, 3),
     ]
     assert [stage.sign for stage in stages_of(drive, 40.0)] == [1.0, 1.0, -1.0, 1.0, 1.0, 1.0]
-
-
-def test_the_run_ends_the_last_stage():
-    drive = Drive((5.0, 5.0), (1.0, 2.0))
-    assert [(stage.kind, stage.end) for stage in stages_of(drive, 3.0)] == [("start", 3.0)]
-    assert [(stage.kind, stage.end) for stage in stages_of(drive, 6.0)] == [("start", 5.0), ("step", 6.0)]
-    assert stages_of(steady_drive(7.0), 6.0) == []
 
 
 def ringing(rate, period):

@@ -108,21 +108,6 @@ def test_score_says_how_many_digits_are_right(score):
 
 
 @pytest.mark.parametrize(
-    ("text", "status"),
-    [
-        ("\ufeffid, value\r\norbit.period, 73.4721\r\n\r\n", 0),
-        ("id,value\nmultiplier.2.real,-0.0106595\n", 3),
-        ("id,value\nfold.1.period,59.1074326\n", 0),
-        ("id,value\norbit.period,-73.472144944286\n", 3),
-        ("id,value\norbit.period,1e300\n", 3),
-    ],
-    ids=["blanks", "five digits", "all that are known", "sign", "far off"],
-)
-def test_status_of_a_score(text, status, score):
-    assert score(text)[0] == status
-
-
-@pytest.mark.parametrize(
     ("text", "told"),
     [
         ("name,value\na,1\n", "line 1: must be id,value"),

@@ -144,9 +144,7 @@ def test_a_record_beside_a_model(slips: tuple[Series, Events, Scene], tmp_path: 
     [
         (["paper", "--models", "delay", "--columns", "time,mu"], "columns: needs a record: --with FILE"),
         (["velocity-steps", "--with", "x.csv"], "its drive changes; cycles are compared under a constant drive.velocity"),
-        (["paper", "--with", "x.csv"], "'x.csv': is in SI; scene 'paper' is not: give interface.normal_stress"),
         ([NAME, "--with", "x.csv"], "'x.csv': no slip event; a comparison of cycles needs two or more"),
-        ([NAME, "--with", "x.csv", "--columns", "time,slip"], "'x.csv': has no column friction; the columns read are time, slip"),
     ],
 )
 def test_refusals_are_one_line(

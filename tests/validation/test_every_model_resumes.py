@@ -6,9 +6,6 @@ import pytest
 
 import slipwave
 from reduced.delay.alike import Delay
-from reduced.delay.break_points import DelayBreaks
-from reduced.delay.leaping_network import LeapingNetwork
-from reduced.delay.system import LeapingDelay, delay_system
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow
@@ -65,11 +62,6 @@ def test_a_resumed_run_equals_the_uninterrupted_one(tmp_path, model, name):
     assert {array.dtype for array in straight.state().values()} == {np.dtype(np.float64)}
     for label, observer in again.items():
         assert_same_bits(observer.state(), kept[label].state())
-
-
-def test_the_cases_reach_every_march_of_the_delay_system():
-    kinds = [type(delay_system(slipwave.read(*scene))) for scene in SCENES.values()]
-    assert kinds == [LeapingDelay] * 3 + [LeapingNetwork, DelayBreaks, LeapingNetwork, LeapingNetwork, DelayBreaks]
 
 
 @pytest.mark.parametrize(

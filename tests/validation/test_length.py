@@ -20,7 +20,7 @@ from validation.cli import main
 from validation.compute.build import build
 from validation.compute.history_file import HistoryFile, Kept
 from validation.compute.outlook import outlook
-from validation.compute.run import JudgedHalf, Length, UntilCycles, UntilSettled, halves_agree, length_of, simulate
+from validation.compute.run import JudgedHalf, UntilCycles, UntilSettled, halves_agree, simulate
 from validation.results.quantities import stored_name
 
 PAPER = slipwave.read("paper")
@@ -87,15 +87,6 @@ def test_steady_sliding_is_settled_where_it_is_stable_or_nothing_disturbs_it():
     assert UNSTABLE.ended(judged(np.ones(2), rests=False)) == "settled"
     assert UntilCycles(5, STABLE.scene, "delay").ended(slides) == "settled"
     assert UntilCycles(5, OPEN, "delay").ended(slides) is None
-
-
-def test_the_length_of_a_scene():
-    """So many cycles, else the scene's, else until it is settled or, where nothing is watched, until the first look at that."""
-    assert length_of(PAPER, "delay", 7) == UntilCycles(7, PAPER, "delay")
-    assert length_of(dataclasses.replace(PAPER, until=12.0), "delay") == Length(until=12.0)
-    assert (length_of(OPEN, "delay"), UNSTABLE.most_seconds) == (UNSTABLE, 300.0)
-    assert length_of(dataclasses.replace(OPEN, record=frozenset()), "delay") == Length(until=next(UNSTABLE.ends(0.0)))
-    assert length_of(OPEN, "block8") == UntilSettled(OPEN, "block8") != UNSTABLE
 
 
 def test_a_run_to_a_number_of_cycles_has_them_in_its_second_half():

@@ -37,7 +37,6 @@ print(json.dumps(found))
 """
 WORK = {
     "run paper --model block8 --until 60 --json": ("events", 1),
-    "run paper --model auto --until 5 --json": ("model", "delay"),
     "stability paper --json": ("unstable_roots", 2),
     "compare paper --models block8,kelvin-voigt --until 5 --json": ("reference", "block8"),
     "orbit paper --model block8 --tol 1e-3 --json": ("period", pytest.approx(76.610300, rel=1e-6)),
@@ -45,7 +44,6 @@ WORK = {
 NO_FILES = "needs xarray and netCDF4 and meshio: pip install 'slipwave[files]'"
 REFUSED = {
     "run paper --plot run.png": "--plot = 'run.png': needs matplotlib: pip install 'slipwave[plot]'",
-    "run paper --out run.nc": f"--out = 'run.nc': {NO_FILES}",
     "run paper --model dg:3 --fields last.vtu": f"--fields = 'last.vtu': {NO_FILES}",
     "run run.nc": f"SCENE = 'run.nc': {NO_FILES}",
     "run paper --model fem:4": "model = 'fem:4': needs skfem: pip install 'slipwave[fem]'",

@@ -67,11 +67,6 @@ def test_idle_modes_are_named_with_their_multipliers():
     assert 1.0 - abs(told) == pytest.approx(1.0 - abs(nearest), rel=0.2)
 
 
-def test_a_start_on_the_orbit_is_no_other_scene():
-    changed = sw.orbit("paper", "kelvin-voigt", tol=1e-6, start={"kind": "orbit"})
-    assert changed.period == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
-
-
 def test_a_run_that_leads_to_none_gives_way_to_the_branch():
     """Between the fold and the Hopf point the run returns to steady sliding, and two orbits coexist: the small unstable one has
     a period between those of both points, the stable one a longer one than the fold's."""

@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 
 from slipwave.solve import follow
-from tests.validation.pairs import KNOTS, NAMES, built, pairs_of, pairwise_rows, play, rows_allowed, scene_of
+from tests.validation.pairs import KNOTS, NAMES, built, pairwise_rows, play, rows_allowed, scene_of
 from tests.validation.test_every_model_resumes import assert_same_bits
 from validation.compute.build import build
 
@@ -100,9 +100,3 @@ def test_two_exact_models_agree(row):
     smooth = row[0] == "delay" and row[NAMES.index("drive")] in ("constant", "ramp")
     limit = 1e-7 if smooth else 1e-2 if "exact" not in row[0] and row[0] != "delay" else 4e-4
     assert whole(row).facts["final"]["mu"] == pytest.approx(witness.mu, abs=limit)
-
-
-def test_every_pair_of_levels_is_in_the_table():
-    wanted, found = ({pair for row in rows for pair in pairs_of(row)} for rows in (ALLOWED, ROWS))
-    assert found == wanted
-    assert len(wanted) == 348

@@ -3,20 +3,17 @@
 import json
 import logging
 import math
-import sys
 
 import pytest
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from reduced.delay.march import DelayMarch
 from reduced.stability import characteristic, leading_roots
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from slipwave.solve.follow import DAY
 from tests.granite import GRANITE, THIN
-from validation.cli import INPUT_WRONG, main
 from validation.compute import progress as module
 from validation.compute.build import build
 from validation.compute.outlook import outlook, stress_released
@@ -132,18 +129,6 @@ def test_a_march_whose_steps_adapt_is_judged_by_those_it_took(model, monkeypatch
             simulate(solver, 4e7)
     assert solver.time < 40_000.0
     simulate(build(model, paper), 3000.0)
-
-
-def test_the_way_to_an_orbit_is_shown_and_judged(monkeypatch, capsys):
-    monkeypatch.setattr("validation.compute.progress.PATIENCE", -1.0)
-    monkeypatch.setattr("validation.compute.progress._LINE_INTERVAL", -1.0)
-    words = ["run", "paper", "--model", "delay", "--until", "20", "--set", "start.kind=orbit"]
-    assert main(words) == 0
-    assert capsys.readouterr().err.startswith("paper, delay, on the way to an orbit: ")
-    monkeypatch.setattr(sys.modules["slipwave.solve.follow"], "_ENOUGH", 1000)
-    monkeypatch.setattr(DelayMarch, "seconds_per_piece", DAY)
-    assert main(words) == INPUT_WRONG
-    assert "model delay: 6000 transits would take about" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words", ["run paper --model fd", "compare paper --models fd --out x.png"])

@@ -24,8 +24,6 @@ run paper --set slab.r=1e-3 slab.epsilom=1 | slab.epsilom
 run paper --set slab | KEY=VALUE
 run paper --model delay --cells 10 | takes no cells
 run paper --model delay --tol 0 | tolerance = 0: must lie in [1e-14, 0.1] for model delay
-run paper --model fd --cells 0 | cells = 0
-run paper --model fd --cfl 1.5 | cfl = 1.5
 run paper --model dg:7 --cfl 1e-9 | model dg:7: 4000 transits would take about 36
 run viscous --model delay | Kelvin-Voigt viscosity
 run paper --model dg:5 --time implicit | time = 'implicit': must be exact or explicit

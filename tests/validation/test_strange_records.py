@@ -182,13 +182,6 @@ def test_a_mass_that_a_model_leaves_out_is_said_to_be_undetermined(tmp_path: Pat
     assert error.value.result.notes.count("not determined: slab.face.mass") == 1
 
 
-def test_a_record_without_events_names_the_columns_that_were_not_read(tmp_path: Path) -> None:
-    times = np.arange(40.0)
-    path = written(tmp_path / "odd.csv", "time_s,friction,Weg (um)", times, 0.6 + 0.001 * np.sin(times), times)
-    with pytest.raises(SceneError, match=r"or a column of the load point's displacement; not read: Weg \(um\)$"):
-        sw.fit(SAMPLE, data=[path], free=FREE)
-
-
 def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     times = np.linspace(0.0, 80.0, 300)
     friction = slider(times, STEPS) + 2e-4 * np.random.default_rng(9).standard_normal(300)

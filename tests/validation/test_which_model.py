@@ -47,20 +47,6 @@ def test_the_settings_of_a_place_make_its_scene(name):
     assert 10.0**column.log10_r == pytest.approx(scene.transit)
 
 
-@pytest.fixture(scope="module")
-def onsets():
-    return laws.measure_onsets(slipwave.read("paper"))
-
-
-def test_onset_errors_fall_at_the_laws_power(onsets):
-    for model, one in onsets.items():
-        small = abs(one.error) > 1e-11  # below, the error of r_c itself is rounding
-        index = int(small.nonzero()[0][-1])
-        if model != "quasidynamic":
-            assert one.ratio(index) == pytest.approx(1.0, abs=0.01)
-    assert {verdict.outcome for verdict in laws.law_verdicts(onsets, ())} == {Outcome.PASS}
-
-
 def test_the_cycles_error_does_not_fall():
     measured = [laws.measure_cycle(slipwave.read("paper"), scale) for scale in (1.0, 0.5)]
     assert [one.error() for one in measured] == pytest.approx([-0.0318, -0.0292], abs=2e-4)
