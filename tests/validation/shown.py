@@ -9,7 +9,6 @@ import pytest
 from counterfeit import green, tapes_of
 
 from slipwave.input import source
-from validation.chart import Chart
 from validation.chart.draw import draw, styled
 from validation.measure import stopwatch
 from validation.report.sources import sources_of
@@ -56,8 +55,7 @@ def quick(name):
     assert scenes <= {path.stem for path in sources_of(study) if path.suffix == ".toml"}
     with styled():
         for figure in result.figures:
-            chart = figure.draw()
-            panels = (draw(chart) if isinstance(chart, Chart) else chart).axes
+            panels = draw(figure.draw()).axes
             curves = [np.asarray(line.get_ydata(), dtype=float) for panel in panels for line in panel.get_lines()]
             assert any(panel.get_xlabel() or panel.texts for panel in panels), figure.name
             assert all(np.isfinite(curve).any() for curve in curves if curve.size), figure.name

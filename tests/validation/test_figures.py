@@ -61,11 +61,8 @@ CHART = Chart(
                     *with_gaps([(np.sin(PART), PART), (np.sin(PART + 2.0), PART + 2.0)]),
                     Look(dashes=DOTTED, kind="smooth"),
                 ),
-                Trace(
-                    "runs", [0.1, 0.2], [1.0, 2.0], POINTS.but(color=ORANGE, hollow=True), 0.01, [0.3, np.nan], shift=(0.03, 0.0)
-                ),
+                Trace("runs", [0.1, 0.2], [1.0, 2.0], POINTS.but(color=ORANGE, hollow=True), [0.3, np.nan], shift=(0.03, 0.0)),
                 Trace("here", 1.0, 1.0, Look(kind="text")),
-                Trace("", [0.0, 0.5], [0.0, 0.5], Look(kind="arrow", marker="->")),
             ],
             grid=True,
         ),
@@ -92,18 +89,18 @@ CHART = Chart(
 def test_the_file_holds_what_was_computed():
     """Number by number: nothing is moved, nor held at a floor; a curve in parts has a gap; a guide ends at the edges."""
     rows = [line.split(",") for line in curves_csv(CHART).splitlines()]
-    assert rows[0] == ["panel", "series", "look", "x", "y", "x_error", "y_error", "value"]
+    assert rows[0] == ["panel", "series", "look", "x", "y", "y_error", "value"]
     found = {}
     for _, name, look, *numbers in rows[1:]:
         found.setdefault((name, look), []).append([float(word or "nan") for word in numbers])
     for panel in CHART.panels:
         for trace in (one for one in panel.traces if one.name):
             (mine,) = (np.array(numbers) for (name, _), numbers in found.items() if name == plain_label(trace.name))
-            for column, name in enumerate(("x", "y", "x_error", "y_error", "value")):
+            for column, name in enumerate(("x", "y", "y_error", "value")):
                 expected = trace.columns.get(name, np.full(len(mine), np.nan))
                 np.testing.assert_allclose(mine[:, column], expected, rtol=1e-7, atol=1e-15, err_msg=trace.name)
     assert {look for _, look in found} == {
-        "area", "solid", "dashed", "solid steps-pre", "solid guide", "dotted smooth", "points o", "text", "arrow",
+        "area", "solid", "dashed", "solid steps-pre", "solid guide", "dotted smooth", "points o", "text",
         "cells", "solid o",
     }  # fmt: skip
     branch = np.array(found["branch", "dotted smooth"])
@@ -160,7 +157,6 @@ def test_thinning_keeps_every_extremum_and_changes_no_number():
             found = [tuple(row) for row in np.column_stack(list(after.columns.values())).tolist() if not np.isnan(row[1])]
             assert len(found) <= max(MOST, CELLS**2)
             assert set(found) <= rows
-    assert max(with_fewer(whole).panels[0].traces[0].columns["x"]) == 20_002.0  # one for the end of the line, one for the gap
 
 
 def test_words_are_the_numbers_that_were_computed():

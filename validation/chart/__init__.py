@@ -24,7 +24,7 @@ DASHED, DOTTED, EMPTY = (0, (5, 1.5)), (0, (1.5, 1.2)), -1
 
 _COLORS = ("#1f77b4", "#ff7f0e", "#2ca02c", "#d62728", "#9467bd", "#8c564b", "#e377c2", "#7f7f7f", "#bcbd22", "#17becf")
 _MARGIN = 0.05  # of the range of what is drawn
-_UNSAID = ("text", "arrow", "area", "guide")
+_UNSAID = ("text", "area", "guide")
 
 
 @dataclass(frozen=True)
@@ -32,9 +32,8 @@ class Look:
     """How a trace is drawn: colour, dashes as in matplotlib ("" for points alone), marker and its size, width of the line.
 
     `kind`: "line"; "steps-pre"; "smooth", a spline through the points; "guide", a line whose infinite ends lie on the edges of
-    the panel; "area", within an outline; "cells", a picture; "text", the name of the trace at its points, with `angle` and
-    alignment (`marker`); "arrow", with its style as `marker`. Cells are coloured by `colors`, words with colours for the values
-    0, 1 ...; or by the map `colors`, logarithmic beyond `linear` if that is not 0, with the name of the trace at a bar."""
+    the panel; "area", within an outline; "text", the name of the trace at its points, aligned by `marker`; "cells", a picture:
+    `colors` are those of the values 0, 1 ..., with their words, or a map of matplotlib, with the name of the trace at its bar."""
 
     color: str = INK
     dashes: Any = "-"
@@ -43,9 +42,7 @@ class Look:
     size: float = 5.0
     hollow: bool = False
     kind: str = "line"
-    angle: float = 0.0
     colors: str | Mapping[str, str] = "viridis"
-    linear: float = 0.0
 
     @classmethod
     def of(cls, style: PlotStyle, **changes: Any) -> "Look":
@@ -68,14 +65,13 @@ POINTS = Look(dashes="", marker="o")
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What one entry of a legend names: numbers `x` and `y` as they were computed (NaN: a gap), half widths of error bars, and a
+    """What one entry of a legend names: numbers `x` and `y` as they were computed (NaN: a gap), half widths of error bars, or a
     picture's `value`s, a row for each y. It is drawn moved by `shift`, so that bars, or curves, do not lie on each other."""
 
     name: str
     x: ArrayLike
     y: ArrayLike
     look: Look = field(default_factory=Look)
-    x_error: ArrayLike | None = None
     y_error: ArrayLike | None = None
     value: ArrayLike | None = None
     shift: tuple[float, float] = (0.0, 0.0)
@@ -83,17 +79,19 @@ class Trace:
     @property
     def columns(self) -> dict[str, Array]:
         """Its numbers by their columns in the file, point by point or cell by cell."""
-        x, y = (np.atleast_1d(np.asarray(values, float)) for values in (self.x, self.y))
+        x, y = np.atleast_1d(np.asarray(self.x, float)), np.atleast_1d(np.asarray(self.y, float))
         if self.value is not None:
-            x, y = (values.ravel() for values in np.meshgrid(x, y))
-        x, y = np.broadcast_arrays(x, y)
-        others = {"x_error": self.x_error, "y_error": self.y_error, "value": self.value}
-        known = {name: np.asarray(values, float) for name, values in others.items() if values is not None}
-        return {"x": x, "y": y} | {name: np.broadcast_to(v if v.size == 1 else v.ravel(), x.shape) for name, v in known.items()}
+            x, y = np.meshgrid(x, y)
+            return {"x": x.ravel(), "y": y.ravel(), "value": np.asarray(self.value, float).ravel()}
+        bars = {} if self.y_error is None else {"y_error": np.asarray(self.y_error, float)}
+        return {
+            name: np.broadcast_to(values, np.broadcast_shapes(x.shape, y.shape))
+            for name, values in (("x", x), ("y", y), *bars.items())
+        }
 
     @property
     def is_said(self) -> bool:
-        """Whether it is described in words and stands in legends, as what was computed does."""
+        """Whether words describe it."""
         return self.look.kind not in _UNSAID
 
 
@@ -128,7 +126,7 @@ class Scale:
 
 @dataclass(frozen=True)
 class Panel:
-    """Trace over the same axes, under a title; `legend`: where its own is, if it has one; `bare`: without axes."""
+    """Traces over the same scales, under a title; `legend`: where its own is, if it has one; `grid`: whether there is one."""
 
     name: str
     x: Scale
@@ -136,7 +134,6 @@ class Panel:
     traces: Sequence[Trace]
     legend: str = ""
     grid: bool = False
-    bare: bool = False
 
     def placed(self, trace: Trace) -> tuple[Array, Array]:
         """Points of one of its traces: infinite ends of guides on its edges."""

@@ -92,8 +92,6 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
     if panel.grid:
         axes.grid(True)
         axes.set_axisbelow(True)
-    if panel.bare:
-        axes.set_axis_off()
     for trace in panel.traces:
         _draw_trace(axes, panel, trace)
     keys = _keys(panel.traces) if panel.legend else []
@@ -142,19 +140,14 @@ def _draw_trace(axes: Axes, panel: Panel, trace: Trace) -> None:
         axes.fill(x, y, color=look.ink, linewidth=0.0)
     elif look.kind == "text":
         for place in zip(x, y, strict=True):
-            axes.text(*place, trace.name, color=look.ink, rotation=look.angle, ha=look.marker or "left", va="center")
-    elif look.kind == "arrow":
-        ends = [(float(x[k]), float(y[k])) for k in (0, -1)]
-        axes.annotate(
-            "", ends[1], ends[0], arrowprops={"arrowstyle": look.marker or "-|>", "linewidth": look.width, "color": look.ink}
-        )
+            axes.text(*place, trace.name, color=look.ink, ha=look.marker or "left", va="center")
+    elif trace.y_error is not None:  # on a logarithmic scale none below that reaches zero
+        half = columns["y_error"]
+        below = np.where(half < columns["y"], half, 0.0) if panel.y.kind == "log" else half
+        axes.errorbar(x, y, [below, half], elinewidth=0.9, label=trace.name or None, **_style(look))
     else:
         x, y = _smooth(x, y) if look.kind == "smooth" else (x, y)
-        bars = [_bars(columns, which, axis) for which, axis in (("x", panel.x), ("y", panel.y))]
-        if bars == [None, None]:
-            axes.plot(x, y, label=trace.name or None, rasterized=look.dashes == "" and x.size > _CLOUD, **_style(look))
-        else:
-            axes.errorbar(x, y, bars[1], bars[0], elinewidth=0.9, label=trace.name or None, **_style(look))
+        axes.plot(x, y, label=trace.name or None, rasterized=look.dashes == "" and x.size > _CLOUD, **_style(look))
 
 
 def _style(look: Look) -> dict[str, Any]:
@@ -162,14 +155,6 @@ def _style(look: Look) -> dict[str, Any]:
     steps = {"drawstyle": look.kind} if look.kind == "steps-pre" else {}
     line = {"linestyle": look.dashes or "none", "linewidth": look.width, "marker": look.marker or "none", **steps}
     return {"color": look.ink, "markersize": look.size, "markerfacecolor": "white" if look.hollow else look.ink} | line
-
-
-def _bars(columns: dict[str, Array], which: str, axis: Scale) -> Any:
-    """Half widths below and above; on a logarithmic scale none below where they reach zero."""
-    half = columns.get(f"{which}_error")
-    if half is None:
-        return None
-    return [np.where(half < columns[which], half, 0.0) if axis.kind == "log" else half, half]
 
 
 def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
@@ -192,18 +177,14 @@ def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _draw_cells(axes: Axes, trace: Trace) -> None:
-    from matplotlib.colors import BoundaryNorm, ListedColormap, SymLogNorm
+    from matplotlib.colors import BoundaryNorm, ListedColormap
 
     look, values = trace.look, np.ma.masked_invalid(np.asarray(trace.value, float))
     colors: Any = look.colors
-    if isinstance(colors, str):
-        largest = float(np.abs(values.compressed()).max(initial=0.0))
-        norm: Any = (
-            SymLogNorm(linthresh=min(look.linear, largest), vmin=-largest, vmax=largest) if look.linear and largest else None
-        )
-    else:  # those below 0 are absent
-        norm = BoundaryNorm(np.arange(-1.5, len(colors) + 0.5), len(colors) + 1)
-        colors = ListedColormap(["#ffffff", *colors.values()])
+    norm = None
+    if not isinstance(look.colors, str):  # values below 0 are absent
+        norm = BoundaryNorm(np.arange(-1.5, len(look.colors) + 0.5), len(look.colors) + 1)
+        colors = ListedColormap(["#ffffff", *look.colors.values()])
     x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
     mesh = axes.pcolormesh(x, y, values, shading="nearest", cmap=colors, norm=norm, rasterized=True)
     if isinstance(look.colors, str):
@@ -216,7 +197,7 @@ def _keys(traces: Sequence[Trace]) -> list[Any]:
     from matplotlib.patches import Patch
 
     keys: dict[str, Any] = {}
-    for name, look, trace in ((one.name, one.look, one) for one in traces if one.look.kind not in ("text", "arrow")):
+    for name, look, trace in ((one.name, one.look, one) for one in traces if one.look.kind != "text"):
         if look.kind == "cells":
             there = set(np.asarray(trace.value, float).ravel().tolist())
             words = {} if isinstance(look.colors, str) else look.colors

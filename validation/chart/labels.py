@@ -9,7 +9,7 @@ from validation.chart import Look
 
 _DOTTED = 2.0  # a dash of less, in line widths, is a dot
 _STYLES = {"-": "solid", "--": "dashed", ":": "dotted", "-.": "dash-dotted", "": "points"}
-_WORDLESS = ("cells", "area", "text", "arrow")
+_WORDLESS = ("cells", "area", "text")
 
 
 def look_in_words(look: Look) -> str:

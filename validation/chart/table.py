@@ -12,7 +12,7 @@ from slipwave.observe.pieces import Array
 from validation.chart import Chart, Panel, Scale, Trace, with_limits
 from validation.chart.labels import look_from_words, look_in_words, numbered, plain_label
 
-HEADER = ("panel", "series", "look", "x", "y", "x_error", "y_error", "value")
+HEADER = ("panel", "series", "look", "x", "y", "y_error", "value")
 """Columns of the file; the last ones only if a chart has them. An empty row of a trace is a gap in its curve."""
 
 _DIGITS = ".8g"
@@ -95,4 +95,4 @@ def _trace(group: tuple[str, str, list[dict[str, str]]], color: str, shift: list
     if value is not None:  # cells, a row for each y
         width = int(np.flatnonzero(np.r_[x[1:] == x[0], True])[0]) + 1
         x, y, value = x[:width], y[::width], value.reshape(-1, width)
-    return Trace(name, x, y, look_from_words(look, color), found["x_error"], found["y_error"], value, (shift[0], shift[1]))
+    return Trace(name, x, y, look_from_words(look, color), found["y_error"], value, (shift[0], shift[1]))

@@ -1,7 +1,7 @@
 """Which of the computed numbers a file keeps.
 
-A curve keeps at most `MOST` points, none beyond its panel. Its points are divided into equal runs; of each, the first and last
-are kept, and those of least and largest y (and of x where the curve turns back), so that every extremum is kept.
+A curve keeps at most `MOST` points and its gaps. The points are divided into equal runs; of each, the first and last are kept,
+and those of least and largest y (and of x where the curve turns back), so that every extremum is kept.
 """
 
 from dataclasses import replace
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.observe.pieces import Array
-from validation.chart import Chart, Panel, Trace, with_limits
+from validation.chart import Chart, Trace, with_limits
 
 MOST = 2000
 """Most points of a curve in a panel."""
@@ -20,27 +20,21 @@ MOST = 2000
 CELLS = 64
 """Most cells of a picture in each direction."""
 
-_FEW = 12  # points that are never thin
-
 
 def with_fewer(chart: Chart) -> Chart:
     """The chart with some of its numbers, none of them changed."""
-    chart = with_limits(chart)
-    panels = [replace(panel, traces=[_thinned(panel, one) for one in panel.traces]) for panel in chart.panels]
+    panels = [replace(panel, traces=[_thinned(one) for one in panel.traces]) for panel in with_limits(chart).panels]
     return replace(chart, panels=panels)
 
 
-def _thinned(panel: Panel, trace: Trace) -> Trace:
+def _thinned(trace: Trace) -> Trace:
     columns = trace.columns
     if trace.value is not None:
         x, y, value = (np.asarray(values, float) for values in (trace.x, trace.y, trace.value))
         rows, across = (np.unique(np.linspace(0, n - 1, min(n, CELLS)).astype(int)) for n in value.shape)
         return replace(trace, x=x[across], y=y[rows], value=value[np.ix_(rows, across)])
-    if columns["x"].size <= _FEW or not trace.is_said:
+    if not trace.is_said:
         return trace
-    inside = _shown(columns["x"] + trace.shift[0], *sorted(panel.x.ends))
-    columns["y"] = np.where(inside > 0, columns["y"], np.nan)
-    columns = {name: values[inside >= 0] for name, values in columns.items()}
     chosen = staying(columns["x"], columns["y"])
     changes: dict[str, Any] = {name: values[chosen] for name, values in columns.items()}
     return replace(trace, **changes)
@@ -52,16 +46,8 @@ def staying(x: Array, y: Array, most: int = MOST) -> NDArray[np.intp]:
         return np.arange(x.size)
     both = (y,) if np.all(np.diff(x) >= 0.0) else (x, y)
     edges = np.linspace(0, x.size, max(1, most // (2 + 2 * len(both))) + 1).astype(int)
-    chosen = [*edges[:-1], *(edges[1:] - 1)]
+    chosen = [*edges[:-1], *(edges[1:] - 1), *np.flatnonzero(np.isnan(y))]
     for begin, end in pairwise(edges):
         finite = [values[begin:end] for values in both if np.isfinite(values[begin:end]).any()]
         chosen += [begin + int(find(values)) for values in finite for find in (np.nanargmin, np.nanargmax)]
     return np.unique(chosen)
-
-
-def _shown(x: Array, low: float, high: float) -> NDArray[np.intp]:
-    """1 for points in a panel and those next to it, where the curve leaves it; 0 for one that stands for a gap; -1 for others."""
-    hidden = np.zeros(x.size, bool)
-    for beyond in (x < low, x > high):
-        hidden |= beyond & np.r_[True, beyond[:-1]] & np.r_[beyond[1:], True]
-    return np.where(hidden, np.where(np.r_[True, hidden[:-1]], -1, 0), 1)

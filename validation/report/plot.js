@@ -65,7 +65,7 @@
     const home = { x: facts.limits[0], y: facts.limits[1] };
     const distr = facts.scales.map((scale) => (scale === "log" ? 3 : 1));
     const axis = (label) => ({ label, stroke: ink, grid: { stroke: "#8885" }, ticks: { stroke: "#8885" } });
-    const shown = curves.filter((curve) => !/^(area|cells|text|arrow)/.test(curve.look));
+    const shown = curves.filter((curve) => !/^(area|cells|text)/.test(curve.look));
     const nearest = (u) => {
       let best = null, least = 30 * 30;
       for (const curve of shown) for (let k = 0; k < curve.x.length; k++) {

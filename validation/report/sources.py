@@ -10,8 +10,9 @@ from pathlib import Path
 
 import validation
 from slipwave.sources import ROOT, import_closure, imported_names, program
+from validation.chart import render
 from validation.compute import models
-from validation.study import Study, render
+from validation.study import Study
 
 _PACKAGE = Path(validation.__file__).parent
 _GALLERY = _PACKAGE.parent / "slipwave" / "gallery"

@@ -12,12 +12,10 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from slipwave.files import is_running
-from validation.chart.draw import styled
-from validation.chart.render import SUFFIXES
+from validation.chart.render import SUFFIXES, render
 from validation.report.sources import sources_digest
 from validation.study import Study, StudyResult
 from validation.study.names import by_claim
-from validation.study.render import render_figure
 
 _FORMAT = 5
 _PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}
@@ -107,8 +105,7 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
     try:
         figures = []
         for figure in result.figures:
-            with styled():
-                words = render_figure(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
+            words = render(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
             figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | words)
         record = _record(study, key, result, wall_seconds) | {"figures": figures}
         whole = {"digest": _digest(record, part)} | record

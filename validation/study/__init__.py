@@ -24,7 +24,6 @@ from validation.study.verdict import ROUNDING, RUN_TIMES, Outcome, Verdict
 
 if TYPE_CHECKING:
     from validation.chart import Chart
-    from validation.chart.draw import Drawing
 
 Item = TypeVar("Item")
 
@@ -90,7 +89,7 @@ class Figure:
 
     name: str
     caption: str
-    draw: "Callable[[], Chart | Drawing]"
+    draw: "Callable[[], Chart]"
     lead: bool = False
     timed: bool = False
     paper: str = ""
