@@ -10,7 +10,7 @@ from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
 from validation.compute.build import build
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
-from validation.measure.grids.in_space import delay_reference, without_error_in_time
+from validation.measure.grids.in_space import delay_reference
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
 from validation.studies.orders import in_space as study
 from validation.studies.orders import own_orbits, slip_event
@@ -56,19 +56,6 @@ def test_the_reference_of_errors_in_space_is_right_to_1e_12(run):
     assert in_space(replace(LADDERS["dg:7"], run=run)).run.floor >= 5e-12
 
 
-def test_high_orders_are_read_on_the_steepest_scene():
-    for model, ladder in LADDERS.items():
-        steep = model in {"fem:6", "fem:7", "dg:6", "dg:7"}
-        assert in_space(ladder).run.scene is (STEEP if steep else ladder.run).scene
-
-
-def test_elements_of_degree_3_show_order_6_without_error_in_time():
-    """With explicit steps the fitted order is 8, that of the steps."""
-    climbed = climb(in_space(LADDERS["fem:3"]), delay_reference(GENTLE), without_error_in_time)
-    assert climbed.fit_together().order == pytest.approx(6.0, abs=0.3)
-    assert max(found[-1] for found in climbed.errors.values()) < 2e-11
-
-
 def test_a_ladder_without_an_order_is_red_and_says_why():
     cells = np.array(LADDERS["sbp:4"].levels(), dtype=float)
     verdict = order_verdict(Climb(LADDERS["sbp:4"], cells, dict.fromkeys(QUANTITIES, np.full(cells.size, np.inf))))
@@ -81,13 +68,6 @@ def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
     monkeypatch.setattr(study, "GRIDS", (*study.GRIDS, own, replace(own, pattern="bare", ladder={})))
     assert study.judged_models(quick=True) == (*study._QUICK, "volumes")
     assert set(study.judged_models(quick=False)) == set(LADDERS)
-
-
-def test_which_code_is_common_is_read_from_the_imports():
-    march = {"fullwave.lines.march", "fullwave.lines.kernel"}
-    assert march <= set(study.shared("sbp", "dg"))
-    assert not march & set(study.shared("fd", "dg"))
-    assert study.shared("delay", "fem") == ()
 
 
 def test_a_wrong_wave_speed_and_an_event_that_never_ends_are_red():

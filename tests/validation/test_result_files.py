@@ -147,14 +147,14 @@ LAW = ROOT / "examples" / "own_law.py"
 def test_a_law_by_file_is_recorded_and_asked_for(tmp_path, again, refused, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ("--model", "block8", "--set", "interface.law=cutoff", "interface.cutoff=1e-4", "--until", "20")
-    monkeypatch.delitem(LAWS, "cutoff", raising=False)
+    LAWS.pop("cutoff", None)
     refused("run", "paper", *words)
     first = again("run", "paper", *words, "--law", str(LAW), "--out", "run.nc")
     assert again("run", "run.nc", "--law", str(LAW)) == first
     assert again("run", "paper", "--model", "block8", "--until", "20")["final"] != first["final"]
     Path("other.py").write_text(LAW.read_text().replace("cutoff: float = 1e-3", "cutoff: float = 2e-3"))
     assert "was computed with another friction law 'cutoff': digest" in refused("run", "run.nc", "--law", "other.py")
-    monkeypatch.delitem(LAWS, "cutoff")
+    LAWS.pop("cutoff")
     assert "needs the friction law 'cutoff' of the file own_law.py" in refused("run", "run.nc")
 
 
