@@ -130,7 +130,7 @@ def test_an_exponent_on_request():
     found = slipwave.run("paper", **FAST, lyapunov=True)
     assert found.done.kind == "periodic"
     told = found.summary["lyapunov"]
-    assert abs(told["rate"]) <= 2.0 * told["margin"] < 0.05
+    assert abs(told["rate"]) <= 2.0 * told["margin"] < 0.06
     assert told["transits"] == 200 * 2.0 * round(found.done.events.period[-1] / 2.0)
     assert found.summary["final"] == slipwave.run("paper", **FAST).summary["final"]
 
