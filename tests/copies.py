@@ -1,5 +1,6 @@
 """Work in a copy of this process, which has imported and loaded everything already: it may be killed, interrupted or limited."""
 
+import ctypes
 import os
 import resource
 import signal
@@ -68,6 +69,12 @@ def interrupted(words, at, folder, by=signal.SIGINT):
             time.sleep(0.05)
 
     return in_a_copy(lambda: _hooked(words, folder, at, wait), lambda line, copy: line != "waiting\n" or os.kill(copy, by))
+
+
+def interrupted_within_a_callback(words, at, folder):
+    """As `interrupted`, but Ctrl-C falls into a callback of a library, which loses it, as numba's does where it loads code."""
+    deed = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))
+    return in_a_copy(lambda: _hooked(words, folder, at, deed))
 
 
 def on_small_disk(words, size, folder):

@@ -57,9 +57,41 @@ def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(tmp_pat
     program = tmp_path / "slipwave" / "bin" / "slipwave"
     program.write_text(f'#!/bin/sh\nexec {sys.executable} -m slipwave "$@"\n')
     program.chmod(0o755)
-    environment = os.environ | {"RUNNER_TEMP": str(tmp_path), "WORDS": "jump --model dg:3 --set start.size=0.01"}
-    run = ["bash", "-e", "-c", SCRIPTS["verify"]]
+    (tmp_path / "slipwave" / "bin" / "python").symlink_to(sys.executable)
+    summary = tmp_path / "summary.md"
+    environment = os.environ | {"RUNNER_TEMP": str(tmp_path), "GITHUB_STEP_SUMMARY": str(summary)}
+    environment["WORDS"] = "jump --model dg:3  # a comment\n  --set 'start.size = 0.01'\n"
+    run = ["bash", "-e", "-o", "pipefail", "-c", SCRIPTS["verify"]]
     done = subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert (done.returncode, (tmp_path / "verify.xml").is_file()) == (0, True), done.stderr
+    assert done.stdout in summary.read_text()
     environment["WORDS"] = "nowhere.toml"
     assert subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True).returncode == 2
+
+
+@pytest.mark.skipif(os.name != "posix", reason="the action's shell is bash")
+@pytest.mark.parametrize(
+    ("words", "wanted"),
+    [
+        ("a 'b c'\n\n--set \"x = 1\"", ["verify", "a", "b c", "--set", "x = 1", "--junit", "verify.xml"]),
+        ("* $HOME `id` a\\ b", ["verify", "*", "$HOME", "`id`", "a b", "--junit", "verify.xml"]),
+    ],
+)
+def test_lines_and_quotes_of_the_words_are_those_of_a_shell_and_nothing_in_them_is_run(words, wanted, tmp_path):
+    (tmp_path / "slipwave" / "bin").mkdir(parents=True)
+    program = tmp_path / "slipwave" / "bin" / "slipwave"
+    program.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
+    program.chmod(0o755)
+    (tmp_path / "slipwave" / "bin" / "python").symlink_to(sys.executable)
+    environment = os.environ | {"RUNNER_TEMP": str(tmp_path), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary.md"), "WORDS": words}
+    done = subprocess.run(["bash", "-e", "-c", SCRIPTS["verify"]], cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.splitlines()) == (0, wanted), done.stderr
+
+
+def test_what_is_installed_is_locked_and_two_jobs_have_two_artifacts():
+    assert '--requirement "$GITHUB_ACTION_PATH/requirements.lock"' in SCRIPTS["install"]
+    upload = next(step for step in STEPS if step.get("uses", "").startswith("actions/upload-artifact"))
+    assert "github.job" in upload["with"]["name"]
+    assert "strategy.job-index" in upload["with"]["name"]
+    assert all(line.startswith("${{ inputs.working-directory }}/") for line in upload["with"]["path"].splitlines())
+    assert {step["name"] for step in STEPS if "working-directory" in step} == {"verify", "report"}

@@ -22,7 +22,7 @@ OF_LIBRARIES = {
     "dispatcher._cache", "dispatcher.get_call_template", "dispatcher.get_overload",
     "_brief.maxstring", "_brief.maxother", "_brief.maxlevel", "_brief.maxlist", "_brief.maxdict", "_brief.maxtuple",
     "node.body",
-    "sys.stdout", "sys.stderr",
+    "sys.stdout", "sys.stderr", "sys.unraisablehook",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
     "element.text", "element.tail",
     "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__",

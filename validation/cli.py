@@ -8,6 +8,9 @@ import io
 import logging
 import os
 import sys
+import threading
+import time
+from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Annotated, Any
@@ -19,6 +22,7 @@ from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
 from slipwave.packages import line_of_user
 
+_SOON = 0.05  # seconds, in which a callback has returned
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _SPREAD: dict[str, Callable[[str], bool]] = {
     "--set": lambda word: "=" in word,
@@ -192,7 +196,8 @@ def _is_negative(word: str) -> bool:
 
 
 def _prepare_streams() -> None:
-    """Discard output to a closed stream, and escape characters that the terminal's encoding lacks."""
+    """Discard output to a closed stream, escape characters that the terminal's encoding lacks, and lose no Ctrl-C."""
+    sys.unraisablehook = _hear_again
     sys.stdout = sys.stdout or io.StringIO()
     sys.stderr = sys.stderr or io.StringIO()
     log = logging.getLogger("slipwave")
@@ -201,6 +206,14 @@ def _prepare_streams() -> None:
     logging.getLogger("matplotlib").setLevel(logging.ERROR)  # it tells where it cannot keep its fonts
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def _hear_again(lost: Any) -> None:
+    """Repeat a Ctrl-C that fell into a library's callback (numba's, where it loads code), from which no error gets out."""
+    if lost.exc_type is KeyboardInterrupt:
+        threading.Thread(target=lambda: (time.sleep(_SOON), interrupt_main()), daemon=True).start()
+    else:
+        sys.__unraisablehook__(lost)
 
 
 def _abandon_stdout() -> None:

@@ -6,6 +6,9 @@ from pathlib import Path
 import pytest
 
 import slipwave as sw
+from slipwave.errors import SceneError
+from validation.cli import COMMANDS
+from validation.results.options import options_of
 
 FAST = {"drive.velocity": 2000}
 """Cycles of four transits, which repeat after 100."""
@@ -114,3 +117,10 @@ def test_points_of_a_branch_are_selected_by_its_parameter(turning):
     assert data.sel(log10_r=slice(values[4], values[2])).period.values.tolist() == periods[2:5].tolist()
     with pytest.raises(KeyError, match="the branch goes from"):
         data.sel(log10_r=-2.0)
+
+
+@pytest.mark.parametrize("name", [name for name in COMMANDS if hasattr(getattr(sw, name, None), "__wrapped__")])
+def test_a_value_of_any_other_class_is_refused_by_name(name):
+    for one in options_of(getattr(sw, name).__wrapped__.__annotations__["options"]).values():
+        with pytest.raises(SceneError, match=f"^{one.name} = .*must be "):
+            one.checked(object())

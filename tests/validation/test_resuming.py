@@ -19,7 +19,7 @@ from slipwave.errors import NumericsError
 from slipwave.observe import HistoryObserver
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import saved_time
-from tests.copies import interrupted, killed, on_small_disk
+from tests.copies import interrupted, interrupted_within_a_callback, killed, on_small_disk
 from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
 from validation.compute.build import build
 
@@ -198,3 +198,10 @@ def test_compare_prints_every_row_and_ends_with_status_3(tmp_path, capsys):
     assert rows["fd"]["error"] == {"period": None, "stress_drop": None}
     assert "the first at t = " in rows["fd"]["failed"]
     assert rows["fd"]["failed"] in err
+
+
+def test_an_interruption_that_a_library_loses_is_heard_all_the_same(tmp_path):
+    done = interrupted_within_a_callback(["run", "paper", "--until", "400000"], 100.0, tmp_path)
+    assert done.returncode == INTERRUPTED
+    assert re.search("^slipwave: interrupted at t = ", done.stderr, re.M)
+    assert "Traceback" not in done.stderr
