@@ -211,9 +211,14 @@ def _prepare_streams() -> None:
 def _hear_again(lost: Any) -> None:
     """Repeat a Ctrl-C that fell into a library's callback (numba's, where it loads code), from which no error gets out."""
     if lost.exc_type is KeyboardInterrupt:
-        threading.Thread(target=lambda: (time.sleep(_SOON), interrupt_main()), daemon=True).start()
+        threading.Thread(target=_interrupt_soon, daemon=True).start()
     else:
         sys.__unraisablehook__(lost)
+
+
+def _interrupt_soon() -> None:
+    time.sleep(_SOON)
+    interrupt_main()
 
 
 def _abandon_stdout() -> None:
