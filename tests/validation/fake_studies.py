@@ -10,7 +10,7 @@ import slipwave.sources
 from validation import studies
 from validation.chart import Chart, Look, Panel, Scale, Trace
 from validation.report import sources
-from validation.study import Column, Evidence, Figure, Number, Omission, Outcome, StudyResult, Table, Verdict
+from validation.study import Column, Evidence, Figure, Number, Omission, Outcome, StudyAnswer, StudyResult, Table, Verdict
 
 
 def draw(height=1):
@@ -18,9 +18,15 @@ def draw(height=1):
     return Chart([Panel("", bare, bare, [Trace("curve", [0, 1], [0, height], Look("#1f77b4"))])], 2.0)
 
 
+def answered(text="", verdicts=(), **parts):
+    """A result whose only answer cites all its verdicts."""
+    claims = dict.fromkeys(verdict.claim for verdict in verdicts)
+    return StudyResult((StudyAnswer(text, tuple(claims)),), verdicts=tuple(verdicts), **parts)
+
+
 def result():
-    return StudyResult(
-        answer="One <mode> is 6 · 10^{-4} off.",
+    return answered(
+        "One <mode> is 6 · 10^{-4} off.",
         tables=(
             Table(
                 "t", "Periods *T*.", (Column("model"), Column("T", "transits", ".8g")), (("delay", 73.4721449), ("x", math.nan))

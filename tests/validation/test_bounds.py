@@ -4,6 +4,7 @@ import math
 import re
 
 import pytest
+from fake_studies import answered
 from shown import too_roomy
 
 from validation.measure.order_fit import Fit
@@ -93,25 +94,25 @@ def test_every_verdict_is_cited_and_what_is_cited_is_there():
     held = [claim(f"{name} holds", Evidence.EXACT, 0.1, 1.0, "dg:4") for name in "AAB"]
     broken = claim("B holds", Evidence.EXACT, 2.0, 1.0)
     both = StudyAnswer("A does.", ("A holds",)), StudyAnswer("B does.", ("B",))
-    found = StudyResult(answers=both, verdicts=by_claim("a", [*held, broken]))
+    found = StudyResult(both, verdicts=by_claim("a", [*held, broken]))
     assert [len(found.proofs(one)) for one in both] == [1, 1]
     assert found.conclusion == "A does. Not shown: 1 of 2 checks fail (B holds)."
     wrong = [(both[:1], "no answer cites ['B holds']"), ((*both, StudyAnswer("C does.", ("C",))), "rests on ['C']"),
              ((*both, StudyAnswer("D does.")), "rests on nothing")]  # fmt: skip
     for answers, told in wrong:
         with pytest.raises(ValueError, match=re.escape(told)):
-            StudyResult(answers=answers, verdicts=tuple(held))
-    assert StudyResult(answers=(StudyAnswer("Not answered."),)).conclusion == "Not answered."
+            StudyResult(answers, verdicts=tuple(held))
+    assert StudyResult((StudyAnswer("Not answered."),)).conclusion == "Not answered."
 
 
 def test_no_study_answers_yes_beside_a_red_light():
     held = Verdict("A holds", Evidence.EXACT, "1", "1", Outcome.PASS)
     qualified = Verdict("B holds", Evidence.PAPER, "1", "1", Outcome.FINDING)
     broken = Verdict("C holds", Evidence.EXACT, "1", "2", Outcome.FAIL)
-    assert StudyResult("They do.", verdicts=(held, qualified)).conclusion == "They do."
-    told = StudyResult("They do.", verdicts=(held, broken, qualified, broken)).conclusion
+    assert answered("They do.", (held, qualified)).conclusion == "They do."
+    told = answered("They do.", (held, broken, qualified, broken)).conclusion
     assert told == "Not shown: 2 of 4 checks fail (C holds)."
-    assert StudyResult(told, verdicts=(broken, held, qualified, broken)).conclusion == told
+    assert answered(told, (broken, held, qualified, broken)).conclusion == told
 
 
 @pytest.mark.parametrize(("evidence", "outcome"), [(Evidence.WITNESS, "fail"), (Evidence.EXACT, "pass")])

@@ -8,6 +8,7 @@ from html import unescape
 
 import numpy as np
 import pytest
+from fake_studies import answered
 from fake_studies import draw as drawing_of
 
 from validation.chart import (
@@ -32,7 +33,7 @@ from validation.chart.table import curves_csv, panel_facts, read_chart
 from validation.chart.thin import CELLS, MOST, staying, with_fewer
 from validation.chart.words import described, meetings
 from validation.report.build import make_report
-from validation.study import Figure, StudyResult
+from validation.study import Figure
 
 X = np.linspace(0.0, 4.0, 1801)
 PART = X[:200:10] - 2.0
@@ -174,7 +175,7 @@ def test_words_are_the_numbers_that_were_computed():
 
 def test_a_figure_that_opens_has_its_file_in_the_page(fake, tmp_path):
     """Packed, the same bytes; the script and its licence are there, and no address; without such a figure there is no script."""
-    shown = StudyResult("", figures=(Figure("line", "A line.", drawing_of, zoom=True),))
+    shown = answered(figures=(Figure("line", "A line.", drawing_of, zoom=True),))
     fake.add("first", lambda budget: shown)
     html = make_report(tmp_path).read_text()
     packed, panels = re.search(r'id="first-line-curves" data-panels="(.*?)">(.*?)</script>', html).groups()[::-1]

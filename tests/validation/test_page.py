@@ -2,6 +2,8 @@
 
 import re
 
+from fake_studies import answered
+
 from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask, left_out
 from validation.report.recorded import record_of
@@ -14,9 +16,11 @@ from validation.study.names import by_claim
 FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "platform", "processor", "cores"), "1")
 
 
-def stored(name, *verdicts, answer="It does.", **parts):
+def stored(name, *verdicts, answers=(), **parts):
     """A study that finished."""
-    return Stored(name, f"Does {name} work?", 1.0, True, StudyResult(answer, verdicts=by_claim(name, verdicts), **parts))
+    named = by_claim(name, verdicts)
+    result = StudyResult(answers, verdicts=named, **parts) if answers else answered("It does.", named, **parts)
+    return Stored(name, f"Does {name} work?", 1.0, True, result)
 
 
 def verdict(outcome=Outcome.PASS, evidence=Evidence.EXACT, title="A holds", **more):
@@ -72,8 +76,8 @@ def test_every_study_answers_one_question():
 
 def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
     answers = StudyAnswer("It folds.", ("A holds",)), StudyAnswer("It doubles.", ("B",))
-    sound = stored("bifurcation", verdict(), verdict(title="B holds"), answer="", answers=answers)
-    broken = stored("snaking", verdict(Outcome.FAIL), answer="", answers=answers[:1])
+    sound = stored("bifurcation", verdict(), verdict(title="B holds"), answers=answers)
+    broken = stored("snaking", verdict(Outcome.FAIL), answers=answers[:1])
     stopped = Stored("onset", "?", 1.0, True, error="it died")
     asked = {one.question.name: one for one in ask([broken, sound, stopped], "Nothing.")}
     failed = "Not shown: 1 of 1 checks fail (A holds)."

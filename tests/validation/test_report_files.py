@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from xml.etree import ElementTree as xml
 
 import pytest
-from fake_studies import draw, result
+from fake_studies import answered, draw, result
 from test_page import models
 
 from validation.cli import NUMERICS_FAILED, main
@@ -22,7 +22,7 @@ from validation.report.files import csv_of
 from validation.report.record import ColumnRecord, report_schema
 from validation.report.recorded import read_report, text_of
 from validation.report.without_times import lasting_digest
-from validation.study import EXACT, Evidence, Figure, Number, Outcome, StudyResult, Verdict, claim, holding, table
+from validation.study import EXACT, Evidence, Figure, Number, Outcome, Verdict, claim, holding, table
 from validation.study.text import run_time
 
 ROOT = Path(__file__).parents[2]
@@ -75,7 +75,7 @@ def test_every_verdict_and_number_is_a_case_of_junit(changing):
     verdicts = (found(1e-9), found(3e-6, title="Grips hold \x1b & <go>"), *result().verdicts)
     make_report(changing.out)
     baseline.take(changing.out)
-    assert changing.report(now=StudyResult("", verdicts=verdicts, numbers={"T": Number(74.0), "new": Number(1.0)})) == 3
+    assert changing.report(now=answered(verdicts=verdicts, numbers={"T": Number(74.0), "new": Number(1.0)})) == 3
     (suite,) = xml.parse(changing.out / "junit.xml").getroot()
     assert {name: suite.get(name) for name in ("name", "tests", "failures", "errors")} == {
         "name": "first",
@@ -117,7 +117,7 @@ def test_the_patch_gives_the_baseline_that_take_would_write(changing, tmp_path):
     baseline.take(changing.out)
     committed = (baseline.FOLDER / "first.json").read_text()
     (place / "first.json").write_text(committed)
-    assert changing.report(now=StudyResult("", numbers={"T": Number(73.0, 1e-7), "λ_{1}": Number(math.inf)})) == 3
+    assert changing.report(now=answered(numbers={"T": Number(73.0, 1e-7), "λ_{1}": Number(math.inf)})) == 3
     subprocess.run(["git", "init", "-q"], cwd=tmp_path / "checkout", check=True)
     subprocess.run(["git", "apply", changing.out / "baseline.patch"], cwd=tmp_path / "checkout", check=True)
     baseline.take(changing.out)
@@ -144,7 +144,7 @@ def test_the_patch_gives_the_baseline_that_take_would_write(changing, tmp_path):
 )
 def test_against_an_earlier_report(changing, tmp_path, capsys, before, now, word, status):
     def of(one):
-        return StudyResult("", numbers={"T": one}) if isinstance(one, Number) else StudyResult("", verdicts=(one,))
+        return answered(numbers={"T": one}) if isinstance(one, Number) else answered(verdicts=(one,))
 
     changing.report(now=of(before))
     changing.out.rename(tmp_path / "earlier")
@@ -179,7 +179,7 @@ def test_what_is_no_report_is_refused_before_anything_runs(fake, tmp_path, capsy
 
 
 def test_a_table_of_models_is_a_line_for_each_number(changing):
-    changing.report(now=StudyResult("", model_tables=(models(),)))
+    changing.report(now=answered(model_tables=(models(),)))
     (record,) = changing.record().model_tables
     assert record.table == models()
     lines = [*csv.DictReader(io.StringIO((changing.out / record.csv).read_text()))]
@@ -202,7 +202,8 @@ def test_two_reports_are_the_same_but_for_run_times(changing, tmp_path):
         verdicts = (holding("It is fast", EXACT, "1 s", run_time(f"{seconds} s"), seconds < 9.0),)
         figures = (Figure("cost", "Costs.", lambda: draw(seconds), timed=True), Figure("cycle", "A cycle.", lambda: draw(value)))
         answer = f"It takes {run_time(f'{seconds} s')}."
-        return StudyResult(answer, (table("costs", "Costs.", columns, rows),), figures, verdicts, numbers={"T": Number(value)})
+        tables = (table("costs", "Costs.", columns, rows),)
+        return answered(answer, verdicts, tables=tables, figures=figures, numbers={"T": Number(value)})
 
     digests = []
     for seconds, value in ((1.0, 73.0), (2.0, 73.0), (3.0, 73.0), (2.0, 74.0)):
@@ -236,14 +237,12 @@ def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
     values = [73.0, 5.0]
 
     def measured(budget):
-        return StudyResult("", numbers={"T_{1}": Number(values[0], 1e-6), "v": Number(values[1], 1e-3)})
+        return answered(numbers={"T_{1}": Number(values[0], 1e-6), "v": Number(values[1], 1e-3)})
 
     fake.add("first", measured)
     make_report(out)
     baseline.take(out)
-    fake.add(
-        "second", lambda budget: StudyResult("", verdicts=(failing("Waves *stay*"), *result().verdicts, failing("Grips hold")))
-    )
+    fake.add("second", lambda budget: answered(verdicts=(failing("Waves *stay*"), *result().verdicts, failing("Grips hold"))))
     fake.add("third", lambda budget: 1 / 0)
     values[:] = 73.0001, 5.004
     (out / "data" / "first" / "result.json").unlink()
@@ -269,7 +268,7 @@ def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
 
 def test_a_stored_failure_stays_red(fake, kept, tmp_path):
     """Also where only another study was asked for."""
-    fake.add("first", lambda budget: StudyResult("", verdicts=(failing("Waves stay"),)))
+    fake.add("first", lambda budget: answered(verdicts=(failing("Waves stay"),)))
     fake.add("second")
     for words in ([], ["--only", "second"], []):
         assert main(["report", "--out", str(tmp_path), *words]) == 3

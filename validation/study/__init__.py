@@ -143,11 +143,11 @@ class StudyAnswer:
 
 @dataclass(frozen=True)
 class StudyResult:
-    """Result of a study. The first of `answers` is its answer to the page's question. `model_tables` compare all models at
+    """Result of a study. The first of its `answers` is the one to the page's question. `model_tables` compare all models at
     several values of a parameter (`validation.study.model_table`). Raises ValueError for an answer that rests on no verdict,
     though there are verdicts, or on a claim that none has; and for a verdict that no answer cites."""
 
-    answer: str = ""
+    answers: tuple[StudyAnswer, ...]
     tables: tuple[Table, ...] = ()
     figures: tuple[Figure, ...] = ()
     verdicts: tuple[Verdict, ...] = ()
@@ -155,11 +155,8 @@ class StudyResult:
     numbers: dict[str, Number] = field(default_factory=dict)
     omissions: tuple[Omission, ...] = ()
     model_tables: tuple[ModelTable, ...] = ()
-    answers: tuple[StudyAnswer, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.answers:  # until every study has them
-            return
         claims = dict.fromkeys(verdict.claim for verdict in self.verdicts)
         for answer in self.answers if claims else ():
             unknown = [name for name in answer.rests_on if not any(title.startswith(name) for title in claims)]
@@ -184,13 +181,12 @@ class StudyResult:
     @property
     def headline(self) -> str:
         """The first answer, or the claims that fail."""
-        return self.conclusion_of(self.answers[0]) if self.answers else self.conclusion
+        return self.conclusion_of(self.answers[0])
 
     @property
     def conclusion(self) -> str:
         """All answers, or the claims that fail."""
-        every = self.answers or (StudyAnswer(self.answer, ("",)),)
-        return " ".join(map(self.conclusion_of, every))
+        return " ".join(map(self.conclusion_of, self.answers))
 
 
 class Study(Protocol):
