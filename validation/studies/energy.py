@@ -18,7 +18,7 @@ from validation.study.text import plain
 NAME = "energy"
 QUESTION = "Where does the work of the drive go, and is any of it lost on the way?"
 SCENES = ("paper", "grip", "viscous")
-SECONDS = (8.0, 9.0)
+SECONDS = (5.0, 5.0)
 
 LADDERS = {
     "fd": (6, 12, 24, 48, 96),

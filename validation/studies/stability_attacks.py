@@ -23,7 +23,7 @@ from validation.study.text import plain
 NAME = "stability-attacks"
 QUESTION = "Can extreme inputs make the full-wave solvers fail without a message?"
 SCENES = ("paper", "unlike")
-SECONDS = (8.0, 32.0)
+SECONDS = (16.0, 60.0)
 
 RIGHT = "Extreme scenes end right or with a message, never silently wrong"
 CURED = "A run that asks for more cells is right once it has them"
