@@ -9,10 +9,10 @@ import pytest
 from reduced.stability.critical import critical_round_trip
 from slipwave.observe.events import Events
 from slipwave.observe.statistics import margin_of_mean
-from tests.verification.coverage import irregular, record, repeating
-from tests.verification.coverage.held import Held, coverage_of
-from tests.verification.coverage.record import KINDS, SUMMARY, agree, chosen, computation, known_computations, summary
-from tests.verification.coverage.scenes import SLABS, random_scene
+from tests.verification.stated_errors import irregular, record, repeating
+from tests.verification.stated_errors.held import Held, coverage_of
+from tests.verification.stated_errors.record import KINDS, SUMMARY, agree, chosen, computation, known_computations, summary
+from tests.verification.stated_errors.scenes import SLABS, random_scene
 from validation.compute.orbits import find_orbit
 
 

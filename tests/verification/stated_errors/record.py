@@ -12,10 +12,10 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import whole_or_absent
 from slipwave.sources import ROOT, source_digest
-from tests.verification.coverage.held import Held, coverage_of
-from tests.verification.coverage.irregular import exponents, irregular_means
-from tests.verification.coverage.repeating import WITNESS as KNOWING
-from tests.verification.coverage.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
+from tests.verification.stated_errors.held import Held, coverage_of
+from tests.verification.stated_errors.irregular import exponents, irregular_means
+from tests.verification.stated_errors.repeating import WITNESS as KNOWING
+from tests.verification.stated_errors.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
 from validation.compute.settle import NoCycle
 from validation.study import SELF, WITNESS, Evidence
 

@@ -1,13 +1,13 @@
-"""python -m tests.verification.coverage orbits 20       # the first 20 computations of a kind, as a table
-python -m tests.verification.coverage --record        # all kinds into reports/baseline/coverage-computations.json; resumes
-python -m tests.verification.coverage --record means  # one kind
+"""python -m tests.verification.stated_errors orbits 20       # the first 20 computations of a kind, as a table
+python -m tests.verification.stated_errors --record        # all kinds into reports/baseline/coverage-computations.json; resumes
+python -m tests.verification.stated_errors --record means  # one kind
 """
 
 import json
 import sys
 
-from tests.verification.coverage.held import coverage_of
-from tests.verification.coverage.record import KINDS, SUMMARY, computation, known_computations, make_record, summary
+from tests.verification.stated_errors.held import coverage_of
+from tests.verification.stated_errors.record import KINDS, SUMMARY, computation, known_computations, make_record, summary
 from validation.results.result import aligned
 
 

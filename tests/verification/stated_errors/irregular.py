@@ -10,8 +10,8 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import summarise
 from slipwave.solve import Solver
 from slipwave.solve.lyapunov import INTERVALS, largest_exponent
-from tests.verification.coverage.held import Held
-from tests.verification.coverage.scenes import random_scene
+from tests.verification.stated_errors.held import Held
+from tests.verification.stated_errors.scenes import random_scene
 from validation.compute.build import build
 from validation.measure.cycle import watch
 
