@@ -11,9 +11,9 @@ from reduced.orbit.figures import figures_of
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 from slipwave.solve import Solver, follow
+from tests.verification.order import richardson
 from tests.verification.stated_errors.held import Held
 from tests.verification.stated_errors.scenes import SLABS, random_scene
-from tests.verification.order import richardson
 from validation.compute.build import build, build_full_wave, prepare
 from validation.compute.default_grid import judged_grid
 from validation.compute.orbits import find_orbit
