@@ -11,9 +11,10 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
-from types import ModuleType
+from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
+from slipwave.compiled.frozen import frozen_parts
 from slipwave.errors import SceneError
 from slipwave.sources import imports_in, inside
 
@@ -88,7 +89,21 @@ def run_file(path: Path, name: str, label: str) -> ModuleType:
     except Exception as error:
         where = "" if isinstance(error, SyntaxError) else f" ({line_of_user(error)})"  # that names its line
         raise SceneError(f"{label}: cannot be run: {type(error).__name__}: {error}{where}") from error
+    _name_apart(module, path)
     return module
+
+
+def _name_apart(module: ModuleType, path: Path) -> None:
+    """Put a digest of the file's functions, with the values that they name, into the names of its named tuples. Functions that
+    numba has compiled tell classes within their arguments apart by name alone: another file, or the same one edited, would run
+    with the code of the first."""
+    functions = (one for one in vars(module).values() if isinstance(getattr(one, "py_func", one), FunctionType))
+    parts = [frozen_parts([one]) for one in functions]
+    text = b"".join(part.text.encode() if part else path.read_bytes() for part in parts)
+    digest = hashlib.sha256(text).hexdigest()[:8]
+    for kind in vars(module).values():
+        if isinstance(kind, type) and issubclass(kind, tuple) and kind.__module__ == module.__name__:
+            kind.__name__ = f"{kind.__qualname__}_{digest}"
 
 
 def line_of_user(error: BaseException) -> str:

@@ -25,7 +25,7 @@ OF_LIBRARIES = {
     "sys.stdout", "sys.stderr", "sys.unraisablehook",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
     "element.text", "element.tail",
-    "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__",
+    "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__", "kind.__name__",
     "mark.until", "work.until", "engine.report",
     "found[name].attrs", "found['other_regime'].attrs",
 }  # fmt: skip

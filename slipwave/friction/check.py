@@ -43,7 +43,7 @@ def sample_of(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) 
             return law.parameters(*values)
         except TypeError:
             continue
-    raise LawError(f"friction law {name!r}: give the fields of {law.parameters.__name__} defaults, so that it can be checked")
+    raise LawError(f"friction law {name!r}: give the fields of {law.parameters.__qualname__} defaults, so that it can be checked")
 
 
 def _check_at(name: str, law: Any, sample: Any, rate: float, offset: float) -> None:

@@ -87,5 +87,5 @@ class Scene:
     @cached_property
     def digest(self) -> str:
         """Twelve hex digits that name this scene's physics (not its name) in logs and stored results."""
-        facts = (type(self.law).__name__, tuple(self.law), self.upper, self.lower, self.drive, self.start, self.until)
+        facts = (type(self.law).__qualname__, tuple(self.law), self.upper, self.lower, self.drive, self.start, self.until)
         return hashlib.sha256(repr(facts).encode()).hexdigest()[:12]

@@ -64,6 +64,16 @@ def test_code_of_a_law_is_found_again_until_the_law_changes(folder):
     assert ask(folder, MINE, 1.0) == (first, 1)
 
 
+def test_functions_compiled_for_one_law_are_not_called_with_another_of_its_name(folder):
+    """numba tells named tuples within arguments apart by the name of their class."""
+    mine, found = MINE.replace("Mine", "Apart"), set[float]()
+    for text, factor in ((mine, 1.0), (mine, 1.5), (mine.replace("FACTOR *", "1.1 * FACTOR *"), 1.0), (mine, 1.0)):
+        ask(folder, text, factor)
+        law = LAWS["mine"].parameters(0.369, 0.0349, 0.0489)
+        found.add(float(logs_of_return(law, 1.4e-5, np.ones((1, 1)), np.full((1, 1), -4.6))[0]))
+    assert len(found) == 3
+
+
 def made(constant, default=1.0, bound=2.0):
     """A function of a user's, which names the global `constant`."""
     scope = {"constant": constant, "exp": math.exp, "np": np}

@@ -58,7 +58,7 @@ def test_report_json_says_all_and_comes_back(changing, capsys):
     text = (changing.out / "report.json").read_text()
     assert capsys.readouterr().out == text == text_of(changing.record())
     told = json.loads(text)
-    assert told["outcomes"] == {"pass": 2, "finding": 1, "fail": 0, "broken": 0}
+    assert told["outcomes"] == {"pass": 2, "finding": 1, "fail": 0, "not decided": 0, "broken": 0}
     assert [(one["outcome"], one["ours"]) for one in told["verdicts"]] == [("pass", "73.48"), ("finding", "80"), ("pass", "73.5")]
     assert len({one["id"] for one in told["verdicts"]}) == 3
     void = {"id": "first.void", "study": "first", "name": "void", "value": "NaN", "tolerance": 1e-6}

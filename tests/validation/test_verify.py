@@ -68,7 +68,7 @@ def missed(words, capsys):
 ORDER = "Every full-wave family reaches its order in space in every output, from the smooth start"
 AGREES = "psi converges to that of the delay system"
 LIMIT = "The step limit does not move with the stiffness of friction"
-CALM = "Noise stays at 0.99 of the limit and grows at 1.05, for all slabs and faces"
+CALM = "Noise stays at 0.99 of the limit, for all slabs and faces"
 
 
 @pytest.mark.parametrize(
@@ -90,7 +90,9 @@ def test_a_scheme_with_one_mistake_is_red_where_it_shows(file, capsys, tmp_path,
 
 def test_in_python_the_rows_come_with_the_error(file):
     file.write_text(RIGHT + COEFFICIENT)
-    with pytest.raises(NumericsError, match="2 of 2 rows are missed: The energy balance closes") as caught:
+    with pytest.raises(
+        NumericsError, match=r"2 of 2 rows are missed: The energy balance closes \(mine:7, scene paper\)"
+    ) as caught:
         sw.verify("paper", "mine:7", family=file)
     assert [row.outcome for row in caught.value.result.rows] == ["fail", "fail"]
 
@@ -115,12 +117,6 @@ def test_a_law_that_the_compiler_refuses_is_a_row(file, capsys):
     """It calls a function of another module, which is not compiled."""
     file.write_text(LAW.format(slope=1.0))
     assert missed(["verify", "--law", str(file)], capsys) == (NUMERICS_FAILED, ["It compiles into the solvers"])
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("model", ["fd", "sbp:6", "fem:4", "dg:7"])
-def test_our_own_schemes_keep_every_row(capsys, model):
-    assert missed(["verify", "--model", model], capsys) == (0, [])
 
 
 def test_a_file_of_reductions_alone(file):

@@ -37,6 +37,7 @@ _FIRST_QUARTER = 0.25  # of the run: events still grow there, and one of a tenth
 ALMOST = 0.05  # a narrow interval may miss the promised order by this much: the curvature that is left
 KNOWN = 0.5  # how far below the promised order the interval of all outputs may begin
 RESOLVED = 3.0
+_SMALL = 1e-9
 
 Measured: TypeAlias = dict[str, Array]
 """Quantity -> one entry per complete cycle; for the state (256, 3): z, psi, mu."""
@@ -108,6 +109,11 @@ class Climb:
         except ValueError as error:
             return str(error)
         return ""
+
+    @property
+    def at_rounding(self) -> bool:
+        """Whether every error of the finest grid is small enough, whatever the order."""
+        return bool(self.cells.size) and max(float(values[-1]) for values in self.errors.values()) < _SMALL
 
     def shortfall(self) -> list[str]:
         """The reasons against the promised order, one per quantity; empty if there are none. Schemes of order 2 must not be

@@ -32,7 +32,7 @@ def by_claim(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
 
 def _over(cases: Sequence[Verdict]) -> Verdict:
     """The verdict on a claim with several cases."""
-    order = (Outcome.PASS, Outcome.FINDING, Outcome.FAIL)
+    order = (Outcome.PASS, Outcome.OPEN, Outcome.FINDING, Outcome.FAIL)
     worst = max(cases, key=lambda case: (order.index(case.outcome), case.margin or 0.0))
     return replace(worst, remark=f"the worst of {len(cases)}: {worst.remark}".rstrip(": "), cases=tuple(cases))
 

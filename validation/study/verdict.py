@@ -14,11 +14,12 @@ ROUNDING = 1e-11
 
 class Outcome(StrEnum):
     """Outcome of a claim. A failing claim of the paper is a finding, and so is a promised speed that was not reached; any other
-    failing promise of ours is a failure."""
+    failing promise of ours is a failure. `OPEN`: what was measured is too uncertain to tell (`verify` alone)."""
 
     PASS = "pass"
     FINDING = "finding"
     FAIL = "fail"
+    OPEN = "not decided"
 
 
 class Evidence(StrEnum):

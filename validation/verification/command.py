@@ -1,5 +1,6 @@
 """`slipwave.verify`: verifies a scheme, a law or a scene by the report's own rows; exit status 3 if one fails."""
 
+import re
 import xml.etree.ElementTree as xml
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -17,7 +18,7 @@ from validation.compute.models import GRIDS, grid_of, parse, resolve
 from validation.compute.own import load_families
 from validation.compute.progress import progress
 from validation.results.command import command
-from validation.results.options import ModelOptions
+from validation.results.options import ModelOptions, log
 from validation.results.result import Dataset, Output, Result, aligned
 from validation.study import EXACT, Outcome, Verdict, holding
 from validation.study.names import with_names
@@ -27,6 +28,7 @@ from validation.verification.of_law import rows_of_law
 
 _USUAL, _SCENE = "dg:7", "paper"
 _ROWS = 16  # about so many, for the bar
+_COUNTED = {"missed": Outcome.FAIL, "not_decided": Outcome.OPEN}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +74,8 @@ class VerifyResult(Result):
              "remark": bare(row.remark)}
             for row in self.rows
         ]  # fmt: skip
-        missed = sum(row.outcome is Outcome.FAIL for row in self.rows)
-        return {"subject": self.subject, "rows": rows, "missed": missed, "notes": list(self.notes)}
+        counts = {name: sum(row.outcome is kind for row in self.rows) for name, kind in _COUNTED.items()}
+        return {"subject": self.subject, "rows": rows, **counts, "notes": list(self.notes)}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """A line for each row, then how many hold."""
@@ -84,7 +86,8 @@ class VerifyResult(Result):
                 yield f"      {row['remark']}"
         yield ""
         yield from (f"note: {note}" for note in self.notes)
-        yield f"{self.subject}: {len(self.rows) - summary['missed']} of {len(self.rows)} rows hold"
+        held, unknown = sum(row.outcome is Outcome.PASS for row in self.rows), summary["not_decided"]
+        yield f"{self.subject}: {held} of {len(self.rows)} rows hold" + (f", {unknown} not decided" if unknown else "")
 
     def save_junit(self, path: str | Path) -> None:
         """Write a test case for each row. Raises SceneError if the file cannot be written."""
@@ -123,9 +126,17 @@ def verify(source: "SceneSource | None" = None, options: VerifyOptions = _UNCHAN
             found.append(row)
             report(min(len(found), _ROWS - 1))
         report(_ROWS)
-    missed = [row for row in found if row.outcome is Outcome.FAIL]
-    failed = f"verify {subject}: {len(missed)} of {len(found)} rows are missed: {'; '.join(bare(one.claim) for one in missed)}"
+    missed = [f"{bare(row.claim)} ({_where(row)})" for row in found if row.outcome is Outcome.FAIL]
+    failed = f"verify {subject}: {len(missed)} of {len(found)} rows are missed: {'; '.join(missed)}"
+    for row in found:
+        if row.outcome is Outcome.OPEN:
+            log.info("not decided: %s (%s): %s", bare(row.claim), _where(row), bare(row.ours))
     return VerifyResult(subject, with_names("verify", found), notes, failed=failed if missed else "")
+
+
+def _where(row: Verdict) -> str:
+    """The member and the scene of a row: the first clauses of its remark."""
+    return ", ".join(re.split("[,;:] ", bare(row.remark))[:2])
 
 
 def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, Iterable[Verdict], tuple[str, ...]]:

@@ -150,10 +150,14 @@ def _largest(stable: Callable[[float], bool]) -> float:
     return math.sqrt(low * high)
 
 
+def growth_at(model: str, medium: str, share: float, steps: int) -> float:
+    """Growth of noise at this share of the limit, the larger of soft and stiff friction."""
+    return max(growth(model, rubbing(decade, medium), share, steps) for decade in SOFT_AND_STIFF)
+
+
 def around_the_limit(model: str, medium: str) -> tuple[float, float]:
-    """Growth of noise on both sides of the limit (AROUND), the larger of soft and stiff friction."""
-    scenes = [rubbing(decade, medium) for decade in SOFT_AND_STIFF]
-    below, above = (max(growth(model, scene, share, steps) for scene in scenes) for share, steps in AROUND)
+    """Growth of noise on both sides of the limit (AROUND)."""
+    below, above = (growth_at(model, medium, *one) for one in AROUND)
     return below, above
 
 
