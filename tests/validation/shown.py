@@ -11,10 +11,10 @@ from counterfeit import green, tapes_of
 from slipwave.input import source
 from validation.chart.draw import draw, styled
 from validation.measure import stopwatch
+from validation.measure.orders import ALMOST
 from validation.report.sources import sources_of
 from validation.studies import study_called
 from validation.study import Budget, Evidence, Verdict
-from validation.study.known import WITHIN
 from validation.study.names import by_claim
 
 ROOMY, ROUNDING = 30.0, 1e-10
@@ -33,7 +33,7 @@ def none_is_nearer(verdict):
     convergence may be off by, which chance can put on the declared one."""
     power = math.log10(2.0 * verdict.limit) if verdict.limit else 0.5
     printed = verdict.evidence is Evidence.PAPER and abs(power - round(power)) < 1e-9
-    of_order = verdict.limit is not None and verdict.limit >= WITHIN and "order" in verdict.claim
+    of_order = verdict.limit is not None and verdict.limit >= ALMOST and "order" in verdict.claim
     return printed or of_order or (verdict.size, verdict.limit) == (0.0, 1.0)
 
 

@@ -63,7 +63,7 @@ STUDIES = {
         9, (), {"unlike: ψ(600)": (-5.25812015405, 4e-12), "unlike-irrational: ψ(600)": (-3.22732303547, 6e-12)}
     ),
     "orders": Expected(43, (), {"dg:2 order": (3.9972, 5e-4), "error, fem:2, alike": (5.73e-5, 0.02)}),
-    "stability-attacks": Expected(42),
+    "stability-attacks": Expected(48),
     "energy": Expected(21, (), {"order of dg:2": (5.0217, 1e-4)}),
     "onset": Expected(
         25, (), {"log10 r_c, quasistatic": (-2.698970004336, 1e-11), "error of (27) at V = 1e4": (-0.07672436, 1e-6)}

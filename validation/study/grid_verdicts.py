@@ -89,4 +89,4 @@ def noise_verdict(model: str, left: float, transits: float) -> Verdict:
         return holding(NOISE, EXACT, "1 or less", f"{left:.3g}", left <= 1.0, remark)
     known = noise_left(transits)
     expected, off = f"{known.value:.10g}, what friction leaves", abs(left - known.value)
-    return holding(NOISE, EXACT, expected, f"{left:.10g}", off < known.error, remark).with_margin(off, known.error)
+    return holding(NOISE, EXACT, expected, f"{left:.10g}", off < known.error, remark)
