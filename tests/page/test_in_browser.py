@@ -51,13 +51,13 @@ def test_the_first_screen_answers_for_every_model(opened, script):
 
 def test_it_is_short(opened):
     """A phone shows a model without scrolling; folded it is few screens, and on paper few pages."""
-    for size, most in ((WIDE, 10.0), (PHONE, 20.0)):
+    for size, most in ((WIDE, 4.0), (PHONE, 6.0)):
         page = opened(*size)
         assert visible_rows(page)[0][2] <= size[1]
         assert page.evaluate("document.documentElement.scrollHeight") / size[1] <= most
         assert len(page.evaluate("document.body.innerText").split()) < 2500
     assert len(re.findall(rb"/Type\s*/Page\b", opened(*WIDE).pdf(format="A4"))) <= 13
-    assert (FOLDER / "index.html").stat().st_size < 3_000_000
+    assert (FOLDER / "index.html").stat().st_size < 2_000_000
 
 
 def test_every_figure_has_a_number_in_words_and_a_csv(opened):
