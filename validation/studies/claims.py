@@ -129,8 +129,8 @@ def _answers(verdicts: tuple[Verdict, ...]) -> tuple[StudyAnswer, ...]:
     paper = sw.read("paper")
     return (
         StudyAnswer(
-            f"Of {len(verdicts)} checks {held} hold and {findings} qualify a claim; those about branches are judged by "
-            "`bifurcation`.",
+            f"On onset, periods, ripples and irregular cycles {held} of {len(verdicts)} checks hold and {findings} qualify a "
+            "claim.",
             (*(f"P{n} " for n in (*range(1, 8), 11, 12, 13)), "Periods are those of other programs"),
         ),
         StudyAnswer(

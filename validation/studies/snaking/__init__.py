@@ -89,8 +89,9 @@ def _answers(branch: Branch, most: int) -> tuple[StudyAnswer, ...]:
     torus, last = branch.of_kind("NS")[0].point, branch.points[-1].closed.cycle.period
     return (
         StudyAnswer(
-            f"Up to {most}, at the r shown. The branch folds back and forth, with {len(measured.fold_pairs(branch))} pairs of "
-            f"folds up to T = {last:.1f} transits; where two of its orbits are stable, the start decides.",
+            f"The exact system has up to {most} orbits at one r. Its branch folds back and forth, with "
+            f"{len(measured.fold_pairs(branch))} pairs of folds up to T = {last:.1f} transits; where two of its orbits are "
+            "stable, the start decides.",
             ("Special points depend", "Folds come in pairs", "Two stable orbits coexist"),
         ),
         StudyAnswer(
