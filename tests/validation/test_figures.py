@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import io
 import json
 import re
 from html import unescape
@@ -10,6 +11,7 @@ import numpy as np
 import pytest
 from fake_studies import answered
 from fake_studies import draw as drawing_of
+from PIL import Image
 
 from validation.chart import (
     BLUE,
@@ -26,9 +28,13 @@ from validation.chart import (
     Trace,
     outline,
     with_gaps,
+    with_limits,
 )
+from validation.chart.colors import DARK_PAPER, PAPER, by_night, contrast
 from validation.chart.draw import draw
 from validation.chart.labels import plain_label
+from validation.chart.render import render
+from validation.chart.svg import colors_of
 from validation.chart.table import curves_csv, panel_facts, read_chart
 from validation.chart.thin import CELLS, MOST, staying, with_fewer
 from validation.chart.words import described, meetings
@@ -158,6 +164,7 @@ def test_thinning_keeps_every_extremum_and_changes_no_number():
             found = [tuple(row) for row in np.column_stack(list(after.columns.values())).tolist() if not np.isnan(row[1])]
             assert len(found) <= max(MOST, CELLS**2)
             assert set(found) <= rows
+    assert 3001 in staying(*with_gaps([(x[:3001], y[:3001]), (x, y)]))
 
 
 def test_words_are_the_numbers_that_were_computed():
@@ -171,6 +178,55 @@ def test_words_are_the_numbers_that_were_computed():
     assert "At x = 4 ramp Δμ is highest (1.3), wave lowest (−0.5366)." in words
     assert "shades: V over r; x from 0 to 1, y from 1 to 2, logarithmic in y. T (cells)" not in words
     assert "log10 r" in words
+
+
+def test_panels_of_one_label_share_limits_and_say_it_once():
+    """Within a column along x; `share` extends it to all panels, or to none."""
+    pair = [Panel("", Scale("t"), Scale("y"), [Trace("", [0.0, end], [0.0, end])]) for end in (1.0, 3.0)]
+    charts = (with_limits(Chart(pair, share=share)) for share in (("column", "row"), ("all", "all"), ("", "")))
+    ends = [[(panel.x.ends[1], panel.y.ends[1]) for panel in chart.panels] for chart in charts]
+    assert np.allclose(ends, [[(3.15, 1.05), (3.15, 3.15)], [(3.15, 3.15)] * 2, [(1.05, 1.05), (3.15, 3.15)]])
+    assert [axes.get_xlabel() for axes in draw(Chart(pair)).axes] == ["", "t"]
+    assert [axes.get_ylabel() for axes in draw(Chart(pair, columns=2)).axes] == ["y", ""]
+
+
+def test_the_svg_has_ids_of_its_own_and_is_the_same_twice(tmp_path):
+    for name in ("a", "b"):
+        render(CHART, tmp_path / name, "study-figure")
+    first, second = ((tmp_path / name).with_suffix(".svg").read_text() for name in "ab")
+    assert first == second
+    ids = set(re.findall(r' id="([^"]*)"', first))
+    assert all(name.startswith("study-figure") for name in ids)
+    assert set(re.findall(r"(?:href=\"#|url\(#)([^\")]*)", first)) <= ids
+    assert re.findall(r">(time|a &amp; b &lt;)<", first) == ["time", "a &amp; b &lt;"]
+
+
+@pytest.mark.parametrize("color", ["#111111", BLUE, "#e69f00", "#56b4e9", "#b9b9b9"])
+def test_lines_are_clear_by_day_and_by_night(color):
+    day = Look(color).ink
+    assert contrast(day, PAPER) >= 3.0
+    assert contrast(by_night(day), DARK_PAPER) >= 3.0
+    assert contrast(by_night("#000000"), by_night(PAPER)) >= 7.0
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert colors_of([f"var(--c{day[1:]},{day})"]) == (f"--c{day[1:]}:{day};", f"--c{day[1:]}:{by_night(day)};")
+
+
+def test_pictures_within_a_chart_follow_a_dark_page(tmp_path):
+    """One of few colours has a second one in those of the key; the shades of one of many are turned by the page."""
+    few = Look(kind="cells", colors={"no": "#ffffff", "two": "#c44e52"})
+    traces = Trace("", [0.0, 1.0], [0.0, 1.0], few, value=[[0, 1], [1, 0]]), CHART.panels[2].traces[0]
+    render(Chart([Panel("", Scale(), Scale(), [trace]) for trace in traces], 2.0, 2), tmp_path / "a", "a")
+    svg = (tmp_path / "a.svg").read_text()
+    assert re.findall(r'class="(\w+)"', svg)[:2] == ["day", "night"]
+    assert "shades" in svg
+    day, night = (colors_in(packed) for packed in re.findall(r"base64,([^\"]*)", svg)[:2])
+    assert day >= {"#ffffff", "#c44e52"}
+    assert night >= {DARK_PAPER, by_night("#c44e52")}
+
+
+def colors_in(packed):
+    with Image.open(io.BytesIO(base64.b64decode(packed))) as image:
+        return {f"#{bytes(color).hex()}" for _, color in image.convert("RGB").getcolors(9999)}
 
 
 def test_a_figure_that_opens_has_its_file_in_the_page(fake, tmp_path):

@@ -45,10 +45,11 @@ STYLE: Any = {
     "svg.hashsalt": "slipwave",
     "savefig.bbox": "tight",
     "savefig.pad_inches": 0.04,
-    "path.simplify_threshold": 0.2,
+    "path.simplify_threshold": 0.5,
 }
 _MANY, _SMALL = 12, 8.5  # entries of a legend, from which on its letters are small
 _CLOUD = 5000  # points, from which on they are drawn as a picture
+_DECADES, _PLAIN = 300.0, (1e-4, 1e5)  # ratio and values of the ends of a scale with ticks at 1, 2 and 5
 _FINE = 6  # points of a spline for each interval
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 
@@ -101,7 +102,7 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import LogLocator, MaxNLocator
 
     lines: Any = getattr(axes, f"{which}axis")
     low, high = axis.ends
@@ -109,9 +110,9 @@ def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
         lines.set_ticks(list(axis.ticks), list(axis.ticks.values()))
         lines.set_minor_locator(MaxNLocator(1))
         lines.set_minor_formatter("")
-    elif axis.kind == "log" and high < 10.0 * low:  # powers of ten alone would be one tick
-        lines.set_minor_formatter("")
-        lines.set_major_locator(MaxNLocator(5))
+    elif axis.kind == "log" and (high < 10.0 * low or (high < _DECADES * low and _PLAIN[0] < low and high < _PLAIN[1])):
+        lines.set_minor_formatter("")  # powers of ten alone would be a tick or two, and words at all ticks too many
+        lines.set_major_locator(MaxNLocator(5) if high < 10.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
         lines.set_major_formatter("{x:g}")
     if axis.second:
         _draw_second(axes, which, axis.second)

@@ -19,7 +19,7 @@ FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tino
 _SVG, _LINK = "http://www.w3.org/2000/svg", "{http://www.w3.org/1999/xlink}href"
 _COLOR, _REFERRED = re.compile(r"#[0-9a-f]{6}"), re.compile(r"url\(#(.*)\)|#(.*)")
 _MARKS = (f"{{{_SVG}}}use", f"{{{_SVG}}}path")
-_PLACES = ("x", "y", "width", "height", "transform", "viewBox")
+_PLACES = ("d", "x", "y", "width", "height", "transform", "viewBox")
 _SHADES, _KEYS = 256, 16  # colours of a picture; of one whose colours a key explains
 _RASTER_DOTS = 72  # per inch, of pictures within a drawing
 
@@ -32,8 +32,6 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
     root = ElementTree.fromstring(raw.getvalue())
     root.remove(root[0])  # who made it
     own = {old: f"{name}-{n}" for n, old in enumerate(dict.fromkeys(_referred(root)))}
-    for label in root.iter(f"{{{_SVG}}}text"):
-        label[:] = _runs(label)
     for element in root.iter():
         element.text, element.tail = element.text if (element.text or "").strip() else None, None
         _shorten(element, own)
@@ -55,19 +53,6 @@ def _referred(root: ElementTree.Element) -> Iterator[str]:
     for value in (value for element in root.iter() for name, value in element.attrib.items() if name != "style"):
         if found := _REFERRED.fullmatch(value):
             yield found[1] or found[2]
-
-
-def _runs(letters: Iterable[ElementTree.Element]) -> Iterator[ElementTree.Element]:
-    """Letters of a label, those of one style on one line together, each in its place."""
-    for _, alike in groupby(letters, lambda one: (one.get("style"), one.get("y"))):
-        run = list(alike)
-        words = "".join((one.text or "").strip() or " " for one in run)
-        kept = [k for k, letter in enumerate(words) if letter != " " or (words[:k].strip() and words[k:].strip())]
-        if kept:
-            element = run[kept[0]]
-            element.text = "".join(words[k] for k in kept)
-            element.set("x", " ".join(run[k].get("x", "") for k in kept))
-            yield element
 
 
 def _regroup(parent: ElementTree.Element) -> None:
@@ -96,27 +81,11 @@ def _shorten(element: ElementTree.Element, own: dict[str, str]) -> None:
         found = _REFERRED.fullmatch(value)
         if found and name != "style":
             value = value.replace(found[1] or found[2], own[found[1] or found[2]])
-        elif name == "transform" and value.startswith("rotate(-0 "):
-            continue
-        elif name == "d":
-            value = _relative(value)
         elif name in _PLACES:
             value = " ".join(map(_tenths, value.split()))
         elif name == "style":
             value = ";".join(part.replace(": ", ":") for part in value.split("; ") if not part.startswith("font-family"))
         element.set("href" if name == _LINK else name, value)
-
-
-def _relative(path: str) -> str:
-    """A path of matplotlib's, in tenths of a point from place to place instead of places."""
-    found, here, begun = "", (0, 0), (0, 0)
-    for kind, numbers in re.findall(r"([MLQCz])([^MLQCz]*)", path):
-        places = [round(10.0 * float(word)) for word in numbers.split()]
-        steps = (f"{0.1 * (place - here[k % 2]):.1f}".removesuffix(".0") for k, place in enumerate(places))
-        found += kind.lower() + " ".join(re.sub(r"^(-?)0\.", r"\1.", step) for step in steps)
-        here = (places[-2], places[-1]) if places else begun
-        begun = here if kind == "M" else begun
-    return found.replace(" -", "-")
 
 
 def _tenths(word: str) -> str:
