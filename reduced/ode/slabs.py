@@ -146,18 +146,27 @@ def _kept(reduction: Reduction) -> Array:
 
 STAGES = 8
 LONGEST = 2.0
-"""Longest step (transits)."""
+"""Longest step (transits) where waves ring, and of samples whose friction is not much slower than these."""
 
 _FIRST = 0.125
+_SLOW = 4e-4  # of the time of slip by L: the longest step without waves
+
+
+def steps_to(longest: float) -> tuple[float, float, int]:
+    """Longest step (transits), at least `LONGEST` and at most `longest`; the first; the number of lengths. The shortest is the
+    same of all: the slip rate of a block falls the faster the slower it is, whatever a transit is."""
+    more = max(0, math.floor(math.log2(max(longest, LONGEST) / LONGEST)))
+    return math.ldexp(LONGEST, more), _FIRST, LEVELS + more
 
 
 class ReducedModel(PortMarch):
     """Marches `reduction` of the scene's slab pair to `tolerance`, the requested relative error of the cycle's figures.
 
-    Radau IIA with 8 nodes (order 15 at step ends, L-stable), step lengths 2 / 2^level transits. Knots of the drive cause kinks of
-    the motion; between two knots, step lengths are their distance over powers of two, so that a step ends on each. `failures`
-    counts unconverged solves; a step that cannot be solved at the shortest length raises NumericsError naming time and scene (a
-    quasi-static model runs away).
+    Radau IIA with 8 nodes (order 15 at step ends, L-stable), step lengths 2^k transits; the longest is `LONGEST`, or, where no
+    wave rings and slip by L takes many transits (a thin sample in a machine), a share of that time. Knots of the drive cause
+    kinks of the motion; between two knots, step lengths are their distance over powers of two, so that a step ends on each.
+    `failures` counts unconverged solves; a step that cannot be solved at the shortest length raises NumericsError naming time and
+    scene (a quasi-static model runs away).
     """
 
     failed_at = math.nan
@@ -169,7 +178,8 @@ class ReducedModel(PortMarch):
         self.scene, self.model, self.reduction = scene, reduction.name, reduction
         self.settings: dict[str, Any] = {"tolerance": tolerance, "stages": stages}
         reason = "nothing limits its slip rate: it runs away" if reduction.runs_away else ""
-        super().__init__(ReducedSlabs(scene, self._reduce, stages), tolerance, LONGEST, _FIRST, reason)
+        slow = 0.0 if reduction.modes else _SLOW / (scene.transit * max(scene.drive.velocities))
+        super().__init__(ReducedSlabs(scene, self._reduce, stages), tolerance, *steps_to(slow), reason)
 
     def _reduce(self, scene: Scene) -> Reduction:
         """The reduction of `scene`; this one if the slabs are the same."""

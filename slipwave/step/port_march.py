@@ -32,9 +32,9 @@ class PortMarch:
         tolerance: float,
         longest: float,
         first: float,
+        levels: int = LEVELS,
         reason: str = "",
         most_steps: int = CHUNK,
-        levels: int = LEVELS,
     ) -> None:
         scene, stages = slabs.scene, slabs.stages
         self.slabs, self._reason, self._most_steps = slabs, reason, most_steps

@@ -6,7 +6,10 @@ A worse guess, a slower iteration or a step shorter than the tolerance asks for 
 import pytest
 
 import slipwave
+from reduced.ode import slabs
+from slipwave.observe import EventObserver
 from slipwave.solve import follow
+from tests.granite import GRANITE
 from validation.compute.build import build
 
 
@@ -34,3 +37,18 @@ def test_steps_and_iterations_are_as_many_as_measured(scene, model, tolerance, u
     taken = Steps()
     follow(solver, until, [taken])
     assert (taken.count, solver.iterations) == pytest.approx((steps, iterations), rel=2e-3)  # rounding may decide on one more
+
+
+def test_a_thin_sample_takes_few_steps_to_the_same_cycle(monkeypatch):
+    """A cycle of 5e5 transits in a machine, beside steps of two transits as where waves ring."""
+    sample = GRANITE["slab"] | {"thickness": 0.08, "face": {"kind": "machine", "stiffness": 8.8e9, "impedance": 0.0, "mass": 0.0}}
+    thin, found = slipwave.read(GRANITE | {"slab": sample, "drive": {"velocity": 5.0}}), []
+    for longest in (slabs._SLOW, 0.0):
+        monkeypatch.setattr(slabs, "_SLOW", longest)
+        solver, taken = build("quasidynamic", thin, tolerance=1e-9), Steps()
+        watched = EventObserver(thin, solver.nodes)
+        follow(solver, 1.6e6, [taken, watched])
+        found.append([taken.count, *watched.events(0.0).period[-1:], *watched.events(0.0).v_max[-1:]])
+    (few, *short), (many, *long) = found
+    assert few < 0.2 * many
+    assert short == pytest.approx(long, rel=1e-7)

@@ -246,6 +246,47 @@ def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(t
     assert any("in these the motion settles" in note for note in found.notes)
 
 
+def test_a_block_is_marched_through_its_stops_as_a_run_is() -> None:
+    """A sample of one metre, whose block stops within 1e-6 transits after slips of a hundred."""
+    law = STICKING["interface"] | {"a": 0.006, "b": 0.011, "memory_length": "3 um", "normal_stress": "10 MPa"}
+    block = STICKING | {"interface": law, "slab": {"density": 35181, "shear_modulus": "10 GPa", "thickness": "1 m"}}
+    variants = disturbed(Variants(read(block), (), schedule_of(read(block))))
+    made, times = CycleOfReduction(variants, 30.0, "block8", 1e-7), np.arange(0.0, 150.0, 0.5)
+    run, fit = (one(variants, times, "block8", 1e-8).friction(np.empty(0)) for one in (OfSolver, OfReduction))
+    assert np.abs(run - fit).max() < 1e-6 < np.ptp(run)
+    assert made.friction(np.empty(0))[0] == pytest.approx(30.95, abs=0.1)
+
+
+class Walled:
+    """A square in two unknowns whose minimum, at 1 and 1, lies behind a wall."""
+
+    names, fineness = ["x", "y"], 1e-10
+    low, high, large = -np.full(2, 9.0), np.full(2, 9.0), np.ones(2)
+
+    def __init__(self, wall: float) -> None:
+        self.wall = wall
+
+    def residual(self, inner: np.ndarray) -> np.ndarray:
+        if inner[0] > self.wall:
+            raise NumericsError("the wall")
+        x, y = inner - 1.0
+        return np.array([x + 0.1 * x**2, x - y, y, 1e-2, -1e-2])
+
+    def slopes(self, inner: np.ndarray) -> np.ndarray:
+        return np.array([[1.0 + 0.2 * (inner[0] - 1.0), 0.0], [1.0, -1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
+
+
+@pytest.mark.parametrize(("wall", "line"), [(0.5, "cannot be computed beside these values"), (1.5, "")])
+def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wall: float, line: str) -> None:
+    """Nor is one that met such values on its way, if it went on to its minimum."""
+    best = Best(start := np.array([-3.0, 4.0]))
+    found = minimise(Walled(wall), [start], best, 1.0)
+    assert found.failed.startswith(line)
+    assert bool(found.failed) == bool(line)
+    assert not line or "the wall" in found.failed
+    assert (np.abs(found.inner - 1.0).max() < 1e-4) is not bool(line)
+
+
 def test_values_that_are_no_minimum_have_no_interval(steps: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("validation.fit.command.minimise", lambda *given: minimise(*given)._replace(failed="no minimum"))
     with pytest.raises(NumericsError, match="no minimum") as refused:

@@ -9,23 +9,21 @@ import numpy as np
 from reduced.delay.sensitivity import delay_sensitivity
 from reduced.families import DELAY
 from reduced.impedance.reduce import reduction_of
-from reduced.ode.slabs import STAGES, ReducedSlabs
+from reduced.ode.slabs import STAGES, ReducedSlabs, steps_to
 from slipwave.errors import NumericsError
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.solve.solver import Leaping
 from slipwave.step.collocation import radau
-from slipwave.step.port import LEVELS
 from slipwave.step.port_march import PortMarch
 from slipwave.step.sensitivity import port_sensitivity
 from validation.compute.build import build
 from validation.compute.models import GRIDS
 from validation.fit.parameters import Variants, sizes
 
-_FIRST = 0.125  # transits; length of the first step
-_LONGEST = 2e4  # transits, of a short march; the shortest step is 2^31 times as short
-_FEWEST_STEPS = 256  # of a long march, whose longest step is 2^k times as long
+_LONGEST = 2e4  # transits, the longest step of a short march
+_FEWEST_STEPS = 256  # of a long march
 _MOST_STEPS = 400_000
 _SAME_TIME = 1e-6  # transits; a sample so far beyond the end of a piece is at its end
 _SHIFT = 1e-4  # of differences of marches
@@ -169,9 +167,8 @@ def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
 
 def marched(slabs: ReducedSlabs, until: float, tolerance: float) -> Pieces:
     """The pieces of a march from the start to `until` (transits). Raises NumericsError if it fails or takes too many steps."""
-    more = max(0, math.floor(math.log2(until / (_LONGEST * _FEWEST_STEPS))))
-    longest = min(until, math.ldexp(_LONGEST, more))
-    solver = PortMarch(slabs, tolerance, longest, min(_FIRST, until), slabs.reduction.name, levels=LEVELS + more)
+    longest = min(until, max(_LONGEST, until / _FEWEST_STEPS))
+    solver = PortMarch(slabs, tolerance, *steps_to(longest))
     parts, steps = [solver.advance(until)], 0
     while solver.time < until - SAME * max(1.0, until):
         parts.append(solver.advance(until))

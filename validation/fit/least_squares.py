@@ -21,6 +21,7 @@ _PROFILE = 5  # trials for the end of an interval
 _ALIKE = 0.1  # relative difference from the derivative's interval that is let stand
 _INDEPENDENT = 20  # groups of samples that are taken as independent at least
 _AT_BOUND = 1e-6  # of the range
+_ABOVE = 0.04  # of the square of a standard error
 
 
 class Problem(Protocol):
@@ -77,7 +78,7 @@ class Best:
 def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float = 0.0, most: int = 60) -> Solution:
     """The lowest minimum from several `starts`: descend from the first and, if its residual is far above the `noise`, take a few
     steps from each other start and descend from the best of these. Raises NumericsError if no start can be computed."""
-    tried: list[optimize.OptimizeResult] = []
+    tried: list[_Descent] = []
     reasons: list[str] = []
     for start in starts:
         try:
@@ -85,33 +86,54 @@ def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float
         except (NumericsError, SceneError) as error:
             reasons.append(str(error))
             continue
-        if np.sqrt(np.mean(tried[-1].fun ** 2)) < _FAR * noise:
+        if np.sqrt(np.mean(tried[-1].end.fun ** 2)) < _FAR * noise:
             break
     if not tried:
         raise NumericsError(f"fit: no start value can be computed: {reasons[0]}")
-    lowest = min(tried, key=lambda one: one.cost)
-    if lowest.status == 0 and lowest is not tried[0]:
-        lowest = _descend(problem, lowest.x, best, most)
-    failed = f"no minimum after {best.evaluations} evaluations" if lowest.status == 0 else ""
-    return Solution(lowest.x, lowest.fun, lowest.jac, best.evaluations, failed)
+    lowest = min(tried, key=lambda one: one.end.cost)
+    if lowest.end.status == 0 and lowest is not tried[0]:
+        lowest = _descend(problem, lowest.end.x, best, most)
+    end, failed = lowest.end, ""
+    if end.status == 0:
+        failed = f"no minimum after {best.evaluations} evaluations"
+    elif lowest.refusals and _is_above(end):
+        failed = f"cannot be computed beside these values, which are no minimum ({lowest.refusals[-1]})"
+    return Solution(end.x, end.fun, end.jac, best.evaluations, failed)
 
 
-def _descend(problem: Problem, start: Array, best: Best, most: int) -> optimize.OptimizeResult:
+def _is_above(one: optimize.OptimizeResult) -> bool:
+    """Whether a linear step lowers the sum of squares by more than a fifth of a standard error does: what ended the descent was
+    no minimum."""
+    free = one.jac[:, one.active_mask == 0]
+    scaled = free / np.maximum(np.linalg.norm(free, axis=0), 1e-300)
+    gained = scaled @ np.linalg.lstsq(scaled, one.fun, rcond=_SINGULAR)[0]
+    return bool(gained @ gained > _ABOVE * (one.fun @ one.fun) / one.fun.size)
+
+
+class _Descent(NamedTuple):
+    """The `end` of a descent, and why steps on the way could not be computed."""
+
+    end: optimize.OptimizeResult
+    refusals: list[str]
+
+
+def _descend(problem: Problem, start: Array, best: Best, most: int) -> _Descent:
     """Descend from one start; NumericsError if its residual cannot be computed. Later steps at which it cannot are shortened."""
     inside = np.clip(start, problem.low, problem.high)
-    samples = problem.residual(inside).size
+    samples, refusals = problem.residual(inside).size, list[str]()
 
     def residual(inner: Array) -> Array:
         try:
             found = problem.residual(inner)
-        except (NumericsError, SceneError):
+        except (NumericsError, SceneError) as error:
+            refusals.append(str(error))
             found = np.full(samples, np.nan)
         best.see(inner, found)
         return found
 
     bounds = (problem.low, problem.high)
     near: dict[str, Any] = {"ftol": problem.fineness, "xtol": problem.fineness, "gtol": None, "x_scale": "jac", "max_nfev": most}
-    return optimize.least_squares(residual, inside, problem.slopes, bounds, **near)
+    return _Descent(optimize.least_squares(residual, inside, problem.slopes, bounds, **near), refusals)
 
 
 def profiled(problem: Problem, found: Solution, spread: "Intervals") -> "Intervals":
