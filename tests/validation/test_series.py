@@ -35,6 +35,9 @@ def body(between: str = ",", point: str = ".") -> str:
         (body(" "), {"columns": "time,displacement,friction", "units": "ms,um,1"}),
         ("a,b,c\r\n" + body().replace("\n", "\r\n"), {"columns": "time,disp,mu", "units": "disp=um,time=ms"}),
         ('"Time, ms","disp / um","mu"\n' + body(), {}),
+        ("Zeit [ms];Kolbenweg [um];Reibung [-]\n" + body(";", ","), {"columns": "time,disp,friction"}),
+        ("Zeit;Weg;Reibung\nms;mV;%\n" + body(";"), {"columns": "time,disp,mu", "scale": "disp=1um,mu=100"}),
+        ("time [ms],disp [mm],mu\n" + body(), {"scale": "disp = 1e-3"}),
     ],
 )
 def test_the_same_record_in_many_shapes(text: str, options: dict[str, str], tmp_path: Path) -> None:
@@ -113,6 +116,26 @@ def test_friction_is_shear_over_normal_stress() -> None:
         Series("x", {"time": np.arange(2.0)}).friction()
 
 
+def test_a_force_is_a_stress_on_the_area_given(tmp_path: Path) -> None:
+    file = written(tmp_path, "t [s],F_s [kN],F_n [kN]\n0,60,100\n1,30,100\n")
+    named = {"columns": "time,shear_stress,normal_stress"}
+    found = read_series(file, **named, area="25 cm2")
+    np.testing.assert_allclose(found["shear_stress"], [24e6, 12e6])
+    np.testing.assert_allclose(found.friction(), [0.6, 0.3])
+    with pytest.raises(SceneError, match="column 2, shear_stress: unit 'kN' is a force: --area says on what"):
+        read_series(file, **named)
+    for area in ("25", "25 cm", "0 cm2"):
+        with pytest.raises(SceneError, match=f"--area = '{area}': must"):
+            read_series(file, **named, area=area)
+
+
+def test_a_friction_that_no_interface_has_is_refused_with_the_columns(tmp_path: Path) -> None:
+    file = written(tmp_path, "Zeit [s],Spannung\n0,4.8\n1,4.7\n")
+    with pytest.raises(SceneError, match=r"shear over normal stress is 5\.9e-07, which is no friction: .* Zeit \[s\], Spannung"):
+        read_series(file, columns="time,stress").friction(8e6)
+    np.testing.assert_allclose(read_series(file, columns="time,stress", units=",MPa").friction(8e6), [0.6, 0.5875])
+
+
 def test_a_record_in_the_units_of_a_scene() -> None:
     scene = read_scene("paper-si")
     assert scene.units is not None
@@ -138,7 +161,15 @@ def test_a_record_in_the_units_of_a_scene() -> None:
         ("time [parsec],mu\n0,0.6\n1,0.6\n", {}, "unit 'parsec' is not known there: known are s, ms, us, min, h, d, transit"),
         ("time [s],slip [L]\n0,0.6\n1,0.6\n", {}, "slip in the units of a scene, the rest in SI"),
         ("time,mu\n0,0.6\n1,0.6\n", {"columns": "time,color"}, "--columns: 'color' is no quantity of a record"),
-        ("time,mu\n0,0.6\n1,0.6\n", {"columns": "time,mu,slip"}, "names 3 columns; .* has 2"),
+        ("time,mu\n0,0.6\n1,0.6\n", {"columns": "time,mu,slip"}, "names 3 columns; .* has 2; its columns: time, mu"),
+        ("time,mu\n0,0.6\n1,0.6\n", {"scale": "slip=2"}, "has no column slip; its columns: time, mu"),
+        ("time,mu\n0,0.6\n1,0.6\n", {"scale": "mu=0"}, "--scale = 'mu=0': must be COLUMN=FACTOR"),
+        ("0,0.6\n1,0.6\n", {"columns": "mu,_"}, "has no column time; its 2 columns have no names"),
+        (
+            "t [s],Weg [Zoll]\n0,0.6\n1,0.6\n",
+            {"columns": "t,disp"},
+            "column 2, load_point_displacement: unit 'Zoll' is not known",
+        ),
     ],
 )
 def test_what_cannot_be_read_says_so_in_one_line(text: str, options: dict[str, str], told: str, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """The quantities of a record: names of their columns, units in SI and in a scene's own units."""
 
+import math
 import re
 from typing import NamedTuple
 from unicodedata import normalize
@@ -119,12 +120,20 @@ def _ending_in_unit(parts: tuple[str, str]) -> Heading | None:
     return Heading(key, unit) if key and unit and _size(unit, key) is not None else None
 
 
-def unit_of(written: str | None, key: str, where: str) -> Unit | None:
-    """The unit that was `written` for a column of MEASURED[key]; None if none was written. Raises SceneError, which begins with
-    `where`, for one that does not fit."""
+def unit_of(written: str | None, key: str, where: str, area: float | None = None) -> Unit | None:
+    """The unit that was `written` for a column of MEASURED[key]; None if none was written. A force is a stress on an `area` (m2).
+    Raises SceneError, which begins with `where`, for one that does not fit."""
     if written is None:
         return None
     found = _size(written, key)
+    if found is None and MEASURED[key].unit == "Pa":
+        try:
+            force = quantity(f"1 {written}", "N").value
+        except ValueError:
+            force = math.nan
+        if force > 0.0 and area is None:
+            raise SceneError(f"{where}: unit {shorten(written)} is a force: --area says on what, as in --area='25 cm2'")
+        found = Unit(force / area) if force > 0.0 and area else None
     if found is None and not MEASURED[key].unit:
         raise SceneError(f"{where}: unit {shorten(written)} does not fit: it is a pure number")
     if found is None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
 from slipwave.files import content_of
+from slipwave.input.quantity import quantity
 from slipwave.input.wording import listed, shorten
 from slipwave.scene import Scene
 from validation.data.quantities import MEASURED, SEAS, Heading, Unit, heading, name_of_quantity, unit_of, unit_sizes
@@ -29,7 +30,9 @@ UNREAD = "not read"
 
 _COMMENTS = ("#", "%")
 _SKIP = ("", "_", "-")
+_SCALE = re.compile(r"([^=]*)=\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)")
 _ONE_RANGE = ("friction", "shear_stress", "load_point_displacement")  # in which no value is far from all others
+_LEAST, _MOST = 1e-4, 1e3  # friction of any interface
 _FAR = 5.0  # times the range of the others
 _BEFORE = 20  # lines, than all of which a last one that does not end is shorter if it is cut off
 
@@ -37,12 +40,14 @@ _BEFORE = 20  # lines, than all of which a last one that does not end is shorter
 @dataclass(frozen=True)
 class Series:
     """A record: columns by the names of MEASURED, arrays of equal length, time rising. `is_own`: in the units of a scene
-    (transits, L, V*, normal stress) instead of SI; None if no column had a unit. `notes`: how the file was read."""
+    (transits, L, V*, normal stress) instead of SI; None if no column had a unit. `notes`: how the file was read; `there`: the
+    columns of the file in words."""
 
     source: str
     columns: Mapping[str, Array]
     is_own: bool | None = False
     notes: Sequence[str] = ()
+    there: str = ""
 
     def __contains__(self, name: str) -> bool:
         return name in self.columns
@@ -53,8 +58,8 @@ class Series:
     def __getitem__(self, name: str) -> Array:
         """A column. Raises SceneError, naming the existing columns, if it is missing."""
         if name not in self.columns:
-            there = f"the columns read are {', '.join(self.columns)}"
-            raise SceneError(f"{self.source!r}: has no column {name}; {there}; --columns names them in order")
+            read = f"the columns read are {', '.join(self.columns)}{self.there and f' of {self.there}'}"
+            raise SceneError(f"{self.source!r}: has no column {name}; {read}; --columns names them in order")
         return self.columns[name]
 
     def of(self, scene: Scene) -> "Series":
@@ -76,7 +81,11 @@ class Series:
         below = self.columns.get("normal_stress", 1.0 if self.is_own else normal_stress)
         if below is None:
             raise SceneError(f"{self.source!r}: shear stress without normal stress gives no friction: name a column of it")
-        return np.asarray(self["shear_stress"] / below)
+        friction = np.asarray(self["shear_stress"] / below)
+        if not _LEAST < (usual := float(np.median(np.abs(friction)))) < _MOST:
+            units = f"--units=shear_stress=MPa, or another, says it; {self.there}" if self.there else "is the unit another?"
+            raise SceneError(f"{self.source!r}: shear over normal stress is {usual:.2g}, which is no friction: {units}")
+        return friction
 
 
 class _Text(NamedTuple):
@@ -89,11 +98,29 @@ class _Text(NamedTuple):
     cells: list[str]
     units: list[str]
 
+    @property
+    def there(self) -> str:
+        """The file's columns in words."""
+        return f"its columns: {', '.join(self.cells)}" if self.cells else f"its {self.width} columns have no names"
 
-def read_series(path: Path | str, columns: str | None = None, units: str | None = None, missing: str | None = None) -> Series:
+    @property
+    def width(self) -> int:
+        """Number of columns."""
+        return len(_cells(self.lines[0], self.between))
+
+
+def read_series(
+    path: Path | str,
+    columns: str | None = None,
+    units: str | None = None,
+    missing: str | None = None,
+    area: str | None = None,
+    scale: str | None = None,
+) -> Series:
     """Read a record. `columns` are the quantities in the order of the file ("time,stress,_", _ for one that is not read), `units`
     those of its columns in this order, or pairs ("s,MPa" or "time=s,stress=MPa"); both override the file. Lines with one of the
-    words or numbers in `missing` ("nan,-999") in a column that is read are left out.
+    words or numbers in `missing` ("nan,-999") in a column that is read are left out. Forces are divided by `area` ("25 cm2").
+    `scale`: what one unit of a column's numbers stands for ("disp=0.02mm"), or, without a unit, a factor of the column.
 
     Raises SceneError: a file that cannot be read or is empty, no heading and no `columns`, no column of time, a cell that is no
     finite number or far from all others (which line), a time that falls (which line), a unit that is not known.
@@ -102,19 +129,53 @@ def read_series(path: Path | str, columns: str | None = None, units: str | None 
     text = _parted(label, _lines_of(Path(path)))
     headings = _headings(label, text, columns)
     chosen = _chosen(label, headings, text)
-    given = _given_units(label, units, [*headings.values()])
-    found = {key: unit_of(given.get(key, headings[index].unit), key, f"{label!r}, column {key}") for key, index in chosen.items()}
+    factors, scaled = _scales(label, scale, chosen, text)
+    given = _given_units(label, units, [*headings.values()]) | scaled
+    on = _area(area)
+    found = {
+        key: unit_of(given.get(key, headings[index].unit), key, f"{label!r}, column {index + 1}, {key}", on)
+        for key, index in chosen.items()
+    }
     text, gaps = _without_missing(text, list(chosen.values()), missing)
     values = _numbers(label, text, list(chosen.values()))
     for (key, index), column in zip(chosen.items(), values.T, strict=True):
         if key in _ONE_RANGE:
             _require_no_mark(f"{label!r}, column {index + 1}", key, column, text.numbers)
     _require_units_of_one_kind(label, found)
-    series = {key: _converted(column, found[key]) for (key, column) in zip(chosen, values.T, strict=True)}
+    pairs = zip(chosen, values.T, strict=True)
+    series = {key: factors.get(key, 1.0) * _converted(column, found[key]) for key, column in pairs}
     series, dropped = _rising(label, series, text.numbers)
     measured = {key: unit for key, unit in found.items() if MEASURED[key].unit}
     is_own = None if not any(measured.values()) else any(unit.is_own for unit in measured.values() if unit)
-    return Series(label, series, is_own, [*_notes_on(headings, chosen, measured, text), *gaps, *dropped])
+    notes = [*_notes_on(headings, chosen, measured, text), *gaps, *dropped]
+    return Series(label, series, is_own, notes, text.there)
+
+
+def _scales(label: str, scale: str | None, chosen: Mapping[str, int], text: "_Text") -> tuple[dict[str, float], dict[str, str]]:
+    """The factors of --scale and the units behind them, by quantity."""
+    factors, units = dict[str, float](), dict[str, str]()
+    for part in scale.split(",") if scale else ():
+        found = _SCALE.fullmatch(part)
+        if found is None or not math.isfinite(factor := float(found[2])) or factor == 0.0:
+            raise SceneError(f"--scale = {shorten(part)}: must be COLUMN=FACTOR or COLUMN=FACTOR and a unit, as in disp=0.02mm")
+        key = name_of_quantity(found[1], "--scale")
+        if key not in chosen:
+            raise SceneError(f"--scale = {shorten(part)}: {label!r} has no column {key}; {text.there}")
+        factors[key] = factor
+        if found[3].strip():
+            units[key] = found[3].strip()
+    return factors, units
+
+
+def _area(text: str | None) -> float | None:
+    """An area in m2."""
+    try:
+        found = math.nan if text is None else quantity(text, "m2").value
+    except ValueError as error:
+        raise SceneError(f"--area = {shorten(text)}: {error}") from None
+    if found <= 0.0:
+        raise SceneError(f"--area = {shorten(text)}: must be above 0")
+    return None if text is None else found
 
 
 def _lines_of(path: Path) -> list[str]:
@@ -187,24 +248,30 @@ def _words(line: str, between: str | None, width: int) -> list[str]:
 
 
 def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading]:
-    """Index of a column -> its heading, from `columns` or from the file."""
-    names = text.cells if columns is None else [word.strip() for word in columns.split(",")]
-    width = len(_cells(text.lines[0], text.between))
-    if not names:
-        raise SceneError(f"{label!r}: has no heading: name its {width} columns by --columns, as in time,friction,_ (_: not read)")
-    if columns is not None and len(names) > width:
-        raise SceneError(f"--columns = {shorten(columns)}: names {len(names)} columns; {label!r} has {width}")
-    if columns is not None:
-        for word in names:
-            if word not in _SKIP:
-                name_of_quantity(word, "--columns")
-    found = {index: heading(name) for index, name in enumerate(names)}
-    below = dict(enumerate(text.units)) if columns is None else {}
+    """Index of a column -> its heading, from the file or, in the order of `columns`, with its unit in the file."""
+    if not text.cells and columns is None:
+        form = "--columns, as in time,friction,_ (_: not read)"
+        raise SceneError(f"{label!r}: has no heading: name its {text.width} columns by {form}")
+    found = {index: heading(name) for index, name in enumerate(text.cells)}
+    below = dict(enumerate(text.units))
     found = {index: Heading(one.quantity, below.get(index, one.unit) or one.unit) for index, one in found.items()}
-    plain = {re.sub("_2$", "", name.strip().lower()): index for index, name in enumerate(names)}
+    plain = {re.sub("_2$", "", name.strip().lower()): index for index, name in enumerate(text.cells)}
     if SEAS.keys() <= plain.keys() and not any(one.unit for one in found.values()):
         found |= {plain[name]: Heading(found[plain[name]].quantity, unit) for name, unit in SEAS.items()}
-    return found
+    if columns is None:
+        return found
+    words = [word.strip() for word in columns.split(",")]
+    if len(words) > text.width:
+        raise SceneError(f"--columns = {shorten(columns)}: names {len(words)} columns; {label!r} has {text.width}; {text.there}")
+    if len(text.cells) != text.width:
+        found = {}  # which of these a unit belongs to is not known
+    named = {index: heading(word) for index, word in enumerate(words)}
+    for index, word in enumerate(words):
+        if word not in _SKIP:
+            name_of_quantity(word, "--columns")
+            if named[index].unit is None and index in found:
+                named[index] = named[index]._replace(unit=found[index].unit)
+    return named
 
 
 def _chosen(label: str, headings: Mapping[int, Heading], text: _Text) -> dict[str, int]:
@@ -212,15 +279,12 @@ def _chosen(label: str, headings: Mapping[int, Heading], text: _Text) -> dict[st
     found: dict[str, int] = {}
     for index, one in headings.items():
         if one.quantity in found:
-            both = f"columns {found[one.quantity] + 1} and {index + 1}"
-            raise SceneError(f"{label!r}: {both} are both {one.quantity}: --columns says which is which (_: not read)")
+            both = f"columns {found[one.quantity] + 1} and {index + 1} are both {one.quantity}"
+            raise SceneError(f"{label!r}: {both}; {text.there}; --columns says which is which (_: not read)")
         if one.quantity:
             found[one.quantity] = index
     if "time" not in found:
-        there = ", ".join(text.cells) or "none named"
-        raise SceneError(
-            f"{label!r}: has no column time; its columns: {there}; --columns names them in order, as in time,friction,_"
-        )
+        raise SceneError(f"{label!r}: has no column time; {text.there}; --columns names them in order, as in time,friction,_")
     return found
 
 

@@ -229,10 +229,17 @@ class RecordOptions(SceneOptions):
     units: str | None = option("the units of these columns, in order or by name", metavar="s,um,1|time=ms", stored=True)
     missing: str | None = option("what stands for a missing value: lines with it are left out", metavar="nan,-999", stored=True)
 
+    area: str | None = option("the area on which a column of forces acts", metavar='"25 cm2"', stored=True)
+    scale: str | None = option(
+        "what one unit of a column's numbers stands for, or a factor of the column",
+        metavar="disp=0.02mm,friction=1.1",
+        stored=True,
+    )
+
     @property
     def reading(self) -> dict[str, str | None]:
         """The options for `validation.data.series.read_series`."""
-        return {"columns": self.columns, "units": self.units, "missing": self.missing}
+        return {name: getattr(self, name) for name in ("columns", "units", "missing", "area", "scale")}
 
 
 def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
