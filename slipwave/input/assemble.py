@@ -4,6 +4,7 @@ Values that were given with a unit are converted to the units of the scene (`in_
 """
 
 import math
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -25,6 +26,7 @@ from slipwave.scene.slab import (
     Face,
     KelvinVoigtViscosity,
     Layer,
+    MachineFace,
     Material,
     Slab,
     StandardLinearViscosity,
@@ -129,7 +131,7 @@ def assemble_scene(data: dict[str, Any], tables: keys.SceneTable, name: str) -> 
     run, start, interface = tables.run, tables.start, dict(tables.interface)
     units = _units({key: interface[key] for key in keys.UNIT_KEYS if interface[key] is not None})
     law = LAWS[tables.interface.law].parameters
-    upper, lower = _slabs(tables, units)
+    upper, lower = _in_machine(tables, _slabs(tables, units), units)
     filled = {
         key: {name: value for name, value in table if value is not None} | data.get(key, {})
         for key, table in (("start", start), ("run", run))
@@ -169,6 +171,27 @@ def _slabs(tables: keys.SceneTable, units: Units | None) -> tuple[Slab, Slab]:
             absent = "lower" if present == "upper" else "upper"
             raise SceneError(f"{absent}: missing; [{present}] needs [{absent}] too (or use [slab] for both)")
     raise SceneError("slab: missing; must be [slab] (both alike) or both [upper] and [lower]")
+
+
+def _in_machine(tables: keys.SceneTable, slabs: tuple[Slab, Slab], units: Units | None) -> tuple[Slab, Slab]:
+    """The slabs behind springs alike, with which they are as stiff in series as [machine] says."""
+    if tables.machine is None:
+        return slabs
+    for key in ("slab", "upper", "lower"):
+        if (table := getattr(tables, key)) is not None and "face" in table.model_fields_set:
+            raise SceneError(f"{key}.face: must not be given together with machine.k, which is that of the whole sample")
+    given = tables.machine.k
+    text, value = (f'"{given.text}"', given.value) if isinstance(given, Quantity) else (f"{given:g}", given)
+    if isinstance(given, Quantity):
+        require_units("machine.k", text, units, "a number in 1/L")
+    length = units.memory_length if units else 1.0
+    own = sum(slab.compliance for slab in slabs)
+    left = 1.0 / (value * length) - own
+    if left <= 1.0 / (_LARGEST_RATIO * value * length):
+        unit = "1/m" if units else "1/L"
+        raise SceneError(f"machine.k = {text}: must be below {1.0 / (own * length):.6g} {unit}, the stiffness of the slabs alone")
+    upper, lower = (replace(one, face=MachineFace(2.0 / left * one.round_trip / one.epsilon, 0.0, 0.0)) for one in slabs)
+    return upper, lower
 
 
 def _slab(key: str, table: keys.SlabTable, units: Units | None) -> Slab:

@@ -22,6 +22,7 @@ KINDS = {
     "kg": ("mass", "2 kg"),
     "kg/m2": ("mass per area", "400 kg/m2"),
     "kg/m3": ("density", "2.7 g/cm3"),
+    "1/m": ("stiffness over normal stress", "2e-3 /um"),
     "N/m": ("stiffness", "100 kN/mm"),
     "N s/m": ("damping", "1 kN s/m"),
     "Pa/m": ("stiffness per area", "1 GPa/m"),
@@ -34,7 +35,7 @@ _USUAL = tuple(
 )
 _POWER = r"[^\W\d_]{1,20}(?:[²³]|(?:\^|\*\*)?-?[1-9])?"
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?"
-_TEXT = re.compile(rf"\s*({_NUMBER})\s*({_POWER}(?:\s*[ */·]\s*{_POWER}){{0,5}})\s*")
+_TEXT = re.compile(rf"\s*({_NUMBER})\s*((?:(?<!\d)1?\s*/\s*)?{_POWER}(?:\s*[ */·]\s*{_POWER}){{0,5}})\s*")
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,7 @@ def _converted(number: str, written: str, unit: str) -> float | None:
 
     registry = _registry()
     try:
-        given = registry.Quantity(Decimal(number), registry.parse_units(written))
+        given = registry.Quantity(Decimal(number), registry.parse_units(re.sub(r"^\s*/", "1/", written)))
         return float(given.to(registry.parse_units(unit)).magnitude)
     except (PintError, ArithmeticError, ValueError):  # pint's offset units and Decimal have errors of their own
         return None

@@ -264,6 +264,15 @@ class _Ramps(Numbers):
         return {"anyOf": [VELOCITY.json_schema(), {"type": "array", "items": pair, "minItems": 1, "maxItems": MAX_RAMPS}]}
 
 
+class MachineOfSampleTable(KeyTable):
+    """Springs alike on both outer faces."""
+
+    k: Annotated[Measured, Numbers(1e-12, 1e12, ("1/m",))] = Field(
+        title="stiffness of the whole sample over normal stress k",
+        description="stiffness of the slabs and equal springs on their faces over the normal stress, in 1/L or SI; instead of face",
+    )
+
+
 class DriveTable(KeyTable):
     """The relative velocity of the outer faces, constant outside the ramps."""
 
@@ -305,6 +314,7 @@ class SceneTable(KeyTable):
     slab: SlabTable | None = None
     upper: SlabTable | None = _optional("instead of slab, where the slabs differ: the same keys")
     lower: SlabTable | None = _optional("instead of slab, where the slabs differ: the same keys")
+    machine: MachineOfSampleTable | None = None
     drive: DriveTable
     start: StartTable = StartTable()
     run: RunTable = RunTable()

@@ -32,6 +32,35 @@ def test_the_paper_scene_is_the_papers():
     assert paper.steady_stress == pytest.approx(0.369 + (0.0349 - 0.0489) * math.log(100.0), rel=1e-14)
 
 
+def test_a_sample_is_as_stiff_over_its_normal_stress_as_its_machine_says():
+    """Slabs behind springs, as of the laboratory's k' in 1/um;"""
+    units = {"normal_stress": "5 MPa", "memory_length": "10 um", "reference_velocity": "1 um/s"}
+    hard, soft = ({"density": 2700, "shear_modulus": f"{modulus} GPa", "thickness": "1 cm"} for modulus in (30, 10))
+    data = {
+        "interface": INTERFACE | units,
+        "upper": hard,
+        "lower": soft,
+        "drive": {"velocity": 1.0},
+        "machine": {"k": "2e-3 /um"},
+    }
+    scene = slipwave.read(data)
+    assert scene.stiffness / scene.transit / 10.0 == pytest.approx(2e-3, rel=1e-13)
+    springs = [slab.termination.spring for slab in scene.slabs]
+    assert springs[0] == pytest.approx(springs[1], rel=1e-13)
+    assert springs[0] * 5e6 / 10e-6 == pytest.approx(2.0 / (1.0 / 1e10 - 0.01 / 30e9 - 0.01 / 10e9), rel=1e-12)
+    for same in (2e3, "2000 1/m", "0.002 um^-1", "2 / mm"):
+        assert slipwave.read(data, {"machine.k": same}).digest == scene.digest
+    own = slipwave.read(PLAIN | {"machine": {"k": 1e-3}})
+    assert own.stiffness / own.transit == pytest.approx(1e-3, rel=1e-13)
+    for wrong, line in (
+        ({"machine.k": "0.16 /um"}, r'machine.k = "0.16 /um": must be below 150000 1/m, the stiffness of the slabs alone'),
+        ({"machine.k": "5 MPa"}, "must have a unit of stiffness over normal stress"),
+        ({"upper.face": {"kind": "rigid"}}, "upper.face: must not be given together with machine.k"),
+    ):
+        with pytest.raises(SceneError, match=line):
+            slipwave.read(data, wrong)
+
+
 def test_si_gives_the_same_numbers():
     paper, si = slipwave.read("paper"), slipwave.read("paper-si")
     assert si.upper.epsilon == pytest.approx(paper.upper.epsilon, rel=1e-12)

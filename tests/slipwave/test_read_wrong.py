@@ -31,6 +31,7 @@ SI = {
     | {"face": {"kind": "machine", "stiffness": 1e9, "impedance": 1e5, "mass": 9.0}},
     "drive": {"velocity": 100.0},
 }
+HELD = {"interface": FULL["interface"], "slab": {"epsilon": 1e-5, "r": 0.002}, "machine": {"k": 1e-3}, "drive": {"velocity": 1.0}}
 NUMBERS = [
     *((FULL, key) for key in ("interface.a_star", "interface.a", "interface.b", "upper.epsilon", "upper.r", "lower.log10_r")),
     *((FULL, key) for key in ("upper.face.stiffness", "upper.face.impedance", "lower.face.coefficient")),
@@ -39,6 +40,7 @@ NUMBERS = [
     *((SI, f"interface.{key}") for key in ("normal_stress", "memory_length", "reference_velocity")),
     *((SI, key) for key in ("slab.density", "slab.shear_modulus", "slab.thickness", "slab.viscosity.time")),
     *((SI, f"slab.face.{key}") for key in ("stiffness", "impedance", "mass")),
+    (HELD, "machine.k"),
 ]
 WORDS = ["interface.law", "upper.face.kind", "upper.viscosity.kind", "start.kind"]
 TABLES = ["interface", "upper", "lower", "upper.face", "upper.viscosity", "upper.layers", "drive", "start", "run"]

@@ -168,6 +168,16 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
         assert row["high"] - row["low"] < 0.03 * value, key
     assert found.summary["data"][0]["period"]["fitted"] == pytest.approx(35.7603, rel=1e-4)
     assert found.plot().axes[0].get_lines()[0].get_xdata()[[0, -1]] == pytest.approx([0.03, 0.97], abs=1e-3)
+    stiff = 1e-6 / (2.0 * (0.05 / 30e9 + 1.0 / 2e9) * 5e6)  # of slabs and springs in series, 1/um
+    bare = {name: value for name, value in STICKING["slab"].items() if name != "face"}
+    sample = STICKING | {"slab": bare, "machine": {"k": f"{1.4 * stiff} /um"}}
+    seen = sw.fit(sample, data=[str(path)], free=[*KEYS, "k"], settings=start[:2])
+    row = seen.summary["parameters"]["machine.k"]
+    assert (row["unit"], row["low"] < 1e6 * stiff < row["high"]) == ("1/m", True)
+    assert seen.summary["residual"]["rms"] == pytest.approx(found.summary["residual"]["rms"], rel=1e-6)
+    assert f"over the normal stress {1e-6 * row['value']:.6g} /um" in str(
+        *[line for line in seen.lines(seen.summary) if "/um" in line]
+    )
     with pytest.raises(SceneError, match=r"period is 1\.19e\+06 transits: a fit with every wave takes 10000"):
         sw.fit(STICKING, "delay", data=[str(path)], free=KEYS)
     np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")

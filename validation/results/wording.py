@@ -196,5 +196,6 @@ def _units(scene: Scene, units: Units) -> list[str]:
     return [
         f"units: L = {units.memory_length:g} m, V* = {units.reference_velocity:g} m/s, sigma = {units.normal_stress:g} Pa",
         f"one transit = {rounded(scene.transit * units.time, 6)} s; V = {rounded(velocity, 6)} m/s; "
-        f"stiffness of slabs and faces in series {rounded(stiffness, 6)} Pa/m",
+        f"stiffness of slabs and faces in series {rounded(stiffness, 6)} Pa/m, "
+        f"over the normal stress {rounded(1e-6 * stiffness / units.normal_stress, 6)} /um",
     ]
