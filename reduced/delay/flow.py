@@ -16,7 +16,7 @@ from reduced.delay.march import dense_resolution
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.transmission_lines import COINCIDENT, NODES, lines_of, network_of, shifted_rows
 from slipwave.errors import NumericsError
-from slipwave.friction import own_unknowns, smooth, unknown_of
+from slipwave.friction import resampled, smooth, unknown_of
 from slipwave.friction.law import friction_slopes
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
@@ -161,15 +161,15 @@ class DelayFlow:
         total = 0.0
         for part, length in ((slice(0, steps - 1), 1.0), (slice(steps - 1, steps), fraction)):
             rows = interpolation_matrix(self._basis, 0.5 * length * (points + 1.0))
-            nodal, psi = smooth(self.scene.law, cycle.pieces.z[part], cycle.pieces.psi[part]), cycle.pieces.psi[part] @ rows.T
-            z = own_unknowns(self.scene.law, nodal._replace(z=nodal.z @ rows.T))
-            total += 0.5 * length * float(logs_of_return(self.scene.law, 0.5 * self.scene.upper.epsilon, z, psi) @ weights)
+            law, psi = self.scene.law, cycle.pieces.psi[part]
+            z = resampled(law, cycle.pieces.z[part], psi, lambda nodal: nodal @ rows.T)  # noqa: B023 (called at once)
+            total += 0.5 * length * float(logs_of_return(law, 0.5 * self.scene.upper.epsilon, z, psi @ rows.T) @ weights)
         return math.exp(self.length * total)
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """As `Flow`."""
         tail, psi = self._rule.tail, cycle.pieces.psi
-        largest = max(float(np.abs(values @ tail).max()) for values in (smooth(self.scene.law, cycle.pieces.z, psi).z, psi))
+        largest = max(float(np.abs(values @ tail).max()) for values in (smooth(self.scene.law, cycle.pieces.z, psi), psi))
         return largest / dense_resolution(tolerance, NODES)
 
     def remeshed(self, cycle: Cycle, finer: float) -> "tuple[DelayFlow, Array]":

@@ -3,7 +3,7 @@
 import numpy as np
 
 from reduced.orbit.closing import Closed
-from slipwave.friction import Law, allows_rest, own_unknowns, rate_of, smooth
+from slipwave.friction import Law, allows_rest, rate_of, resampled
 from slipwave.observe.extrema import extrema
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import Array, lagrange_basis
@@ -28,8 +28,7 @@ def cycle_figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:
     basis, pieces = lagrange_basis(nodes), cycle.pieces
     (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (extrema(basis, rows) for rows in (pieces.mu, pieces.y, pieces.z))
     if allows_rest(law):
-        nodal = smooth(law, pieces.z, pieces.psi)
-        each = own_unknowns(law, nodal._replace(z=np.array([extrema(basis, row[None]) for row in nodal.z])))
+        each = resampled(law, pieces.z, pieces.psi, lambda z: np.array([extrema(basis, row[None]) for row in z]))
         z_max, z_min = float(each[:, 0].max()), float(each[:, 1].min())
     values = cycle.period, mu_max - mu_min, y_max - y_min, rate_of(law, z_max), rate_of(law, z_min)
     return dict(zip(_NAMES, values, strict=True))

@@ -34,6 +34,9 @@ Law: TypeAlias = Any
 Response: TypeAlias = tuple[float, float, float, float, float, float, float, float]
 """(v, v_z, F, F_z, F_psi, G, G_z, G_psi)."""
 
+Sample: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Values at points of pieces, (m, p), from those at their nodes, (m, n)."""
+
 
 class Registered(NamedTuple):
     """A registered law: the class of its parameters and its functions in plain Python."""
@@ -120,32 +123,29 @@ def _of_step(law: Law, psi: float) -> OfStep:
     return OfStep(law, max(0.5 * rate / _FAR, _LEAST))
 
 
-class Smooth(NamedTuple):
-    """Rate unknowns `z` (m, n) of m pieces of a motion, as smooth as the stress also where v changes its sign; `floor` (m, 1) is
-    that of `OfStep`, NaN for a law that needs v > 0."""
-
-    z: NDArray[np.float64]
-    floor: NDArray[np.float64]
+def smooth(law: Law, z: NDArray[np.float64], psi: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Rate unknowns as smooth as the stress, also where v changes its sign, from the law's own `z` and psi (m, n) at the nodes of
+    m pieces."""
+    return np.arcsinh(rates(law, z) / _double_floors(law, psi)) if allows_rest(law) else z
 
 
-def smooth(law: Law, z: NDArray[np.float64], psi: NDArray[np.float64]) -> Smooth:
-    """`Smooth` of the law's own `z` and psi (m, n) at the nodes of m pieces."""
+def resampled(law: Law, z: NDArray[np.float64], psi: NDArray[np.float64], sample: Sample) -> NDArray[np.float64]:
+    """The law's own rate unknowns at other points of m pieces, (m, p), by `sample` of `smooth`."""
     if not allows_rest(law):
-        return Smooth(z, np.full((len(z), 1), np.nan))
-    floor = np.empty((len(z), 1))
-    _fill_floors(law, psi, floor)
-    return Smooth(np.arcsinh(rates(law, z) / (2.0 * floor)), floor)
+        return sample(z)
+    return unknowns(law, _double_floors(law, psi) * np.sinh(sample(smooth(law, z, psi))))
+
+
+def _double_floors(law: Law, psi: NDArray[np.float64]) -> NDArray[np.float64]:
+    floors = np.empty((len(psi), 1))
+    _fill_floors(law, psi, floors)
+    return 2.0 * floors
 
 
 @njit
-def _fill_floors(law: Law, psi: NDArray[np.float64], floor: NDArray[np.float64]) -> None:
-    for i in range(floor.size):
-        floor[i, 0] = law_of_step(law, psi[i, 0]).floor
-
-
-def own_unknowns(law: Law, found: Smooth) -> NDArray[np.float64]:
-    """The law's own rate unknowns."""
-    return unknowns(law, 2.0 * found.floor * np.sinh(found.z)) if allows_rest(law) else found.z
+def _fill_floors(law: Law, psi: NDArray[np.float64], floors: NDArray[np.float64]) -> None:
+    for i in range(floors.size):
+        floors[i, 0] = law_of_step(law, psi[i, 0]).floor
 
 
 def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -222,6 +222,7 @@ def friction_slopes(law: Law, velocity: float) -> FrictionSlopes:
     return FrictionSlopes(f_z / v_z, -g_psi, (f_z - f_psi * g_z / g_psi) / v_z)
 
 
+@respond.register(OfStep)
 def _respond_of_step(law: OfStep, z: float, psi: float) -> Response:
     v, v_z = 2.0 * law.floor * math.sinh(z), 2.0 * law.floor * math.cosh(z)
     _, own, friction, by_z, by_psi, growth, growth_z, growth_psi = respond(law.law, unknown_of(law.law, v), psi)
@@ -229,24 +230,22 @@ def _respond_of_step(law: OfStep, z: float, psi: float) -> Response:
     return v, v_z, friction, by_z * scale, by_psi, growth, growth_z * scale, growth_psi
 
 
+@to_step.register(OfStep)
 def _to_step(law: OfStep, own: Law, z: NDArray[np.float64]) -> None:
     for i in range(z.size):
         z[i] = math.asinh(rate_of(own, z[i]) / (2.0 * law.floor))
 
 
+@to_own.register(OfStep)
 def _to_own(law: OfStep, z: NDArray[np.float64]) -> None:
     for i in range(z.size):
         z[i] = unknown_of(law.law, 2.0 * law.floor * math.sinh(z[i]))
 
 
+@with_bend.register(OfStep)
 def _with_bend(law: OfStep, share: float, v_z: float) -> float:
     return share + 8.0 * (law.floor / v_z) ** 2
 
-
-respond.register(OfStep)(_respond_of_step)
-to_step.register(OfStep)(_to_step)
-to_own.register(OfStep)(_to_own)
-with_bend.register(OfStep)(_with_bend)
 
 _GENERIC: tuple[ByClass[..., Any], ...] = (respond, steady_state, rate_of, unknown_of)
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from slipwave.friction import Law, Smooth, own_unknowns, rates, smooth
+from slipwave.friction import Law, rates, resampled
 from slipwave.observe.pieces import SAME, Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 
 
@@ -42,8 +42,7 @@ class HistoryObserver:
         rows = interpolation_matrix(self._basis, points)
         time = pieces.time[:, None] + pieces.length[:, None] * points
         inside = (time >= self._start) & (time <= self._end)
-        nodal = smooth(self._law, pieces.z, pieces.psi)
-        z = own_unknowns(self._law, nodal._replace(z=nodal.z @ rows.T))
+        z = resampled(self._law, pieces.z, pieces.psi, lambda nodal: nodal @ rows.T)
         return np.stack([values[inside] for values in (time, z, *(values @ rows.T for values in pieces[3:]))])
 
     def at(self, times: Array) -> Array:
@@ -87,6 +86,5 @@ def values_at(pieces: Pieces, basis: Basis, times: Array, law: Law = None) -> li
     points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])
     rows = interpolation_matrix(basis, points)
     z, *others = (values[which] for values in pieces[2:])
-    nodal = smooth(law, z, others[0])
-    z, *others = (np.add.reduce(rows * values, axis=1) for values in (nodal.z, *others))
-    return [own_unknowns(law, Smooth(z, nodal.floor[:, 0])), *others]
+    z = resampled(law, z, others[0], lambda nodal: np.add.reduce(rows * nodal, axis=1, keepdims=True))
+    return [z[:, 0], *(np.add.reduce(rows * values, axis=1) for values in others)]

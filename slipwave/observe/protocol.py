@@ -2,11 +2,12 @@
 
 import math
 from bisect import bisect_right
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.friction import own_unknowns, rates, respond, smooth, steady_state, unknown_of
+from slipwave.friction import rates, resampled, respond, steady_state, unknown_of
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, stage_figures, stages_of
 from slipwave.scene import Scene
@@ -85,8 +86,7 @@ class ProtocolObserver:
         gained = self._scene.transit * pieces.length[:, None] * _at(sums, rates(law, pieces.z))
         begun = np.cumsum(np.append(slip, gained[:, -1])) if np.ndim(slip) == 0 else np.asarray(slip)
         time = pieces.time[:, None] + pieces.length[:, None] * points
-        nodal = smooth(law, pieces.z, pieces.psi)
-        rate = rates(law, own_unknowns(law, nodal._replace(z=_at(rows, nodal.z))))
+        rate = rates(law, resampled(law, pieces.z, pieces.psi, partial(_at, rows)))
         return np.stack([time, _at(rows, pieces.mu), rate, gained[:, :-1] + begun[: len(gained), None]]), begun
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:

@@ -132,7 +132,7 @@ class PortFlow:
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """As `Flow`."""
         psi = cycle.pieces.psi
-        z = smooth(self.scene.law, cycle.pieces.z, psi).z
+        z = smooth(self.scene.law, cycle.pieces.z, psi)
         largest = max(float(np.abs(values @ self._rule.tail).max()) for values in (z, psi))
         return largest / resolution_of(tolerance, self.nodes.size)
 
