@@ -29,14 +29,6 @@ def _round_trip(scene: Scene, value: float) -> Scene:
     return scaled(scene, round_trip=value / scene.upper.round_trip)
 
 
-def _epsilon(scene: Scene, value: float) -> Scene:
-    return scaled(scene, epsilon=value / scene.upper.epsilon)
-
-
-def _velocity(scene: Scene, value: float) -> Scene:
-    return scaled(scene, velocity=value)
-
-
 def _law(name: str) -> Callable[[Scene, float], Scene]:
     return lambda scene, value: dataclasses.replace(scene, law=scene.law._replace(**{name: value}))
 
@@ -63,8 +55,8 @@ def _logarithmic(setter: Callable[[Scene, float], Scene]) -> Callable[[Scene, fl
 
 _POSITIVE: dict[str, Callable[[Scene, float], Scene]] = {
     "r": _round_trip,
-    "epsilon": _epsilon,
-    "V": _velocity,
+    "epsilon": lambda scene, value: scaled(scene, epsilon=value / scene.upper.epsilon),
+    "V": lambda scene, value: scaled(scene, velocity=value),
     "grip_impedance": _face("impedance"),
     "grip_stiffness": _face("stiffness"),
     "machine_mass": _face("mass"),

@@ -68,7 +68,11 @@ def follow_branch(
             if refinements == MOST_REFINEMENTS:
                 raise too_rough(new, tolerance)
             family, finer = on_finer_mesh(family, point, metric, tolerance)
-            _require_same_count(point, finer)
+            if finer.unstable != point.unstable:
+                raise NumericsError(
+                    f"the number of unstable multipliers at parameter = {point.parameter:.10g} depends on the mesh: "
+                    f"{point.unstable} and {finer.unstable}"
+                )
             point = finer
             size, refinements = used if refinements == 0 else 0.5 * used, refinements + 1
             continue
@@ -78,14 +82,6 @@ def follow_branch(
         size = min(control.longest, used * (_GROWTH if easy else 1.0))
         yield Step(new, special, size)
         point, trend = new, trend_of(point, new, used)
-
-
-def _require_same_count(point: OrbitPoint, finer: OrbitPoint) -> None:
-    if finer.unstable != point.unstable:
-        raise NumericsError(
-            f"the number of unstable multipliers at parameter = {point.parameter:.10g} depends on the mesh: {point.unstable} and "
-            f"{finer.unstable}"
-        )
 
 
 def _longest_step(

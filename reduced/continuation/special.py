@@ -121,19 +121,15 @@ def _turns(left: OrbitPoint, right: OrbitPoint) -> bool:
     return bool(left.tangent[-1] * right.tangent[-1] < 0.0)
 
 
-def _doubles(left: OrbitPoint, right: OrbitPoint) -> bool:
-    return bool((_real(left) < -1.0).sum() != (_real(right) < -1.0).sum())
-
-
-def _winds(left: OrbitPoint, right: OrbitPoint) -> bool:
-    return _pairs_outside(left) != _pairs_outside(right)
-
-
 def _pairs_outside(point: OrbitPoint) -> int:
     return int((np.abs(_above(point.multipliers)) > 1.0).sum())
 
 
-_TESTS: dict[str, Callable[[OrbitPoint, OrbitPoint], bool]] = {"LP": _turns, "PD": _doubles, "NS": _winds}
+_TESTS: dict[str, Callable[[OrbitPoint, OrbitPoint], bool]] = {
+    "LP": _turns,
+    "PD": lambda left, right: bool((_real(left) < -1.0).sum() != (_real(right) < -1.0).sum()),
+    "NS": lambda left, right: _pairs_outside(left) != _pairs_outside(right),
+}
 _CHANGES = {"LP": 1, "PD": 1, "NS": 2}  # of the number of unstable multipliers
 
 

@@ -19,12 +19,6 @@ _AT_REST = 1e-6
 _ROUNDS = 12
 
 
-def split_poles(poles: Complex) -> tuple[Complex, Real]:
-    """(one of each conjugate pair, real poles)."""
-    real = np.abs(poles.imag) <= _REAL_POLE * np.abs(poles)
-    return poles[(poles.imag > 0.0) & ~real], poles[real].real
-
-
 def partial_fractions(s: Complex, pairs: Complex, reals: Real) -> Complex:
     """Columns 1/(s - a) for real poles, then (s, 1)/(s^2 + 2 g s + w^2) for every pair: real coefficients span all residues."""
     bottom = s[:, None] ** 2 - 2.0 * pairs.real * s[:, None] + np.abs(pairs) ** 2
@@ -36,14 +30,17 @@ def _stack(rows: NDArray[Any]) -> Real:
 
 
 def relocate(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real) -> tuple[Complex, Real]:
-    """One step of vector fitting: the poles become the zeros of the fitted sigma(s) = 1 + sum c~_k/(s - a_k)."""
+    """One step of vector fitting: the poles become the zeros of the fitted sigma(s) = 1 + sum c~_k/(s - a_k).
+    Returns one of each conjugate pair, and the real poles."""
     basis = partial_fractions(s, pairs, reals)
     rows = np.column_stack([basis, np.ones_like(s), s, -values[:, None] * basis]) * weight[:, None]
     matrix = _stack(rows)
     scale = np.linalg.norm(matrix, axis=0)
     coefficients = np.linalg.lstsq(matrix / scale, _stack(np.asarray(values * weight)), rcond=None)[0] / scale
     new = np.linalg.eigvals(_companion(pairs, reals, coefficients[basis.shape[1] + 2 :]))
-    return split_poles(-np.abs(new.real) + 1j * new.imag)
+    poles = -np.abs(new.real) + 1j * new.imag
+    real = np.abs(poles.imag) <= _REAL_POLE * np.abs(poles)
+    return poles[(poles.imag > 0.0) & ~real], poles[real].real
 
 
 def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:

@@ -115,7 +115,11 @@ def _cycles(
             break
         follow(solver, min(most, solver.time + _STRETCH), observers, progress)
         events = observer.events(0.5 * solver.time)
-        _require_motion(solver, events)
+        if events.time.size >= 2 and events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
+            raise NumericsError(
+                f"{solver.model}: the run returns to steady sliding, which is stable against small disturbances here; begin with "
+                f"a larger one (start.size), or follow the orbits from where stability is lost (scene {solver.scene.name!r})"
+            )
     return events
 
 
@@ -179,11 +183,3 @@ def _require_orbit(solver: Solver, events: Events, most: float) -> None:
         f"{solver.model}: a run of {most:.0f} transits {made}: no orbit near it; begin with a larger disturbance (start.size), "
         f"or follow the orbits from where steady sliding loses stability (scene {solver.scene.name!r})"
     )
-
-
-def _require_motion(solver: Solver, events: Events) -> None:
-    if events.time.size >= 2 and events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
-        raise NumericsError(
-            f"{solver.model}: the run returns to steady sliding, which is stable against small disturbances here; begin with a "
-            f"larger one (start.size), or follow the orbits from where stability is lost (scene {solver.scene.name!r})"
-        )

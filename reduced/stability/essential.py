@@ -79,7 +79,9 @@ def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
         p, q = one / slab.epsilon, one * held.dashpot / slab.epsilon
     for layer, echo in zip(reversed(slab.layers), reversed(echoes), strict=True):
         admittance = 1.0 / (slab.epsilon * layer.impedance)
-        echo = echo * _attenuation(slab, layer.fraction)
+        if isinstance(slab.viscosity, StandardLinearViscosity):  # attenuates a fast wave to the far side of a layer and back
+            loss = slab.viscosity.ratio / (1.0 + slab.viscosity.ratio)
+            echo = echo * math.exp(-0.5 * slab.round_trip * layer.fraction * loss / slab.viscosity.time)
         p, q = p * (1.0 + echo) + admittance * q * (1.0 - echo), q * (1.0 + echo) + p * (1.0 - echo) / admittance
     return p, q
 
@@ -94,14 +96,6 @@ def _idle(slabs: tuple[Slab, ...], echoes: list[Echo]) -> NDArray[np.bool_]:
         p, q = _fast_ratio(slab, own)
         small.append(np.abs(q) < 1e-7 * np.abs(p) * slab.epsilon)
     return np.logical_and(*small)
-
-
-def _attenuation(slab: Slab, fraction: float) -> float:
-    """Factor by which a standard linear solid attenuates a fast wave on its way to the far side of a layer and back."""
-    if isinstance(slab.viscosity, StandardLinearViscosity):
-        loss = slab.viscosity.ratio / (1.0 + slab.viscosity.ratio)
-        return math.exp(-0.5 * slab.round_trip * fraction * loss / slab.viscosity.time)
-    return 1.0
 
 
 def _common_grid(times: list[float]) -> tuple[float, list[int]] | None:

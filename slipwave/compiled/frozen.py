@@ -8,7 +8,7 @@ import inspect
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from types import BuiltinFunctionType, FunctionType, ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,16 +78,14 @@ class _Walk:
             self.files.add(path)
         elif function not in self._met:
             self._met.add(function)
-            yield from self._code(function.__code__)
+            code = function.__code__
+            yield f"{code.co_name} {code.co_code.hex()} {code.co_names} {code.co_varnames} {code.co_freevars}"
+            yield from self.value(code.co_consts)
             yield from self.value((function.__defaults__, *sorted((function.__kwdefaults__ or {}).items())))
             found = inspect.getclosurevars(function)
             for name, value in sorted({**found.globals, **found.nonlocals}.items()):
                 yield name
                 yield from self.value(value)
-
-    def _code(self, code: CodeType) -> Iterator[str]:
-        yield f"{code.co_name} {code.co_code.hex()} {code.co_names} {code.co_varnames} {code.co_freevars}"
-        yield from self.value(code.co_consts)
 
     def _named_tuple(self, kind: type) -> Iterator[str]:
         home = sys.modules.get(kind.__module__)

@@ -73,19 +73,15 @@ class EventObserver:
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        self._extend_buffer(pieces.time.size)
+        used, kept, more = int(self._found.rise[KEPT]), self._found.kept, pieces.time.size
+        if used + more > len(kept) and len(kept) < MOST_KEPT:  # a rise may last through all of the pieces
+            self._found = self._found._replace(kept=rise_buffer(self._found.basis.nodes.size, kept[:used], more))
         self._judged.clear()
         done = scan(pieces, 0, self._found)
         while done < pieces.time.size:
             swings = self._found.swings
             self._found = self._found._replace(swings=np.concatenate((swings, np.empty_like(swings))))
             done = scan(pieces, done, self._found)
-
-    def _extend_buffer(self, more: int) -> None:
-        """Lengthen the buffer for a rise that lasts through all of the next `more` pieces."""
-        used, kept = int(self._found.rise[KEPT]), self._found.kept
-        if used + more > len(kept) and len(kept) < MOST_KEPT:
-            self._found = self._found._replace(kept=rise_buffer(self._found.basis.nodes.size, kept[:used], more))
 
     def dates(self, after: float = -np.inf) -> Array:
         """Dates (transits) of the slip events from `after` on, in the window from there to now; shape (events,)."""

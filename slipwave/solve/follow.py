@@ -92,9 +92,18 @@ def follow(
         else:
             pieces = leaper.leap(stop, until, gaps=False)
         _require_finite(solver, pieces)
+        good, failed_at = pieces, solver.failed_at
+        if solver.failures:
+            failed_at = float(pieces.time[0]) if math.isnan(failed_at) else failed_at
+            good = pieces.part(pieces.time + pieces.length < failed_at)
         for observer in observers:
-            observer.scan(_before_failure(solver, pieces))
-        _require_solved(solver, pieces)
+            observer.scan(good)
+        if solver.failures:
+            raise NumericsError(
+                f"{solver.model}: {solver.failures} solves of the interface or of a step did not converge by t = "
+                f"{solver.time:.6g} transits, the first at t = {failed_at:.6g}: what follows is not the scene's motion; use more "
+                f"cells or a smaller cfl (scene {solver.scene.name!r}, digest {solver.scene.digest})"
+            )
         if progress is not None:
             progress(solver.time)
         _act(solver, marks)
@@ -115,28 +124,6 @@ def _require_finite(solver: Solver, pieces: Pieces) -> None:
             f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
             f"(scene {solver.scene.name!r}, digest {solver.scene.digest})"
         )
-
-
-def _before_failure(solver: Solver, pieces: Pieces) -> Pieces:
-    """The pieces that end before the first failed solve; all of them if none failed."""
-    if not solver.failures:
-        return pieces
-    good = pieces.time + pieces.length < _failed_at(solver, pieces)
-    return pieces.part(good)
-
-
-def _require_solved(solver: Solver, pieces: Pieces) -> None:
-    if solver.failures:
-        raise NumericsError(
-            f"{solver.model}: {solver.failures} solves of the interface or of a step did not converge by t = {solver.time:.6g} "
-            f"transits, the first at t = {_failed_at(solver, pieces):.6g}: what follows is not the scene's motion; use more "
-            f"cells or a smaller cfl (scene {solver.scene.name!r}, digest {solver.scene.digest})"
-        )
-
-
-def _failed_at(solver: Solver, pieces: Pieces) -> float:
-    """Time of the first failed solve if the solver knows it, else the beginning of `pieces`."""
-    return float(pieces.time[0]) if math.isnan(solver.failed_at) else solver.failed_at
 
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:

@@ -6,7 +6,7 @@ the tables are differences between scenes on either side of the present one: bot
 are fixed in time, not in transits, so that a parameter may change the transit too.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -168,14 +168,6 @@ def _remember(change: Array, plan: NDArray[np.int64], moved: Array, values: Arra
         propagate(change, plan[k], moved.shape[1], moved[k], values)
 
 
-def _stretches(scene: Scene, pieces: Pieces) -> Iterator[slice]:
-    """Slices of the pieces between successive knots of the drive, whose lengths are one length over powers of two."""
-    cuts = np.searchsorted(pieces.time, np.array(scene.drive.knots) - SAME)
-    ends = np.unique(np.concatenate(([0], cuts, [pieces.time.size])))
-    for begin, end in pairwise(ends):
-        yield slice(int(begin), int(end))
-
-
 def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Array:
     """d mu/dp (k, m, s) at the nodes of all `pieces` of a march of `slabs` from the start of their scene, without a nudge."""
     scene, (rule, compiled, shape) = slabs.scene, rule_of(slabs.stages)
@@ -184,7 +176,9 @@ def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Ar
     values = np.zeros(remembered)
     direct = -given.stress
     pairs = [tuple(slabs.of(one) for one in scenes) for scenes, _, _ in sides]
-    for part in _stretches(scene, pieces):
+    cuts = np.searchsorted(pieces.time, np.array(scene.drive.knots) - SAME)
+    for begin, end in pairwise(np.unique([0, *cuts, pieces.time.size])):  # between knots: one length over powers of two
+        part = slice(begin, end)
         here, own = pieces.part(part), Given(*(array[part] for array in given))
         longest = float(here.length.max())
         plan = np.rint(np.log2(longest / here.length)).astype(np.int64)
