@@ -133,7 +133,10 @@ def main(arguments: list[str] | None = None) -> int:
     words = one_value_each(sys.argv[1:] if arguments is None else arguments)
     command: Any = typer.main.get_command(app)
     try:
-        _require_once(words)
+        names = [word.partition("=")[0] for word in words if word.startswith("--") and word != "--"]
+        twice = next((name for name in names if names.count(name) > 1 and name not in _SPREAD), None)
+        if twice is not None:  # one of both values would be ignored silently
+            raise SceneError(f"{twice}: is given more than once")
         status = command(words or ["--help"], prog_name="slipwave", standalone_mode=False)
         sys.stdout.flush()
     except SceneError as error:
@@ -178,14 +181,6 @@ def one_value_each(words: list[str]) -> list[str]:
             option = ""
         result.append(word)
     return result
-
-
-def _require_once(words: list[str]) -> None:
-    """Raises SceneError for an option that is given twice: one of both values would be ignored silently."""
-    names = [word.partition("=")[0] for word in words if word.startswith("--") and word != "--"]
-    twice = next((name for name in names if names.count(name) > 1 and name not in _SPREAD), None)
-    if twice is not None:
-        raise SceneError(f"{twice}: is given more than once")
 
 
 def _is_negative(word: str) -> bool:

@@ -134,7 +134,9 @@ class FieldRecord:
         """The record so far. Raises SceneError if it is shorter than a step."""
         if len(self._shots) < 2:
             raise SceneError(f"window = [{self._start:g}, {self._end:g}]: shorter than the solver's step")
-        return field_of(self._solver.scene, self._solver.model, self._shots)
+        time = np.array([shot.time for shot in self._shots])
+        lower = None if self._solver.scene.alike else _stack([shot.lower for shot in self._shots])
+        return Field(self._solver.scene, self._solver.model, time, _stack([shot.upper for shot in self._shots]), lower)
 
     def state(self) -> State:
         """As `Resumable`: a row per sample with its time, then velocity and stress of the upper and of the lower slab."""
@@ -175,13 +177,6 @@ def record_field(
     record = FieldRecord(solver, start, end, interval)
     final = follow(solver, end, observers, marks=[record])
     return record.field, final
-
-
-def field_of(scene: Scene, model: str, shots: Sequence[Snapshot]) -> Field:
-    """The record of the snapshots `shots` of one run."""
-    time = np.array([shot.time for shot in shots])
-    lower = None if scene.alike else _stack([shot.lower for shot in shots])
-    return Field(scene, model, time, _stack([shot.upper for shot in shots]), lower)
 
 
 def _stack(shots: Sequence[SlabSnapshot]) -> SlabSnapshot:

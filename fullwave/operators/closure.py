@@ -50,7 +50,9 @@ def closure_rows(order: int) -> int:
 def boundary_closure(order: int) -> tuple[Array, Array]:
     """(H, D) near an end, h = 1: norm (rows, rows) of the end nodes, and their rows of D, shape (rows, rows + order/2)."""
     rows = closure_rows(order)
-    unknowns = _unknowns(rows)
+    upper = np.triu_indices(rows)
+    alone = (upper[0] > 0) | (upper[1] == 0)
+    unknowns = _Unknowns((upper[0][alone], upper[1][alone]), np.triu_indices(rows, 1))
     exact = [_condition(order, unknowns, degree) for degree in range(order)]
     matrix, known = (np.concatenate(parts) for parts in zip(*exact, strict=True))
     solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=_DEPENDENT)
@@ -65,12 +67,6 @@ def boundary_closure(order: int) -> tuple[Array, Array]:
     skew[0, 0] = -0.5
     closure = np.linalg.solve(norm, np.hstack((skew, _known_part(order, rows))))
     return norm, np.asarray(closure, dtype=np.float64)
-
-
-def _unknowns(rows: int) -> _Unknowns:
-    upper = np.triu_indices(rows)
-    alone = (upper[0] > 0) | (upper[1] == 0)
-    return _Unknowns((upper[0][alone], upper[1][alone]), np.triu_indices(rows, 1))
 
 
 def _known_part(order: int, rows: int) -> Array:

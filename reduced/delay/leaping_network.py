@@ -94,7 +94,9 @@ class LeapingNetwork(DelayNetwork):
             pieces = self._leap(min(end, self._next_kink()), gaps)
             if pieces is not None:
                 return pieces
-            self._rest_a_while()
+            kink, self._next_try = self._next_kink(), self.time + self._pause  # the next try lies at most at the next kink of V
+            if kink <= self._next_try:
+                self._next_try, self._pause, self._reach = kink, _PAUSE, _FIRST
         return self.advance(min(until, self._next_try))
 
     def state(self) -> State:
@@ -135,12 +137,6 @@ class LeapingNetwork(DelayNetwork):
     def _refine(self, verdict: int) -> None:
         super()._refine(verdict)
         self._frozen = None
-
-    def _rest_a_while(self) -> None:
-        """Postpone the next try to leap, at most to the next kink of V."""
-        kink, self._next_try = self._next_kink(), self.time + self._pause
-        if kink <= self._next_try:
-            self._next_try, self._pause, self._reach = kink, _PAUSE, _FIRST
 
     def _leap(self, stop: float, gaps: bool) -> Pieces | None:
         """The pieces of a leap that ends before `stop`, with some steps before and after it; None if no leap saves time: then

@@ -178,9 +178,11 @@ def kelvin_voigt(scene: Scene, name: str) -> Reduction:
     upper, lower = 0.5, 0.5 * scene.lower.round_trip * scene.upper.epsilon / (scene.transit * scene.lower.epsilon)
     if math.isclose(rho, 1.0, rel_tol=1e-12):
         return Reduction(name, frequencies=(math.sqrt(24.0),), residues=(2.0 * spring,), spring=spring).driven((-spring,))
-    squares = _quadratic_roots(
-        (upper + lower) * rho / 192.0, upper * (1 / 24 + rho / 8) + lower * (rho / 24 + 1 / 8), upper + lower
-    )
+    a = (upper + lower) * rho / 192.0
+    b = upper * (1 / 24 + rho / 8) + lower * (rho / 24 + 1 / 8)
+    c = upper + lower
+    q = -0.5 * (b + math.sqrt(b * b - 4.0 * a * c))  # without cancellation: b > 0
+    squares = c / q, q / a
     slopes = [upper * _slab_slope(x, 1.0) + lower * _slab_slope(x, rho) for x in squares]
     residues = tuple(2.0 / slope for slope in slopes)
     passed = (0.5 / (1.0 + x / 8.0) + 0.5 / (1.0 + rho * x / 8.0) for x in squares)
@@ -201,9 +203,3 @@ def _slab_slope(x: float, rho: float) -> float:
     """d/ds of s (1 + rho s^2/24)/(1 + rho s^2/8) at s^2 = x."""
     top, bottom = 1.0 + rho * x / 24.0, 1.0 + rho * x / 8.0
     return top / bottom + 2.0 * x * (rho / 24.0 * bottom - rho / 8.0 * top) / bottom**2
-
-
-def _quadratic_roots(a: float, b: float, c: float) -> tuple[float, float]:
-    """Both (negative) roots of a x^2 + b x + c without cancellation, the smaller one in size first."""
-    q = -0.5 * (b + math.sqrt(b * b - 4.0 * a * c))
-    return c / q, q / a

@@ -51,7 +51,8 @@ def periodic_orbit(
             progress(f"mesh {mesh + 2}, {fine.flow.size} values of the state")
         finer, start = fine.flow.remeshed(fine.cycle, FINER)
         coarse, fine = fine, _moving(close(finer, start, fine.cycle.period, _TO_ROUNDING))
-        orbit = _estimates(coarse, fine)
+        before, now, left_out = figures_of(coarse), figures_of(fine), unresolved(fine)
+        orbit = Orbit(**{name: Estimate(value, max(_error(value, before[name]), left_out[name])) for name, value in now.items()})
         settled = relative_error(orbit) < tolerance
         if settled:
             break
@@ -65,11 +66,6 @@ def _moving(closed: Closed) -> Closed:
         flow = closed.flow
         raise NumericsError(f"{flow.model}: Newton's method fell back onto steady sliding (scene {flow.scene.name!r})")
     return closed
-
-
-def _estimates(coarse: Closed, fine: Closed) -> Orbit:
-    before, now, left_out = figures_of(coarse), figures_of(fine), unresolved(fine)
-    return Orbit(**{name: Estimate(value, max(_error(value, before[name]), left_out[name])) for name, value in now.items()})
 
 
 def _error(value: float, before: float) -> float:

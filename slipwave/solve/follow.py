@@ -91,7 +91,11 @@ def follow(
             pieces = leaper.leap(min(stop, whole), whole, gaps=True)
         else:
             pieces = leaper.leap(stop, until, gaps=False)
-        _require_finite(solver, pieces)
+        if not all(math.isfinite(np.vdot(values, values)) for values in (pieces.z, pieces.psi, pieces.mu)):
+            raise NumericsError(
+                f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} "
+                f"transits (scene {solver.scene.name!r}, digest {solver.scene.digest})"
+            )
         good, failed_at = pieces, solver.failed_at
         if solver.failures:
             failed_at = float(pieces.time[0]) if math.isnan(failed_at) else failed_at
@@ -116,14 +120,6 @@ def _act(solver: Solver, marks: Sequence[Mark]) -> None:
     for mark in marks:
         if mark.due <= solver.time + SAME:
             mark.act()
-
-
-def _require_finite(solver: Solver, pieces: Pieces) -> None:
-    if not all(math.isfinite(np.vdot(values, values)) for values in (pieces.z, pieces.psi, pieces.mu)):
-        raise NumericsError(
-            f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} transits "
-            f"(scene {solver.scene.name!r}, digest {solver.scene.digest})"
-        )
 
 
 def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:

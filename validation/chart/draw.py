@@ -8,7 +8,7 @@ import numpy as np
 
 from slipwave.extras import require
 from slipwave.observe.pieces import Array
-from validation.chart import EMPTY, Chart, Look, Panel, Scale, Second, Trace, with_limits
+from validation.chart import EMPTY, Chart, Look, Panel, Scale, Trace, with_limits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes
@@ -115,18 +115,13 @@ def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
         lines.set_major_locator(MaxNLocator(5) if high < 10.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
         lines.set_major_formatter("{x:g}")
     if axis.second:
-        _draw_second(axes, which, axis.second)
-
-
-def _draw_second(axes: Axes, which: str, second: Second) -> None:
-    """Draw the second scale of "x" or "y", above the axes or on their right."""
-    label, factor, is_power = second
-    functions: Any = (lambda values: factor * values, lambda values: values / factor)
-    if is_power:
-        there, back = functions
-        functions = (lambda values: there(10.0**values), lambda values: np.log10(np.maximum(back(values), 1e-300)))
-    other: Any = axes.secondary_xaxis("top", functions) if which == "x" else axes.secondary_yaxis("right", functions)
-    other.set(**{f"{which}label": label})
+        label, factor, is_power = axis.second
+        functions: Any = (lambda values: factor * values, lambda values: values / factor)
+        if is_power:
+            there, back = functions
+            functions = (lambda values: there(10.0**values), lambda values: np.log10(np.maximum(back(values), 1e-300)))
+        other: Any = axes.secondary_xaxis("top", functions) if which == "x" else axes.secondary_yaxis("right", functions)
+        other.set(**{f"{which}label": label})
 
 
 def _draw_trace(axes: Axes, panel: Panel, trace: Trace) -> None:

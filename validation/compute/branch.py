@@ -141,11 +141,14 @@ class FollowedBranch:
                 self.notes.extend([reason] if reason else [])
                 return
             step = next(steps)
-            if self.doubled and _closes(end.point, step.point):
+            if self.doubled and difference_of_halves(step.point) < min(_SAME, difference_of_halves(end.point)):
                 self.notes.append("the branch ends at a period doubling, where both halves of its orbits become the same")
                 return
-            if _vanishes(end.point, step.point):
-                self._end_at_hopf(end.point)
+            if amplitude(step.point.closed.cycle) < min(_SMALL, amplitude(end.point.closed.cycle)):  # nearly singular beyond
+                near = onsets(self.over.scene_at, *self.over.ends, one_port_of(self.model))
+                if near:
+                    self.special.append(self._hopf(min(near, key=lambda onset: abs(onset.parameter - end.point.parameter))))
+                self.notes.append("the branch ends where its orbits shrink to steady sliding")
                 return
             for special in step.special:
                 self.closed[len(self.special)] = special.point.closed
@@ -233,21 +236,3 @@ class FollowedBranch:
         rate = self.over.scene_at(onset.parameter).velocity
         figures = (onset.parameter, onset.period, 0.0, 0.0, rate, rate)
         return SpecialPoint("HB", *figures, ONSET_WIDTH, onset.unstable_below, onset.unstable_above, len(self.points))
-
-    def _end_at_hopf(self, last: OrbitPoint) -> None:
-        """Record the Hopf point at which the branch ends."""
-        near = onsets(self.over.scene_at, *self.over.ends, one_port_of(self.model))
-        if near:
-            self.special.append(self._hopf(min(near, key=lambda onset: abs(onset.parameter - last.parameter))))
-        self.notes.append("the branch ends where its orbits shrink to steady sliding")
-
-
-def _closes(before: OrbitPoint, after: OrbitPoint) -> bool:
-    """Whether the halves of doubled orbits are nearly equal and still converge: the branch ends in a period doubling."""
-    return difference_of_halves(after) < min(_SAME, difference_of_halves(before))
-
-
-def _vanishes(before: OrbitPoint, after: OrbitPoint) -> bool:
-    """Whether the orbits are small and shrink: the branch ends in steady sliding, near which the equations are nearly
-    singular."""
-    return amplitude(after.closed.cycle) < min(_SMALL, amplitude(before.closed.cycle))

@@ -63,15 +63,10 @@ class CycleObserver:
         self._watch.scan(pieces)
         self._history.scan(pieces)
         if len(self._history) > self._most:
-            self._forget()
-
-    def _forget(self) -> None:
-        """Drop everything before the last complete cycle, which begins at the third last date, because the latest event may not
-        be over."""
-        dates = self._watch.dates()
-        if dates.size >= 3:
-            self._history.forget(float(dates[-3]))
-        self._most = 2 * len(self._history) + _FIRST_MOST
+            dates = self._watch.dates()
+            if dates.size >= 3:
+                self._history.forget(float(dates[-3]))  # the latest event may not be over
+            self._most = 2 * len(self._history) + _FIRST_MOST
 
     def cycle(self, after: float) -> OneCycle | None:
         """The last complete cycle of the window from `after` (transits) to now, or None if there was none."""

@@ -134,26 +134,21 @@ class SceneOptions:
     def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
         """The scene of a call: `source` with `settings` and `changes` and, if given, another length. Doubts about it are
         logged."""
+        from slipwave.input.overrides import endings
+        from slipwave.input.schema import SceneTable
+
         length = [] if until is None else [f"run.until={until}"]
         settings = [self.settings] if isinstance(self.settings, str) else self.settings
         given = read(source.scene if isinstance(source, PointOfBranch) else source, [*settings, *length])
-        self._require_known(given.tables or {})
+        for key, value in self.changes.items():
+            if not endings(key.split("."), given.tables or {}):
+                guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])
+                hint = f"; did you mean {guess}?" if guess else ""
+                raise SceneError(f"{shorten(key)[1:-1]} = {shorten(value)}: neither an option nor a key of a scene{hint}")
         scene = read_scene(given, **self.changes)
         for line in doubts(scene):
             log.warning("note: %s", line)
         return scene
-
-    def _require_known(self, tables: Mapping[str, Any]) -> None:
-        """Raises SceneError, naming the nearest, for a change that is neither an option nor a key of a scene with these
-        `tables`."""
-        from slipwave.input.overrides import endings
-        from slipwave.input.schema import SceneTable
-
-        for key, value in self.changes.items():
-            if not endings(key.split("."), tables):
-                guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])
-                hint = f"; did you mean {guess}?" if guess else ""
-                raise SceneError(f"{shorten(key)[1:-1]} = {shorten(value)}: neither an option nor a key of a scene{hint}")
 
     @property
     def stored(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from slipwave.input import SceneSource
 from slipwave.observe.stages import StageFigures
 from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import StartKind
-from slipwave.solve import Leaping, Solver, has_fields
+from slipwave.solve import Leaping, has_fields
 from slipwave.solve.lyapunov import Exponent
 from validation.chart import Chart
 from validation.chart.draw import Drawing, draw
@@ -27,7 +27,6 @@ from validation.compute.outlook import amplified_rounding, costly_steps
 from validation.compute.recording import FIELD_FILES, Window, how_to_resume, kept_of, time_between
 from validation.compute.run import (
     MOST_CYCLES,
-    Length,
     Records,
     Run,
     Wanted,
@@ -348,7 +347,9 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     length = length_of(scene, one_port, options.cycles)
     shortest = next(length.ends(0.0), math.inf)
     wanted = Wanted(options.interface, options.fields, kept, options.samples, shortest, checkpoint, every)
-    notes = _doubts(built.solver, length, options)
+    amplified = amplified_rounding(built.solver.scene, one_port_of(built.solver.model), length.until, options.tol)
+    given = note_on_given(options.cells, options.tol) if has_fields(built.solver) else []
+    notes = [*([amplified.note] if amplified else []), *given, *costly_steps(built.solver)]
     records = records_of(built.solver, length.until, wanted)
     try:
         done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
@@ -376,10 +377,3 @@ def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, boo
         return None, str(error), False
     except KeyboardInterrupt:
         return None, f"interrupted at t = {done.solver.time:.6g} transits, before the Lyapunov exponent was known", True
-
-
-def _doubts(solver: Solver, length: Length, options: RunOptions) -> list[str]:
-    """Warnings about the result that are known before the run."""
-    amplified = amplified_rounding(solver.scene, one_port_of(solver.model), length.until, options.tol)
-    given = note_on_given(options.cells, options.tol) if has_fields(solver) else []
-    return [*([amplified.note] if amplified else []), *given, *costly_steps(solver)]
