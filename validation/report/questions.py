@@ -65,7 +65,9 @@ def _asked(question: Question, mine: Sequence[Stored], studies: Sequence[Stored]
         said = _of_paper([v for _, some in judged for v in some]) + said
         rests_on += [(study, some) for study, some in judged if some and study not in mine]
     elif question.name == "trust":
-        said += _of_checks(studies)
+        verdicts = verdicts_of(studies)
+        kinds = [f"{sum(v.evidence is kind for v in verdicts)} {kind.value}" for kind in Evidence]
+        said += [f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."]
     elif question.name == "changed":
         said = [changed]
     doubts = [
@@ -101,10 +103,3 @@ def _of_paper(judged: Sequence[Verdict]) -> list[str]:
     wrong = [verdict for verdict in judged if verdict.outcome is not Outcome.PASS]
     said = f"Of {len(judged)} checks against the paper’s claims, under all seven questions, {len(judged) - len(wrong)} hold"
     return [f"{said}; {len(wrong)} do not, and are listed first." if wrong else f"{said}."]
-
-
-def _of_checks(studies: Sequence[Stored]) -> list[str]:
-    """The evidence of all verdicts."""
-    verdicts = verdicts_of(studies)
-    kinds = [f"{sum(v.evidence is kind for v in verdicts)} {kind.value}" for kind in Evidence]
-    return [f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."]

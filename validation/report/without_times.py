@@ -34,17 +34,12 @@ def lasting_record(report: dict[str, Any]) -> dict[str, Any]:
     return lasting
 
 
-def lasting_page(html: str) -> str:
-    """The page without the elements of the class `time`."""
-    return _MARKED.sub(r"<\1 time>", html)
-
-
 def lasting_digest(out: Path) -> str:
     """Digest of the report in the folder `out` without run times."""
     record = lasting_record(json.loads((out / NAME).read_text(encoding="utf-8")))
     tables = [table["csv"] for table in record["tables"] if not any(column["timed"] for column in table["columns"])]
     digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
-    digest.update(lasting_page((out / "index.html").read_text(encoding="utf-8")).encode())
+    digest.update(_MARKED.sub(r"<\1 time>", (out / "index.html").read_text(encoding="utf-8")).encode())
     for file in (*tables, *(file for figure in record["figures"] for file in figure["files"])):
         digest.update((out / file).read_bytes())
     return digest.hexdigest()

@@ -73,7 +73,10 @@ def run(budget: Budget) -> StudyResult:
     ends = [
         end_of(bare_scene(leak)) if math.isnan(point.period) else "stick-slip" for leak, point in zip(leaks, bare, strict=True)
     ]
-    edge = locking_leak()
+    scene = slipwave.read("paper")
+    law: Ageing = scene.law
+    # beyond this 1 - R the leak, a dashpot (eps/2)(1 + R)/(1 - R), is weaker than friction's weakening (b - a)/V
+    edge = 2.0 / (1.0 + 2.0 * (law.b - law.a) / (scene.velocity * scene.upper.epsilon))
     slow = {leak: end_of(bare_scene(leak, nudge=0.01)) for leak in _SLOW_LEAKS}
     return StudyResult(
         answers=_answers(leaks, ends, held),
@@ -179,13 +182,6 @@ def end_of(scene: Scene) -> str:
     """How a run without a cycle ends: `steady` if v has returned to V, `locks` if it has fallen far below."""
     behind = follow(build("delay", scene), _MOST).ln_v - math.log(scene.velocity)
     return "steady" if abs(behind) < 0.1 else "locks" if behind < -1.0 else "still decaying"
-
-
-def locking_leak() -> float:
-    """1 - R beyond which the leak, a dashpot (eps/2)(1 + R)/(1 - R), is weaker than friction's weakening (b - a)/V."""
-    scene = slipwave.read("paper")
-    law: Ageing = scene.law
-    return 2.0 / (1.0 + 2.0 * (law.b - law.a) / (scene.velocity * scene.upper.epsilon))
 
 
 def last_alive(leaks: tuple[float, ...], ends: list[str]) -> tuple[float, float]:

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.scene import Scene
 from validation.results.quantities import twins_in_si
 from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
@@ -49,25 +48,20 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
     try:
         scene = plan.scene(point)
         found = measure.of(scene, plan.model(point), plan.options)
-        return {"status": "done", **found, **_twins_in_si(found, measure, scene)}
+        twins: dict[str, Any] = {}
+        for name, quantity in measure.columns.items() if scene.units else ():
+            value = found.get(name)
+            twins |= {
+                twin: size if np.ndim(size) else float(size)
+                for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items()
+            }
+        return {"status": "done", **found, **twins}
     except SceneError as refusal:
         return {"status": "refused", "reason": str(refusal)}
     except NumericsError as failure:
         return {"status": "failed", "reason": str(failure)}
     except Exception as bug:
         return {"status": "failed", "reason": f"{type(bug).__name__}: {bug}"}
-
-
-def _twins_in_si(found: Figures, measure: Measure, scene: Scene) -> Figures:
-    """The figures in SI of a scene with units, under their usual names (period_s)."""
-    twins: dict[str, Any] = {}
-    for name, quantity in measure.columns.items() if scene.units else ():
-        value = found.get(name)
-        twins |= {
-            twin: size if np.ndim(size) else float(size)
-            for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items()
-        }
-    return twins
 
 
 def columns_of(measure: Measure, rows: list[Figures]) -> Columns:

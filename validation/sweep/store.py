@@ -109,7 +109,12 @@ class Store:
         path = self.folder / _PARTS / f"{points[0]:012d}-{self._digest}-{uuid.uuid4().hex[:12]}.npz"
         with whole_or_absent(path) as temporary, temporary.open("wb") as file:
             np.savez(file, allow_pickle=False, **{"point": points, **columns})
-        _flush(path.parent)
+        if os.name == "posix":  # flush the names in the folder too
+            number = os.open(path.parent, os.O_RDONLY)
+            try:
+                os.fsync(number)
+            finally:
+                os.close(number)
 
     def parts(self, plan: Plan) -> Iterator[tuple[Indices, Columns]]:
         """Every whole part: its points and their columns. Damaged parts and those of another manifest count as absent. A sweep of
@@ -172,13 +177,3 @@ def _difference(key: str, before: Any, now: Any) -> str:
         return f"{key}: {', '.join(sorted(inner))} changed"
     short = all(isinstance(value, str | int | float | None) and len(str(value)) < _LONG for value in (before, now))
     return f"{key} = {before}, now {now}" if short else f"{key} changed"
-
-
-def _flush(folder: Path) -> None:
-    """Flush the names in a folder to disk, where the system can."""
-    if os.name == "posix":
-        number = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)

@@ -25,7 +25,7 @@ from validation.measure.grids.limits import (
 )
 from validation.measure.grids.noise import locked_noise
 from validation.measure.order_fit import fit_order, shortfall
-from validation.study import EXACT, SELF, WITNESS, Evidence, Outcome, Verdict, claim, holding
+from validation.study import EXACT, SELF, WITNESS, Outcome, Verdict, claim, holding
 from validation.study.grid_verdicts import (
     calm_verdict,
     limit_verdict,
@@ -79,7 +79,16 @@ def rows_on_scene(model: str, scene: Scene) -> Iterator[Verdict]:
     reference = build("delay", scene, tolerance=_RESOLUTION) if witness else _explicit(model, scene, 2 * cells[-1])
     true = np.array([follow(reference, moment).psi for moment in _MOMENTS])
     known = {n: error for n in cells if math.isfinite(error := _error(model, scene, n, true))}
-    yield agreement_row(model, scene, known, WITNESS if witness else SELF)
+    family, number = grid_of(model)
+    title = f"psi converges to that of {'the delay system' if witness else 'a finer grid'}"
+    remark = f"`{model}`, scene {scene.name}, up to t = {_MOMENTS[-1]:g}"
+    yield _falling(
+        holding(title, WITNESS if witness else SELF, "", "", False, remark),
+        "errors",
+        family.order_interface(number),
+        known,
+        _REACHED,
+    )
 
 
 def starts_smoothly(scene: Scene) -> bool:
@@ -107,14 +116,6 @@ def _error(model: str, scene: Scene, cells: int, true: np.ndarray) -> float:
         return float(max(abs(follow(solver, moment).psi - psi) for moment, psi in zip(_MOMENTS, true, strict=True)))
     except (NumericsError, SceneError):
         return math.nan
-
-
-def agreement_row(model: str, scene: Scene, known: dict[int, float], evidence: Evidence) -> Verdict:
-    """Whether errors (by cells) reach the declared order, or are too small to fit one."""
-    family, number = grid_of(model)
-    title = f"psi converges to that of {'the delay system' if evidence is WITNESS else 'a finer grid'}"
-    remark = f"`{model}`, scene {scene.name}, up to t = {_MOMENTS[-1]:g}"
-    return _falling(holding(title, evidence, "", "", False, remark), "errors", family.order_interface(number), known, _REACHED)
 
 
 def _falling(row: Verdict, what: str, declared: float, sizes: dict[int, float], floor: float) -> Verdict:

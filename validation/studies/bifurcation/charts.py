@@ -4,8 +4,6 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from reduced.orbit import PeriodicOrbit
-from slipwave.observe.pieces import Array
 from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.compute.looks import model_line, model_look
 from validation.studies.bifurcation.doubling import ODE, Bubble, Doubled, between_doublings
@@ -40,7 +38,9 @@ def orbits_in_planes(found: Doubled, ode: Branch, bubbles: Iterable[Bubble]) -> 
     )
     rows: tuple[list[Trace], ...] = ([], [], [])
     for name, orbit, look in looks:
-        turn, rate, stress, state = _curves(orbit)
+        pieces, ten = orbit.closed.cycle.pieces, math.log(10.0)
+        time = (pieces.time[:, None] + pieces.length[:, None] * orbit.closed.flow.nodes) / orbit.closed.cycle.period
+        turn, rate, stress, state = [values.ravel() for values in (time, pieces.z / ten, pieces.mu, pieces.psi / ten)]
         for traces, (x, y) in zip(rows, ((turn, rate), (rate, stress), (rate, state)), strict=True):
             traces.append(Trace(name, x, y, look))
     pairs = between_doublings(ode)
@@ -57,13 +57,6 @@ def orbits_in_planes(found: Doubled, ode: Branch, bubbles: Iterable[Bubble]) -> 
     keys = [*rows[0], *branch_keys(("PD",))]
     layout, heights = ((0, 0), (1, 2), (3, 3)), (0.8, 1.2, 1.0)
     return Chart(panels, 8.4, layout=layout, heights=heights, share=("", ""), keys=keys, legend_columns=2, **_LEGEND)
-
-
-def _curves(orbit: PeriodicOrbit) -> list[Array]:
-    """Time over the period, log10 v, mu and log10 phi at the nodes of an orbit's steps, over one period."""
-    pieces, ten = orbit.closed.cycle.pieces, math.log(10.0)
-    time = (pieces.time[:, None] + pieces.length[:, None] * orbit.closed.flow.nodes) / orbit.closed.cycle.period
-    return [values.ravel() for values in (time, pieces.z / ten, pieces.mu, pieces.psi / ten)]
 
 
 CAPTION = (
