@@ -6,9 +6,9 @@ Friction clock L/V* throughout; `slopes` are F_v, G_phi, F_ss' of the law at V, 
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from slipwave.friction.law import FrictionSlopes
+from slipwave.observe.pieces import Array
 
 
 def quasistatic_r(slopes: FrictionSlopes, epsilon: float) -> float:
@@ -31,13 +31,13 @@ def kelvin_voigt_r(slopes: FrictionSlopes, epsilon: float) -> float:
     return r_star - 2.0 * r_star * math.sin(math.asin(root**-3) / 3.0) * root
 
 
-def kelvin_voigt_cubic(slopes: FrictionSlopes, epsilon: float) -> NDArray[np.float64]:
+def kelvin_voigt_cubic(slopes: FrictionSlopes, epsilon: float) -> Array:
     """Coefficients (highest first) in x = r/r_* of r^3 - 3 r_* r^2 - (24/omega_c^2) r + (24/omega_c^2) r_* = 0 (21)."""
     k = 24.0 / (quasistatic_r(slopes, epsilon) * slopes.omega_c) ** 2
     return np.array([1.0, -3.0, -k, k])
 
 
-def kelvin_voigt_quartic(slopes: FrictionSlopes, epsilon: float, r: float) -> NDArray[np.float64]:
+def kelvin_voigt_quartic(slopes: FrictionSlopes, epsilon: float, r: float) -> Array:
     """Coefficients (highest first, in s) of r s [1 + (rs)^2/24](F_v s + G_phi F_ss') + eps [1 + (rs)^2/8](s + G_phi) = 0 (18)."""
     f_v, g, f_ss = slopes.direct, slopes.healing, slopes.steady
     return np.array(

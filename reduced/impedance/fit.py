@@ -10,13 +10,13 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reduced.impedance.of_reduction import dissipation, reduction_ratio, sign_frequencies
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Complex, Jet, drive_ratio, pair_ratio
 from reduced.impedance.vector_fit import fit_poles, partial_fractions, passive_coefficients
 from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.threads import one_thread
 
@@ -63,7 +63,7 @@ def _transfer(scene: Scene, fit: Reduction, s: Complex, start: Complex) -> Reduc
     return _reduction(fit.name, np.concatenate([[0.0, 0.0], found]), pairs, reals, fit.spring)
 
 
-def _reduction(name: str, x: NDArray[np.float64], pairs: Complex, reals: NDArray[np.float64], spring: float) -> Reduction:
+def _reduction(name: str, x: Array, pairs: Complex, reals: Array, spring: float) -> Reduction:
     """The reduction with the coefficients of `_columns`."""
     strengths, residues, offsets = np.split(x[2:], [reals.size, reals.size + pairs.size])
     return Reduction(
@@ -85,16 +85,16 @@ def exact_impedance(scene: Scene, s: Complex) -> Complex:
     return np.asarray(q.value / (p.value * scene.upper.epsilon), dtype=np.complex128)
 
 
-def _weight(s: Complex, target: Complex) -> NDArray[np.float64]:
+def _weight(s: Complex, target: Complex) -> Array:
     """Weights of the relative errors, larger at lower frequency, because modes above the band disturb the fit at its edge."""
     return np.asarray(1.0 / ((1.0 + np.abs(target)) * (1.0 + np.abs(s) ** _EMPHASIS)))
 
 
-def _columns(s: Complex, pairs: Complex, reals: NDArray[np.float64]) -> Complex:
+def _columns(s: Complex, pairs: Complex, reals: Array) -> Complex:
     return np.column_stack([s, np.ones_like(s), partial_fractions(s, pairs, reals)])
 
 
-def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Complex, reals: NDArray[np.float64]) -> Reduction:
+def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Complex, reals: Array) -> Reduction:
     """Least squares with Re Z >= 0 on a grid. Points of negative Re Z between them are added to the grid until there are none."""
     weight = _weight(s, target)
     rows, right = _columns(s, pairs, reals) * weight[:, None], (target - spring / s) * weight
@@ -121,7 +121,7 @@ def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Compl
     raise SceneError(f"model = {name!r}: the fit is not passive at {worst:.3g} radians per transit; try another N")
 
 
-def _watch(s: Complex, pairs: Complex) -> NDArray[np.float64]:
+def _watch(s: Complex, pairs: Complex) -> Array:
     """Frequencies at which Re Z is checked: in the band, far above it, and across the width of every resonance."""
     top = float(s.imag[-1])
     across = pairs.imag[:, None] - pairs.real[:, None] * np.linspace(-8.0, 8.0, 81)

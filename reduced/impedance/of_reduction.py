@@ -15,10 +15,10 @@ import cmath
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Complex, Jet, Ratio
+from slipwave.observe.pieces import Array
 
 
 def reduction_ratio(model: Reduction, epsilon: float, transit: float, s: Jet) -> Ratio:
@@ -79,13 +79,13 @@ def taylor_poles() -> Complex:
     return np.concatenate([[0.0], np.roots([1.0 / 1920.0, 0.0, 1.0 / 24.0, 0.0, 1.0])]).astype(complex)
 
 
-def real_part_on_axis(ratio: Ratio) -> NDArray[np.float64]:
+def real_part_on_axis(ratio: Ratio) -> Array:
     """Re Z relative to |Z| from a (p, q) evaluated on s = i omega or in the right half plane: >= 0 for a passive one-port."""
     p, q = ratio[0].value, ratio[1].value
     return np.asarray((q * p.conj()).real / (np.abs(q) * np.abs(p) + 1e-300))
 
 
-def state_space(model: Reduction) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def state_space(model: Reduction) -> tuple[Array, Array, Array]:
     """(A, B, C) of Z/epsilon = C (s - A)^-1 B + damping + mass s, transit clock: the spring, if there is one, two states of every
     mode, those of an oscillator scaled by its frequency to equal size, and the relaxations."""
     sprung, pairs = int(model.spring > 0.0), len(model.frequencies)
@@ -101,20 +101,20 @@ def state_space(model: Reduction) -> tuple[NDArray[np.float64], NDArray[np.float
     return a, b, c
 
 
-def dissipation(model: Reduction, omega: NDArray[np.float64]) -> NDArray[np.float64]:
+def dissipation(model: Reduction, omega: Array) -> Array:
     """Re Z(i omega)/epsilon, omega in radians per transit."""
     terms = _terms(replace(model, spring=0.0), Jet.variable(1j * np.asarray(omega, dtype=float)))
     return np.asarray(model.damping + np.zeros(np.shape(omega)) + sum((n.value / d.value).real for n, d in terms))
 
 
-def sign_frequencies(model: Reduction) -> NDArray[np.float64]:
+def sign_frequencies(model: Reduction) -> Array:
     """Frequencies (radians per transit) that decide passivity: those of the poles, and at least one in every interval of the axis
     in which Re Z has one sign. A reduction is passive if Re Z is nowhere negative on them and its poles are stable."""
     turns = np.unique(np.concatenate([[0.0], np.abs(_zeros(model).imag), model.frequencies]))
     return np.concatenate([turns, 0.5 * (turns[1:] + turns[:-1]), [2.0 * turns[-1] + 1.0, 1e3 * (turns[-1] + 1.0)]])
 
 
-def _zeros(model: Reduction) -> NDArray[np.complex128]:
+def _zeros(model: Reduction) -> Complex:
     """Zeros of G(s) + G(-s)."""
     from scipy.linalg import eigvals
 

@@ -12,24 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance.transmission_line import Complex
+from slipwave.observe.pieces import Array
 
-Real = NDArray[np.float64]
 _REAL_POLE = 1e-9
 _AT_REST = 1e-6
 _ROUNDS = 12
 
 
-def partial_fractions(s: Complex, pairs: Complex, reals: Real) -> Complex:
+def partial_fractions(s: Complex, pairs: Complex, reals: Array) -> Complex:
     """Columns 1/(s - a) for real poles, then (s, 1)/(s^2 + 2 g s + w^2) for every pair: real coefficients span all residues."""
     bottom = s[:, None] ** 2 - 2.0 * pairs.real * s[:, None] + np.abs(pairs) ** 2
     return np.column_stack([1.0 / (s[:, None] - reals), s[:, None] / bottom, 1.0 / bottom])
 
 
-def _stack(rows: NDArray[Any]) -> Real:
+def _stack(rows: NDArray[Any]) -> Array:
     return np.asarray(np.concatenate([rows.real, rows.imag]))
 
 
-def relocate(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real) -> tuple[Complex, Real]:
+def relocate(s: Complex, values: Complex, weight: Array, pairs: Complex, reals: Array) -> tuple[Complex, Array]:
     """One step of vector fitting: the poles become the zeros of the fitted sigma(s) = 1 + sum c~_k/(s - a_k).
     Returns one of each conjugate pair, and the real poles."""
     basis = partial_fractions(s, pairs, reals)
@@ -43,7 +43,7 @@ def relocate(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: R
     return poles[(poles.imag > 0.0) & ~real], poles[real].real
 
 
-def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
+def _companion(pairs: Complex, reals: Array, sigma: Array) -> Array:
     """A - b c~^T, whose eigenvalues are the zeros of sigma; a pair is the block [[2 g, -w^2], [1, 0]], with b = (1, 0)."""
     n, m = reals.size, pairs.size
     matrix = np.zeros((n + 2 * m, n + 2 * m))
@@ -57,7 +57,7 @@ def _companion(pairs: Complex, reals: Real, sigma: Real) -> Real:
     return matrix - np.outer(drive, sigma)
 
 
-def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: Real) -> tuple[Complex, Real]:
+def fit_poles(s: Complex, values: Complex, weight: Array, pairs: Complex, reals: Array) -> tuple[Complex, Array]:
     """Poles after a few relocations from the given start, until they no longer change."""
     for _ in range(_ROUNDS):
         before = np.sort_complex(np.concatenate([pairs, reals]))
@@ -68,7 +68,7 @@ def fit_poles(s: Complex, values: Complex, weight: Real, pairs: Complex, reals: 
     return pairs, reals
 
 
-def passive_coefficients(matrix: Real, right: Real, constraints: Real, floors: Real) -> Real:
+def passive_coefficients(matrix: Array, right: Array, constraints: Array, floors: Array) -> Array:
     """x that minimises |matrix x - right| under constraints x >= floors.
 
     With matrix = Q R and z = R x - Q^T right this is the least distance problem min |z|, G z >= h. Its solution follows from the

@@ -6,16 +6,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from reduced.parameters import with_parameter
 from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.crossing import between
 from reduced.stability.spectrum import leading_roots, unstable_count
 from slipwave.errors import NumericsError
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
-Real = NDArray[np.float64]
 _LINES = 4  # per parameter, on which boundaries are searched
 _STEP = 0.02  # of the rectangle's side
 _ROUNDS = 12
@@ -28,9 +27,9 @@ class Boundary:
     """One curve on which a pair of roots is neutral: values of the `first` and `second` parameter, and `omega` (1/(L/V*))."""
 
     names: tuple[str, str]
-    first: Real
-    second: Real
-    omega: Real
+    first: Array
+    second: Array
+    omega: Array
 
 
 def boundary(
@@ -42,7 +41,7 @@ def boundary(
     a few lines per parameter. It is followed both ways until it leaves the rectangle or closes.
     """
     plane = _Plane(scene, model, over, np.array(ranges, dtype=float))
-    curves: list[Real] = []
+    curves: list[Array] = []
     for start in _seeds(plane):
         if all(_distance(curve, start) > 2.0 * _STEP for curve in curves):
             curves.append(_trace(plane, start))
@@ -57,24 +56,24 @@ class _Plane:
     scene: Scene
     model: str
     over: tuple[str, str]
-    ranges: Real
+    ranges: Array
 
-    def values(self, u: Real) -> Real:
+    def values(self, u: Array) -> Array:
         """The two parameters at the scaled point u of [0, 1]^2."""
         return np.asarray(self.ranges[:, 0] + u * (self.ranges[:, 1] - self.ranges[:, 0]))
 
-    def problem(self, u: Real) -> Characteristic:
+    def problem(self, u: Array) -> Characteristic:
         """Characteristic function of the scene with these parameters."""
         first, second = self.values(u)
         changed = with_parameter(with_parameter(self.scene, self.over[0], first), self.over[1], second)
         return characteristic(changed, self.model)
 
-    def residual(self, x: Real) -> Real:
+    def residual(self, x: Array) -> Array:
         """(Re, Im) of the imbalance at x = (ln omega, u)."""
         value = complex(self.problem(x[1:]).imbalance(1j * math.exp(x[0])))
         return np.array([value.real, value.imag])
 
-    def corrected(self, x: Real, tangent: Real) -> Real | None:
+    def corrected(self, x: Array, tangent: Array) -> Array | None:
         """Newton orthogonal to `tangent`; None if it does not converge. The Jacobian, which costs six residuals, is recomputed
         only if the last change was not much smaller than the one before."""
         matrix, size = None, math.inf
@@ -96,7 +95,7 @@ class _Plane:
         return None
 
 
-def _seeds(plane: _Plane) -> list[Real]:
+def _seeds(plane: _Plane) -> list[Array]:
     """Points on the boundary: on lines across the rectangle, where the count of unstable roots changes between samples."""
     points = []
     samples = np.linspace(0.0, 1.0, 41)
@@ -117,7 +116,7 @@ def _count(problem: Characteristic) -> int:
         return -1
 
 
-def _crossings(plane: _Plane, low: Real, high: Real, growing: int) -> list[Real]:
+def _crossings(plane: _Plane, low: Array, high: Array, growing: int) -> list[Array]:
     """The point between `low` and `high` at which one of the `growing` roots of `high` crosses; empty if none does."""
 
     def problem(share: float) -> Characteristic:
@@ -130,7 +129,7 @@ def _crossings(plane: _Plane, low: Real, high: Real, growing: int) -> list[Real]
     return []
 
 
-def _trace(plane: _Plane, start: Real) -> Real:
+def _trace(plane: _Plane, start: Array) -> Array:
     """The curve through `start`, followed both ways; one row (ln omega, u_1, u_2) per point."""
     forward = _march(plane, start, 1.0)
     if len(forward) > 3 and np.linalg.norm(forward[-1] - start) < 1.5 * _STEP:
@@ -138,7 +137,7 @@ def _trace(plane: _Plane, start: Real) -> Real:
     return np.array(_march(plane, start, -1.0)[:0:-1] + forward)
 
 
-def _march(plane: _Plane, start: Real, direction: float) -> list[Real]:
+def _march(plane: _Plane, start: Array, direction: float) -> list[Array]:
     points, size = [start], _STEP
     tangent = direction * _tangent(_central_differences(plane.residual, start), None)
     while len(points) < 4000:
@@ -158,18 +157,18 @@ def _march(plane: _Plane, start: Real, direction: float) -> list[Real]:
     return points
 
 
-def _tangent(jacobian: Real, before: Real | None) -> Real:
+def _tangent(jacobian: Array, before: Array | None) -> Array:
     """Null vector of the 2 x 3 Jacobian, in the direction of `before`."""
     vector = np.cross(jacobian[0], jacobian[1])
     vector = vector / np.linalg.norm(vector)
     return np.asarray(-vector if before is not None and vector @ before < 0.0 else vector)
 
 
-def _distance(curve: Real, point: Real) -> float:
+def _distance(curve: Array, point: Array) -> float:
     return float(np.min(np.linalg.norm(curve[:, 1:] - point[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - point[0])))
 
 
-def _central_differences(residual: Callable[[Real], Real], x: Real) -> Real:
+def _central_differences(residual: Callable[[Array], Array], x: Array) -> Array:
     """The Jacobian of `residual` at x."""
     shifts = _DIFFERENCE * np.eye(x.size)
     return np.column_stack([(residual(x + d) - residual(x - d)) / (2.0 * _DIFFERENCE) for d in shifts])

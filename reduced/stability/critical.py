@@ -13,7 +13,6 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +23,9 @@ from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.crossing import FIRST_OCTAVE, critical_factor, is_lost
 from reduced.stability.spectrum import unstable_count
 from slipwave.friction.law import FrictionSlopes, friction_slopes
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
-Real: TypeAlias = NDArray[np.float64]
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
 _TRIED, _HALVINGS, _SMALL = 3, 60, 1e-6
 
@@ -64,13 +63,13 @@ def _by_angle(problem: Characteristic) -> list[tuple[float, float]]:
     """Every (r, omega), in the order of r, at which a root crosses the imaginary axis with a phase omega r up to 60."""
     slopes = problem.slopes
 
-    def zeta(theta: Real) -> NDArray[np.complex128]:
+    def zeta(theta: Array) -> NDArray[np.complex128]:
         """Z at the phase theta = omega * transit."""
         p, q = problem.one_port(Jet.variable(1j * np.asarray(theta) / problem.transit))
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.asarray(q.value / p.value)
 
-    def excess(theta: Real) -> Real:
+    def excess(theta: Array) -> Array:
         """Reactance of friction and slabs together: zero at a crossing."""
         z = zeta(theta)
         return _reactance(slopes, _omega(slopes, z)) + z.imag
@@ -82,7 +81,7 @@ def _by_angle(problem: Characteristic) -> list[tuple[float, float]]:
     return sorted(zip((theta / omega)[crossing].tolist(), omega[crossing].tolist(), strict=True))
 
 
-def _sign_changes(function: Callable[[Real], Real], grid: Real, values: Real) -> Real:
+def _sign_changes(function: Callable[[Array], Array], grid: Array, values: Array) -> Array:
     """Zeros of `function`, with `values` on a rising `grid`, at its sign changes; all brackets are halved together."""
     first = np.flatnonzero(values[:-1] * values[1:] <= 0.0)
     low, high, sign = grid[first], grid[first + 1], np.sign(values[first])
@@ -93,13 +92,13 @@ def _sign_changes(function: Callable[[Real], Real], grid: Real, values: Real) ->
     return np.asarray(0.5 * (low + high))
 
 
-def _omega(slopes: FrictionSlopes, zeta: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _omega(slopes: FrictionSlopes, zeta: NDArray[np.complex128]) -> Array:
     """Frequency at which Re H = -Re zeta; nan where the slab dissipates too much."""
     with np.errstate(invalid="ignore"):
         return np.asarray(slopes.healing * np.sqrt(-(slopes.steady + zeta.real) / (slopes.direct + zeta.real)))
 
 
-def _reactance(slopes: FrictionSlopes, omega: NDArray[np.float64]) -> NDArray[np.float64]:
+def _reactance(slopes: FrictionSlopes, omega: Array) -> Array:
     """Im H(i omega)."""
     return omega * slopes.healing * (slopes.direct - slopes.steady) / (omega**2 + slopes.healing**2)
 
@@ -143,7 +142,7 @@ def _balances(problem: Characteristic) -> list[tuple[float, float]]:
     """(-H/Z, omega) wherever that is real on the imaginary axis up to omega_c."""
     slopes = problem.slopes
 
-    def balance(omega: float | Real) -> NDArray[np.complex128]:
+    def balance(omega: float | Array) -> NDArray[np.complex128]:
         """Ratio of friction impedance to slab impedance."""
         p, q = problem.one_port(Jet.variable(1j * np.asarray(omega)))
         with np.errstate(divide="ignore", invalid="ignore"):

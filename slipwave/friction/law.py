@@ -28,13 +28,15 @@ from slipwave.compiled import njit
 from slipwave.compiled.dispatch import ByClass, by_class
 from slipwave.errors import SceneError
 
+Array = NDArray[np.float64]
+
 Law: TypeAlias = Any
 """An instance of a registered parameter class (a NamedTuple of floats)."""
 
 Response: TypeAlias = tuple[float, float, float, float, float, float, float, float]
 """(v, v_z, F, F_z, F_psi, G, G_z, G_psi)."""
 
-Sample: TypeAlias = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Sample: TypeAlias = Callable[[Array], Array]
 """Values at points of pieces, (m, p), from those at their nodes, (m, n)."""
 
 
@@ -83,12 +85,12 @@ def law_of_step(law: Law, psi: float) -> Law:
 
 
 @by_class()
-def to_step(law: Law, own: Law, z: NDArray[np.float64]) -> None:
+def to_step(law: Law, own: Law, z: Array) -> None:
     """z (n,) <- the rate unknowns of `law`, a `law_of_step`, from those of the law itself, `own`."""
 
 
 @by_class()
-def to_own(law: Law, z: NDArray[np.float64]) -> None:
+def to_own(law: Law, z: Array) -> None:
     """z (n,) <- the rate unknowns of the law itself from those of `law`, a `law_of_step`."""
 
 
@@ -123,32 +125,32 @@ def _of_step(law: Law, psi: float) -> OfStep:
     return OfStep(law, max(0.5 * rate / _FAR, _LEAST))
 
 
-def smooth(law: Law, z: NDArray[np.float64], psi: NDArray[np.float64]) -> NDArray[np.float64]:
+def smooth(law: Law, z: Array, psi: Array) -> Array:
     """Rate unknowns as smooth as the stress, also where v changes its sign, from the law's own `z` and psi (m, n) at the nodes of
     m pieces."""
     return np.arcsinh(rates(law, z) / _double_floors(law, psi)) if allows_rest(law) else z
 
 
-def resampled(law: Law, z: NDArray[np.float64], psi: NDArray[np.float64], sample: Sample) -> NDArray[np.float64]:
+def resampled(law: Law, z: Array, psi: Array, sample: Sample) -> Array:
     """The law's own rate unknowns at other points of m pieces, (m, p), by `sample` of `smooth`."""
     if not allows_rest(law):
         return sample(z)
     return unknowns(law, _double_floors(law, psi) * np.sinh(sample(smooth(law, z, psi))))
 
 
-def _double_floors(law: Law, psi: NDArray[np.float64]) -> NDArray[np.float64]:
+def _double_floors(law: Law, psi: Array) -> Array:
     floors = np.empty((len(psi), 1))
     _fill_floors(law, psi, floors)
     return 2.0 * floors
 
 
 @njit
-def _fill_floors(law: Law, psi: NDArray[np.float64], floors: NDArray[np.float64]) -> None:
+def _fill_floors(law: Law, psi: Array, floors: Array) -> None:
     for i in range(floors.size):
         floors[i, 0] = law_of_step(law, psi[i, 0]).floor
 
 
-def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+def rates(law: Law, unknowns: Array) -> Array:
     """Slip rates (V*) at the rate unknowns z; an array of the same shape."""
     found = np.empty_like(unknowns, order="C")
     _fill_rates(law, unknowns.ravel(), found.ravel())
@@ -156,13 +158,13 @@ def rates(law: Law, unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @njit
-def _fill_rates(law: Law, unknowns: NDArray[np.float64], found: NDArray[np.float64]) -> None:
+def _fill_rates(law: Law, unknowns: Array, found: Array) -> None:
     """found <- `rates` of (n,) unknowns; without creating an array, which would triple the time to compile and load."""
     for i in range(unknowns.size):
         found[i] = rate_of(law, unknowns[i])
 
 
-def unknowns(law: Law, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+def unknowns(law: Law, speeds: Array) -> Array:
     """Rate unknowns z at the slip rates (V*); an array of the same shape."""
     found = np.empty_like(speeds, order="C")
     _fill_unknowns(law, speeds.ravel(), found.ravel())
@@ -170,7 +172,7 @@ def unknowns(law: Law, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @njit
-def _fill_unknowns(law: Law, speeds: NDArray[np.float64], found: NDArray[np.float64]) -> None:
+def _fill_unknowns(law: Law, speeds: Array, found: Array) -> None:
     """found <- `unknowns` at (n,) slip rates."""
     for i in range(speeds.size):
         found[i] = unknown_of(law, speeds[i])
@@ -206,7 +208,7 @@ class FrictionSlopes:
         >= 0. It meets the imaginary axis at omega_c."""
         return 0.5 * self.reach - self.healing, 0.5 * self.reach
 
-    def impedance_at(self, omega: float | NDArray[np.float64]) -> NDArray[np.complex128]:
+    def impedance_at(self, omega: float | Array) -> NDArray[np.complex128]:
         """H(i omega), delta_mu = H delta_v: (F_v s + G_phi F_ss')/(s + G_phi)."""
         s = 1j * np.asarray(omega)
         return np.asarray((self.direct * s + self.healing * self.steady) / (s + self.healing))
@@ -231,13 +233,13 @@ def _respond_of_step(law: OfStep, z: float, psi: float) -> Response:
 
 
 @to_step.register(OfStep)
-def _to_step(law: OfStep, own: Law, z: NDArray[np.float64]) -> None:
+def _to_step(law: OfStep, own: Law, z: Array) -> None:
     for i in range(z.size):
         z[i] = math.asinh(rate_of(own, z[i]) / (2.0 * law.floor))
 
 
 @to_own.register(OfStep)
-def _to_own(law: OfStep, z: NDArray[np.float64]) -> None:
+def _to_own(law: OfStep, z: Array) -> None:
     for i in range(z.size):
         z[i] = unknown_of(law.law, 2.0 * law.floor * math.sinh(z[i]))
 
@@ -300,7 +302,7 @@ def name_of(law: Law) -> str:
 _AT_REST = 1e-9  # V*
 
 
-def said_of_rest(law: Law, incoming: NDArray[np.float64], psi: float) -> str:
+def said_of_rest(law: Law, incoming: Array, psi: float) -> str:
     """What an error adds if the `incoming` stress, at the state psi, stops or reverses slip and `law` needs v > 0."""
     if allows_rest(law) or not incoming.min() < respond(law, unknown_of(law, _AT_REST), psi)[2]:
         return ""

@@ -8,7 +8,7 @@ import slipwave
 from slipwave.observe.statistics import autocorrelations, mean_of, median_of
 from tests.granite import GRANITE
 from validation.fit.least_squares import correlated_samples
-from validation.study.over_r import begun_at, scene_at
+from validation.study.over_r import scene_at
 from validation.study.regimes import AWAY, STEADY, regime_of
 
 
@@ -29,7 +29,7 @@ def test_the_regime_of_a_run(model, log10_r, words, cycles):
 
 def test_an_orbit_is_refined_where_a_tolerance_is_given():
     """76.6102996 by another program."""
-    run, refined = (regime_of("block8", begun_at(-2.68), 4000.0, None, tolerance) for tolerance in (None, 1e-9))
+    run, refined = (regime_of("block8", scene_at(-2.68), 4000.0, None, tolerance) for tolerance in (None, 1e-9))
     assert run.figures["T"].value == pytest.approx(76.6102996396875, rel=3e-9)
     assert refined.figures["T"].value == pytest.approx(76.6102996396875, rel=1e-12)
     assert (refined.ran, run.ran) == (run.figures, {})

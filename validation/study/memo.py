@@ -1,5 +1,5 @@
-"""Measurements of a model on a scene, shared by studies: its own orbit, its settled run, and the cycles of a long
-run. Each is computed once per process and cached by model, digest of the scene and settings.
+"""Measurements of a model on a scene, shared by studies: its own orbit and its settled run. Each is computed once per process and
+cached by model, digest of the scene and settings.
 """
 
 from collections.abc import Callable
@@ -11,7 +11,6 @@ import numpy as np
 
 from reduced.orbit import PeriodicOrbit
 from reduced.orbit.closing import Closed
-from slipwave.observe import Events
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import lagrange_basis
 from slipwave.scene import Scene
@@ -19,10 +18,11 @@ from validation.compute.build import build
 from validation.compute.orbit_start import first_event
 from validation.compute.orbits import find_orbit
 from validation.compute.settle import MOST_TRANSITS, Settled, settle
-from validation.measure.cycle import OneCycle, cut, watch
+from validation.measure.cycle import OneCycle, cut
 
 TRANSIENT = 1500.0  # transits
 LATE_TOLERANCE = 1e-7  # of a run whose cycles never repeat
+_PER_PIECE = 12  # samples
 _TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
 
 Settings = ParamSpec("Settings")
@@ -67,18 +67,11 @@ def settled(
     return settle(build(model, scene, tolerance=tolerance, cells=cells, cfl=cfl), to, most)
 
 
-@kept
-def late_cycles(model: str, scene: Scene, until: float, cells: int | None = None) -> Events:
-    """The cycles, after the transient, of a run to `until` (transits). Raises NumericsError where the run fails."""
-    solver = build(model, scene, tolerance=LATE_TOLERANCE) if cells is None else build(model, scene, cells=cells)
-    return watch(solver, until).events(TRANSIENT)
-
-
-def cycle_of(closed: Closed, before: float, after: float, per_piece: int = 12) -> OneCycle:
+def cycle_of(closed: Closed, before: float, after: float) -> OneCycle:
     """A closed orbit as the cycle of its first slip event, with `before` transits ahead of it and `after` transits past its end;
     its elastic stress is known up to a constant."""
     period, pieces = closed.cycle.period, closed.cycle.pieces
-    points = (np.arange(per_piece) + 0.5) / per_piece
+    points = (np.arange(_PER_PIECE) + 0.5) / _PER_PIECE
     once = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
     once = once[once < period]
     times = np.concatenate([once + turn * period for turn in _TURNS])

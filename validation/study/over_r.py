@@ -1,7 +1,7 @@
 """Branches of periodic orbits in log10 r from the Hopf point, with the orbits themselves; the paper's material at V = 100."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 from reduced.continuation.branch import Control
@@ -24,8 +24,6 @@ FAR = 200.0
 
 COMPARED = ("period", "stress_drop", "elastic_stress_drop")
 """The figures of an orbit that tables and diagrams show."""
-
-_NEAR_ONSET, _LARGE_NUDGE = -2.697, 2.0
 
 TOLERANCE = 1e-7
 STEPS = Control(longest=0.02)
@@ -80,12 +78,6 @@ def _paper_over_r() -> Over:
 def scene_at(log10_r: float) -> Scene:
     """The paper's scene at another r."""
     return _paper_over_r().scene_at(log10_r)
-
-
-def begun_at(log10_r: float) -> Scene:
-    """As `scene_at`; near the onset with a large nudge, because a small one grows for thousands of transits."""
-    scene = scene_at(log10_r)
-    return scene if log10_r > _NEAR_ONSET else replace(scene, start=replace(scene.start, size=_LARGE_NUDGE))
 
 
 def unaccounted(branch: Branch) -> int:

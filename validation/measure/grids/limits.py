@@ -74,11 +74,6 @@ def with_step(model: str, scene: Scene, share: float) -> FieldSolver:
     return build_full_wave(model, scene, cells=few_cells(model), cfl=AnyShare(share))
 
 
-def step_per_cell(model: str) -> float:
-    """c dt over the length of a cell at cfl 1."""
-    return with_step(model, rubbing(0.0), 1.0).step * 2.0 * few_cells(model)
-
-
 def rubbing(decade: float, medium: str = "alike slabs") -> Scene:
     """The slabs of MEDIA sliding steadily on F = a ln v, a/v = 10^decade times Z."""
     plain = slipwave.read("paper", ["start.size=0"])
