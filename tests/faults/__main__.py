@@ -49,7 +49,9 @@ def main() -> int:
     survivors = [record["name"] for record in records if not record["caught_by"]]
     print(f"{len(records) - len(survivors)} of {len(records)} planted faults caught", *survivors, sep="\nsurvives: ")
     if options.record:
-        put_on_record(records, RECORD)
+        known = {record["name"]: record for record in (*json.loads(RECORD.read_text(encoding="utf-8"))["faults"], *records)}
+        rows = [known[fault.name] for fault in read_faults() if fault.name in known]
+        RECORD.write_text(json.dumps({"faults": rows}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     return 3 if survivors else 0
 
 
@@ -81,13 +83,6 @@ def try_fault(fault: Fault, copy: Copy) -> dict[str, str]:
         said = f"by accident only: {why}" if why else "its check stays green"
         print(f"SURVIVES {fault.name}  {fault.where}: {fault.what}\n         {said}", flush=True)
     return {"name": fault.name, "where": fault.where, "what": fault.what, "user": fault.user, "caught_by": found.caught_by}
-
-
-def put_on_record(records: list[dict[str, str]], table: Path) -> None:
-    """Put `records` into the `table`, in the order of the faults; those of faults that are planted no more are removed."""
-    known = {record["name"]: record for record in (*json.loads(table.read_text(encoding="utf-8"))["faults"], *records)}
-    rows = [known[fault.name] for fault in read_faults() if fault.name in known]
-    table.write_text(json.dumps({"faults": rows}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -44,12 +44,6 @@ def result():
     )
 
 
-def forget_sources():
-    """Programs are read once by each process; a test that edits one stands for several processes."""
-    for function in (slipwave.sources._read, slipwave.sources.imported_files, sources._words):
-        function.cache_clear()
-
-
 class Fake:
     """Registers studies for one test and counts how often each runs."""
 
@@ -78,7 +72,8 @@ class Fake:
         """Put `text` at the end of a study's file, as a later process would find it."""
         with open(module.__file__, "a") as source:
             source.write(text)
-        forget_sources()
+        for function in (slipwave.sources._read, slipwave.sources.imported_files, sources._words):  # each process reads once
+            function.cache_clear()
 
     def write(self, name, body, timed=False):
         """A study in a file of its own, which other processes can import too; `body` is the text of `run`."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from fullwave.adapt import difference_of, probe
-from reduced.orbit.closing import Closed, close
+from reduced.orbit.closing import close
 from reduced.orbit.figures import figures_of
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
@@ -41,14 +41,10 @@ def of_orbit(model: str, scene: Scene, random: np.random.Generator) -> list[Held
     """Figures of an orbit to a random tolerance, compared with those on a much finer mesh."""
     tolerance = _DEFAULT if random.random() < 0.4 else 10.0 ** random.uniform(math.log10(_TIGHTEST), math.log10(_LOOSEST))
     found = find_orbit(model, scene, tolerance).found
-    truth = _by_finer_mesh(found.closed)
+    flow, start = found.closed.flow.remeshed(found.closed.cycle, _FINER)
+    truth = figures_of(close(flow, start, found.closed.cycle.period, 0.0))
     stated = {name: getattr(found.orbit, name).error for name in truth}
     return [Held(name, stated[name] / true, abs(found.orbit.values()[name] / true - 1.0)) for name, true in truth.items()]
-
-
-def _by_finer_mesh(closed: Closed) -> dict[str, float]:
-    flow, start = closed.flow.remeshed(closed.cycle, _FINER)
-    return figures_of(close(flow, start, closed.cycle.period, 0.0))
 
 
 def any_orbit(random: np.random.Generator) -> list[Held]:
