@@ -67,25 +67,6 @@ def assemble_layer(cells: int, degree: int) -> tuple[Array, Array, Any]:
     return exact.doflocs[0][order], mass, _slope.assemble(exact).tocsr()[order][:, order]
 
 
-def mesh_grid(sections: Sequence[Section], degree: int) -> BlockGrid:
-    """The grid with every section as one block."""
-    layers = [assemble_layer(section.cells, degree) for section in sections]
-    first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
-    half = padded_half(int(first[-1]))
-    blocks, slopes = [], []
-    for start, section, (depth, mass, slope) in zip(first, sections, layers, strict=False):
-        norm = section.length * mass
-        slots = start + np.arange(depth.size)
-        depths = section.start + section.length * depth
-        blocks.append(Block(section, slots, half + slots, depths, norm, (1.0 / norm[0], 1.0 / norm[-1])))
-        slopes.append(scipy.sparse.diags_array(1.0 / norm) @ slope)
-    rows = scipy.sparse.block_diag(slopes, format="csr")
-    rows.data[np.abs(rows.data) < 1e-13 * np.abs(rows.data).max()] = 0.0
-    rows.eliminate_zeros()
-    operator = Assembled(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data, half)
-    return BlockGrid(operator, 2 * half, tuple(blocks))
-
-
 @apply.register(Assembled)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     pointer, column, value, half = operator.pointer, operator.column, operator.value, operator.half
@@ -120,7 +101,21 @@ class FiniteElement(MethodOfLines):
 
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
         """As `MethodOfLines`."""
-        return mesh_grid(sections, self.number)
+        layers = [assemble_layer(section.cells, self.number) for section in sections]
+        first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
+        half = padded_half(int(first[-1]))
+        blocks, slopes = [], []
+        for start, section, (depth, mass, slope) in zip(first, sections, layers, strict=False):
+            norm = section.length * mass
+            slots = start + np.arange(depth.size)
+            depths = section.start + section.length * depth
+            blocks.append(Block(section, slots, half + slots, depths, norm, (1.0 / norm[0], 1.0 / norm[-1])))
+            slopes.append(scipy.sparse.diags_array(1.0 / norm) @ slope)
+        rows = scipy.sparse.block_diag(slopes, format="csr")
+        rows.data[np.abs(rows.data) < 1e-13 * np.abs(rows.data).max()] = 0.0
+        rows.eliminate_zeros()
+        operator = Assembled(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data, half)
+        return BlockGrid(operator, 2 * half, tuple(blocks))
 
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""

@@ -61,22 +61,6 @@ def difference_norm(order: int, cells: int) -> Any:
     return scipy.sparse.block_diag((norm, inside, norm[::-1, ::-1]), format="csr")
 
 
-def difference_grid(sections: Sequence[Section], order: int) -> BlockGrid:
-    """The grid with every section as one block."""
-    norm, closure = boundary_closure(order)
-    first = np.cumsum([0] + [section.cells + 1 for section in sections])
-    half = padded_half(int(first[-1]))
-    blocks = []
-    for start, section in zip(first, sections, strict=False):
-        h = section.length / section.cells
-        slots = start + np.arange(section.cells + 1)
-        lift = 1.0 / (h * norm[0, 0])
-        depth = section.start + h * (slots - start)
-        blocks.append(Block(section, slots, half + slots, depth, h * difference_norm(order, section.cells), (lift, lift)))
-    scale = np.array([section.cells / section.length for section in sections])
-    return BlockGrid(Differences(first, scale, central_coefficients(order), closure, half), 2 * half, tuple(blocks))
-
-
 @apply.register(Differences)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     firsts, scales, central, closure = operator.first, operator.scale, operator.central, operator.closure
@@ -126,7 +110,20 @@ class SummationByParts(MethodOfLines):
 
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
         """As `MethodOfLines`."""
-        return difference_grid(sections, self.number)
+        norm, closure = boundary_closure(self.number)
+        first = np.cumsum([0] + [section.cells + 1 for section in sections])
+        half = padded_half(int(first[-1]))
+        blocks = []
+        for start, section in zip(first, sections, strict=False):
+            h = section.length / section.cells
+            slots = start + np.arange(section.cells + 1)
+            lift = 1.0 / (h * norm[0, 0])
+            depth = section.start + h * (slots - start)
+            blocks.append(
+                Block(section, slots, half + slots, depth, h * difference_norm(self.number, section.cells), (lift, lift))
+            )
+        scale = np.array([section.cells / section.length for section in sections])
+        return BlockGrid(Differences(first, scale, central_coefficients(self.number), closure, half), 2 * half, tuple(blocks))
 
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""

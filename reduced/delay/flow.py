@@ -124,7 +124,15 @@ class DelayFlow:
         period. Slabs of incommensurate round trips with lossless faces have modes with arbitrarily small stress at the interface:
         the radius is 1. In all other cases it is that of the frozen `tangent`."""
         if self.scene.alike and self.scene.upper.is_plain:
-            return self._returned(cycle)
+            steps, fraction = self._steps(cycle.period)
+            points, weights = np.polynomial.legendre.leggauss(_FINE)
+            total = 0.0
+            for part, length in ((slice(0, steps - 1), 1.0), (slice(steps - 1, steps), fraction)):
+                rows = interpolation_matrix(self._basis, 0.5 * length * (points + 1.0))
+                law, psi = self.scene.law, cycle.pieces.psi[part]
+                z = resampled(law, cycle.pieces.z[part], psi, lambda nodal: nodal @ rows.T)  # noqa: B023 (called at once)
+                total += 0.5 * length * float(logs_of_return(law, 0.5 * self.scene.upper.epsilon, z, psi @ rows.T) @ weights)
+            return math.exp(self.length * total)
         if self.undecided:
             return 1.0
         return float(np.abs(np.linalg.eigvals(without(self.tangent(cycle, frozen=True), self.idle))).max())
@@ -153,18 +161,6 @@ class DelayFlow:
         from reduced.stability.essential import essential_abscissa
 
         return essential_abscissa(self.scene) > -_UNDAMPED / self.scene.transit
-
-    def _returned(self, cycle: Cycle) -> float:
-        """exp of the integral of ln |rho|, which is infinite where rho passes through zero, over the period."""
-        steps, fraction = self._steps(cycle.period)
-        points, weights = np.polynomial.legendre.leggauss(_FINE)
-        total = 0.0
-        for part, length in ((slice(0, steps - 1), 1.0), (slice(steps - 1, steps), fraction)):
-            rows = interpolation_matrix(self._basis, 0.5 * length * (points + 1.0))
-            law, psi = self.scene.law, cycle.pieces.psi[part]
-            z = resampled(law, cycle.pieces.z[part], psi, lambda nodal: nodal @ rows.T)  # noqa: B023 (called at once)
-            total += 0.5 * length * float(logs_of_return(law, 0.5 * self.scene.upper.epsilon, z, psi @ rows.T) @ weights)
-        return math.exp(self.length * total)
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """As `Flow`."""

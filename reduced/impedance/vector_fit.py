@@ -29,20 +29,6 @@ def _stack(rows: NDArray[Any]) -> Array:
     return np.asarray(np.concatenate([rows.real, rows.imag]))
 
 
-def relocate(s: Complex, values: Complex, weight: Array, pairs: Complex, reals: Array) -> tuple[Complex, Array]:
-    """One step of vector fitting: the poles become the zeros of the fitted sigma(s) = 1 + sum c~_k/(s - a_k).
-    Returns one of each conjugate pair, and the real poles."""
-    basis = partial_fractions(s, pairs, reals)
-    rows = np.column_stack([basis, np.ones_like(s), s, -values[:, None] * basis]) * weight[:, None]
-    matrix = _stack(rows)
-    scale = np.linalg.norm(matrix, axis=0)
-    coefficients = np.linalg.lstsq(matrix / scale, _stack(np.asarray(values * weight)), rcond=None)[0] / scale
-    new = np.linalg.eigvals(_companion(pairs, reals, coefficients[basis.shape[1] + 2 :]))
-    poles = -np.abs(new.real) + 1j * new.imag
-    real = np.abs(poles.imag) <= _REAL_POLE * np.abs(poles)
-    return poles[(poles.imag > 0.0) & ~real], poles[real].real
-
-
 def _companion(pairs: Complex, reals: Array, sigma: Array) -> Array:
     """A - b c~^T, whose eigenvalues are the zeros of sigma; a pair is the block [[2 g, -w^2], [1, 0]], with b = (1, 0)."""
     n, m = reals.size, pairs.size
@@ -58,10 +44,19 @@ def _companion(pairs: Complex, reals: Array, sigma: Array) -> Array:
 
 
 def fit_poles(s: Complex, values: Complex, weight: Array, pairs: Complex, reals: Array) -> tuple[Complex, Array]:
-    """Poles after a few relocations from the given start, until they no longer change."""
+    """One of each conjugate pair, and the real poles, after a few steps of vector fitting from the given start, until they no
+    longer change. In a step the poles become the zeros of the fitted sigma(s) = 1 + sum c~_k/(s - a_k)."""
     for _ in range(_ROUNDS):
         before = np.sort_complex(np.concatenate([pairs, reals]))
-        pairs, reals = relocate(s, values, weight, pairs, reals)
+        basis = partial_fractions(s, pairs, reals)
+        rows = np.column_stack([basis, np.ones_like(s), s, -values[:, None] * basis]) * weight[:, None]
+        matrix = _stack(rows)
+        scale = np.linalg.norm(matrix, axis=0)
+        coefficients = np.linalg.lstsq(matrix / scale, _stack(np.asarray(values * weight)), rcond=None)[0] / scale
+        new = np.linalg.eigvals(_companion(pairs, reals, coefficients[basis.shape[1] + 2 :]))
+        poles = -np.abs(new.real) + 1j * new.imag
+        real = np.abs(poles.imag) <= _REAL_POLE * np.abs(poles)
+        pairs, reals = poles[(poles.imag > 0.0) & ~real], poles[real].real
         after = np.sort_complex(np.concatenate([pairs, reals]))
         if after.shape == before.shape and np.all(np.abs(after - before) < _AT_REST * np.abs(after)):
             break

@@ -29,7 +29,17 @@ def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) 
     sample = sample_of(name, law, parameters)
     try:
         for rate, offset in itertools.product(_RATES, _STATE_OFFSETS):
-            _check_at(name, law, sample, rate, offset)
+            z = law.unknown_of(sample, rate)
+            _require(name, "rate_of(unknown_of(v))", law.rate_of(sample, z), rate)
+            bend = (law.rate_of(sample, z + _WIDE) - 2.0 * rate + law.rate_of(sample, z - _WIDE)) / (2.0 * math.cosh(_WIDE) - 2.0)
+            _require(name, f"v'' at z = {z:.6g} (solvers continue v by v'' = v: use e^z or 2 c sinh z)", bend, rate)
+            steady = law.steady_state(sample, rate)
+            answer = law.respond(sample, z, steady + offset)
+            if len(answer) != len(_ANSWERS):
+                raise LawError(f"friction law {name!r}: respond must return {', '.join(_ANSWERS)}, not {len(answer)} values")
+            _require(name, "v of respond at z = unknown_of(v)", answer[0], rate)
+            _require(name, "state rate G at psi = steady_state(v)", law.respond(sample, z, steady)[5], 0.0, scale=rate)
+            _check_derivatives(name, law, sample, z, steady + offset)
     except (ArithmeticError, TypeError, ValueError, AttributeError, NameError) as error:
         if isinstance(error, SceneError):
             raise
@@ -46,45 +56,30 @@ def sample_of(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) 
     raise LawError(f"friction law {name!r}: give the fields of {law.parameters.__qualname__} defaults, so that it can be checked")
 
 
-def _check_at(name: str, law: Any, sample: Any, rate: float, offset: float) -> None:
-    z = law.unknown_of(sample, rate)
-    _require(name, "rate_of(unknown_of(v))", law.rate_of(sample, z), rate)
-    bend = (law.rate_of(sample, z + _WIDE) - 2.0 * rate + law.rate_of(sample, z - _WIDE)) / (2.0 * math.cosh(_WIDE) - 2.0)
-    _require(name, f"v'' at z = {z:.6g} (solvers continue v by v'' = v: use e^z or 2 c sinh z)", bend, rate)
-    steady = law.steady_state(sample, rate)
-    answer = law.respond(sample, z, steady + offset)
-    if len(answer) != len(_ANSWERS):
-        raise LawError(f"friction law {name!r}: respond must return {', '.join(_ANSWERS)}, not {len(answer)} values")
-    _require(name, "v of respond at z = unknown_of(v)", answer[0], rate)
-    _require(name, "state rate G at psi = steady_state(v)", law.respond(sample, z, steady)[5], 0.0, scale=rate)
-    _check_derivatives(name, law, sample, z, steady + offset)
-
-
 def derivative_error(law: Any, sample: Any, z: float, psi: float) -> float:
     """Largest difference between the law's derivatives and central differences at (z, psi), relative to the largest value."""
+    answer, slopes = _slopes(law, sample, z, psi)
+    sizes = {label: max(abs(wanted), 1e-2 * abs(answer[label.partition("_")[0]]), 1e-3) for label, wanted in slopes.items()}
+    return max(float(abs(answer[label] - wanted) / sizes[label]) for label, wanted in slopes.items())
+
+
+def _slopes(law: Any, sample: Any, z: float, psi: float) -> tuple[dict[str, float], dict[str, float]]:
+    """The law's answer, and its slopes by central differences."""
     answer = dict(zip(_ANSWERS, law.respond(sample, z, psi), strict=True))
     slopes = {
         "z": _difference(law, sample, (z + _STEP, psi), (z - _STEP, psi)),
         "psi": _difference(law, sample, (z, psi + _STEP), (z, psi - _STEP)),
     }
-    pairs = [(answer[label], slopes[variable][quantity], answer[quantity]) for label in _SLOPES
-             for quantity, variable in [label.split("_")]]  # fmt: skip
-    return max(float(abs(given - wanted) / max(abs(wanted), 1e-2 * abs(value), 1e-3)) for given, wanted, value in pairs)
+    return answer, {label: slopes[variable][quantity] for label in _SLOPES for quantity, variable in [label.split("_")]}
 
 
 def _check_derivatives(name: str, law: Any, sample: Any, z: float, psi: float) -> None:
-    answer = dict(zip(_ANSWERS, law.respond(sample, z, psi), strict=True))
+    answer, slopes = _slopes(law, sample, z, psi)
     if not answer["F_z"] > 0.0:
         raise LawError(f"friction law {name!r}: F_z = {answer['F_z']:.6g} at z = {z:.6g}: must be > 0 (the direct effect)")
-    slopes = {
-        "z": _difference(law, sample, (z + _STEP, psi), (z - _STEP, psi)),
-        "psi": _difference(law, sample, (z, psi + _STEP), (z, psi - _STEP)),
-    }
     scale = max(1.0, *(abs(answer[quantity]) for quantity in ("v", "F", "G")))
-    for label in _SLOPES:
-        quantity, variable = label.split("_")
-        where = f"{label} at z = {z:.6g}, psi = {psi:.6g}"
-        _require(name, where, answer[label], slopes[variable][quantity], scale=1e-3 * scale)
+    for label, wanted in slopes.items():
+        _require(name, f"{label} at z = {z:.6g}, psi = {psi:.6g}", answer[label], wanted, scale=1e-3 * scale)
 
 
 def _difference(law: Any, sample: Any, ahead: tuple[float, float], behind: tuple[float, float]) -> dict[str, float]:

@@ -66,7 +66,16 @@ class Curve:
         """Record the first point, on the branch at the second parameter's first value, or all Hopf points, which lie on the
         boundary of stability of steady sliding. Raises NumericsError if there is none."""
         if self.kind == "HB":
-            self._record_onsets()
+            names, port = (self.over.name, self.second.name), one_port_of(self.model)
+            for found in boundary(self.over.base, port, names, (self.over.ends, self.second.ends)):
+                for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
+                    if self._holds(first, second):
+                        scene = self._scene_at(first, second)
+                        period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
+                        # the multiplier of the oscillation of steady sliding is 1 there
+                        self.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, 1.0, 0.0))
+            if not self.points:
+                raise NumericsError(f"{self.model}: steady sliding does not lose stability in this rectangle")
             return None
         branch = self._branch()
         special, _ = branch.first_special(branch.begin(), self.kind)
@@ -118,18 +127,6 @@ class Curve:
         scene = self._scene_at(over.first, value)
         across = Over(scene, over.name, over.first, over.last, lambda one: self._scene_at(one, value))
         return FollowedBranch(across, self.model, self.tolerance)
-
-    def _record_onsets(self) -> None:
-        """Hopf points: the multiplier of the oscillation of steady sliding is 1 there."""
-        names, port = (self.over.name, self.second.name), one_port_of(self.model)
-        for found in boundary(self.over.base, port, names, (self.over.ends, self.second.ends)):
-            for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
-                if self._holds(first, second):
-                    scene = self._scene_at(first, second)
-                    period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
-                    self.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, 1.0, 0.0))
-        if not self.points:
-            raise NumericsError(f"{self.model}: steady sliding does not lose stability in this rectangle")
 
     def _on_curve(self, state: State) -> tuple[OnCurve, float]:
         """The inverse of `_saved`."""

@@ -138,7 +138,16 @@ def requested(model: str, scene: "Scene", **options: Unpack[Options]) -> tuple[F
     """The arguments of `make` for a full name: its family, the scene, the number after the colon, and the options. Raises
     SceneError as `made` does."""
     family, number = parse(model)
-    _require_options(model, family, options)
+    for name, value in given(options, *OPTIONS).items():
+        if name not in family.options:
+            takers = ", ".join(other.pattern for other in families() if name in other.options)
+            raise SceneError(f"{name} = {value}: model {model} takes no {name}; models that do: {takers}")
+    cfl, tolerance = options.get("cfl"), options.get("tolerance")
+    if options.get("time") == "exact" and cfl is not None:
+        raise SceneError(f"cfl = {cfl:g}: the exact march has no step limit; leave it out, or choose --time explicit")
+    least, most = family.tolerances
+    if tolerance is not None and not least <= tolerance <= most:
+        raise SceneError(f"tolerance = {tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")
     if number is None:
         number = family.chosen(options.get("tolerance"))
     refusal = family.refusal(scene)
@@ -178,19 +187,6 @@ def _numbers(allowed: range | tuple[int, ...]) -> str:
     if isinstance(allowed, range):
         return f"a whole number from {allowed.start} to {allowed.stop - 1}"
     return f"one of {', '.join(str(number) for number in allowed)}"
-
-
-def _require_options(model: str, family: Family, options: Options) -> None:
-    for name, value in given(options, *OPTIONS).items():
-        if name not in family.options:
-            takers = ", ".join(other.pattern for other in families() if name in other.options)
-            raise SceneError(f"{name} = {value}: model {model} takes no {name}; models that do: {takers}")
-    cfl, tolerance = options.get("cfl"), options.get("tolerance")
-    if options.get("time") == "exact" and cfl is not None:
-        raise SceneError(f"cfl = {cfl:g}: the exact march has no step limit; leave it out, or choose --time explicit")
-    least, most = family.tolerances
-    if tolerance is not None and not least <= tolerance <= most:
-        raise SceneError(f"tolerance = {tolerance:g}: must lie in [{least:g}, {most:g}] for model {model}")
 
 
 def make(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:

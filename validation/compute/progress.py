@@ -44,24 +44,21 @@ class _Meter:
         if now - self._began < PATIENCE:
             return
         if sys.stderr.isatty():
-            self._draw(done)
+            if self._bar is None:
+                from rich.console import Console
+                from rich.markup import escape
+                from rich.progress import Progress
+
+                self._bar = Progress(console=Console(stderr=True), transient=True)
+                self._task = self._bar.add_task(escape(self._label), total=self._total)
+                self._bar.start()
+            assert self._task is not None
+            self._bar.update(self._task, completed=done)
         elif now - self._printed >= _LINE_INTERVAL:
             self._printed = now
             left = (now - self._first[0]) * (self._total - done) / max(done - self._first[1], 1e-9)
             news = f", {left:.0f} s left" if done > self._first[1] else ""
             logging.getLogger("slipwave").info("%s: %.0f%%%s", self._label, 100.0 * done / self._total, news)
-
-    def _draw(self, done: float) -> None:
-        if self._bar is None:
-            from rich.console import Console
-            from rich.markup import escape
-            from rich.progress import Progress
-
-            self._bar = Progress(console=Console(stderr=True), transient=True)
-            self._task = self._bar.add_task(escape(self._label), total=self._total)
-            self._bar.start()
-        assert self._task is not None
-        self._bar.update(self._task, completed=done)
 
     def close(self) -> None:
         """Remove the bar from the screen."""

@@ -8,7 +8,6 @@ import json
 import re
 import sys
 from pathlib import Path
-from typing import Any
 
 from validation.report.recorded import NAME
 from validation.study import RUN_TIMES
@@ -17,10 +16,11 @@ _WORDS = re.compile(r"~\{(?:[^{}]|\{[^{}]*\})*\}")
 _MARKED = re.compile(r'<(\w+)[^>]*\bclass="(?:[^"]* )?time(?: [^"]*)?"[^>]*>.*?</\1>', re.DOTALL)
 
 
-def lasting_record(report: dict[str, Any]) -> dict[str, Any]:
-    """report.json without run times: `times`, what timed verdicts found, cells of timed columns, costs of models, timed figures,
-    words in ~{}."""
-    report = {name: value for name, value in report.items() if name != "times"}
+def lasting_digest(out: Path) -> str:
+    """Digest of the report in the folder `out` without run times: `times`, what timed verdicts found, cells of timed columns,
+    costs of models, timed figures, words in ~{}."""
+    report = json.loads((out / NAME).read_text(encoding="utf-8"))
+    del report["times"]
     timed = {verdict["id"] for verdict in report["verdicts"] if verdict["unit"] in RUN_TIMES}
     report["verdicts"] = [one | ({"found": None} if one["id"] in timed else {}) for one in report["verdicts"]]
     report["figures"] = [figure for figure in report["figures"] if not figure["timed"]]
@@ -30,13 +30,7 @@ def lasting_record(report: dict[str, Any]) -> dict[str, Any]:
     for models in report["model_tables"]:
         for row in models["table"]["rows"]:
             del row["costs"]
-    lasting: dict[str, Any] = json.loads(_WORDS.sub("~{}", json.dumps(report, ensure_ascii=False)))
-    return lasting
-
-
-def lasting_digest(out: Path) -> str:
-    """Digest of the report in the folder `out` without run times."""
-    record = lasting_record(json.loads((out / NAME).read_text(encoding="utf-8")))
+    record = json.loads(_WORDS.sub("~{}", json.dumps(report, ensure_ascii=False)))
     tables = [table["csv"] for table in record["tables"] if not any(column["timed"] for column in table["columns"])]
     digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
     digest.update(_MARKED.sub(r"<\1 time>", (out / "index.html").read_text(encoding="utf-8")).encode())

@@ -76,15 +76,6 @@ class Store:
             self._make_parts()
             self._digest = _digest(present)
             return
-        self._write_manifest(manifest)
-
-    def _make_parts(self) -> None:
-        try:
-            (self.folder / _PARTS).mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise SceneError(f"--out = {str(self.folder)!r}: cannot be made: {reason_of(error)}") from None
-
-    def _write_manifest(self, manifest: Mapping[str, Any]) -> None:
         self._make_parts()
         temporary = self.folder / f".{uuid.uuid4().hex}.json"
         try:
@@ -99,6 +90,12 @@ class Store:
             raise SceneError(f"--out = {str(self.folder)!r}: cannot be written: {reason_of(error)}") from None
         finally:
             temporary.unlink(missing_ok=True)
+
+    def _make_parts(self) -> None:
+        try:
+            (self.folder / _PARTS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise SceneError(f"--out = {str(self.folder)!r}: cannot be made: {reason_of(error)}") from None
 
     def write(self, points: Indices, columns: Columns) -> None:
         """Add finished points of the sweep. Raises SceneError if the part cannot be written, or if another process has begun
