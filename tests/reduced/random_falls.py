@@ -13,6 +13,7 @@ from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.solve import follow
 from slipwave.step.nodal import NOT_SMOOTH
+from tests.reduced.random_networks import fit_out
 from validation.compute.build import build
 
 KINDS = ("alike", "unlike", "irrational", "layered", "grip", "reflection", "machine")
@@ -49,17 +50,7 @@ def random_fall(seed):
         lower = {"epsilon": epsilon * rng.uniform(0.3, 3.0), "r": r * rng.choice([0.5, 1.0, 1.5, 2.0])}
     if kind == "irrational":
         lower["r"] = r * rng.uniform(0.5, 2.0)
-    if kind == "layered":
-        share = rng.choice([0.25, 0.5, 0.75])
-        upper["layers"] = [{"fraction": share, "impedance": 1.0}, {"fraction": 1.0 - share, "impedance": rng.uniform(0.3, 3.0)}]
-    stiffness, impedance = 10.0 ** rng.uniform(-0.5, 1.5), 10.0 ** rng.uniform(-1.0, 1.0)
-    faces = {
-        "grip": {"stiffness": stiffness, "impedance": impedance},
-        "machine": {"stiffness": stiffness, "impedance": impedance, "mass": 10.0 ** rng.uniform(-1.5, 1.0)},
-        "reflection": {"coefficient": 1.0 - 10.0 ** rng.uniform(-3.0, -0.2)},
-    }
-    if kind in faces:
-        upper["face"] = {"kind": kind, **faces[kind]}
+    fit_out(rng, upper, kind, [0.25, 0.5, 0.75])
     ratio = 10.0 ** rng.uniform(np.log10(30.0), 6.0)
     velocity = 10.0 ** rng.uniform(-0.3, 0.5) / min(upper["epsilon"], lower["epsilon"])  # waves that friction cannot carry
     rise, fall = np.round(rng.uniform([2.0, 12.0], [6.0, 18.0]) * 4.0) / 4.0

@@ -43,18 +43,8 @@ def random_network(seed):
     epsilon, r = 10.0 ** rng.uniform(-5.0, -4.0), 10.0 ** rng.uniform(-3.2, -2.3)
     upper, lower = {"epsilon": epsilon, "r": r}, {"epsilon": epsilon * rng.uniform(0.3, 3.0), "r": r}
     lower["r"] *= rng.uniform(0.5, 2.0) if kind == "irrational" else rng.choice([0.5, 0.75, 1.0, 1.5, 2.0, 5.0 / 3.0])
-    if kind == "layered":
-        share = rng.choice([0.25, 1.0 / 3.0, 0.5, 0.75])
-        upper["layers"] = [{"fraction": share, "impedance": 1.0}, {"fraction": 1.0 - share, "impedance": rng.uniform(0.3, 3.0)}]
-    stiffness, impedance = 10.0 ** rng.uniform(-0.5, 1.5), 10.0 ** rng.uniform(-1.0, 1.0)
-    faces = {
-        "grip": {"stiffness": stiffness, "impedance": impedance},
-        "machine": {"stiffness": stiffness, "impedance": impedance, "mass": 10.0 ** rng.uniform(-1.5, 1.0)},
-        "reflection": {"coefficient": 1.0 - 10.0 ** rng.uniform(-3.0, -0.2)},
-    }
-    if kind in faces:
-        upper["face"] = {"kind": kind, **faces[kind]}
-    if kind in faces and rng.random() < 0.5:
+    fit_out(rng, upper, kind, [0.25, 1.0 / 3.0, 0.5, 0.75])
+    if "face" in upper and rng.random() < 0.5:
         lower |= {"r": r, "epsilon": epsilon, "face": upper["face"]}
     velocity, until = 10.0 ** rng.uniform(1.0, 3.0), float(rng.integers(16, 60))
     changed = {
@@ -71,6 +61,21 @@ def random_network(seed):
         "run": {"until": until},
     }
     return read(changed), 10.0 ** rng.uniform(-11.0, -6.0), f"{kind}, {motion}"
+
+
+def fit_out(rng, slab, kind, shares):
+    """Give the `slab` the layers or the face of its `kind`, if any."""
+    if kind == "layered":
+        share = rng.choice(shares)
+        slab["layers"] = [{"fraction": share, "impedance": 1.0}, {"fraction": 1.0 - share, "impedance": rng.uniform(0.3, 3.0)}]
+    stiffness, impedance = 10.0 ** rng.uniform(-0.5, 1.5), 10.0 ** rng.uniform(-1.0, 1.0)
+    faces = {
+        "grip": {"stiffness": stiffness, "impedance": impedance},
+        "machine": {"stiffness": stiffness, "impedance": impedance, "mass": 10.0 ** rng.uniform(-1.5, 1.0)},
+        "reflection": {"coefficient": 1.0 - 10.0 ** rng.uniform(-3.0, -0.2)},
+    }
+    if kind in faces:
+        slab["face"] = {"kind": kind, **faces[kind]}
 
 
 def drive(rng, motion, velocity):
