@@ -32,7 +32,7 @@ import numpy as np
 
 from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.drive import NUDGE_CENTRE, Drive, StartKind
+from slipwave.scene.drive import NUDGE_CENTRE, StartKind
 from slipwave.solve import Solver
 
 EXPECTED_ERROR = 1e-9
@@ -185,7 +185,9 @@ _ON_A_STEP = 1e-6
 def costly_steps(solver: Solver) -> list[str]:
     """A note if steps of V lower the order of a full wave, because they fall within time steps or by their fronts; none if V has
     no steps after the start, if the model represents them exactly, and for a leapfrog with V's steps at the ends of its own."""
-    jumps = _jumps(solver.scene.drive)
+    drive = solver.scene.drive
+    pairs = pairwise(zip(drive.times, drive.velocities, strict=True))
+    jumps = [late for (early, before), (late, after) in pairs if early == late > 0.0 and before != after]
     late = _late(solver, jumps)
     if late or not jumps or "time" not in solver.settings:
         return late
@@ -207,8 +209,3 @@ def _late(solver: Solver, jumps: list[float]) -> list[str]:
         f"steps of V are placed to within one time step ({step:.3g} transits) by this model: their error falls with the step, "
         "not with the order of the scheme; the delay system, and full waves with --time exact, place them exactly"
     ]
-
-
-def _jumps(drive: Drive) -> list[float]:
-    pairs = pairwise(zip(drive.times, drive.velocities, strict=True))
-    return [late for (early, before), (late, after) in pairs if early == late > 0.0 and before != after]

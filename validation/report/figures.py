@@ -5,11 +5,10 @@ import gzip
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from validation.chart.svg import colors_of, inline
 from validation.report.store import Picture, Stored
-from validation.study import Verdict
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -18,25 +17,9 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 
 
-class OfPaper(NamedTuple):
-    """A figure of the paper that is drawn again, and the verdicts that it carries, of any study."""
-
-    picture: Picture
-    verdicts: list[Verdict]
-
-
-def of_paper_in(studies: Sequence[Stored]) -> list[OfPaper]:
-    """The paper's figures in its order."""
-    every = [verdict for study in studies if study.result for verdict in study.result.verdicts]
-    pictures = [picture for study in studies for picture in study.pictures if picture.paper]
-    return [
-        OfPaper(picture, [verdict for verdict in every if verdict.claim.startswith(tuple(picture.carries))])
-        for picture in sorted(pictures, key=lambda one: one.paper)
-    ]
-
-
 def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Environment":
-    """The environment with the filter `inline` and the figures' dark colours for `figure.html.j2`."""
+    """The environment with the filter `inline` and the figures' dark colours for `figure.html.j2`; the paper's figures that are
+    drawn again, in its order, with the verdicts that they carry, of any study."""
     from markupsafe import Markup
 
     def element(picture: Picture) -> Any:
@@ -46,7 +29,12 @@ def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Envi
     environment.filters["inline"] = element
     colors = colors_of(picture.svg.read_text(encoding="utf-8") for picture in pictures)
     environment.globals["day"], environment.globals["night"] = map(Markup, colors)
-    environment.globals["of_paper"] = of_paper_in(studies)
+    every = [verdict for study in studies if study.result for verdict in study.result.verdicts]
+    environment.globals["of_paper"] = [
+        {"picture": one, "verdicts": [verdict for verdict in every if verdict.claim.startswith(tuple(one.carries))]}
+        for one in sorted(pictures, key=lambda one: one.paper)
+        if one.paper
+    ]
     environment.filters |= {"packed": packed, "json": json.dumps}
     environment.globals["plotting"] = Markup(_plotting()) if any(picture.zoom for picture in pictures) else ""
     return environment

@@ -92,13 +92,8 @@ def _table(study: str, table: Table) -> TableRecord:
         caption=table.caption,
         columns=tuple(ColumnRecord(title=one.title, unit=one.unit, timed=one.timed) for one in table.columns),
         rows=table.rows,
-        csv=table_file(study, table.name),
+        csv=f"data/{study}/table-{table.name}.csv",  # a figure of the same name has its data in the same folder
     )
-
-
-def table_file(study: str, name: str) -> str:
-    """Path of a table as CSV, from the report's folder. A figure of the same name has its data in the same folder."""
-    return f"data/{study}/table-{name}.csv"
 
 
 def _models(study: str, table: ModelTable) -> ModelTableRecord:

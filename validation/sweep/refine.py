@@ -68,7 +68,9 @@ def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes:
     while before != (before := sum(int(cells.sum()) for cells in divided.values())):
         for level, step in steps.items():
             there = _there(divided, level, levels)
-            wanted = _around(_changing(regimes().reshape(plan.shape), step, divided[level]) & there)
+            known = regimes().reshape(plan.shape)
+            found = divided[level] & _coarser(_differing(known, step // 2), 2)  # in which division found another regime
+            wanted = _around((_differing(known, step) | found) & there)
             divided[level] |= (wanted | _audited(there.shape)) & there
             for above in range(level + 1, levels + 1):
                 divided[above] |= _coarser(wanted & ~there, 2 ** (above - level))
@@ -122,11 +124,6 @@ def _corners(known: Regimes, step: int) -> Regimes:
 def _differing(known: Regimes, step: int) -> Cells:
     corners = _corners(known, step)
     return np.asarray((corners != corners[..., :1]).any(axis=-1))
-
-
-def _changing(known: Regimes, step: int, divided: Cells) -> Cells:
-    """Cells whose corners differ, or in which another regime was found by division."""
-    return _differing(known, step) | (divided & _coarser(_differing(known, step // 2), 2))
 
 
 def _around(cells: Cells) -> Cells:
