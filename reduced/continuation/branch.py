@@ -91,7 +91,9 @@ def _longest_step(
 
     def step(length: float) -> tuple[OrbitPoint, tuple[Special, ...], float]:
         new = point_near(family, point.unknowns + length * point.tangent, point.tangent, metric, point)
-        if not is_smooth(point, new, metric):
+        chord = new.unknowns - point.unknowns
+        pairs = ((point.tangent, new.tangent), (chord, point.tangent), (chord, new.tangent))
+        if not max(metric.angle(*pair) for pair in pairs) < LARGEST_ANGLE:  # each lies in the cone around the other's tangent
             raise NumericsError(TURNS)
         return new, specials_between(family, point, new, metric, trend), length
 
@@ -118,10 +120,3 @@ def longest(step: Callable[[float], Stepped], length: float, shortest: float) ->
             failed = reason
         length *= 0.5
     raise failed
-
-
-def is_smooth(point: OrbitPoint, new: OrbitPoint, metric: Metric) -> bool:
-    """Whether each of both points lies in the cone around the other's tangent."""
-    chord = new.unknowns - point.unknowns
-    pairs = ((point.tangent, new.tangent), (chord, point.tangent), (chord, new.tangent))
-    return max(metric.angle(*pair) for pair in pairs) < LARGEST_ANGLE

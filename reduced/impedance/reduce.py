@@ -113,11 +113,6 @@ def reduction_of(scene: Scene, name: str) -> Reduction:
     kind = name.partition(":")[0]
     if scene.alike and scene.upper.is_plain and (kind in TABULATED or kind == "modal"):
         return reduction(name)
-    return reduce_scene(scene, name)
-
-
-def reduce_scene(scene: Scene, name: str) -> Reduction:
-    """The reduction `name` of any scene that its family honours, from the scene's own impedance."""
     family = next((family for family in REDUCTIONS if family.name == name.partition(":")[0]), None)
     if family is None:
         return reduction(name)  # raises the SceneError for an unknown name

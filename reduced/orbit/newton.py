@@ -68,7 +68,13 @@ def solve_by_newton(
             taken = matrix = derivative(now)
             away = 0.0
         fresh = away == 0.0
-        new = _shortened(evaluate, now, _step(matrix, now.residual), fresh)
+        try:
+            step = np.linalg.solve(matrix, -now.residual)
+        except np.linalg.LinAlgError:
+            step = np.full_like(now.residual, np.nan)
+        if not np.isfinite(step).all():
+            raise NumericsError("the linearised equations are singular")
+        new = _shortened(evaluate, now, np.asarray(step), fresh)
         if not new.size < _STALLED * now.size and now.size < _ROUNDING:
             return finished(iteration)
         matrix = _corrected(matrix, now, new) if new.size < _SERVES * now.size else None
@@ -76,16 +82,6 @@ def solve_by_newton(
             away += float(np.abs(new.unknowns - now.unknowns).max())
             now = new
     raise NumericsError(f"no convergence in {_MOST_ITERATIONS} iterations: a residual of {now.size:.2g} is left")
-
-
-def _step(matrix: Array, residual: Array) -> Array:
-    try:
-        step = np.linalg.solve(matrix, -residual)
-    except np.linalg.LinAlgError:
-        step = np.full_like(residual, np.nan)
-    if not np.isfinite(step).all():
-        raise NumericsError("the linearised equations are singular")
-    return np.asarray(step)
 
 
 def _corrected(matrix: Array, before: Evaluated[_Motion], after: Evaluated[_Motion]) -> Array:

@@ -92,7 +92,13 @@ class Characteristic:
         and the relaxation rates of the outer faces alone."""
         found: set[complex] = {0.0, -self.slopes.healing}
         for slab in (self.scene.upper, self.scene.lower):
-            found.update(_rates(slab))
+            held = slab.termination
+            rates = [] if held.is_rigid else [complex(root) for root in np.roots([held.mass, held.dashpot, held.spring])]
+            if slab.viscosity:
+                rates.append(-retardation_rate(slab))
+            if isinstance(slab.viscosity, StandardLinearViscosity):
+                rates.append(-1.0 / slab.viscosity.time)
+            found.update(rates)
         return tuple(found)
 
     @property
@@ -110,16 +116,6 @@ def retardation_rate(slab: Slab) -> float:
         case StandardLinearViscosity(time, ratio):
             return 1.0 / (time * (1.0 + ratio))
     return float("inf")
-
-
-def _rates(slab: Slab) -> list[complex]:
-    held = slab.termination
-    rates = [] if held.is_rigid else [complex(root) for root in np.roots([held.mass, held.dashpot, held.spring])]
-    if slab.viscosity:
-        rates.append(-retardation_rate(slab))
-    if isinstance(slab.viscosity, StandardLinearViscosity):
-        rates.append(-1.0 / slab.viscosity.time)
-    return rates
 
 
 @lru_cache(maxsize=8)

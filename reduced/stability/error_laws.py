@@ -12,7 +12,7 @@ G_phi/2), an error of (G_phi/(2 omega_c)) theta.
 
 from dataclasses import dataclass
 
-from reduced.impedance.reduction import Reduction, reduction
+from reduced.impedance.reduction import reduction
 from slipwave.friction.law import FrictionSlopes
 
 _EXACT = (1.0 / 12.0, 1.0 / 720.0, 1.0 / 30240.0)
@@ -44,14 +44,9 @@ def error_law(model: str, slopes: FrictionSlopes) -> ErrorLaw:
         return ErrorLaw(0.5 * slopes.healing / slopes.omega_c * (2.0 * reduced.damping), 1)
     if not reduced.is_lossless:
         raise ValueError(f"no error law for {model}: only radiation damping and lossless reductions have one")
-    for power, exact, own in zip((2, 4, 6), _EXACT, _reactance_series(reduced), strict=True):
+    modes = list(zip(reduced.residues, reduced.frequencies, strict=True))
+    first, third, fifth = (sum(c / w**p for c, w in modes) for p in (2, 4, 6))  # coefficients of theta, theta^3, theta^5
+    for power, exact, own in zip((2, 4, 6), _EXACT, (reduced.mass + first, third, fifth), strict=True):
         if abs(exact - own) > _ROUNDING * exact:
             return ErrorLaw(exact - own, power)
     return ErrorLaw(0.0, 8)
-
-
-def _reactance_series(reduced: Reduction) -> tuple[float, float, float]:
-    """Coefficients of theta, theta^3, theta^5 in the reduced reactance."""
-    modes = list(zip(reduced.residues, reduced.frequencies, strict=True))
-    first, third, fifth = (sum(c / w**p for c, w in modes) for p in (2, 4, 6))
-    return reduced.mass + first, third, fifth
