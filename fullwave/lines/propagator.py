@@ -97,7 +97,7 @@ def _grown(step: Array) -> Array:
     change = fourth / math.factorial(_TERMS)
     for least in range(_TERMS - 4, 0, -4):
         change = fourth @ (change + sum(power / math.factorial(least + k) for k, power in enumerate(powers)))
-    return np.asarray(change + sum(power / math.factorial(k) for k, power in enumerate(powers) if k))
+    return change + sum(power / math.factorial(k) for k, power in enumerate(powers) if k)
 
 
 @cache

@@ -116,7 +116,7 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
         tangent = scipy.linalg.solve(matrix, np.append(np.zeros(size + 1), 1.0))
     except np.linalg.LinAlgError:
         raise NumericsError("the branch has no unique direction here") from None
-    return np.asarray(tangent / metric.length(tangent))
+    return tangent / metric.length(tangent)
 
 
 def on_finer_mesh(family: FlowFamily, point: OrbitPoint, metric: Metric, tolerance: float) -> tuple[FlowFamily, OrbitPoint]:

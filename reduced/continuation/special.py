@@ -78,7 +78,7 @@ def trend_of(left: OrbitPoint, right: OrbitPoint, length: float) -> Array:
 
 def _real(point: OrbitPoint) -> Array:
     """The real multipliers."""
-    return np.asarray(point.multipliers[np.abs(point.multipliers.imag) < _REAL].real)
+    return point.multipliers[np.abs(point.multipliers.imag) < _REAL].real
 
 
 def _above(values: Complex) -> Complex:

@@ -100,7 +100,7 @@ class DelayFlow:
         later, earlier = (
             self._within_last(lines, cycle.pieces, cycle.start[-1], fraction + shift) for shift in (_CHANGE, -_CHANGE)
         )
-        return np.asarray((later - earlier) / (2.0 * _CHANGE * self.length))
+        return (later - earlier) / (2.0 * _CHANGE * self.length)
 
     def tangent(self, cycle: Cycle, frozen: bool = False) -> Array:
         """As `Flow`. If `frozen`, psi is held at its values along `cycle`: the motion of the waves alone."""

@@ -36,7 +36,7 @@ class Past(NamedTuple):
     def total(self, first: float, last: float) -> Array:
         """Sum (m,) of the changes in the transits `first` to `last` - 1."""
         nodes, weights = sum_rule(last - first)
-        return np.asarray(weights @ self._rows(first + nodes) @ self.change)
+        return weights @ self._rows(first + nodes) @ self.change
 
     def error(self, first: float, last: float, change: Array) -> Array:
         """Change (m,) of `total` if the transit `last`, marched since with this `change`, replaces the oldest. Both polynomials

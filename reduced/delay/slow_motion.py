@@ -152,13 +152,13 @@ class SlowMotion:
 
     def stress(self, slow: Slow, times: Array) -> Array:
         """Friction stress at `times`."""
-        return np.asarray(self._scene.steady_stress + self._terms(slow, times) @ self.transfer.stress)
+        return self._scene.steady_stress + self._terms(slow, times) @ self.transfer.stress
 
     def waves(self, slow: Slow, times: Array) -> Array:
         """Waves launched at `times` (..), as deviations; shape (layers, 2, ..)."""
         drift = 0.5 * (self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity)
         shift = (drift * self._shift).reshape(*self._shift.shape, *(1 for _ in range(times.ndim)))
-        return np.asarray(np.tensordot(self.transfer.waves, self._terms(slow, times), axes=(2, -1)) + shift)
+        return np.tensordot(self.transfer.waves, self._terms(slow, times), axes=(2, -1)) + shift
 
     def tops(self, slow: Slow, time: float) -> Array:
         """Load and velocity of each outer face at a `time`."""

@@ -87,7 +87,7 @@ def exact_impedance(scene: Scene, s: Complex) -> Complex:
 
 def _weight(s: Complex, target: Complex) -> Array:
     """Weights of the relative errors, larger at lower frequency, because modes above the band disturb the fit at its edge."""
-    return np.asarray(1.0 / ((1.0 + np.abs(target)) * (1.0 + np.abs(s) ** _EMPHASIS)))
+    return 1.0 / ((1.0 + np.abs(target)) * (1.0 + np.abs(s) ** _EMPHASIS))
 
 
 def _columns(s: Complex, pairs: Complex, reals: Array) -> Complex:

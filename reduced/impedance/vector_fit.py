@@ -26,7 +26,7 @@ def partial_fractions(s: Complex, pairs: Complex, reals: Array) -> Complex:
 
 
 def _stack(rows: NDArray[Any]) -> Array:
-    return np.asarray(np.concatenate([rows.real, rows.imag]))
+    return np.concatenate([rows.real, rows.imag])
 
 
 def _companion(pairs: Complex, reals: Array, sigma: Array) -> Array:

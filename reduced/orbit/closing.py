@@ -126,4 +126,4 @@ def close_family(
 def by_parameter(flow_at: FlowAt, cycle: Cycle, parameter: float) -> Array:
     """d end/d parameter (n,)."""
     change = _BY_PARAMETER * max(abs(parameter), _SMALL)
-    return np.asarray((flow_at(parameter + change).march(cycle.start, cycle.period).end - cycle.end) / change)
+    return (flow_at(parameter + change).march(cycle.start, cycle.period).end - cycle.end) / change

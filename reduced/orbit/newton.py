@@ -87,7 +87,7 @@ def solve_by_newton(
 def _corrected(matrix: Array, before: Evaluated[_Motion], after: Evaluated[_Motion]) -> Array:
     """Broyden's update: the nearest matrix that gives the change of the residual along the step."""
     step, change = after.unknowns - before.unknowns, after.residual - before.residual
-    return np.asarray(matrix + np.outer(change - matrix @ step, step / (step @ step)))
+    return matrix + np.outer(change - matrix @ step, step / (step @ step))
 
 
 def _shortened(

@@ -60,7 +60,7 @@ class _Plane:
 
     def values(self, u: Array) -> Array:
         """The two parameters at the scaled point u of [0, 1]^2."""
-        return np.asarray(self.ranges[:, 0] + u * (self.ranges[:, 1] - self.ranges[:, 0]))
+        return self.ranges[:, 0] + u * (self.ranges[:, 1] - self.ranges[:, 0])
 
     def problem(self, u: Array) -> Characteristic:
         """Characteristic function of the scene with these parameters."""

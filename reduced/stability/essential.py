@@ -66,7 +66,7 @@ def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> E
     else:
         (p1, q1), (p2, q2) = ports
         p, q = p1 * q2 + p2 * q1, q1 * q2
-    return np.asarray(direct * p + q)
+    return direct * p + q
 
 
 def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:

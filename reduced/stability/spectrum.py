@@ -176,7 +176,7 @@ def _upper(zeros: Complex) -> Complex:
     finite = zeros[np.isfinite(zeros)]
     real = np.abs(finite.imag) < 1e-10 * np.abs(finite)
     folded = distinct(np.where(real, finite.real + 0j, finite.real + 1j * np.abs(finite.imag)))
-    return np.asarray(folded[np.lexsort((folded.imag, -folded.real))])
+    return folded[np.lexsort((folded.imag, -folded.real))]
 
 
 def _number(upper: Complex) -> int:

@@ -106,7 +106,7 @@ def velocity_by_difference(flow: Flow, cycle: Cycle) -> Array:
     """d end/d period (n,) by the central difference of two marches: first-order differences would displace folds."""
     change = _CHANGE * cycle.period
     later, earlier = (flow.march(cycle.start, cycle.period + shift).end for shift in (change, -change))
-    return np.asarray((later - earlier) / (2.0 * change))
+    return (later - earlier) / (2.0 * change)
 
 
 def idle_states(step: Array) -> Array:
@@ -116,7 +116,7 @@ def idle_states(step: Array) -> Array:
         for _ in range(_SQUARINGS):
             power = power @ power
         states, sizes, _ = np.linalg.svd(power)
-    return np.asarray(states[:, sizes > _LEFT * max(float(sizes[0]), 1.0)])
+    return states[:, sizes > _LEFT * max(float(sizes[0]), 1.0)]
 
 
 def without(matrix: Array, states: Array) -> Array:

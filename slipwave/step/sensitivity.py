@@ -115,7 +115,7 @@ def start_by(sides: Sequence[Sides], remembered: int) -> Carried:
 def stress_by(here: LawAlong, given: Given, direct: Array) -> Array:
     """d mu/dp at the nodes (k, m, s) from the responses, with F_p = `direct` (k, m, s)."""
     slope, by_psi = (here.by_z / here.v_z)[:, None], here.by_psi[:, None]
-    return np.asarray(slope * given.rate + by_psi * given.state + direct)
+    return slope * given.rate + by_psi * given.state + direct
 
 
 @njit

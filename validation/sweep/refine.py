@@ -128,7 +128,7 @@ def _differing(known: Regimes, step: int) -> Cells:
 
 def _around(cells: Cells) -> Cells:
     """These cells and their neighbours, for each model."""
-    return np.asarray(binary_dilation(cells, np.ones((1, *[3] * (cells.ndim - 1)), dtype=np.bool_)))
+    return binary_dilation(cells, np.ones((1, *[3] * (cells.ndim - 1)), dtype=np.bool_))
 
 
 def _audited(shape: tuple[int, ...]) -> Cells:
