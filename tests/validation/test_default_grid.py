@@ -6,9 +6,9 @@ import pytest
 import slipwave
 import slipwave as sw
 from fullwave.adapt import difference_of, probe
-from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from validation.compute.build import build, prepare
+from validation.measure.cycle import watch
 
 SCENE = sw.read("paper", {"drive.velocity": 2000, "run.until": 9.0})
 """Too short for cycles, so that the state at its end is compared."""
@@ -50,9 +50,8 @@ STEEP = "drive.velocity=[[0.0,100.0],[120.0,100.0],[123.0,1000.0]]"
 
 
 def cycles(solver, until):
-    watch = EventObserver(solver.scene, solver.nodes)
-    follow(solver, until, [watch])
-    return np.concatenate((watch.events().period, watch.events().stress_drop))
+    found = watch(solver, until).events()
+    return np.concatenate((found.period, found.stress_drop))
 
 
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-5, pytest.param(1e-6, marks=pytest.mark.slow)])

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import slipwave
-from slipwave.observe import EventObserver
-from slipwave.solve import follow
 from validation.compute.build import build
+from validation.measure.cycle import watch
 
 LAYERS = [
     "drive.velocity=100.0",
@@ -19,15 +18,12 @@ LAYERS = [
 """Unlike slabs, the upper one layered: every third cycle has a precursor in which v crosses V and sticks again."""
 
 
-def watch(chosen, until, model="delay", **options):
-    solver = build(model, chosen, **options)
-    observer = EventObserver(solver.scene, solver.nodes)
-    follow(solver, until, [observer])
-    return observer
+def seen_in(chosen, until, model="delay", **options):
+    return watch(build(model, chosen, **options), until)
 
 
 def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_drive_without():
-    ramped, plain = (watch(slipwave.read("paper", settings), 8000.0) for settings in (["drive.velocity=[[0,1],[10,100]]"], []))
+    ramped, plain = (seen_in(slipwave.read("paper", settings), 8000.0) for settings in (["drive.velocity=[[0,1],[10,100]]"], []))
     assert plain.count == 111
     assert ramped.count == 108
     assert ramped.events(4000.0).period[-1] == pytest.approx(73.4721449443, rel=1e-9)
@@ -37,7 +33,7 @@ def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_driv
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 def test_precursors_are_no_events(tolerance):
     """A chaotic scene: the runs part, the statistics do not."""
-    observer = watch(slipwave.read("unlike", LAYERS), 4000.0, tolerance=tolerance)
+    observer = seen_in(slipwave.read("unlike", LAYERS), 4000.0, tolerance=tolerance)
     cycles = observer.events(2000.0)
     assert 33 <= observer.count <= 38
     assert cycles.period.mean() == pytest.approx(115.0, abs=10.0)
@@ -70,10 +66,10 @@ def test_ringing_of_granite_is_no_event(answer):
 def test_a_hold_and_a_reload():
     """Stick-slip, V = 0 for 500 transits, stick-slip again: the hold has no event, and the first one after it is larger."""
     held = slipwave.read("paper", ["drive.velocity=[[0,100],[2000,100],[2001,0],[2500,0],[2501,100]]"])
-    dates = watch(held, 4000.0).dates()
+    dates = seen_in(held, 4000.0).dates()
     assert np.count_nonzero((dates > 2080.0) & (dates < 2500.0)) == 0
     before, after = dates[dates < 2001.0], dates[dates > 2500.0]
-    assert before.size == watch(slipwave.read("paper"), 2001.0).count
+    assert before.size == seen_in(slipwave.read("paper"), 2001.0).count
     assert np.diff(after)[-3:] == pytest.approx(np.full(3, 73.4721449443), rel=1e-4)
 
 
@@ -118,4 +114,4 @@ def test_verdicts_of_runs(words, verdict, multiplicity, answer):
 )
 def test_brief_sticks_are_counted_alike(model, options):
     """V so large that the paper's slabs stick for hardly more than one round trip."""
-    assert watch(slipwave.read("paper", ["drive.velocity=1e4"]), 100.0, model, **options).count == 37
+    assert seen_in(slipwave.read("paper", ["drive.velocity=1e4"]), 100.0, model, **options).count == 37

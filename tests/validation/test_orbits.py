@@ -9,11 +9,11 @@ from scipy.interpolate import CubicSpline
 import slipwave
 from fullwave.fields.record import record_field
 from slipwave import read
-from slipwave.observe import EventObserver, HistoryObserver, Pieces
+from slipwave.observe import HistoryObserver, Pieces
 from slipwave.solve import follow
 from validation.compute.build import build
 from validation.compute.settle import MOST_TRANSITS, NoCycle, settle
-from validation.measure.cycle import one_cycle
+from validation.measure.cycle import one_cycle, watch
 from validation.measure.order_fit import fit_order, shortfall
 from validation.references.published import reference_orbit
 from validation.study.memo import cycle_of, own_orbit
@@ -85,10 +85,9 @@ def test_a_motion_without_events_is_no_cycle(amplitude, said):
 
 def test_a_start_on_the_orbit_has_no_transient_and_keeps_its_grid():
     solver = build("fd", slipwave.read("paper", ["start.kind=orbit"]), cells=24)
-    watch = EventObserver(solver.scene, solver.nodes)
-    follow(solver, 400.0, [watch])
-    assert np.ptp(watch.events().period) < 1e-6
-    assert watch.events().time[0] == pytest.approx(watch.events().period[0], abs=0.2)
+    cycles = watch(solver, 400.0).events()
+    assert np.ptp(cycles.period) < 1e-6
+    assert cycles.time[0] == pytest.approx(cycles.period[0], abs=0.2)
 
 
 @pytest.mark.parametrize(
@@ -114,10 +113,9 @@ def test_every_cycle_from_the_start_on_is_the_orbit(model, scene, options):
         known = own_orbit(model, chosen, 1e-10, options.get("cells")).orbit.values()
     chosen = slipwave.read(chosen, {"start.kind": "orbit"})
     solver = build(model, chosen, **options)
-    watch = EventObserver(solver.scene, solver.nodes)
-    follow(solver, 330.0, [watch])
-    cycles = watch.events()
-    assert watch.dates()[0] == pytest.approx(0.0, abs=0.2)
+    observer = watch(solver, 330.0)
+    cycles = observer.events()
+    assert observer.dates()[0] == pytest.approx(0.0, abs=0.2)
     assert cycles.period == pytest.approx(np.full(cycles.period.size, known["period"]), rel=5e-9)
     assert cycles.stress_drop == pytest.approx(np.full(cycles.period.size, known["stress_drop"]), rel=3e-7)
     assert cycles.period.size >= 2

@@ -10,8 +10,6 @@ import slipwave
 from fullwave.finite_difference import Leapfrog
 from reduced.stability import characteristic, leading_roots
 from slipwave.errors import SceneError
-from slipwave.observe import EventObserver
-from slipwave.solve import follow
 from slipwave.solve.follow import DAY
 from tests.granite import GRANITE, THIN
 from validation.compute import progress as module
@@ -19,6 +17,7 @@ from validation.compute.build import build
 from validation.compute.outlook import outlook, stress_released
 from validation.compute.progress import LongRunAdvice, error_without_echoes, progress
 from validation.compute.run import simulate
+from validation.measure.cycle import watch
 
 
 def told(*settings, until, scene="paper"):
@@ -57,10 +56,7 @@ def test_an_interface_that_is_hardly_loaded_has_no_expected_cycle():
 @pytest.mark.parametrize("name", ["paper", "paper-2.3", "rock", "grip", "layered", "unlike-irrational"])
 def test_the_period_is_expected_within_a_factor_of_two_and_a_half(name):
     scene = slipwave.read(name)
-    solver = build("delay", scene, tolerance=1e-6)
-    watch = EventObserver(scene, solver.nodes)
-    follow(solver, 1500.0, [watch])
-    period = float(watch.events(750.0).period.mean())
+    period = float(watch(build("delay", scene, tolerance=1e-6), 1500.0).events(750.0).period.mean())
     assert 0.4 < outlook(scene, "delay").period / period < 2.5
 
 
