@@ -14,7 +14,6 @@ from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, NamedTuple
 
-from slipwave.compiled.frozen import frozen_parts
 from slipwave.errors import SceneError
 from slipwave.sources import imports_in, inside
 
@@ -97,6 +96,8 @@ def _name_apart(module: ModuleType, path: Path) -> None:
     """Put a digest of the file's functions, with the values that they name, into the names of its named tuples. Functions that
     numba has compiled tell classes within their arguments apart by name alone: another file, or the same one edited, would run
     with the code of the first."""
+    from slipwave.compiled.frozen import frozen_parts  # imported here to keep start-up fast
+
     functions = (one for one in vars(module).values() if isinstance(getattr(one, "py_func", one), FunctionType))
     parts = [frozen_parts([one]) for one in functions]
     text = b"".join(part.text.encode() if part else path.read_bytes() for part in parts)
