@@ -269,7 +269,8 @@ class MachineOfSampleTable(KeyTable):
 
     k: Annotated[Measured, Numbers(1e-12, 1e12, ("1/m",))] = Field(
         title="stiffness of the whole sample over normal stress k",
-        description="stiffness of the slabs and equal springs on their faces over the normal stress, in 1/L or SI; instead of face",
+        description="stiffness of the slabs and equal springs on their faces over the normal stress, in 1/L or SI; "
+        "instead of face",
     )
 
 
