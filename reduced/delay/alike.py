@@ -1,12 +1,15 @@
 """The exact delay system (29, 35) for alike plain slabs, by Radau collocation whose steps divide the transit (`transit_mesh`).
 
-Divides a transit into equal steps, with cuts at the kinks of the drive, which return every transit.
+They are equal between the kinks of the drive, which return every transit, and halved where the motion needs it.
 
 A knot of the drive at t causes a kink of the load at t and, half a transit later, of the wave that reaches the interface. Its
-echoes return every transit for ever. A polynomial across a kink is only first-order accurate, so steps must end on kinks.
+echoes return every transit for ever. A polynomial across a kink is only first-order accurate, so steps must end on kinks. The
+front of a slip event of thick slabs takes a ten-thousandth of a transit and returns every transit too: only its steps are
+halved, and joined when the wave has become smooth again.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -25,7 +28,7 @@ from slipwave.scene.drive import Drive
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
 from slipwave.step.flow import Cycle, InterfaceState
-from slipwave.step.nodal import DONE, PSI, TIME, Interface
+from slipwave.step.nodal import DONE, PSI, TIME, TOO_STEEP, Interface
 
 _SAME = 1e-7
 """Transits; cuts closer than this are one. Ignoring a kink this close to a step's end causes a relative error of that size."""
@@ -33,22 +36,42 @@ _SAME = 1e-7
 
 @dataclass(frozen=True, eq=False)
 class TransitMesh:
-    """`lengths` (steps,) and `starts` (steps,) of the steps of one transit; `count` is the requested number of equal steps. It is
-    shared between solvers; do not write to its arrays."""
+    """`lengths` (steps,) and `starts` (steps,) of the steps of one transit; `count` is the requested number of equal steps,
+    `levels` (steps,) how often they were halved to give these. It is shared between solvers; do not write to its arrays."""
 
     count: int
     lengths: Array
     starts: Array
+    levels: tuple[int, ...] = ()
 
     @property
     def steps(self) -> int:
         """Steps per transit."""
         return int(self.lengths.size)
 
-    def resample(self, values: Array, nodes: Array, finer: "TransitMesh") -> Array:
-        """Values (..., finer.steps, s) at the nodes of `finer` of piecewise polynomials with nodal `values` (..., steps, s)."""
-        step, weights = _read_at(self, tuple(nodes.tolist()), finer)
+    def resample(self, values: Array, nodes: Array, other: "TransitMesh") -> Array:
+        """Values (..., other.steps, s) at the nodes of `other` of piecewise polynomials with nodal `values` (..., steps, s)."""
+        step, weights = _read_at(self, tuple(nodes.tolist()), other)
         return np.asarray(np.einsum("isk,...isk->...is", weights, np.ascontiguousarray(values[..., step, :])))
+
+    def halved(self, step: int) -> list[int]:
+        """The levels if a step is halved."""
+        levels = list(self.levels)
+        levels[step : step + 1] = [levels[step] + 1] * 2
+        return levels
+
+    def joined(self, first: NDArray[np.intp]) -> list[int]:
+        """The levels if each of the steps `first` is joined with the next one, its other half."""
+        levels = np.array(self.levels)
+        levels[first] -= 1
+        return np.delete(levels, first + 1).tolist()
+
+    @property
+    def halves(self) -> NDArray[np.intp]:
+        """The steps that are the first half of a longer one whose other half is the next."""
+        levels, (places, sizes) = np.array(self.levels), _places(self.levels)
+        alike = (levels[1:] == levels[:-1]) & (levels[1:] > 0)
+        return np.flatnonzero(alike & (places[:-1] % (2.0 * sizes[:-1]) == 0.0))
 
 
 @lru_cache(maxsize=32)
@@ -70,25 +93,43 @@ def cuts_of(drive: Drive) -> Array:
     return fractions[np.concatenate(([True], np.diff(fractions) > _SAME))]
 
 
-def transit_mesh(count: int, cuts: Array) -> TransitMesh:
-    """Steps no longer than 1/`count`, equal between neighbouring `cuts` (sorted, the first 0)."""
-    return _mesh_of(count, tuple(cuts.tolist()))
+def transit_mesh(count: int, cuts: Array, levels: Iterable[float] = ()) -> TransitMesh:
+    """Steps no longer than 1/`count`, equal between neighbouring `cuts` (sorted, the first 0), halved to `levels` if these are
+    given. Raises SceneError if levels do not fit."""
+    return _mesh_of(count, tuple(cuts.tolist()), tuple(map(int, levels)))
 
 
 @lru_cache(maxsize=256)
-def _mesh_of(count: int, cuts: tuple[float, ...]) -> TransitMesh:
+def _mesh_of(count: int, cuts: tuple[float, ...], levels: tuple[int, ...]) -> TransitMesh:
+    if levels:
+        whole, (places, sizes) = _mesh_of(count, cuts, ()), _places(levels)
+        if places[-1] + sizes[-1] != whole.steps:
+            raise SceneError("levels do not fit the steps of a transit")
+        step = places.astype(int)
+        starts = whole.starts[step] + (places - step) * whole.lengths[step]
+        return TransitMesh(count, whole.lengths[step] * sizes, starts, levels)
     gaps = np.diff(np.append(cuts, 1.0))
     shares = [math.ceil(count * gap - 1e-6) or 1 for gap in gaps]
     lengths = np.concatenate([np.full(share, gap / share) for share, gap in zip(shares, gaps, strict=True)])
     starts = np.concatenate(([0.0], np.cumsum(lengths)[:-1]))
     if np.ptp(lengths) < 1e-14:  # equal steps begin exactly at whole multiples of their length
         starts, lengths = np.arange(lengths.size) / lengths.size, np.full(lengths.size, 1.0 / lengths.size)
-    return TransitMesh(count, lengths, starts)
+    return TransitMesh(count, lengths, starts, (0,) * lengths.size)
+
+
+def _places(levels: tuple[int, ...]) -> tuple[Array, Array]:
+    """Where steps of these levels begin, and their sizes, in undivided steps: sums of powers of 1/2, without rounding."""
+    sizes = 0.5 ** np.array(levels)
+    return np.append(0.0, np.cumsum(sizes)[:-1]), sizes
 
 
 _CHUNK, _LONG_CHUNK = 4096, 1 << 16
 _LOOSE_NODES, _TIGHT_NODES, _LOOSE = 6, 8, 3e-7
-_FEWEST_STEPS, _MOST_FIRST_STEPS = 3, 24
+_FEWEST_STEPS, MOST_FIRST_STEPS = 3, 24
+_MOST_EQUAL = 96  # steps per transit; where these are too long, single ones are halved
+_SHORTEST = 2.0**-22  # transits
+_OFTEN, _WORTH_JOINING = 16, 0.1  # transits between two looks for steps to join; at least so large a share of them is joined
+_SHARE = 0.1  # of the tolerance: error of a joined step
 
 
 class Delay(DelayMarch):
@@ -96,11 +137,12 @@ class Delay(DelayMarch):
 
     With `emit` (the default) the outputs are the figures of the cycle, including extrema between nodes. With `emit=False` only
     the state at the end of the run is accurate: fewer steps, and `advance` returns the pieces of the last marched transit,
-    without elastic stress. The solver marches whole transits and keeps the pieces beyond `until` for the next call. The number of
-    steps per transit grows where a step's polynomial is not resolved or Newton fails. The march then goes back to the last whole
-    transit. With `emit=False` the polynomials are not accurate enough for new nodes, so it goes back to its beginning: the
-    scene's start, or the beginning that `restore` was given. `nodes` and `steps` (a lower bound) may be given. `failures` counts
-    unconverged solves; a step that cannot be solved with MAX_STEPS per transit raises NumericsError instead.
+    without elastic stress. The solver marches whole transits and keeps the pieces beyond `until` for the next call. Where a
+    step's polynomial is not resolved or Newton fails, there are more equal steps per transit or, beyond some number, that step is
+    halved, until the waves need it no more. The march then goes back to the last whole transit. With `emit=False` the polynomials
+    are not accurate enough for new nodes, so there are always equal steps, and it goes back to its beginning: the scene's start,
+    or the beginning that `restore` was given. `nodes` and `steps` (a lower bound) may be given. `failures` counts unconverged
+    solves; a step that cannot be solved with the shortest or with MAX_STEPS equal ones raises NumericsError instead.
     """
 
     def __init__(
@@ -109,10 +151,10 @@ class Delay(DelayMarch):
         refuse_unless_plain(scene)
         stages = nodes or (_LOOSE_NODES if tolerance > _LOOSE else _TIGHT_NODES)
         super().__init__(scene, stages, tolerance, dense_resolution(tolerance, stages) if emit else end_resolution(tolerance))
-        self._emit = emit
+        self._emit, self._negligible = emit, _SHARE * tolerance
         self.settings = {"nodes": stages, "steps": steps, "tolerance": tolerance, "emit": emit}
         self._cuts = cuts_of(scene.drive)
-        mesh = transit_mesh(steps or _first_steps(scene, stages), self._cuts)
+        mesh = transit_mesh(steps or first_steps(scene, stages), self._cuts)
         incoming = scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity
         start = np.array([0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress])
         self._remember(mesh, np.full((mesh.steps, stages), incoming), start)
@@ -133,12 +175,15 @@ class Delay(DelayMarch):
     def advance(self, until: float) -> Pieces:
         """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
         while not self._waiting.time.size:
-            most = (_CHUNK if self._emit else _LONG_CHUNK) // self.steps
-            transits = min(max(1, math.ceil(until - self._memory.now[TIME] - SAME)), max(1, most))
+            time, halved = self._memory.now[TIME], any(self._mesh.levels)
+            most = min((_CHUNK if self._emit else _LONG_CHUNK) // self.steps, math.inf if not halved else _OFTEN - time % _OFTEN)
+            transits = min(max(1, math.ceil(until - time - SAME)), max(1, int(most)))
             pieces = empty_pieces(self.steps * (transits if self._emit else 1), self._stages)
             kept, verdict = self._march(transits, pieces)
             if self._emit or verdict == DONE:
                 self._waiting = pieces.part(slice(kept * self.steps))
+            if halved and verdict == DONE and self._memory.now[TIME] % _OFTEN == 0.0:
+                self._join_steps()
             if verdict != DONE and not self._waiting.time.size:  # return known pieces first: refining may raise an error
                 self._refine(verdict)
         count = max(1, int(np.searchsorted(self._waiting.time, until - SAME)))
@@ -147,11 +192,12 @@ class Delay(DelayMarch):
 
     def state(self) -> State:
         """As `Solver`: the memory at a whole transit (`counts`: requested steps per transit, failures, iterations, and those
-        steps at the beginning; `now`: time, psi, y; `incoming`, `guess`), the pieces `waiting` to be returned, and the beginning
-        to which a march without `emit` goes back."""
+        steps at the beginning; `levels` of the steps; `now`: time, psi, y; `incoming`, `guess`), the pieces `waiting` to be
+        returned, and the beginning to which a march without `emit` goes back."""
         mesh, incoming, now = self._beginning
         state = {
             "counts": np.array([self._mesh.count, self.failures, self.iterations, mesh.count], dtype=float),
+            "levels": np.array(self._mesh.levels, dtype=float)[:, None],
             "incoming": self._lines.incoming.copy(),
             "guess": np.stack(self._memory.guess),
             "now": self._memory.now.copy(),
@@ -162,7 +208,9 @@ class Delay(DelayMarch):
     def restore(self, state: State) -> None:
         """As `Solver`."""
         count, failures, iterations, first = whole_numbers(state, "counts", (1, 0, 0, 1))
-        mesh, beginning = (transit_mesh(min(steps, self._most_steps), self._cuts) for steps in (count, first))
+        levels = tables(state, {"levels": (-1, 1)}, self.model)["levels"].ravel()
+        mesh = transit_mesh(min(count, self._most_steps), self._cuts, levels)
+        beginning = transit_mesh(min(first, self._most_steps), self._cuts)
         shapes = {
             "incoming": (mesh.steps, self._stages),
             "guess": (2, self._stages),
@@ -190,8 +238,9 @@ class Delay(DelayMarch):
         z, psi, mu, _ = (values.reshape(times.shape) for values in values_at(cycle.pieces, basis, times.ravel(), self.scene.law))
         incoming = mu + self._lines.impedance * rates(self.scene.law, z)
         now = np.array([interface.time, interface.psi, interface.elastic])
-        waiting = np.empty((0, saved["waiting"].shape[1]))
-        return saved | {"counts": counts, "incoming": incoming, "guess": np.stack([psi[0], z[0]]), "now": now, "waiting": waiting}
+        levels, waiting = np.array(mesh.levels, dtype=float)[:, None], np.empty((0, saved["waiting"].shape[1]))
+        guess = np.stack([psi[0], z[0]])
+        return saved | {"counts": counts, "levels": levels, "incoming": incoming, "guess": guess, "now": now, "waiting": waiting}
 
     def _march(self, transits: int, pieces: Pieces) -> tuple[int, int]:
         """March `transits` transits; returns (transits kept, verdict). A rejected step restores the memory of the transit's
@@ -201,15 +250,41 @@ class Delay(DelayMarch):
         march = (self._physics, self._lines, self._memory, self._nodal, clock, self._limits)
         done, iterations, verdict = march_delay(self._shape, *march, first, pieces)
         self.iterations += iterations
+        self._rejected = done % self.steps
         return done // self.steps, verdict
 
     def _refine(self, verdict: int) -> None:
-        """Take more steps per transit; the polynomials of the incoming waves (now or at the beginning) give the new nodes."""
+        """Take more equal steps per transit, or halve the rejected one; the polynomials of the incoming waves (now or at the
+        beginning) give the new nodes."""
         old, incoming, now = (self._mesh, self._lines.incoming, self._memory.now) if self._emit else self._beginning
-        new = transit_mesh(next_count(self._mesh.count), self._cuts)
-        if new.count > self._most_steps:
-            raise self._unresolved(self.steps, verdict)
-        self._remember(new, old.resample(incoming, self.nodes, new), now)
+        if self._emit and old.count >= _MOST_EQUAL and (verdict != TOO_STEEP or any(old.levels)):
+            new = transit_mesh(old.count, self._cuts, old.halved(self._rejected))
+            fits = new.lengths.min() >= _SHORTEST
+        else:
+            new = transit_mesh(next_count(self._mesh.count), self._cuts)
+            fits = new.count <= self._most_steps
+        if not fits:
+            raise self._unresolved(1.0 / old.lengths.min() if any(old.levels) else self.steps, verdict)
+        self._change(new, old.resample(incoming, self.nodes, new), now)
+
+    def _join_steps(self) -> None:
+        """Join the halves of steps where the waves no longer need them, if these are many."""
+        mesh, waves, now = self._mesh, self._lines.incoming, self._memory.now
+        friction_z = respond(self.scene.law, float(self._memory.guess.z[0]), float(now[PSI]))[3]
+        while (first := mesh.halves).size:
+            longer = transit_mesh(mesh.count, self._cuts, mesh.joined(first))
+            changes = np.abs(longer.resample(mesh.resample(waves, self.nodes, longer), self.nodes, mesh) - waves).max(axis=1)
+            first = first[np.maximum(changes[first], changes[first + 1]) < self._negligible * friction_z]
+            if not first.size:
+                break
+            longer = transit_mesh(mesh.count, self._cuts, mesh.joined(first))
+            mesh, waves = longer, mesh.resample(waves, self.nodes, longer)
+        if self.steps - mesh.steps > _WORTH_JOINING * self.steps:
+            self._change(mesh, waves, now)
+
+    def _change(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
+        """Continue in the steps of another mesh."""
+        self._remember(mesh, incoming, now)
 
     def _remember(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
         """Set the memory at a whole transit, with guesses for constant psi."""
@@ -234,12 +309,12 @@ def end_resolution(tolerance: float) -> float:
     return float(min(0.02, max((30.0 * tolerance) ** 0.5, 1e-6)))
 
 
-def _first_steps(scene: Scene, stages: int) -> int:
+def first_steps(scene: Scene, stages: int) -> int:
     """First number of steps per transit, from the fastest possible acceleration: (ln v)' <= r b / Z where radiation limits v
     (with 8 nodes, in the paper's scene: 3 at log10 r = -2.68, 14 at -2.3)."""
     z = unknown_of(scene.law, scene.velocity)
     _, v_z, _, _, friction_psi, _, g_z, _ = respond(scene.law, z, scene.steady_psi)
     fastest = scene.transit * abs(friction_psi * g_z) / (scene.impedance * v_z)
     guess = 3.0 * (fastest / 7.3) ** 1.7 * math.sqrt(_TIGHT_NODES / stages)
-    steps = int(np.clip(guess, _FEWEST_STEPS, _MOST_FIRST_STEPS))
+    steps = int(np.clip(guess, _FEWEST_STEPS, MOST_FIRST_STEPS))
     return steps if steps < 5 else steps + steps % 2

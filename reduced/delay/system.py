@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from reduced.delay.alike import Delay, TransitMesh
+from reduced.delay.alike import MOST_FIRST_STEPS, Delay, TransitMesh, first_steps
 from reduced.delay.kernel import DelayMemory
 from reduced.delay.multirevolution import ORDER, Past
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
@@ -86,6 +86,10 @@ class LeapingDelay(Delay):
         waves = saved["past.incoming"].reshape(len(number), self._lines.incoming.size)
         self._past = Past(number.ravel(), np.column_stack([waves, states]), highest)
         self.skipped, self._length, self._next_try, self._pause = leaps
+
+    def _change(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
+        super()._change(mesh, incoming, now)
+        self._past = self._nothing()
 
     def _walk(self) -> None:
         """March the next transit if it may belong to a stick; return to the ordinary march if none begins or continues."""
@@ -210,11 +214,11 @@ _ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes 
 def delay_system(scene: Scene, tolerance: float = 1e-9) -> "Delay | DelayNetwork":
     """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
     ones. If equal steps cannot end on the jumps and kinks, steps end on these (`DelayBreaks`), hundreds in a transit. The solver
-    is `Leaping`. For alike plain slabs in a scene that records nothing and does not start on its orbit, only the state at the end
-    is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
+    is `Leaping`. For alike plain slabs in a scene that records nothing, does not start on its orbit and needs few steps, only the
+    state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
-        shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT
+        shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT or first_steps(scene, NODES) >= MOST_FIRST_STEPS
         return LeapingDelay(scene, tolerance) if shown else Delay(scene, tolerance=tolerance, emit=False)
     from reduced.delay.break_points import DelayBreaks  # networks take as long to import as all that alike slabs need
     from reduced.delay.leaping_network import LeapingNetwork

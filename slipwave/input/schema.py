@@ -199,7 +199,9 @@ class StandardLinearTable(KeyTable):
     time: Annotated[Measured, RELAXATION] = Field(
         title="relaxation time / (L/V*)", description="relaxation time in L/V*, in SI scenes too"
     )
-    ratio: Annotated[float, RATIO] = Field(description="the relaxing modulus over the lasting one")
+    ratio: Annotated[float, RATIO] = Field(
+        description="the relaxing modulus over the lasting one; epsilon, r and shear_modulus are those of their sum, unrelaxed"
+    )
 
 
 def _rigid_by_default(face: Any) -> Any:
