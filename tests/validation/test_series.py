@@ -186,9 +186,12 @@ def test_a_file_that_is_not_there_and_one_of_bytes(tmp_path: Path) -> None:
         read_series(tmp_path / "x.nc")
 
 
-def test_a_slow_clock_is_made_even_and_lines_cut_off_or_written_twice_are_left_out(tmp_path: Path) -> None:
-    times = np.arange(0.0, 20.0, 0.1)
-    lines = ["time_s,disp_um", *(f"{np.floor(4.0 * t) / 4.0:.2f},{10.0 * t:.4f}" for t in times), "19.75,19"]
+@pytest.mark.parametrize("pause", [0.0, 60.0])
+def test_a_slow_clock_is_made_even_and_lines_cut_off_or_written_twice_are_left_out(pause: float, tmp_path: Path) -> None:
+    """On either side of a pause for itself."""
+    times = np.arange(0.0, 20.0, 0.1) + np.where(np.arange(200) < 80, 0.0, pause)
+    lines = ["time_s,disp_um", *(f"{np.floor(4.0 * t) / 4.0:.2f},{10.0 * t:.4f}" for t in times)]
+    lines.append(f"{19.75 + pause},19")
     path = tmp_path / "clock.txt"
     path.write_text("\n".join([*lines[:9], *lines[8:]]), encoding="utf-16")
     series = read_series(path)

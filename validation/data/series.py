@@ -34,6 +34,7 @@ _SCALE = re.compile(r"([^=]*)=\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)
 _ONE_RANGE = ("friction", "shear_stress", "load_point_displacement")  # in which no value is far from all others
 _LEAST, _MOST = 1e-4, 1e3  # friction of any interface
 _FAR = 5.0  # times the range of the others
+_PAUSE = 3.0  # ticks of a clock without a sample
 _BEFORE = 20  # lines, than all of which a last one that does not end is shorter if it is cut off
 
 
@@ -365,8 +366,8 @@ def _converted(column: Array, unit: Unit | None) -> Array:
 
 
 def _rising(label: str, columns: dict[str, Array], numbers: Sequence[int]) -> tuple[dict[str, Array], list[str]]:
-    """The columns without repeated lines, and with several samples at one time spread evenly up to the next time; notes on these.
-    Raises SceneError where time falls."""
+    """The columns without repeated lines, and with several samples at one time spread evenly: between two pauses if the clock's
+    ticks allow that, else up to the next time; notes on these. Raises SceneError where time falls."""
     steps = np.diff(columns["time"])
     if (steps < 0.0).any():
         at = int(np.argmax(steps < 0.0)) + 1
@@ -379,11 +380,15 @@ def _rising(label: str, columns: dict[str, Array], numbers: Sequence[int]) -> tu
     notes = [f"{(~new).sum()} lines that are written twice left out"] if not new.all() else []
     ticks, first, counts = np.unique(columns["time"], return_index=True, return_counts=True)
     if ticks.size < new.sum():
-        index = np.arange(new.sum())
-        even = np.polyval(np.polyfit(index, columns["time"], 1), index)
-        gap = np.minimum(np.diff(ticks, append=np.inf), np.median(np.diff(ticks)))
-        spread = columns["time"] + (index - np.repeat(first, counts)) * np.repeat(gap / counts, counts)
-        columns["time"] = np.asarray(even if np.ptp(columns["time"] - even) < 1.5 * np.diff(ticks).max() else spread)
+        index, time, tick = np.arange(new.sum()), columns["time"], np.median(np.diff(ticks))
+        gap = np.minimum(np.diff(ticks, append=np.inf), tick)
+        columns["time"] = time + (index - np.repeat(first, counts)) * np.repeat(gap / counts, counts)
+        for part in np.split(index, np.flatnonzero(np.diff(time) > _PAUSE * tick) + 1):
+            if part.size < 3:
+                continue
+            even = np.polyval(np.polyfit(part, time[part], 1), part)
+            if np.ptp(time[part] - even) < 0.5 * _PAUSE * tick:
+                columns["time"][part] = even
         notes.append(f"{new.sum() - ticks.size} samples at the time of the one before: taken as spread evenly")
     return columns, notes
 
