@@ -19,6 +19,7 @@ import numpy as np
 from fullwave.families import LEAPFROG
 from fullwave.leapfrog.grid import common_step, slab_grid
 from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march_leapfrog, steady_memory
+from fullwave.leapfrog.media import CHANGED
 from fullwave.leapfrog.readout import energy_of, leapfrog_snapshot
 from fullwave.leapfrog.viscous import steady_side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
@@ -154,4 +155,4 @@ class Leapfrog:
 
     def _arrays(self) -> dict[str, Array]:
         sides = [(label, part) for label, side in zip(("upper", "lower"), self._sides, strict=False) for part in side]
-        return {f"{label}.{name}": array for label, part in sides for name, array in part.state.items()}
+        return {f"{label}.{name}": getattr(part, name) for label, part in sides for name in part._fields if name in CHANGED}

@@ -30,11 +30,6 @@ class Rigid(NamedTuple):
 
     stored: float = 0.0
 
-    @property
-    def state(self) -> dict[str, Array]:
-        """What a march changes in it, by name: every face and every medium says it for checkpoints."""
-        return {}
-
 
 class Grip(NamedTuple):
     """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding, and `memory` (2,): the load's deviation
@@ -44,11 +39,6 @@ class Grip(NamedTuple):
     half_spring: float
     steady_load: float
     memory: Array
-
-    @property
-    def state(self) -> dict[str, Array]:
-        """As `Rigid`."""
-        return {"face": self.memory}
 
 
 @by_class(inline=True)

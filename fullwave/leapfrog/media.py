@@ -23,6 +23,9 @@ from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 
+CHANGED = ("velocity", "stress", "relaxing", "lost", "memory")
+"""Fields of media and faces that a march changes, for checkpoints."""
+
 Medium: TypeAlias = Any
 """An instance of Uniform, Layered, StandardLinear or KelvinVoigt."""
 
@@ -36,11 +39,6 @@ class Uniform(NamedTuple):
     stiffness: float
     inertia: float
 
-    @property
-    def state(self) -> dict[str, Array]:
-        """What a march changes, by name."""
-        return {"velocity": self.velocity, "stress": self.stress}
-
 
 class Layered(NamedTuple):
     """Elastic slab of any layers: u, sigma, dt/mass (n + 1,), eps dt/dx (n,), grid impedances of the first and the last node."""
@@ -51,11 +49,6 @@ class Layered(NamedTuple):
     stiffness: Array
     inertia: float
     outer_inertia: float
-
-    @property
-    def state(self) -> dict[str, Array]:
-        """What a march changes, by name."""
-        return {"velocity": self.velocity, "stress": self.stress}
 
 
 class Side(NamedTuple):

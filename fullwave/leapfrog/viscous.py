@@ -39,11 +39,6 @@ class StandardLinear(NamedTuple):
     weight: Array
     lost: Array
 
-    @property
-    def state(self) -> dict[str, Array]:
-        """What a march changes, by name."""
-        return {"velocity": self.velocity, "stress": self.stress, "relaxing": self.relaxing, "lost": self.lost}
-
 
 class KelvinVoigt(NamedTuple):
     """Velocity, stress and stiffness as in Layered; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the
@@ -58,11 +53,6 @@ class KelvinVoigt(NamedTuple):
     pivot: Array
     beta: Array
     lost: Array
-
-    @property
-    def state(self) -> dict[str, Array]:
-        """What a march changes, by name."""
-        return {"velocity": self.velocity, "stress": self.stress, "lost": self.lost}
 
 
 def standard_linear_medium(grid: LeapfrogGrid, velocity: float, time: float, ratio: float) -> StandardLinear:
