@@ -72,7 +72,6 @@ PARAMETERS: dict[str, Callable[[Scene, float], Scene]] = {
 }
 """name -> (scene, value) -> the scene with that parameter changed. r and epsilon are the upper slab's, their ratios kept."""
 
-
 LABELS = {
     "ratio_r": "round trip, lower over upper slab",
     "ratio_epsilon": "impedance, lower over upper slab",

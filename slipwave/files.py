@@ -31,7 +31,6 @@ _LONGEST_STEM = 40
 _PATIENCE = 10  # seconds for a pipe without a writer
 _PROBE = 1 << 20  # bytes; a disk with less space counts as full
 
-
 _HOST = re.sub(r"\W", "", platform.node())[:_LONGEST_STEM]
 _PART = re.compile(rf"\..*-{_HOST}-(\d+)\.(nc|png|pdf|svg|npz|csv|vtu|xdmf|h5|samples|html|json|xml|patch)")
 

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 INTERVAL = 1.0 / 32.0
 """Default time between two samples, in transits: sixteen samples while a wave crosses a slab."""
 
-
 QUANTITIES = {
     "time": ("time since the start of the run", "transit"),
     "depth": ("depth in the {} slab, 0 at the interface", "travel time through the slab"),

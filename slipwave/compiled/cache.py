@@ -24,7 +24,7 @@ import uuid
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import llvmlite  # type: ignore[import-untyped]
 import numba
@@ -127,10 +127,9 @@ class DiskCache(NullCache):  # type: ignore[misc]
         made_from = made_from_what(self._function, set(_classes(getattr(sig, "args", sig))))
         if made_from is None:
             return None
+        sources, foreign = made_from
         name = f"{self._function.__module__}.{self._function.__qualname__}"
-        facts = (
-            f"{name} {self._is_part} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(made_from.sources)} {made_from.foreign}"
-        )
+        facts = f"{name} {self._is_part} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(sources)} {foreign}"
         return cache_folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
 
 
@@ -142,17 +141,10 @@ def _classes(kinds: Iterable[Any]) -> Iterator[type]:
         yield from _classes(getattr(kind, "types", ()))
 
 
-class MadeFrom(NamedTuple):
-    """The project's files whose text determines a function's code, sorted, and the text of the user's functions in it
-    (`frozen`)."""
-
-    sources: tuple[Path, ...]
-    foreign: str
-
-
-def made_from_what(function: Callable[..., Any], classes: set[type]) -> MadeFrom | None:
-    """Sources of `function` compiled for arguments of `classes`; None if unknown, or if a file was edited since the start. A
-    choice counts if its class is in `classes` or in one of the files."""
+def made_from_what(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[Path, ...], str] | None:
+    """The project's files whose text determines the code of `function` compiled for arguments of `classes`, sorted, and the text
+    of the user's functions in it (`frozen`); None if unknown, or if a file was edited since the start. A choice counts if its
+    class is in `classes` or in one of the files."""
     if function.__module__ not in sys.modules:  # where compiled code on disk looks for the function
         return None
     found: tuple[Path, ...] = ()
@@ -169,7 +161,7 @@ def made_from_what(function: Callable[..., Any], classes: set[type]) -> MadeFrom
         pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
         functions = {function, *(version for kind, version in pairs if kind in classes or _home_of(kind) in found)}
     # a file edited after the start is no longer the text that this process has imported
-    return None if any(path.stat().st_mtime > STARTED for path in found) else MadeFrom(found, brought.text)
+    return None if any(path.stat().st_mtime > STARTED for path in found) else (found, brought.text)
 
 
 def _home_of(kind: type) -> Path:

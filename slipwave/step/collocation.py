@@ -11,7 +11,6 @@ from slipwave.observe.pieces import Array, Basis, interpolation_matrix, lagrange
 Nodes: TypeAlias = tuple[float, ...]
 """Nodes as a tuple, from which compiled code knows their number."""
 
-
 _POLISHED = 2  # Newton steps that take the roots of a companion matrix to half an ulp
 _ROUNDING = 1e-13  # rounding error of the stability function as computed here
 

@@ -5,15 +5,7 @@ import math
 from slipwave.friction.ageing import Ageing
 from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
-from slipwave.scene.slab import (
-    GripFace,
-    KelvinVoigtViscosity,
-    Layer,
-    MachineFace,
-    ReflectingFace,
-    Slab,
-    StandardLinearViscosity,
-)
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, ReflectingFace, Slab, StandardLinearViscosity
 
 PAPER = Ageing(0.369, 0.0349, 0.0489)
 EPSILON, ROUND_TRIP = 2.8e-5, 10**-2.68

@@ -15,13 +15,7 @@ from reduced.impedance.of_reduction import dissipation, sign_frequencies
 from reduced.impedance.reduce import spring_and_mass
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
-from slipwave.scene.slab import (
-    GripFace,
-    KelvinVoigtViscosity,
-    MachineFace,
-    ReflectingFace,
-    StandardLinearViscosity,
-)
+from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, StandardLinearViscosity
 from tests.one_port_by_hand import pair_impedance
 
 T = np.array([0.01 + 0.3j, 0.2 + 1j, 2.0j, 3 + 9j])
@@ -162,7 +156,6 @@ def test_a_fit_that_is_too_far_off_is_refused_with_place_and_size(monkeypatch, s
 
 
 S = np.array([0.01 + 0.1j, 0.3 + 1j, 2.2j, -0.2 + 3j, 5 + 40j, 1e3 + 1j]) / ROUND_TRIP
-
 
 VARIED = [
     slab(),

@@ -102,7 +102,6 @@ def test_critical_epsilon_closed_forms():
 MODELS = ["delay", "quasidynamic", "block12", "kelvin-voigt", "modal:3"]
 CASES = [(name, model) for name in EVERY for model in MODELS] + [("grip", "fitted:3"), ("standard linear", "fitted:3")]
 
-
 NOT_FOR_LOSS = [("block12", name) for name in LOSSY] + [("kelvin-voigt", name) for name in [*LOSSY, "layered"]]
 NOT_FOR_LOSS += [("modal:3", name) for name in LOSSY] + [("quasidynamic", "reflection")]
 

@@ -21,7 +21,6 @@ BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 KEYS = "tests/slipwave/test_readme_keys.py"
 FOR_ALL = ("slipwave", "reduced", "fullwave", "validation", "examples")
 
-
 ALL = """
 import shlex, sys
 from validation.cli import main

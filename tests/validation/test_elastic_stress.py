@@ -70,7 +70,6 @@ def apart(chosen, stiffness, model, **options):
 
 WAVES = {"fd": 96, "sbp:6": 48, "fem:6": 4, "dg:7": 4}
 
-
 GRIDLESS = [(name, model) for name in SCENES for model in ("delay", "quasidynamic", "block12", "modal:2")]
 NEED_RIGID_FACES = [("grip below", "block12"), ("grip below", "modal:2")]
 

@@ -8,12 +8,7 @@ import numpy as np
 import pytest
 from shown import outcomes
 
-from validation.studies.laboratory.measured import (
-    cycle_without_tuning,
-    leeman_runs,
-    printed_fits,
-    rise_time,
-)
+from validation.studies.laboratory.measured import cycle_without_tuning, leeman_runs, printed_fits, rise_time
 from validation.studies.laboratory.programs import fitted_to, on_programs, printed_rows
 
 

@@ -36,7 +36,6 @@ COMMANDS = (
     ("stability", "unlike", "--json"),
 )
 
-
 RELATIVE, ABSOLUTE = 1e-5, 1e-9
 _NUMBER = re.compile(r"([-−]?\b\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?|\bnan\b|[-−]?\binf\b)")
 

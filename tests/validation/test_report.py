@@ -19,12 +19,7 @@ from test_page import models
 from slipwave.errors import SceneError
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
-from validation.study.model_table import (
-    Compared,
-    ModelCell,
-    shade_of,
-    words_of,
-)
+from validation.study.model_table import Compared, ModelCell, shade_of, words_of
 from validation.study.names import by_claim
 from validation.study.text import number
 

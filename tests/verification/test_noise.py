@@ -56,7 +56,6 @@ def test_fast_state_limits_the_explicit_step_alone(model):
 
 NOISY = {"sbp:2": 6, "sbp:4": 12, "sbp:6": 16, "fem:1": 6, "fem:4": 2, "dg:3": 2, "dg:4": 2, "dg:7": 2}
 
-
 LONG = [pytest.param(model, 10, 1e5, marks=pytest.mark.slow) for model in ("sbp:6", "fem:4", "dg:7")]
 
 

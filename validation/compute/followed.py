@@ -26,7 +26,6 @@ _KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"
 End: TypeAlias = Any
 """The end of a branch or a curve, from which it continues."""
 
-
 Followed: TypeAlias = FollowedBranch | Curve
 """A branch or a curve; its `points` and `notes` grow."""
 

@@ -38,14 +38,11 @@ from slipwave.solve import Solver
 EXPECTED_ERROR = 1e-9
 """Relative error expected of a model without a requested tolerance."""
 
-
 LEFT_BY_ROUNDING = 40.0
 """Growth times after which rounding alone has destroyed steady sliding."""
 
-
 _NO_ECHO = 20.0
 """Growth per transit from which the leading root is real, found from the right: its echoes are e^-20 of it."""
-
 
 _ERFC_ENDS = 26.0
 """Beyond it erfc(x) underflows."""

@@ -24,7 +24,6 @@ FIELD_FILES = (".vtu", ".xdmf", ".nc")
 FIELD_WINDOW = 100.0
 """Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
 
-
 Window: TypeAlias = str | Sequence[float | str]
 """(20, 45) or "20:45" in transits, or times with a unit: "10s:60s"."""
 

@@ -30,7 +30,6 @@ _CRITICAL = {
     "epsilon_c": "critical epsilon",
 }
 
-
 _PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "decay_time": "s", "frequency": "Hz"}
 
 

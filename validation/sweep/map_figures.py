@@ -36,7 +36,6 @@ _ABREAST = 3
 _PICTURES = ("period", "stress_drop")
 _BRUSH = ("cycle_period", "cycle_stress_drop")
 
-
 _VELOCITIES, _TRANSITS = ("V", "drive.velocity"), ("r", "log10_r", "slab.r", "slab.log10_r", "slab.thickness")
 """Keys whose values (for a logarithm, its power of ten) are proportional to V and to the transit."""
 
