@@ -70,7 +70,13 @@ def _follow(columns: Array, start: float) -> tuple[float, float, int, int]:
 
     def best(near: float, terms: int, within: float) -> OptimizeResult:
         bounds = (max(width, near - width), min(0.5, near + width))
-        misfit = lambda rho: _misfit(columns, _basis(count, rho, terms))  # noqa: E731
+
+        def misfit(rho: float) -> float:
+            """Relative residual of the least-squares fit of a figure; the largest over the figures."""
+            orthonormal, _ = np.linalg.qr(_basis(count, rho, terms))
+            left = columns - orthonormal @ (orthonormal.T @ columns)
+            return float(np.max(np.sqrt(np.mean(left**2, axis=0)) / np.std(columns, axis=0)))
+
         return minimize_scalar(misfit, bounds=bounds, method="bounded", options={"xatol": within})
 
     first = float(best(start, 1, _ROUGH * width).x)
@@ -92,13 +98,6 @@ def _terms(rho: float, count: int, most: int) -> int:
 def _basis(count: int, rho: float, terms: int) -> Array:
     angles = 2.0 * np.pi * rho * np.arange(count)[:, None] * np.arange(1, terms + 1)
     return np.column_stack([np.ones(count), np.cos(angles), np.sin(angles)])
-
-
-def _misfit(columns: Array, basis: Array) -> float:
-    """Relative residual of the least-squares fit of a figure by the columns of `basis`; the largest over the figures."""
-    orthonormal, _ = np.linalg.qr(basis)
-    left = columns - orthonormal @ (orthonormal.T @ columns)
-    return float(np.max(np.sqrt(np.mean(left**2, axis=0)) / np.std(columns, axis=0)))
 
 
 def _change(figure: Array, rho: float, terms: int) -> tuple[float, float]:

@@ -185,24 +185,17 @@ def costly_steps(solver: Solver) -> list[str]:
     drive = solver.scene.drive
     pairs = pairwise(zip(drive.times, drive.velocities, strict=True))
     jumps = [late for (early, before), (late, after) in pairs if early == late > 0.0 and before != after]
-    late = _late(solver, jumps)
-    if late or not jumps or "time" not in solver.settings:
-        return late
+    pieces = solver.transits_per_piece
+    if not (solver.nodes[0] > 0.0 or math.isnan(pieces)):  # else it ends a step at every knot
+        step = pieces / (solver.nodes.size - 1)
+        if any(abs(time / step - round(time / step)) >= _ON_A_STEP for time in jumps):
+            return [
+                f"steps of V are placed to within one time step ({step:.3g} transits) by this model: their error falls with the "
+                "step, not with the order of the scheme; the delay system, and full waves with --time exact, place them exactly"
+            ]
+    if not jumps or "time" not in solver.settings:
+        return []
     return [
         "no grid resolves the front of a step of V: the error of this model falls as the size of its cells, whatever its order; "
         "the delay system has no such error"
-    ]
-
-
-def _late(solver: Solver, jumps: list[float]) -> list[str]:
-    """A note if `solver` shifts one of the `jumps` of V in time; none if all fall on the ends of its steps."""
-    pieces = solver.transits_per_piece
-    if solver.nodes[0] > 0.0 or math.isnan(pieces):  # it ends a step at every knot
-        return []
-    step = pieces / (solver.nodes.size - 1)
-    if all(abs(time / step - round(time / step)) < _ON_A_STEP for time in jumps):
-        return []
-    return [
-        f"steps of V are placed to within one time step ({step:.3g} transits) by this model: their error falls with the step, "
-        "not with the order of the scheme; the delay system, and full waves with --time exact, place them exactly"
     ]

@@ -58,7 +58,7 @@ def run(budget: Budget) -> StudyResult:
         answers=(StudyAnswer(answer(residuals["fd"], orders, shares), (CONSERVES, SQUARED, CLOSES)),),
         figures=(Figure("closure", _CLOSURE, lambda: closure(residuals)),),
         tables=(table("shares", _SHARES, " | ".join(["scene", *(f"{name} [% of input] .4g" for name in _SINKS)]), rows),),
-        verdicts=(*ladder_verdicts(ladders["fd"], orders), *high_verdicts(high)),
+        verdicts=tuple(balance_verdicts(ladders["fd"], orders, high)),
         numbers={f"order of {model}": stated(found.order, found.half_width) for model, found in orders.items()},
     )
 
@@ -84,15 +84,14 @@ def balance(model: str, cells: int, scene: str = "paper") -> Balance:
     return done.energy or {}, rounding(_UNTIL / done.done.solver.step)
 
 
-def ladder_verdicts(fd: Sequence[Balance], orders: Mapping[str, Fit]) -> Iterator[Verdict]:
-    """The leapfrog on every grid; the order of every model that does not conserve, with its 95 % interval."""
+def balance_verdicts(
+    fd: Sequence[Balance], orders: Mapping[str, Fit], high: Mapping[tuple[str, str], Balance]
+) -> Iterator[Verdict]:
+    """The leapfrog on every grid; the order of every model that does not conserve, with its 95 % interval; models of high degree
+    on every scene."""
     yield claim(CONSERVES, EXACT, max(abs(entries["residual"]) for entries, _ in fd), fd[0][1], "the worst of all grids")
     for model, found in orders.items():
         yield of_order(SQUARED, EXACT, found, ORDERS[model], f"`{model}`")
-
-
-def high_verdicts(high: Mapping[tuple[str, str], Balance]) -> Iterator[Verdict]:
-    """Models of high degree on every scene."""
     for (model, scene), (entries, allowed) in high.items():
         yield claim(CLOSES, EXACT, abs(entries["residual"]), allowed, f"`{model}`, scene {scene}")
 
