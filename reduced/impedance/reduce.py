@@ -81,27 +81,33 @@ def locked_modes(scene: Scene, count: int) -> tuple[tuple[float, ...], tuple[flo
     return tuple(frequencies), tuple(residues)
 
 
-def low_frequency(slab: Slab) -> tuple[float, float]:
-    """(c_1, c_3) of Y = c_1 s + c_3 s^3 + ... of a lossless slab, s on the friction clock.
+def low_frequency(slab: Slab) -> tuple[float, float, float]:
+    """(c_1, c_2, c_3) of Y = c_1 s + c_2 s^2 + c_3 s^3 + ... of an elastic slab, s on the friction clock, to first order in the
+    dashpot of its face.
 
-    Per layer, with x = s T and the coefficients f of the layers beyond: a_1 = f_1 + Y_c T,  a_3 = f_3 - Y_c T^3/3 - a_1 f_1
-    T/Y_c.
+    Per layer, with x = s T and the coefficients f of the layers beyond: a_1 = f_1 + Y_c T,  a_2 = f_2,  a_3 = f_3 - Y_c T^3/3 -
+    a_1 f_1 T/Y_c. A face is s/(spring + dashpot s + mass s^2).
     """
-    first, third = 0.0, 0.0
+    held = slab.termination
+    first, second, third = 0.0, 0.0, 0.0
+    if not held.is_rigid:
+        first, second, third = 1.0 / held.spring, -held.dashpot / held.spring**2, -held.mass / held.spring**2
     for layer in reversed(slab.layers):
         admittance = 1.0 / (slab.epsilon * layer.impedance)
         delay = 0.5 * slab.round_trip * layer.fraction
         total = first + admittance * delay
         third += -admittance * delay**3 / 3.0 - total * first * delay / admittance
         first = total
-    return first, third
+    return first, second, third
 
 
-def spring_and_mass(scene: Scene) -> tuple[float, float]:
-    """(spring, mass) of Z/epsilon = spring/s + mass s + ... of a lossless pair, transit clock; (1, 1/12) for the plain one."""
-    first, third = np.add(low_frequency(scene.upper), low_frequency(scene.lower))
+def spring_damping_mass(scene: Scene) -> tuple[float, float, float]:
+    """(spring, damping, mass) of Z/epsilon = spring/s + damping + mass s + ... of an elastic pair, transit clock; (1, 0, 1/12)
+    for the plain one. They are those of the pair's quasi-static motion, and so never negative."""
+    first, second, third = np.add(low_frequency(scene.upper), low_frequency(scene.lower))
     epsilon, transit = scene.upper.epsilon, scene.transit
-    return float(transit / (first * epsilon)), float(-third / (first**2 * epsilon * transit))
+    found = transit / (first * epsilon), -second / (first**2 * epsilon), -third / (first**2 * epsilon * transit)
+    return float(found[0]), float(found[1]), float(found[2])
 
 
 def reduction_of(scene: Scene, name: str) -> Reduction:
@@ -141,21 +147,21 @@ def quasidynamic(scene: Scene, name: str) -> Reduction:
 
 
 def block12(scene: Scene, name: str) -> Reduction:
-    """Spring and mass of Z at low frequency."""
-    spring, mass = spring_and_mass(scene)
-    return Reduction(name, mass=mass, spring=spring)
+    """Spring and mass of Z at low frequency; damping too, if there are dashpots on the faces."""
+    spring, damping, mass = spring_damping_mass(scene)
+    return Reduction(name, mass=mass, damping=damping, spring=spring)
 
 
 def block8(scene: Scene, name: str) -> Reduction:
     """The paper's truncation with the larger mass."""
-    spring, mass = spring_and_mass(scene)
+    spring, _, mass = spring_damping_mass(scene)
     return Reduction(name, mass=1.5 * mass, spring=spring)
 
 
 def modal(scene: Scene, name: str) -> Reduction:
     """The lowest modes of the pair with its interface locked; the low-frequency mass of all other modes is kept."""
     count = mode_count(name)
-    spring, mass = spring_and_mass(scene)
+    spring, _, mass = spring_damping_mass(scene)
     frequencies, residues = locked_modes(scene, count)
     remainder = mass - sum(residue / omega**2 for residue, omega in zip(residues, frequencies, strict=True))
     found = Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
@@ -168,7 +174,7 @@ def kelvin_voigt(scene: Scene, name: str) -> Reduction:
     """Both slabs' Z_i = (2 eps_i/(s r_i))(1 + x_i/8)/(1 + x_i/24), x_i = (s r_i)^2, in series (11): two pole pairs, or one
     if the round trips are equal. Poles in X = s^2 (transit clock) from sum_i k_i (1 + rho_i X/24)(1 + rho_j X/8) = 0. A free
     slab passes the velocity of its drive on with the factor 1/(1 + x_i/8), as in (41)."""
-    spring, _ = spring_and_mass(scene)
+    spring, _, _ = spring_damping_mass(scene)
     rho = (scene.lower.round_trip / scene.transit) ** 2
     upper, lower = 0.5, 0.5 * scene.lower.round_trip * scene.upper.epsilon / (scene.transit * scene.lower.epsilon)
     if math.isclose(rho, 1.0, rel_tol=1e-12):
@@ -186,9 +192,12 @@ def kelvin_voigt(scene: Scene, name: str) -> Reduction:
 
 
 def fitted(scene: Scene, name: str) -> Reduction:
-    """The exact modes if they are known, else a passive rational fit."""
+    """The exact modes if they are known, else a passive rational fit; without any oscillator the block of elastic slabs and of
+    what is on their faces."""
     if is_lossless(scene.upper) and is_lossless(scene.lower):
         return modal(scene, name)
+    if mode_count(name) == 0 and not any(slab.viscosity or slab.termination.has_dead_load for slab in scene.slabs):
+        return block12(scene, name)
     from reduced.impedance.fit import fit_scene
 
     return fit_scene(scene, name, mode_count(name), relaxed_spring(scene))

@@ -12,7 +12,7 @@ import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, reduction_of
 from reduced.impedance.of_reduction import dissipation, sign_frequencies
-from reduced.impedance.reduce import spring_and_mass
+from reduced.impedance.reduce import spring_damping_mass
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, StandardLinearViscosity
@@ -72,7 +72,7 @@ def test_spring_and_mass_survive_truncation(name, model):
     scene = LOSSLESS[name]
     reduced = reduction_of(scene, model)
     total = reduced.mass + sum(c / w**2 for c, w in zip(reduced.residues, reduced.frequencies, strict=True))
-    spring, mass = spring_and_mass(scene)
+    spring, _, mass = spring_damping_mass(scene)
     omega = 1e-2
     low = impedance(scene, 1j * omega / scene.transit).imag / scene.upper.epsilon
     assert (reduced.spring, total) == pytest.approx((spring, mass), rel=1e-12)
@@ -244,9 +244,33 @@ def test_an_active_reduction_is_seen(wrong, where, monkeypatch):
         assert dissipation(wrong, sign_frequencies(wrong)).min() < -0.1
 
 
+@pytest.mark.parametrize("name", ["grip", "grip below", "machine", "machine below"])
+def test_the_block_of_slabs_and_faces_is_theirs_at_low_frequency(name):
+    """The first error is of second order in the frequency: of the dashpot's share in the mass."""
+    scene = LOSSY[name]
+    reduced = reduction_of(scene, "fitted:0")
+    errors = []
+    for omega in (1e-2, 1e-3):
+        exact = impedance(scene, 1j * omega / scene.transit) / scene.upper.epsilon
+        errors.append([abs(exact.real / reduced.damping - 1.0), abs(-exact.imag * omega / reduced.spring - 1.0)])
+    assert np.array(errors[0]) == pytest.approx(100.0 * np.array(errors[1]), rel=0.05)
+    assert max(errors[0]) < 1e-3
+
+
+def test_the_block_of_a_heavy_machine_is_exact_about_its_own_resonance():
+    """A mass 3200 times that of its slab, as on a thin sample."""
+    scene = scene_of(slab(face=MachineFace(6.7e-4, 1e-3, 1600.0)))
+    reduced = reduction_of(scene, "fitted:0")
+    own = (reduced.spring / reduced.mass) ** 0.5
+    for omega in np.array([0.1, 0.9, 1.2, 3.0]) * own:
+        exact = impedance(scene, 1j * omega / scene.transit) / scene.upper.epsilon
+        found = reduced.spring / (1j * omega) + reduced.damping + 1j * omega * reduced.mass
+        assert abs(found / exact - 1.0) < 1e-2, omega
+
+
 def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch):
     with pytest.raises(SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; .* is quasidynamic"):
-        reduction_of(LOSSY["grip"], "fitted:0")
+        reduction_of(LOSSY["reflection"], "fitted:0")
     bare = {"kind": "machine", "stiffness": 1e3, "impedance": 0.0, "mass": 0.0}
     with pytest.raises(SceneError, match=r"model = 'fitted:2': no passive fit .* undamped, at a frequency that is fitted"):
         reduction_of(slipwave.read("paper", {"slab.face": bare}), "fitted:2")

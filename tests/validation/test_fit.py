@@ -297,6 +297,35 @@ def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wal
     assert (np.abs(found.inner - 1.0).max() < 1e-4) is not bool(line)
 
 
+@pytest.mark.parametrize(("excess", "fails"), [(1.02, True), (1.0, False)])
+def test_a_residual_that_noise_does_not_explain_fails_with_its_values_and_the_next_model(
+    excess: float, fails: bool, steps: Path, tmp_path: Path
+) -> None:
+    times, friction = np.loadtxt(steps, delimiter=",", skiprows=1).T
+    path = tmp_path / "bent.csv"
+    bent = friction + (excess - 1.0) * np.sin(times)
+    np.savetxt(path, np.column_stack([times, bent]), delimiter=",", header="time [s],friction", comments="")
+    call = {"data": [str(path)], "free": KEYS, "settings": [*THIN, "interface.a=0.0101"]}
+    if not fails:
+        assert sw.fit("velocity-steps", **call).notes[0] == "model quasidynamic leaves out waves that return"
+        return
+    with pytest.raises(NumericsError, match=r"times the noise, .* next: --model block12, another law") as refused:
+        sw.fit("velocity-steps", **call)
+    rows = refused.value.result.summary["parameters"].values()
+    assert all(row["low"] < row["value"] < row["high"] for row in rows)
+
+
+def test_noise_is_a_ten_thousandth_of_the_range_of_friction_at_least(tmp_path: Path) -> None:
+    """A record without noise, whose samples are right to 1e-5 of the range."""
+    times = np.linspace(0.0, 119.0, 300)
+    made, inner = of_model("quasidynamic", KEYS, times)
+    friction = made.friction(inner)
+    path = tmp_path / "quiet.csv"
+    friction += 1e-5 * np.ptp(friction) * np.sin(times)
+    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [s],friction", comments="")
+    sw.fit("velocity-steps", data=[str(path)], free=KEYS, settings=THIN)
+
+
 def test_values_that_are_no_minimum_have_no_interval(steps: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("validation.fit.command.minimise", lambda *given: minimise(*given)._replace(failed="no minimum"))
     with pytest.raises(NumericsError, match="no minimum") as refused:

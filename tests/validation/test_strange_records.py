@@ -178,8 +178,11 @@ def test_a_mass_that_a_model_leaves_out_is_said_to_be_undetermined(tmp_path: Pat
         "slab": SAMPLE["slab"] | {"face": {"kind": "machine", "stiffness": 42.857142857e9, "impedance": 0, "mass": 50}}
     }
     with pytest.raises(NumericsError, match=r"the data do not determine slab\.face\.mass$") as error:
-        sw.fit(scene, data=[path], free=["a", "slab.face.mass"], settings=["b=0.015", "memory_length='10 um'"])
+        sw.fit(scene, "quasidynamic", data=[path], free=["a", "slab.face.mass"], settings=["b=0.015", "memory_length='10 um'"])
     assert error.value.result.notes.count("not determined: slab.face.mass") == 1
+    assert error.value.result.notes[0] == "model quasidynamic leaves out the mass on the outer face and waves that return"
+    found = sw.fit(scene, data=[path], free=["a"], settings=["b=0.015", "memory_length='10 um'"])
+    assert (found.model, found.notes[0]) == ("fitted:0", "model fitted:0 leaves out waves that return")
 
 
 def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -26,9 +26,10 @@ from validation.fit.drawn import chart_of_fit
 from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
 from validation.fit.orbits import CycleOfOrbit
-from validation.fit.parameters import free_parameters
+from validation.fit.parameters import free_parameters, sizes
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
+from validation.fit.which_model import CHEAP, default_model, missing_in, next_model
 from validation.results.command import command
 from validation.results.options import ModelOptions, RecordOptions, log, option
 from validation.results.provenance import provenance
@@ -36,8 +37,7 @@ from validation.results.result import Dataset, Output, Result, aligned, rounded
 from validation.results.wording import header
 
 _TOLERANCE = 1e-7
-_CHEAP = "quasidynamic"
-_ASTRAY = 1.3  # times the noise: a residual that needs a word
+_ASTRAY, _UNEXPLAINED = 1.3, 3.0  # times the noise: a residual that needs a word, and that fails
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,15 +132,14 @@ class FitResult(Result):
     @property
     def notes(self) -> list[str]:
         """Remarks on the numbers."""
-        notes = list(self.remarks)
-        if np.isnan(self.spread.low).all():
-            notes.append("the values are the best so far; no interval is stated, because they are no minimum")
+        notes = ["the values are the best so far; no interval is stated, because they are no minimum"]
+        notes = [*(notes if np.isnan(self.spread.low).all() else []), *self.remarks]
         for one in self.problem.records:
             notes += [f"{one.name}: {line}" for line in one.notes]
         notes += [f"not determined: {line}" for line in self.spread.singular]
         if self.spread.profiled:
             notes.append(f"the interval of {' and '.join(self.spread.profiled)} is by profile: the derivative's is another")
-        if self.spread.noise > _ASTRAY and self.problem.noise:
+        if self.spread.noise > _ASTRAY and self.problem.noise and not self.failed:
             cause = "a part of the record (--window) or the model is not what the other is, or the fit ended off its best values"
             notes.append(f"the residual is {self.spread.noise:.1f} times the noise, and the intervals do not know why: {cause}")
         together = self.spread.together
@@ -229,7 +228,8 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         stored = read_stored(str(source))
         model = stored.model if model == "auto" else model
         files, texts = files or stored.options.get("data", []), texts or stored.options.get("free", [])
-    scene, model = options.scene_of(source), _CHEAP if model == "auto" else model
+    scene = options.scene_of(source)
+    model = default_model(scene) if model == "auto" else model
     words = [word.strip() for text in texts for word in text.split(",") if word.strip()]
     if not files:
         raise SceneError("--data: missing; must be a file of measured friction")
@@ -249,7 +249,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
             log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
             starts = chain([best.inner], starts if is_cheap or waves else [])
         elif not is_cheap and not waves:
-            starts = _nearby(problem_of(scene, free, words, records, _CHEAP, tolerance), starts)
+            starts = _nearby(problem_of(scene, free, words, records, CHEAP, tolerance), starts)
         found = problem.by_orbits(waves, starts, best) if waves else minimise(problem, starts, best, problem.noise)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
@@ -260,7 +260,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     if not found.failed and is_cheap:
         spread = profiled(problem, found, spread)
     fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})
-    failed = "; ".join(filter(None, [found.failed, *_complaints(problem, found, spread)]))
+    failed = "; ".join(filter(None, [found.failed or _unexplained(problem, found, model), *_complaints(problem, found, spread)]))
     if found.failed or at_bounds(problem, found.inner):
         spread = without_ends(spread)
     return FitResult(
@@ -271,6 +271,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         spread,
         time.perf_counter() - began,
         options.stored,
+        remarks=missing_in(model, scene),
         failed=f"fit: {failed}" if failed else "",
         stopped=stopped,
     )
@@ -281,12 +282,12 @@ def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     try:
         found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
     except NumericsError as error:
-        log.info("%s: %s", _CHEAP, error)
+        log.info("%s: %s", CHEAP, error)
         yield from others
         return
     log.info(
         "%s fits with a residual of %.3g times the noise: the start of the fit",
-        _CHEAP,
+        CHEAP,
         math.sqrt(found.cost / found.residual.size),
     )
     yield found.inner
@@ -300,6 +301,17 @@ def _facts_of(one: Experiment, fitted: Array) -> dict[str, Any]:
     error = float(np.hypot(one.cycle.period_error, np.linalg.norm(one.cycle.together[0])))
     period = {"measured": one.cycle.period, "error": error, "fitted": float(fitted[0])}
     return facts | {"events": one.cycle.events, "drop": one.cycle.drop, "period": period}
+
+
+def _unexplained(problem: FrictionProblem, found: Solution, model: str) -> str:
+    """What to try next, if the residual is far above the noise."""
+    if (far := problem.far(found.residual)) <= _UNEXPLAINED:
+        return ""
+    one, scene = problem.records[0], problem.models[0].scene(found.inner[: len(problem.free)])
+    length = (one.cycle.period if one.cycle else 1e-3 * float(one.times[-1])) / sizes(scene)[0]
+    other = next_model(model, scene, length)
+    more = ", ".join([*([f"--model {other}"] if other else []), "another law (interface.law)", "a part of the record (--window)"])
+    return f"the residual is {far:.3g} times the noise, which {model} does not explain; to be tried next: {more}"
 
 
 def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) -> Iterator[str]:

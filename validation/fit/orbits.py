@@ -26,11 +26,13 @@ from validation.fit.parameters import Variants, sizes
 SHIFT = np.array([2e-3, 2e-4])
 """Steps of differences of orbits: transits of period, logarithms of parameters."""
 
+MOST_TRANSITS = 1e4
+"""Longest period of an orbit that is fitted with every wave."""
+
 _STRIDE = (0.5, 0.02, 0.1)  # the longest step from orbit to orbit: the same, and the leading parameter
 _SHORTEST = 1e-3  # share of the way, a step
 _ACCURACY = 1e-6  # relative, of the orbits' figures
 _CLOSES_TO = 1e-9
-_MOST_TRANSITS = 1e4  # of a period
 _NEAR, _TRIALS = 0.05, 8  # of a period: as near as marches go, and how many there are
 _PATIENCE = 60.0  # periods of a march that comes near no orbit
 _LEAST_SLOPE = 1e-6  # d ln period/d ln parameter, below which it has no effect
@@ -54,10 +56,10 @@ class CycleOfOrbit(Forward):
         super().__init__(variants, model)
         self.record = record
         self.transit = sizes(variants.base)[0]
-        if record.period > _MOST_TRANSITS * self.transit:
+        if record.period > MOST_TRANSITS * self.transit:
             raise SceneError(
                 f"model = {model!r}: the measured period is {record.period / self.transit:.3g} transits: a fit with every wave "
-                f"takes {_MOST_TRANSITS:g} at most; quasidynamic fits such a record"
+                f"takes {MOST_TRANSITS:g} at most; quasidynamic fits such a record"
             )
         self.anchor: Anchor | None = None
         self.leading, self.late = 0, 0.0

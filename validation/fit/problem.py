@@ -83,6 +83,15 @@ class FrictionProblem:
         """The residual of a correct model; 0 if the records have no noise."""
         return float(any(np.ndim(one.weight) or one.weight != 1.0 for one in self.records))
 
+    def far(self, residual: Array) -> float:
+        """The `residual` over the noise, which is at least `FINEST` of each record's range of friction; 0 without noise."""
+        least = [FINEST * float(np.ptp(one.friction[one.shown])) for one in self.records]
+        rows = [np.broadcast_to(one.weight, one.friction.shape) for one in self.records]
+        shares = [np.minimum(1.0, 1.0 / np.maximum(size * row, 1e-300)) for size, row in zip(least, rows, strict=True)]
+        return self.noise * float(
+            np.sqrt(np.sum((residual * np.concatenate(shares)) ** 2) / max(residual.size - len(self.names), 1))
+        )
+
     def starts(self) -> Iterator[Array]:
         """Start values: the scene's, then others."""
         first, low, high = (part[: len(self.free)] for part in (self.first, self.low, self.high))
