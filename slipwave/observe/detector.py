@@ -27,8 +27,9 @@ from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root,
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.observe.reversal import SCRATCH, passage, raise_rate
 
-# columns of a swing; from RECORDS on: max and -min of the rate unknown, max and -min of the friction stress
-DIRECTION, BEGIN, END, DATE, RECORDS = 0, 1, 2, 3, 4
+# columns of a swing: y and the time (transits) at its begin and its end; from RECORDS on: max and -min of the rate unknown, max
+# and -min of the friction stress
+DIRECTION, BEGIN, END, BEGAN, ENDED, DATE, RECORDS = 0, 1, 2, 3, 4, 5, 6
 COLUMNS = RECORDS + 4
 
 SHARE = 0.1
@@ -60,7 +61,7 @@ def _join(left: Array, middle: Array, right: Array) -> None:
     """left <- the three joined, with the date of the fall that reaches the higher rate."""
     if right[RECORDS] > left[RECORDS]:
         left[DATE] = right[DATE]
-    left[END] = right[END]
+    left[END], left[ENDED] = right[END], right[ENDED]
     for column in range(RECORDS, COLUMNS):
         left[column] = max(left[column], middle[column], right[column])
 
@@ -110,12 +111,14 @@ def thin(swings: Array, count: int, floor: float) -> int:
 
 class JudgedSwings(NamedTuple):
     """The `swings` of a run without those too small for the window, the rows of the window's `events` in them, and the
-    `prominence` of each event (normal stress). `over` is true if a rise that counts has ended the last event's fall."""
+    `prominence` of each event (normal stress). `over` is true if a rise that counts has ended the last event's fall. `waves`:
+    number of the window's falls that would be events if they slipped enough."""
 
     swings: Array
     events: NDArray[np.intp]
     prominence: Array
     over: bool
+    waves: int
 
     @property
     def complete(self) -> Array:
@@ -123,9 +126,10 @@ class JudgedSwings(NamedTuple):
         return self.prominence if self.over else self.prominence[:-1]
 
 
-def judge_swings(swings: Array, floor: float, after: float) -> JudgedSwings:
+def judge_swings(swings: Array, floor: float, after: float, loading: float, least: float) -> JudgedSwings:
     """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one and at least
-    `floor` (normal stress).
+    `floor` (normal stress) in which the stiffness times the slip is at least `least`: the fall, and what the drive adds at the
+    rate `loading` (normal stress per transit) while it lasts.
 
     The size of a fall depends on how large a rise it may continue through. The largest fall is the largest of all falls that
     continue only through rises below SHARE of their own size.
@@ -134,9 +138,11 @@ def judge_swings(swings: Array, floor: float, after: float) -> JudgedSwings:
     swings = swings.copy()
     swings = swings[: simplify(swings, 0, len(swings), threshold)]
     sizes = swings[:, DIRECTION] * (swings[:, END] - swings[:, BEGIN])
-    events = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after) & (sizes >= threshold))
+    falls = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after) & (sizes >= threshold))
+    slips = (sizes + loading * (swings[:, ENDED] - swings[:, BEGAN]))[falls] >= least
+    events = falls[slips]
     over = bool(events.size) and bool((sizes[events[-1] + 1 :] >= threshold).any())
-    return JudgedSwings(swings, events, sizes[events], over)
+    return JudgedSwings(swings, events, sizes[events], over, falls.size - events.size)
 
 
 def _threshold(swings: Array, floor: float, after: float) -> float:
@@ -151,10 +157,10 @@ def _threshold(swings: Array, floor: float, after: float) -> float:
 
 _FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 
-# slots of the memory of a rise: start of the fall (transits), level of z, whether v reached a new maximum in the latest piece,
-# first and last (exclusive) of the pieces that are kept
-START, LEVEL, RISING, FRONT, KEPT = 0, 1, 2, 3, 4
-SLOTS = 5
+# slots of the memory of a rise: level of z, whether v reached a new maximum in the latest piece, first and last (exclusive) of
+# the pieces that are kept
+LEVEL, RISING, FRONT, KEPT = 0, 1, 2, 3
+SLOTS = 4
 _TIME, _LENGTH, _LOWEST = 0, 1, 2  # columns of a piece that is kept, before its values of z
 FIRST_NODE = 3
 _FIRST_SIZE, MOST_KEPT = 256, 1 << 16  # pieces; of a longer rise from half to full height only every other piece is kept
@@ -210,6 +216,7 @@ def scan(pieces: Pieces, first: int, found: Detector) -> int:
             begin = _split(pieces, k, found) if turns else 0.0
             _take(pieces, k, begin, nodes[n - 1], found)
         last[0] = running[END] = y[k, n - 1]
+        running[ENDED] = pieces.time[k] + pieces.length[k] * nodes[n - 1]
     _date(found)
     return pieces.time.size
 
@@ -263,6 +270,7 @@ def _turn(pieces: Pieces, k: int, point: float, found: Detector) -> None:
     """End the running swing at `point` of piece k and begin the next one."""
     running, count = found.running, int(found.filled[0])
     running[END] = evaluate(found.basis, pieces.y[k], point)
+    running[ENDED] = pieces.time[k] + pieces.length[k] * point
     _date(found)
     for column in range(COLUMNS):
         found.swings[count, column] = running[column]
@@ -277,7 +285,7 @@ def _date(found: Detector) -> None:
     basis, memory, kept = found.basis, found.rise, found.kept
     if not (found.running[DIRECTION] < 0.0 and memory[RISING] > 0.0):
         return
-    n, last, node, date = basis.nodes.size, int(memory[KEPT]) - 1, 0, memory[START]
+    n, last, node, date = basis.nodes.size, int(memory[KEPT]) - 1, 0, found.running[BEGAN]
     for j in range(1, n):
         if kept[last, FIRST_NODE + j] > kept[last, FIRST_NODE + node]:
             node = j
@@ -286,7 +294,7 @@ def _date(found: Detector) -> None:
         z, before = kept[piece, FIRST_NODE:], node if piece == last else n
         point = passage(law_of_step(found.law, 0.0), basis, z, kept[piece, _LOWEST], level, before, found.scratch)
         if point >= 0.0:
-            date = max(memory[START], kept[piece, _TIME] + kept[piece, _LENGTH] * point)
+            date = max(found.running[BEGAN], kept[piece, _TIME] + kept[piece, _LENGTH] * point)
             break
     found.running[DATE] = date
 
@@ -297,11 +305,12 @@ def _begin(pieces: Pieces, k: int, point: float, direction: float, found: Detect
     running = found.running
     running[DIRECTION] = direction
     running[BEGIN] = running[END] = evaluate(found.basis, pieces.y[k], point)
+    running[BEGAN] = running[ENDED] = pieces.time[k] + pieces.length[k] * point
     running[DATE] = math.nan
     for slot in range(RECORDS, COLUMNS):
         running[slot] = -math.inf
     if direction < 0.0:
-        found.rise[START], found.rise[LEVEL] = pieces.time[k] + pieces.length[k] * point, -math.inf
+        found.rise[LEVEL] = -math.inf
         found.rise[RISING] = found.rise[FRONT] = found.rise[KEPT] = 0.0
 
 

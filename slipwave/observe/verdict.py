@@ -2,7 +2,8 @@
 
     driven      V changes throughout, or it is zero: the drive causes the motion
     protocol    V changes there, or the cycles do not repeat after it has changed: its stages are judged (`stages`)
-    steady      v ends within 1e-6 of V, and either there is no event or v_max and v_min of all cycles agree within 1e-6
+    steady      v ends within 1e-6 of V, and either there is no event or v_max and v_min of all cycles agree within 1e-6, and the
+                prominence does not grow by a fifth on a straight line
     too short   fewer than 3 complete cycles, or fewer than 16 that neither repeat nor come closer
     periodic    in the later half of the cycles (at least three), the figures of every n-th agree within 1e-3 (largest minus
                 smallest, over the mean), and do not move on by more; n is the smallest such number from 1 to 8, up to half of
@@ -164,13 +165,19 @@ class MotionVerdict(NamedTuple):
         return self.kind in ("torus", "irregular")
 
 
-def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float) -> MotionVerdict:
+def judge_motion(
+    cycles: Events, prominence: Array, drive_rests: bool, slides: bool, until: float, ringing: float = np.inf
+) -> MotionVerdict:
     """The verdict on a run to `until` (transits) whose second half has these `cycles` and these events' `prominence`;
-    `drive_rests` is true if V is constant there and not zero, `slides` if v ends at V."""
+    `drive_rests` is true if V is constant there and not zero, `slides` if v ends at V; `ringing`: see `EventObserver`."""
     count, figures = cycles.time.size, np.array(cycles[1:]).T
     if not drive_rests:
         return MotionVerdict("driven", count)
-    if slides and (prominence.size == 0 or (count and slides_at(float(cycles.v_max.max()), float(cycles.v_min.min())))):
+    trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1])) if count >= _FEWEST else 0.0
+    if _SLIDES < ringing < _CHANGED:
+        return MotionVerdict("decaying", count)
+    alike = count > 0 and trend < _CHANGED and slides_at(float(cycles.v_max.max()), float(cycles.v_min.min()))
+    if slides and (prominence.size == 0 or alike):
         return MotionVerdict("steady", count)
     if count < _FEWEST:
         return MotionVerdict("too short", count, needed=_needed(cycles, until, _FEWEST))
@@ -178,7 +185,6 @@ def judge_motion(cycles: Events, prominence: Array, drive_rests: bool, slides: b
     multiplicity = _multiplicity(figures)
     if multiplicity:
         return MotionVerdict("periodic", count, multiplicity, change)
-    trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1]))
     if trend:
         change = float(prominence[-1] / prominence[0] - 1.0)
         rate = float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])

@@ -11,6 +11,8 @@ import slipwave
 from slipwave.observe import EventObserver, Pieces
 
 Array = NDArray[np.float64]
+SCENE = slipwave.read("paper", ["slab.log10_r=0.0"])
+"""Of slabs so thick that each fall of these motions is long enough for a slip event."""
 V = 100.0
 RADAU = np.array([0.0885879595127, 0.4094668644407, 0.7876594617608, 1.0])
 EQUISPACED = np.linspace(1 / 6, 1.0, 6)
@@ -35,14 +37,14 @@ def through(turns, step=5.0, velocity=V):
     return Motion(curve, lambda t: np.log(velocity - slope(t) / stiffness), float(curve.x[-1]))
 
 
-def watch(motion, nodes=RADAU, pieces=2000, chunk=7, resumed=False):
+def watch(motion, nodes=RADAU, pieces=2000, chunk=7, resumed=False, scene=SCENE):
     """The observer after `motion` was shown to it in chunks of `chunk` of equally long `pieces`; if `resumed`, another goes on
     after each."""
-    observer = EventObserver(slipwave.read("paper"), nodes)
+    observer = EventObserver(scene, nodes)
     edges = np.linspace(0.0, motion.until, pieces + 1)
     for first in range(0, pieces, chunk):
         if resumed:
-            before, observer = observer, EventObserver(slipwave.read("paper"), nodes)
+            before, observer = observer, EventObserver(scene, nodes)
             observer.restore(before.state())
         left, length = edges[:-1][first : first + chunk], np.diff(edges)[first : first + chunk]
         times = left[:, None] + length[:, None] * nodes

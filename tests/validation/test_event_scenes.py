@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import slipwave
+from tests.granite import GRANITE as GRANITE_BLOCK
 from validation.compute.build import build
 from validation.measure.cycle import watch
 
@@ -16,6 +17,13 @@ LAYERS = [
     "lower.r=0.004743416490252569",
 ]
 """Unlike slabs, the upper one layered: every third cycle has a precursor in which v crosses V and sticks again."""
+
+WAVES = {
+    "interface": {"law": "ageing", "a_star": 0.369, "a": 0.0349, "b": 0.0489},
+    "upper": {"epsilon": 2.8e-5, "log10_r": -2.68},
+    "lower": {"epsilon": 7.667574975940215e-05, "r": 0.0019827480929255734},
+    "drive": {"velocity": 100.0},
+}
 
 
 def seen_in(chosen, until, model="delay", **options):
@@ -61,6 +69,53 @@ def test_ringing_of_granite_is_no_event(answer):
     assert run["period"]["mean"] == pytest.approx(478.8, rel=0.05)  # 20 cycles of a run of 20000 transits, 5.2 apart
     assert run["period"]["std"] < 0.05 * run["period"]["mean"]
     assert run["elastic_stress_drop"]["mean"] == pytest.approx(0.0783, rel=0.05)
+
+
+STICKING = GRANITE_BLOCK | {
+    "slab": GRANITE_BLOCK["slab"] | {"thickness": 14.14},
+    "interface": GRANITE_BLOCK["interface"] | {"normal_stress": 8.43e6},
+}
+"""Slips at t = 15 977 and 157 255, and waves that ring in the stick between them and after."""
+
+
+@pytest.mark.parametrize(
+    ("source", "changes", "model", "until", "count"),
+    [
+        (STICKING, [], "delay", 318_198.0, 2),
+        ("unlike", LAYERS, "delay", 4000.0, 35),
+        ("paper", ["slab.log10_r=-2.59"], "kelvin-voigt", 4000.0, 51),
+        ("paper-2.3", [], "delay", 4000.0, 38),
+        ("paper", ["start.kind='jump'", "start.size=5.0"], "delay", 2000.0, 26),
+    ],
+    ids=["waves in a stick", "precursors", "doubled cycles", "irregular cycles", "a first large jump"],
+)
+def test_every_window_has_the_slip_events_that_the_whole_run_has_there(source, changes, model, until, count):
+    """Also one that lies between two slips, or in which a first jump three times as large as any other slip is not."""
+    observer = seen_in(slipwave.read(source, changes), until, model)
+    whole = observer.dates()
+    assert whole.size == pytest.approx(count, abs=1)
+    for after in np.linspace(0.0, until, 61)[:-1]:
+        assert observer.dates(after).tolist() == whole[whole >= after].tolist(), after
+
+
+def test_a_run_that_ends_before_its_second_slip_is_too_short_and_says_how_long_it_should_be():
+    run = slipwave.run(STICKING, until=318_198.0)
+    assert (run.summary["verdict"], run.summary["events"]) == ("too short", 2)
+    assert 3.0 < run.needed / 318_198.0 < 16.0  # sixteen cycles of some 160 000 transits
+    assert "try --until 2.5e+06 (2.1e+04 s)" in "\n".join(run.lines(run.summary))
+
+
+def test_waves_beside_stable_sliding_decay():
+    """399 of them in the second half, of 1e-8 of the normal stress, some 2 transits apart; they do not fall one by one."""
+    run = slipwave.run(WAVES).summary
+    assert (run["verdict"], run["events"], run["ended"], run["rate"]) == ("decaying", 4, "settled", None)
+    assert slipwave.stability(WAVES).stable
+
+
+def test_a_motion_grows_however_small_it_is(answer):
+    run = answer("run", "paper", "--set", "start.size=1e-9", "--until", "400")
+    assert run["verdict"] == "growing"
+    assert run["rate"] == pytest.approx(1.0 / 542.0, rel=0.01)  # of `stability`
 
 
 def test_a_hold_and_a_reload():

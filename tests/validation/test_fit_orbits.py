@@ -94,6 +94,16 @@ def test_what_does_not_repeat_or_is_of_another_model_has_no_interval(tmp_path: P
         sw.fit("paper", "delay", data=[bent], free=["b"], settings=AWAY)
 
 
+def test_an_orbit_that_one_mesh_calls_unstable_is_fitted_if_orbit_does_not(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Behind faces that leak, the eigenvalues of a single mesh near the essential radius may lie outside the unit circle."""
+    monkeypatch.setattr("validation.fit.by_orbits.count_unstable", lambda closed: 1)
+    file = written(tmp_path / "paper.csv", *seen(0.0349, 1e-3, 14))
+    assert sw.orbit("paper").summary["stable"]
+    assert "interface.a" in sw.fit("paper", "delay", data=[file], free=["a"]).parameters
+
+
 def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path: Path) -> None:
     file = written(tmp_path / "paper.csv", *seen(0.0349, 1e-3, 5))
     found = sw.fit("paper", "modal:2", data=[file], free=["a"], settings=AWAY)

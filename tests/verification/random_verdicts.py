@@ -248,7 +248,7 @@ def _later(case, seen):
 
 
 @contextmanager
-def _within(seconds):
+def within(seconds):
     """TimeoutError after so many seconds of the processor."""
 
     def give_up(*_):
@@ -269,7 +269,7 @@ def main(first, last):
         case, began = case_of(number), time.process_time()
         told: Any
         try:
-            with _within(SECONDS):
+            with within(SECONDS):
                 told = judged(case)
         except TimeoutError:
             told = Answer("dear", "takes too long")

@@ -386,7 +386,9 @@ class JudgedMarch:
         """Verdict on the second half of the run so far, from `half` (transits) on, with these `cycles`."""
         drive, end = self.solver.scene.drive, 2.0 * half
         slides = self.final is not None and slides_at(self.final.v, drive.at(end))
-        return judge_motion(cycles, self.watch.judge(half).complete, drive.rests_from(half), slides, end)
+        rests = drive.rests_from(half)
+        ringing = self.watch.ringing(drive.at(end), half) if rests else math.inf
+        return judge_motion(cycles, self.watch.judge(half).complete, rests, slides, end, ringing)
 
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
         """The result so far."""

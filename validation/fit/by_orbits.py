@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reduced.orbit.multipliers import count_unstable, is_decided
+from reduced.orbit.multipliers import count_unstable
+from reduced.orbit.periodic import periodic_orbit
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
@@ -116,6 +117,7 @@ def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, e
     """A solution in coordinates, with derivative `by`, converted to parameters, with the best date of events."""
     known = model.anchor
     assert known is not None
+    closed = known.closed
     _, change = model.differences(known, model.late)
     date = by[:, 1] / np.linalg.norm(by[:, 1])
     slopes = np.column_stack([by[:, [0, *range(2, keys + 1)]] @ np.linalg.inv(change), by[:, keys + 1 :]])
@@ -129,7 +131,10 @@ def _over_parameters(model: CycleOfOrbit, one: Solution, by: Array, keys: int, e
         failed = (
             f"cycles of the record differ by more than noise ({text}), no interval holds: take a part that repeats (--window)"
         )
-    elif is_decided(known.closed) and count_unstable(known.closed):
+    elif (
+        count_unstable(closed)
+        and periodic_orbit(closed.flow, closed.cycle.start, closed.cycle.period).multipliers.stable is False
+    ):
         failed = "the orbit nearest to the record is unstable: no sample would stay on it"
     residual, rows = np.append(0.0, one.residual), np.vstack([np.zeros(slopes.shape[1]), slopes])
     return Solution(np.append(model.inner(known), one.inner[keys + 1 :]), residual, rows, evaluations, failed)

@@ -16,6 +16,7 @@ from validation.compute.run import Run, needed
 from validation.results.provenance import provenance
 from validation.results.quantities import table_of
 from validation.results.result import Dataset, Result, finite, rounded
+from validation.results.wording import longer_in_words
 
 _Row: TypeAlias = Mapping[str, Any]
 
@@ -97,7 +98,7 @@ def nothing(reference: Run) -> str:
     model, longer = reference.solver.model, needed(reference.verdict, reference.solver.scene, one_port_of(reference.solver.model))
     run = f"the {'' if reference.kind == 'too short' else 'second half of the '}run of {model}"
     why = f"nothing to compare: {run} is {reference.kind}"
-    return f"{why}; try --until {float(f'{longer:.2g}'):g}" if math.isfinite(longer) else why
+    return f"{why}; {longer_in_words(longer, reference.solver.scene)}" if math.isfinite(longer) else why
 
 
 def distances(row: _Row) -> dict[str, tuple[float, float | None]]:

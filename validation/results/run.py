@@ -51,6 +51,7 @@ from validation.results.wording import (
     events_in_words,
     exponent_in_words,
     header,
+    longer_in_words,
     margins_in_words,
     spreads_in_words,
     statistics_rows,
@@ -152,7 +153,8 @@ class RunResult(Result):
         yield from (f"note: {note}" for note in self.notes)
         march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
         words = f": {stages_in_words(self.stages)}" if done.kind == "protocol" else ""
-        judged = f"{events_in_words(done.starts, done.verdict, self.needed)}{words}"
+        longer = longer_in_words(self.needed, scene) if done.kind == "too short" else ""
+        judged = f"{events_in_words(done.starts, done.verdict, longer)}{words}"
         yield f"model {done.solver.model}{march}, {done.until:g} transits: {judged}"
         yield from self.reasons
         if done.ended in ENDED:

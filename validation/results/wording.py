@@ -96,20 +96,28 @@ def exponent_in_words(found: Exponent) -> str:
     return f"{known}: nearby motions {word} by a factor e in {1.0 / abs(found.rate):.3g} transits"
 
 
-def events_in_words(count: int | None, verdict: MotionVerdict | None, needed: float = math.nan) -> str:
-    """The number of slip events of a run and its verdict, in one line; `needed` is the length of a run that is not too short."""
+def events_in_words(count: int | None, verdict: MotionVerdict | None, longer: str) -> str:
+    """The number of slip events of a run and its verdict, in one line; `longer`: the length of a run that is not too short."""
     if count is None or verdict is None:
         return "events were not watched (run.record is empty)"
-    return f"{count} slip event{'s' if count != 1 else ''}; {verdict_in_words(verdict, needed)}"
+    return f"{count} slip event{'s' if count != 1 else ''}; {verdict_in_words(verdict, longer)}"
 
 
-def verdict_in_words(verdict: MotionVerdict, needed: float) -> str:
-    """The verdict on the second half of a run, with the reason."""
+def longer_in_words(needed: float, scene: Scene) -> str:
+    """What to try if a run of `needed` transits has enough cycles, with the time if `scene` has units."""
+    if math.isinf(needed):
+        return "one takes longer than a run can be"
+    size, unit = shown_in("transit", scene)
+    return f"try --until {float(f'{needed:.2g}'):g}{f' ({needed * size:.2g} {unit})' if scene.units else ''}"
+
+
+def verdict_in_words(verdict: MotionVerdict, longer: str) -> str:
+    """The verdict on the second half of a run, with the reason; `longer`: see `events_in_words`."""
     change = f"{abs(verdict.change):.2g}"
-    longer = "one takes longer than a run can be" if math.isinf(needed) else f"try --until {float(f'{needed:.2g}'):g}"
+    falls = f"the drop of elastic stress falls by {change} of itself from the first of its events to the last"
     reasons = {
         "steady": "v is V within 1e-6",
-        "decaying": f"the drop of elastic stress falls by {change} of itself from the first of its events to the last",
+        "decaying": "it has waves only, which friction damps" if math.isnan(verdict.change) else falls,
         "growing": f"the drop of elastic stress grows by {change} of itself from the first of its events to the last",
         "settling": f"its cycles still change, the last by {change} of itself",
         "periodic": f"{verdict.multiplicity} event{'s' if verdict.multiplicity != 1 else ''} in a period",

@@ -161,6 +161,11 @@ class SweepResult(Result):
             yield ""
             words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
             yield from aligned(words, [[str(row.get(word, "-")) for word in words] for row in summary["regimes"]])
+        if "needed" in self.dataset:
+            ratio = self.dataset["needed"] / self.dataset["until"]
+            longer = float(ratio.where(ratio < np.inf).max())
+            if longer > 1.0:
+                yield f"runs that are too short have enough cycles if they are up to {longer:.2g} times as long"
 
     def chart(self) -> Chart:
         """The map over two axes, or the figures over one."""

@@ -17,7 +17,7 @@ from slipwave.packages import no_exit
 from slipwave.scene import Scene
 from validation.compute.build import prepare
 from validation.compute.models import one_port_of
-from validation.compute.run import Length, Run, UntilSettled, reconsidered, simulate
+from validation.compute.run import Length, Run, UntilSettled, needed, reconsidered, simulate
 from validation.results.quantities import Meaning
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
@@ -62,7 +62,8 @@ def _figures(run: Run) -> dict[str, Any]:
     found = run.verdict
     means = run.statistics.values() if found and found.repeats else {}
     counts = {"multiplicity": found.multiplicity, "cycles": found.cycles} if found else {}
-    return {"verdict": run.kind, **counts, **means, "until": run.until}
+    longer = needed(found, run.solver.scene, one_port_of(run.solver.model))
+    return {"verdict": run.kind, **counts, **means, "until": run.until, "needed": longer}
 
 
 def verdict_of(scene: Scene, model: str, options: Options) -> Figures:
@@ -121,6 +122,7 @@ _VERDICT = {
     "cycles": Meaning("cycles in the second half of the run"),
     **_CYCLE,
     "until": Meaning("length of the run", "transit"),
+    "needed": Meaning("length of a run with enough cycles, where this one is too short", "transit"),
 }
 _CYCLES = {
     "cycle_period": Meaning("period of each cycle of the second half of the run", "transit"),
