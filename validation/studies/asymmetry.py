@@ -19,7 +19,7 @@ from validation.study.regimes import regime_areas
 from validation.study.text import places, plain
 from validation.study.verdict import ROUNDING, WITNESS, Verdict, claim, every, in_range
 from validation.sweep.axes import axis_of, changed
-from validation.sweep.difference import difference, model_regimes
+from validation.sweep.difference import difference, difference_rows, model_regimes
 from validation.sweep.map_figures import chart_of_sweep
 from validation.sweep.sweep import plan_of, swept_here
 
@@ -61,16 +61,17 @@ def run(budget: Budget) -> StudyResult:
     scene = sw.read("paper", {"run.until": _LONGEST, "slab.log10_r": _LOG10_R})
     data = swept_ratios(scene, 5 if budget.quick else 9)
     differences = difference(data, _MODELS[0])
+    rows = difference_rows(differences)
     return StudyResult(
-        answers=_answers(runs, data, differences.attrs["differences"]),
+        answers=_answers(runs, data, rows),
         figures=(
             Figure("regimes", _REGIMES, lambda: chart_of_sweep(data, "verdict")),
             Figure("differences", _DIFFERENCES, lambda: chart_of_sweep(differences, "other_regime")),
         ),
-        tables=(_errors(differences.attrs["differences"]),),
+        tables=(_errors(rows),),
         verdicts=(*_agreements(runs, known), *_leapfrog(runs), _as_counted(scene, data)),
         numbers={f"{name}: ψ({UNTIL:.0f})": stated(runs[name]["delay", None], error) for name, error in known.items()}
-        | regime_areas(differences),
+        | regime_areas(differences, rows),
     )
 
 

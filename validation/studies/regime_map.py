@@ -11,7 +11,7 @@ from validation.study.regimes import regime_areas
 from validation.study.text import places
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
-from validation.sweep.difference import difference, model_regimes
+from validation.sweep.difference import difference, difference_rows, model_regimes
 from validation.sweep.map_figures import Line, chart_of_sweep
 from validation.sweep.sweep import plan_of, swept_here
 
@@ -31,8 +31,9 @@ def run(budget: Budget) -> StudyResult:
     data = swept_plane(budget)
     lines = onset_lines(data)
     differences = difference(data, _REFERENCE)
-    rows = sorted(differences.attrs["differences"], key=lambda row: float(row["other_regime_percent"]))
-    areas = ", ".join(f"`{row['model']}` in {row['other_regime_percent']:.2g} %" for row in rows)
+    rows = difference_rows(differences)
+    nearest = sorted(rows, key=lambda row: float(row["other_regime_percent"]))
+    areas = ", ".join(f"`{row['model']}` in {row['other_regime_percent']:.2g} %" for row in nearest)
     return StudyResult(
         answers=(StudyAnswer(f"Of the plane of r and V another regime than the exact one have {areas}.", ("Regimes of runs",)),),
         figures=(
@@ -40,7 +41,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("differences", _DIFFERENCES, lambda: chart_of_sweep(differences, "other_regime")),
         ),
         verdicts=(_boundaries(data, lines),),
-        numbers=regime_areas(differences),
+        numbers=regime_areas(differences, rows),
     )
 
 

@@ -1,7 +1,7 @@
 """The final motion of a model in a scene: its regime in words, and the figures of its cycles, if any."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -96,14 +96,14 @@ def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None)
     return _figures(found.orbit) if found.multipliers.stable else {}
 
 
-def regime_areas(differences: "Dataset") -> dict[str, Number]:
-    """The share of a map's area in which a model has another regime, in per cent. The name contains the lattice, because shares
-    on different lattices are not compared; the error is one point of it."""
+def regime_areas(differences: "Dataset", rows: Sequence[Mapping[str, Any]]) -> dict[str, Number]:
+    """The share of a map's area in which a model has another regime, in per cent, from the `rows` of its differences. The
+    name contains the lattice, because shares on different lattices are not compared; the error is one point of it."""
     sizes = [size for name, size in differences.sizes.items() if name != "model"]
     lattice = " x ".join(map(str, sizes))
     return {
         f"{row['model']} other regime, {lattice} points": stated(
             row["other_regime_percent"], 1e4 / (math.prod(sizes) * row["compared_percent"])
         )
-        for row in differences.attrs["differences"]
+        for row in rows
     }

@@ -47,18 +47,20 @@ def difference(data: Dataset, reference: str) -> Dataset:
         found[name] = others[name] / ours[name] - 1.0
         found[name].values[~both] = np.nan
         found[name].attrs = {"long_name": f"relative difference of {name.replace('_', ' ')} from {reference}", "units": "1"}
-    rows = [
-        {
-            "model": model,
-            "other_regime_percent": float(100.0 * np.nanmean(found["other_regime"].sel(model=model)))
-            if decided[number].any()
-            else np.nan,
-            "compared_percent": float(100.0 * decided[number].mean()),
-            **{name: _largest(found[name].sel(model=model).values) for name in _COMPARED},
-        }
-        for number, model in enumerate(str(name) for name in found["model"].values)
-    ]
-    return found.assign_attrs({**data.attrs, "differences": rows})
+    return found
+
+
+def difference_rows(found: Dataset) -> list[dict[str, Any]]:
+    """The differences that were `found`, for each model: per cent of the decided area with another regime, per cent that is
+    decided, and the largest relative difference of each figure."""
+    return [{"model": str(name), **_row(found.sel(model=name))} for name in found["model"].values]
+
+
+def _row(one: Dataset) -> dict[str, float]:
+    other, decided = one["other_regime"].values, np.isfinite(one["other_regime"].values)
+    percent = {"other_regime_percent": other[decided].mean() if decided.any() else np.nan, "compared_percent": decided.mean()}
+    largest = {name: _largest(one[name].values) for name in _COMPARED}
+    return {name: 100.0 * float(share) for name, share in percent.items()} | largest
 
 
 def _largest(values: Any) -> float:

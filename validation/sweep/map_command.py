@@ -14,7 +14,7 @@ from validation.results.command import command
 from validation.results.options import SceneOptions, option
 from validation.results.result import Dataset, Output, Result, aligned, load_dataset, rounded
 from validation.sweep.boundaries import lines_of_curve, onset_lines
-from validation.sweep.difference import difference
+from validation.sweep.difference import difference, difference_rows
 from validation.sweep.gather import dataset_of
 from validation.sweep.map_figures import Line, chart_of_sweep
 from validation.sweep.store import Store
@@ -62,7 +62,7 @@ class MapResult(Result):
         data = self.dataset
         found: dict[str, Any] = {"scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
         if self.differences is not None:
-            found["differences"] = self.differences.attrs["differences"]
+            found["differences"] = difference_rows(self.differences)
         return found | {"boundaries": [line.name for line in self.boundaries]}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
