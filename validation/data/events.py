@@ -25,6 +25,7 @@ FALL = 0.4
 
 _ABOVE = 8.0  # times the noise: the smallest fall that is distinguished from it
 _BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
+_WHOLE = 0.8  # of the median fall: a smaller one is cut off if it lasts longer than what is between it and an end of the record
 _SHARE = 0.25  # of the duration of a fall: the smoothing that is chosen
 _QUIET = 1e-6  # share of the range of friction below which a record has no noise
 
@@ -42,13 +43,14 @@ class SlipEvents(NamedTuple):
 
 def slip_events(time: Array, friction: Array) -> SlipEvents:
     """The slip events of a record: falls by at least `FALL` of the range of friction, or of its means over so many samples that
-    noise is hidden. The date is when friction last falls through the middle between its maximum and its minimum."""
+    noise is hidden; none that an end of the record cuts off. The date is when friction last falls through the middle between its
+    maximum and its minimum."""
     found: list[tuple[int, int]] = []
     for together in sorted({max(1, time.size // blocks) for blocks in (time.size, *_BLOCKS)}):
         means = friction[: time.size // together * together].reshape(-1, together).mean(axis=1)
         least = FALL * float(np.ptp(means))
         if least > _ABOVE * noise_of(np.arange(means.size), means):
-            found = falls(means, least)
+            found = _without_cut(falls(means, least), means)
             break
     first, last = np.array(found, dtype=np.intp).reshape(-1, 2).T
     top, bottom = together * first, np.minimum(together * last + together, time.size) - 1
@@ -57,6 +59,17 @@ def slip_events(time: Array, friction: Array) -> SlipEvents:
     above = top + np.array(passages, dtype=np.intp)
     share = (friction[above] - middle) / (friction[above] - friction[above + 1])
     return SlipEvents(top, bottom, above, means[first] - means[last], time[above] + share * (time[above + 1] - time[above]))
+
+
+def _without_cut(found: list[tuple[int, int]], values: Array) -> list[tuple[int, int]]:
+    """The falls without the first and the last if an end of the record cuts them off."""
+    if len(found) < 2:
+        return found
+    usual = _WHOLE * float(np.median([values[top] - values[bottom] for top, bottom in found]))
+    (top, bottom), (late, end) = found[0], found[-1]
+    begins = values[top] - values[bottom] > usual or top > bottom - top
+    ends = values[late] - values[end] > usual or values.size - 1 - end > end - late
+    return found[not begins : len(found) - (not ends)]
 
 
 def _passage(values: Array, level: float) -> int:
@@ -122,8 +135,8 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     if smooth is not None and not 1 <= smooth <= time.size // 2:
         raise SceneError(f"smooth = {smooth}: must be from 1 to {time.size // 2}, half of the samples in {series.source!r}")
     found, noise = slip_events(time, friction), noise_of(time, friction)
-    if (found.top > 0).sum() < 2:
-        count = {0: "no slip event", 1: "one slip event only"}.get(found.date.size, "no complete cycle between slip events")
+    if found.date.size < 2:
+        count = ("no slip event", "one slip event only")[found.date.size]
         text = f": no fall of friction exceeds the range of noise, {_ABOVE * noise:.2g}"
         more = text if noise and not found.date.size else "; a comparison of cycles needs two or more"
         raise SceneError(f"{series.source!r}: {count}{more}")
@@ -136,12 +149,11 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
 
 
 def _cycles(found: SlipEvents, friction: Array, rate: Array) -> Events:
-    """The cycles from one maximum of friction to the next; a fall from the first sample on begins none."""
-    top, date = found.top[found.top > 0], found.date[found.top > 0]
-    parts = [slice(begin, end + 1) for begin, end in pairwise(top)]
+    """The cycles from one maximum of friction to the next."""
+    parts = [slice(begin, end + 1) for begin, end in pairwise(found.top)]
     drop = np.array([np.ptp(friction[part]) for part in parts])
     highest, lowest = (np.array([extreme(rate[part]) for part in parts]) for extreme in (np.max, np.min))
-    return Events(date[:-1], np.diff(date), drop, drop, highest, lowest)
+    return Events(found.date[:-1], np.diff(found.date), drop, drop, highest, lowest)
 
 
 def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:

@@ -236,6 +236,8 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     if not words:
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     free = free_parameters(scene, words)
+    if not free:
+        raise SceneError(f"--free {','.join(words)}: must have a key of the scene too, as interface.a")
     series = [read_series(file, **options.reading) for file in files]
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE

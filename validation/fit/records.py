@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.errors import SceneError
+from slipwave.input.assemble import in_scene
 from slipwave.input.quantity import looks_measured, quantity
+from slipwave.input.schema import TIME
 from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -70,7 +72,7 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
     if series.is_own is False and scene.units is None:
         series.of(scene)  # refuses
     friction = series.friction(scene.units.normal_stress if scene.units else 1.0)
-    inside = _inside(series, window)
+    inside = _inside(series, scene, window)
     known = schedule_of(scene)
     times = series["time"] if not series.is_own or scene.units is None else series["time"] * sizes(scene)[0]
     notes = list(series.notes)
@@ -118,16 +120,26 @@ def _is_bare(text: str) -> bool:
     return not text or re.fullmatch(r"[-+.\deE]+", text) is not None or not looks_measured(text)
 
 
-def _inside(series: Series, window: str | None) -> slice:
-    """The samples of a `window` of the file's clock (s, or transits). Raises SceneError for too few samples."""
-    times, unit = series["time"], "s"
+def _inside(series: Series, scene: Scene, window: str | None) -> slice:
+    """The samples of a `window` of the file's clock (s, or transits of the `scene`). Raises SceneError for too few samples."""
+    times, is_own = series["time"], series.is_own or scene.units is None
     if times.size < _LEAST:
         raise SceneError(f"{series.source!r}: has {times.size} samples: a fit needs {_LEAST}")
     if window is None:
         return slice(None)
+
+    def time_at(text: str) -> float:
+        """An end of the window."""
+        if _is_bare(text):
+            return float(text or "nan")
+        time = quantity(text, "s")
+        return in_scene("--window", time, scene.units, TIME, scene.transit) if is_own else time.value
+
     try:
-        ends = [float(text or "nan") if _is_bare(text) else quantity(text, unit).value for text in window.split(":")]
+        ends = [time_at(text) for text in window.split(":")]
         begin, end = (default if math.isnan(one) else one for one, default in zip(ends, (-math.inf, math.inf), strict=True))
+    except SceneError:
+        raise
     except ValueError:
         raise SceneError(
             f"--window = {shorten(window)}: must be BEGIN:END of the file's time, as in 40:180 or 40s:3min"
