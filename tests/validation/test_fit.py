@@ -118,7 +118,7 @@ def test_a_level_and_its_drift_are_free_where_asked(steps: Path, tmp_path: Path)
         ("interface.law", "must be a number of the scene"),
         ("slab.face.stiffness", "--free slab.face.stiffness: the scene gives no value to start from"),
         ("", "--free: missing"),
-        ("level", "--free level: must have a key of the scene too"),
+        ("level", "--free: missing; must be keys of the scene"),
     ],
 )
 def test_a_wrong_key_is_named(free: str, line: str, steps: Path) -> None:

@@ -26,7 +26,7 @@ from validation.fit.drawn import chart_of_fit
 from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
 from validation.fit.orbits import CycleOfOrbit
-from validation.fit.parameters import free_parameters, sizes
+from validation.fit.parameters import NUISANCES, free_parameters, sizes
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
 from validation.fit.which_model import CHEAP, default_model, missing_in, next_model
@@ -233,11 +233,9 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     words = [word.strip() for text in texts for word in text.split(",") if word.strip()]
     if not files:
         raise SceneError("--data: missing; must be a file of measured friction")
-    if not words:
+    if not set(words).difference(NUISANCES):
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     free = free_parameters(scene, words)
-    if not free:
-        raise SceneError(f"--free {','.join(words)}: must have a key of the scene too, as interface.a")
     series = [read_series(file, **options.reading) for file in files]
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
