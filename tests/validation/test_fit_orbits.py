@@ -11,6 +11,7 @@ from slipwave.input import read
 from validation.fit.cycles import disturbed
 from validation.fit.folded import FoldedRecord, folded
 from validation.fit.forward import OfSolver
+from validation.fit.least_squares import Best
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
 
@@ -112,3 +113,26 @@ def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path: Path) -> None
         sw.fit("paper", "delay", data=[file, file], free=["a"])
     with pytest.raises(SceneError, match="needs a parameter that changes the period"):
         sw.fit("paper", "delay", data=[file], free=["a_star"])
+
+
+@pytest.mark.parametrize(("scene", "work", "line"), [("paper", 3e6, "after 3[0-9] orbits"), ("unlike", 1e4, "after 0 orbits")])
+def test_a_search_without_an_answer_ends_and_says_where_it_is(
+    scene: str, work: float, line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A friction that no orbit has, and orbits that are too large."""
+    times, friction = seen(0.0349, 1e-4, 5)
+    file = written(tmp_path / "record.csv", times, friction if scene == "unlike" else 0.2 + 2.0 * friction)
+    monkeypatch.setattr("validation.fit.orbits._WORK", work)
+    monkeypatch.setattr("validation.compute.progress._LINE_INTERVAL", 0.0)
+    with caplog.at_level("INFO", "slipwave"), pytest.raises(NumericsError, match=f"the search ends {line}.*quasidynamic"):
+        sw.fit(scene, "delay", data=[file], free=["a", "b"], settings=AWAY)
+    assert scene == "unlike" or any("orbits closed or tried" in line for line in caplog.messages)
+
+
+def test_a_fit_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    monkeypatch.setattr("validation.compute.progress._LINE_INTERVAL", 0.0)
+    best = Best(np.zeros(1))
+    with caplog.at_level("INFO", "slipwave"):
+        best.see(np.zeros(1), np.full(9, 3.0))
+        best.see(np.zeros(1), np.full(9, 5.0))
+    assert caplog.messages[-1] == "fit: 2 evaluations, the best residual is 3 times the noise"

@@ -76,6 +76,19 @@ def progress(label: str, total: float) -> Iterator[Callable[[float], None]]:
         meter.close()
 
 
+class News:
+    """Lines for the logger on work of unknown length, at most one every ten seconds."""
+
+    def __init__(self) -> None:
+        self._printed = time.monotonic()
+
+    def __call__(self, text: str, *values: object) -> None:
+        """Log the `text` with its `values`, if it is time."""
+        if (now := time.monotonic()) - self._printed >= _LINE_INTERVAL:
+            self._printed = now
+            logging.getLogger("slipwave").info(text, *values)
+
+
 def error_without_echoes(scene: Scene) -> float:
     """Largest relative change of v by one echo of a change of V, which quasidynamic leaves out: 2 Z v_z/F_z at the largest V."""
     velocity = max(scene.drive.velocities)

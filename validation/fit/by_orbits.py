@@ -99,6 +99,8 @@ def fitted_orbit(
             there = coordinates.orbit(one.inner)
         except NumericsError as reason:
             reasons.append(str(reason))
+            if model.left <= 0.0:
+                break
             continue
         log.info("a residual of %.3g times the noise", _far(one))
         again = found is not None and abs(one.cost / found[0].cost - 1.0) < _AGAIN
@@ -107,7 +109,7 @@ def fitted_orbit(
         if _far(one) < _FAR or again:
             break
     if found is None:
-        raise NumericsError(f"fit: no start value leads to an orbit: {reasons[0]}")
+        raise NumericsError(f"fit: no start value leads to an orbit: {reasons[-1 if model.left <= 0.0 else 0]}")
     one, there, coordinates = found
     model.stay(there, float(one.inner[1]))
     return _over_parameters(model, one, coordinates.slopes(one.inner), keys, best.evaluations)

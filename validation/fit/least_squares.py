@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Protocol
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy import optimize, stats
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
+from validation.compute.progress import News
 
 CONFIDENCE = 0.95
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
@@ -61,11 +62,12 @@ class Solution(NamedTuple):
 
 @dataclass
 class Best:
-    """The best values so far, available after an interruption."""
+    """The best values so far, available after an interruption; tells the `news`."""
 
     inner: Array
     cost: float = math.inf
     evaluations: int = 0
+    news: News = field(default_factory=News)
 
     def see(self, inner: Array, residual: Array) -> None:
         """Store these values if they are better."""
@@ -73,6 +75,8 @@ class Best:
         cost = float(residual @ residual)
         if cost < self.cost:
             self.inner, self.cost = inner.copy(), cost
+        far = math.sqrt(self.cost / residual.size)
+        self.news("fit: %d evaluations, the best residual is %.3g times the noise", self.evaluations, far)
 
 
 def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float = 0.0, most: int = 60) -> Solution:

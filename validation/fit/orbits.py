@@ -6,6 +6,7 @@ of the period the orbits have no folds. Therefore the period, which a record giv
 parameter, the `leading` one, which follows from it. Friction is smooth in these coordinates.
 """
 
+import math
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.step.flow import Flow
 from validation.compute.orbits import moving
+from validation.compute.progress import News
 from validation.data.events import falls
 from validation.fit.cycles import model_date, slope_of
 from validation.fit.folded import FoldedRecord
@@ -35,6 +37,8 @@ _ACCURACY = 1e-6  # relative, of the orbits' figures
 _CLOSES_TO = 1e-9
 _NEAR, _TRIALS = 0.05, 8  # of a period: as near as marches go, and how many there are
 _PATIENCE = 60.0  # periods of a march that comes near no orbit
+_WORK, _SMALL = 2e8, 1e5  # of a search: squares of the sizes of orbits, and what each costs besides
+_FEWEST = 30  # orbits of a search
 _LEAST_SLOPE = 1e-6  # d ln period/d ln parameter, below which it has no effect
 
 
@@ -63,6 +67,7 @@ class CycleOfOrbit(Forward):
             )
         self.anchor: Anchor | None = None
         self.leading, self.late = 0, 0.0
+        self.orbits, self.left, self._news = 0, _WORK, News()
 
     def friction(self, inner: Array) -> Array:
         """As `Forward`. Raises NumericsError where no orbit is found."""
@@ -106,10 +111,20 @@ class CycleOfOrbit(Forward):
         self.anchor = Anchor(coordinates, replace(closed, parameter=float(inner[self.leading])))
         return self.anchor
 
+    def _spend(self, size: int) -> None:
+        """Count an orbit of `size` values. Raises NumericsError if the search has no work left for it, and from then on."""
+        if self.left <= 0.0 or _FEWEST * size**2 > _WORK:
+            self.left = 0.0
+            better = "start nearer to the record, free fewer keys, or take a cheaper model, as modal:2 or quasidynamic"
+            raise NumericsError(f"the search ends after {self.orbits} orbits of {size} values: {better}")
+        self.orbits, self.left = self.orbits + 1, self.left - size**2 - _SMALL
+        self._news("fit: %d orbits closed or tried, the last of %d values", self.orbits, size)
+
     def _marched(self, inner: Array) -> Closed:
         solver = moving(self._model, self.scene(inner))
         failed = NumericsError(f"{self._model}: the run comes near no orbit")
         for guess in guesses(solver, _ACCURACY, _PATIENCE * max(self.record.period / self.transit, 1.0)):
+            self._spend(guess.flow.size)
             try:
                 return close(guess.flow, guess.state, guess.period, _CLOSES_TO)
             except NumericsError as reason:
@@ -134,12 +149,13 @@ class CycleOfOrbit(Forward):
         return self.anchor
 
     def stay(self, known: Anchor, late: float) -> None:
-        """Continue from this orbit, whose events are `late` by this time (transits)."""
-        self.anchor, self.late = known, late
+        """End the search at this orbit, whose events are `late` by this time (transits)."""
+        self.anchor, self.late, self.left = known, late, math.inf
 
     def near(self, known: Anchor, coordinates: Array) -> Anchor:
         """The orbit at `coordinates` near a known one. Raises NumericsError if there is none."""
         closed, flow = known.closed, known.closed.flow
+        self._spend(flow.size)
 
         def flow_at(leading: float) -> Flow:
             if abs(leading - closed.parameter) > _STRIDE[2]:
