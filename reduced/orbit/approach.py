@@ -9,7 +9,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import SAME, Array
 from slipwave.solve import Solver, follow
 from slipwave.solve.follow import Foresight
 from slipwave.step.flow import Flow
@@ -110,7 +110,7 @@ def _cycles(
     observer, _ = observers
     events = observer.events(0.5 * solver.time)
     while not (_settled(events, alike) or (events.period.size >= _CYCLES and not _drifts(events))):
-        if solver.time >= most:
+        if solver.time > most - SAME:
             _require_orbit(solver, events, most)
             break
         follow(solver, min(most, solver.time + _STRETCH), observers, progress)
