@@ -20,7 +20,7 @@ DELAY = Family(
     "the tolerance (default 1e-9)",
     _ELASTIC,
     Exact.TO_TOLERANCE,
-    styles={None: PlotStyle("delay system (exact)", "#111111", "-", "o", 2.0)},
+    styles={None: PlotStyle("#111111", "-", "o", 2.0)},
 )
 
 REDUCTIONS = [
@@ -29,35 +29,35 @@ REDUCTIONS = [
         "reduced.impedance.reduce:quasistatic",
         "no waves, no inertia: runs away when unstable",
         honours=_WITH_A_SPRING,
-        styles={None: PlotStyle("quasi-static", "#b9b9b9", (0, (1, 1)), "x")},
+        styles={None: PlotStyle("#b9b9b9", (0, (1, 1)), "x")},
     ),
     Family(
         "quasidynamic",
         "reduced.impedance.reduce:quasidynamic",
         "no waves, radiation damping",
         honours=_WITH_A_SPRING,
-        styles={None: PlotStyle("quasi-dynamic", "#8a8a8a", (0, (8, 2, 1.5, 2)), "P")},
+        styles={None: PlotStyle("#8a8a8a", (0, (8, 2, 1.5, 2)), "P")},
     ),
     Family(
         "block8",
         "reduced.impedance.reduce:block8",
         "spring and block of mass rho h/8",
         honours=_HOMOGENEOUS,
-        styles={None: PlotStyle("block, $\\rho h/8$", "#009e73", (0, (6, 2)), "^")},
+        styles={None: PlotStyle("#009e73", (0, (6, 2)), "^")},
     ),
     Family(
         "block12",
         "reduced.impedance.reduce:block12",
         "spring and block of mass rho h/12",
         honours=_LOSSLESS,
-        styles={None: PlotStyle("block, $\\rho h/12$", "#009e73", (0, (2, 1.5)), "v")},
+        styles={None: PlotStyle("#009e73", (0, (2, 1.5)), "v")},
     ),
     Family(
         "kelvin-voigt",
         "reduced.impedance.reduce:kelvin_voigt",
         "the paper's ODE, one Kelvin-Voigt element",
         honours=_HOMOGENEOUS,
-        styles={None: PlotStyle("Kelvin–Voigt ODE", "#0072b2", "-", "D")},
+        styles={None: PlotStyle("#0072b2", "-", "D")},
     ),
     Family(
         "modal:N",
@@ -68,10 +68,10 @@ REDUCTIONS = [
         numbers=_MODES,
         default=2,
         styles={
-            1: PlotStyle("modal, 1 mode", "#cc4f8a", (0, (5, 1.5)), "<"),
-            2: PlotStyle("modal, 2 modes", "#cc4f8a", (0, (1.2, 1.2)), ">"),
-            4: PlotStyle("modal, 4 modes", "#cc4f8a", "-", "x"),
-            8: PlotStyle("modal, 8 modes", "#8d2f5e", (0, (3, 1, 1, 1)), "*"),
+            1: PlotStyle("#cc4f8a", (0, (5, 1.5)), "<"),
+            2: PlotStyle("#cc4f8a", (0, (1.2, 1.2)), ">"),
+            4: PlotStyle("#cc4f8a", "-", "x"),
+            8: PlotStyle("#8d2f5e", (0, (3, 1, 1, 1)), "*"),
         },
     ),
     Family(

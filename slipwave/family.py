@@ -41,9 +41,8 @@ class Exact(StrEnum):
 
 
 class PlotStyle(NamedTuple):
-    """Label, colour, dashes (as in matplotlib), marker and line width of a model's curves in all figures."""
+    """Colour, dashes (as in matplotlib), marker and line width of a model's curves in all figures; their label is its name."""
 
-    label: str
     color: str
     dashes: Any
     marker: str

@@ -120,13 +120,15 @@ def _files(name: str, packages: bool) -> Iterator[Path]:
         yield from (path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file())
 
 
-def commit() -> str:
-    """Short hash of the checkout the code runs from, with "+" if it was edited since; "unknown" outside a checkout."""
+def commit(folder: Path | None = None) -> str:
+    """Short hash of the checkout the code runs from, or of the last commit that changed a `folder` of it, with "+" if it was
+    edited since; "unknown" outside a checkout."""
     import subprocess
 
+    where = ["--", str(folder)] if folder else []
     try:
-        short = _git("rev-parse", "--short=10", "HEAD")
-        edited = _git("status", "--porcelain", "--untracked-files=no")
+        short = _git("log", "-1", "--format=%h", "--abbrev=10", *where)
+        edited = _git("status", "--porcelain", "--untracked-files=no", *where)
     except (OSError, subprocess.SubprocessError):
         return "unknown"
     return short + ("+" if edited else "")

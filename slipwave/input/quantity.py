@@ -18,6 +18,7 @@ KINDS = {
     "m2": ("area", "25 cm2"),
     "m/s": ("velocity", "1 um/s"),
     "s": ("time", "60 s"),
+    "Hz": ("frequency", "1 kHz"),
     "N": ("force", "10 kN"),
     "kg": ("mass", "2 kg"),
     "kg/m2": ("mass per area", "400 kg/m2"),

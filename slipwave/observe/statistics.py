@@ -57,16 +57,19 @@ class Spread:
 
 @dataclass(frozen=True)
 class Margins:
-    """Half the widths of the 95 % intervals of the means over cycles that never repeat; NaN for others."""
+    """Half the widths of the 95 % intervals of the means over cycles that never repeat, and of the median of the largest slip
+    rate; NaN for others."""
 
     period: float = math.nan
     stress_drop: float = math.nan
     elastic_stress_drop: float = math.nan
+    v_max_median: float = math.nan
 
 
 @dataclass(frozen=True)
 class RunStatistics:
-    """Period (transits), stress drop, elastic stress drop, extreme slip rates (V*) over `cycles` cycles; `margins` of means."""
+    """Period (transits), stress drop, elastic stress drop, extreme slip rates (V*) over `cycles` cycles, and the median of their
+    largest slip rates, which has no heavy tail; `margins` of means."""
 
     cycles: int
     period: Spread
@@ -74,6 +77,7 @@ class RunStatistics:
     elastic_stress_drop: Spread
     v_max: float
     v_min: float
+    v_max_median: float
     margins: Margins = field(default_factory=Margins)
 
     @property
@@ -89,13 +93,14 @@ class RunStatistics:
 def summarise(events: Events, repeat: bool = True) -> RunStatistics:
     """Statistics of all cycles in `events`; their means have margins unless the cycles `repeat`."""
     figures = (events.period, events.stress_drop, events.elastic_stress_drop)
-    margins = Margins() if repeat else Margins(*map(margin_of_mean, figures))
+    middle = median_of(events.v_max)
+    margins = Margins() if repeat else Margins(*[*map(margin_of_mean, figures), 2.0 * middle.error])
     if not events.time.size:
         nothing = Spread(np.nan, np.nan)
-        return RunStatistics(0, nothing, nothing, nothing, np.nan, np.nan, margins)
+        return RunStatistics(0, nothing, nothing, nothing, np.nan, np.nan, np.nan, margins)
     period, drop, elastic_drop = (Spread(float(values.mean()), float(values.std())) for values in figures)
     extremes = float(events.v_max.max()), float(events.v_min.min())
-    return RunStatistics(events.time.size, period, drop, elastic_drop, *extremes, margins)
+    return RunStatistics(events.time.size, period, drop, elastic_drop, *extremes, middle.value, margins)
 
 
 def mean_of(values: Array) -> Estimate:
@@ -106,8 +111,10 @@ def mean_of(values: Array) -> Estimate:
 
 def median_of(values: Array) -> Estimate:
     """Median of such a sequence, and its error: half of what the quantiles differ by between which the share of values above the
-    median lies, within its own error."""
-    middle = float(np.median(values))
+    median lies, within its own error. NaN as error for fewer than FEWEST values, and as median for none."""
+    middle = float(np.median(values)) if values.size else math.nan
+    if values.size < FEWEST:
+        return Estimate(middle, math.nan)
     share = mean_of((values > middle).astype(float)).error
     low, high = np.quantile(values, np.clip((0.5 - share, 0.5 + share), 0.0, 1.0))
     return Estimate(middle, 0.5 * float(high - low))

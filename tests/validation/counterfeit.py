@@ -163,7 +163,7 @@ def green(study, tapes):
                     yield f"{study.NAME}: {tape.place.where} of {model!r}, change {number}"
 
 
-S = (scaled,)
+S, DISPLACED = (scaled,), part("words", "figures", change=lambda value: scaled(value, 3e-2))
 PLACES = {
     "one-cycle": (Place("one_cycle:run_model", (part("orbit"),)),),
     "orders": (
@@ -182,8 +182,8 @@ PLACES = {
         Place("stability_attacks:around_the_limit", (lambda pair: (1e3, pair[1]), lambda pair: (pair[0], 1.0))),
         Place("stability_attacks:state_reach", (lambda reach: 0.9 * reach,), unjudged=("fd",)),
         Place("stability_attacks:stops_beyond", (scaled,)),
-        Place("stability_attacks:attack", (each(lambda one: replace(one, error=1e3 * one.error, message="")),)),
-        Place("stability_attacks:advised", (part("error", change=lambda error: 1e5 * error),)),
+        Place("stability_attacks:attack", (each(lambda one: replace(one, error=0.02 + one.error, message="")),)),
+        Place("stability_attacks:advised", (part("error", change=displaced(0.02)),)),
         Place("stability_attacks:locked_noise", (lambda left: 1.1 + left,)),
     ),
     "onset": (
@@ -203,14 +203,14 @@ PLACES = {
     "which-model": (
         Place("which_model:costs_at"),
         Place("which_model:onset"),
-        Place("which_model:regime_at", (part("words", "figures", change=lambda value: scaled(value, 1e-2)),)),
+        Place("which_model:regime_at", (DISPLACED,)),
         Place("which_model.periods:branches_of"),
         Place("which_model.periods:periods_at", S, unjudged=("kelvin-voigt",)),  # known at an r of the full report
         Place("which_model.laws:measure_onsets", (each(part("error")),)),
         Place("which_model.laws:measure_cycle"),
         Place(
             "which_model.scenes:regime_in",
-            (lambda value: value if value.words == UNTRIED else scaled(value, 3e-2),),
+            (lambda value: value if value.words == UNTRIED else DISPLACED(value),),
             unjudged=("modal:2", "modal:1", "kelvin-voigt", "block8", "block12", "quasistatic"),
         ),
     ),

@@ -199,7 +199,7 @@ def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatc
         history.scan(pieces(first))
         thin.scan(pieces(first))
     thin.scan(pieces(seen - 1))
-    with pytest.raises(SceneError, match=r'"interface" would take .* GB, more than a quarter of the memory, .* --every N or'):
+    with pytest.raises(SceneError, match=r'"interface" would take .* GB, more than a quarter of the memory, .* --rate RATE or'):
         history.scan(pieces(seen - 1))
     with pytest.raises(SceneError, match="would take 8 GB, more than a quarter"):
         HistoryFile(PAPER.law, NODES, tmp_path / "z", until).expect(8e9 / 40.0)
@@ -224,7 +224,7 @@ def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path, capsys, monke
 
 
 @pytest.mark.parametrize("every", [1, 2, 3, 7])
-@pytest.mark.parametrize("window", [(0.0, np.inf), (1.3, 3.6)])
+@pytest.mark.parametrize("window", [(0.0, np.inf, 0.0), (1.3, 3.6, 0.0), (1.3, 3.6, 0.013)])
 def test_thinned_samples_go_on_where_they_stopped(tmp_path, every, window):
     """The checkpoint lies after any part of a run: before, within or after the window."""
     parts = [pieces(first, 100 + first) for first in range(5)]

@@ -33,7 +33,7 @@ STUDIES = {
         9, (), {"grip 1, Z_{g}/ε = 1: T": (185.5406, 1e-5), "grip 10, Z_{g}/ε = 1: T": (114.2073, 1e-5)}
     ),
     "which-model": Expected(
-        33,
+        43,
         ("The",),
         {f"{model} error of T at -2.68": (value, 2e-3) for model, value in ERRORS.items()}
         | {"rock: kelvin-voigt error of T at 1.02": (-3.144e-2, 1e-2)},

@@ -7,8 +7,13 @@ import pytest
 
 import slipwave as sw
 from slipwave import SceneError, read_scene
+from slipwave.observe import HistoryObserver
+from slipwave.observe.history import named_columns
+from slipwave.solve import follow
+from validation.compute.build import build
 from validation.data.quantities import heading
 from validation.data.series import Series, read_series
+from validation.results.quantities import stored_name
 
 TIME, MOVED, FRICTION = [0.0, 0.5, 1.25], [0.0, 5e-6, 1.25e-5], [0.6, 0.61, 0.605]
 ROWS = [[0, 0, 0.6], [500, 5, 0.61], [1250, 12.5, 0.605]]  # ms, um, 1
@@ -218,6 +223,33 @@ def test_a_run_is_written_as_a_record_and_read_back_equal(name: str, tmp_path: P
     np.testing.assert_allclose(own["slip"][1:], slip, atol=3e-4 * slip[-1])  # the error of trapezia
     if scene.units:
         np.testing.assert_allclose(found["shear_stress"], 1e3 * found["friction"], rtol=1e-14)
+
+
+@pytest.mark.parametrize(("rate", "step"), [("250 Hz", 0.004 / 0.00188037), (4, 0.25)])
+def test_even_samples_are_those_of_the_solver(rate: float | str, step: float, tmp_path: Path) -> None:
+    """A transit of this scene is 1.88037 ms."""
+    scene = sw.read("paper-si")
+    result = sw.run(scene, "block8", until=60, rate=rate)
+    result.write_series(tmp_path / "even.csv")
+    solver = build("block8", scene)
+    history = HistoryObserver(solver.scene.law, solver.nodes)
+    follow(solver, 60.0, [history])
+    time = result.dataset["time"].values
+    np.testing.assert_allclose(time, step * np.arange(int(60.0 / step) + 1), rtol=1e-5)
+    for name, values in named_columns(scene.law, history.at(np.minimum(time, 60.0))).items():
+        np.testing.assert_allclose(result.dataset[stored_name(name)], values, rtol=1e-12, atol=1e-12)
+    assert read_series(tmp_path / "even.csv")["time"].size == len(time)
+
+
+def test_a_record_is_thinned_unless_its_samples_are_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("validation.results.run.MOST_LINES", 100)
+    result, whole = (sw.run("paper", "block8", until=80, interface=True, every=every) for every in (None, 1))
+    for one in (result, whole):
+        one.write_series(tmp_path / f"{one is whole}.csv")
+    thin, every = (read_series(tmp_path / f"{name}.csv")["time"] for name in (False, True))
+    assert every.size == len(whole.records.history)
+    assert thin.size <= 100 < 2 * thin.size
+    assert np.array_equal(thin, every[:: -(-every.size // 100)])
 
 
 def test_a_run_without_a_history_gives_no_record(tmp_path: Path) -> None:

@@ -1,11 +1,18 @@
 """The study of all models: its tables, other scenes and the laws of the errors."""
 
+import json
+import shlex
+
 import pytest
+from llvmlite.binding import get_host_cpu_name
 from test_quick_studies import held
 
 import slipwave
+from validation.cli import main
+from validation.report.answer import read_table
 from validation.studies import which_model as study
 from validation.studies.which_model import judged, laws, scenes
+from validation.studies.which_model.means import RECORD
 from validation.study import Outcome
 from validation.study.compared import EXACT_MODEL, critical_r
 from validation.study.model_table import words_of
@@ -32,6 +39,40 @@ def test_the_tables_have_every_model_at_every_r():
     tried = {row.model: [column.title for column, *_ in judged.cells_of(elsewhere, row.model)] for row in elsewhere.rows}
     assert (tried["modal:8"], tried["fitted:4"]) == (["unlike", "rock"] * 2, ["grip"] * 2)
     assert {row.model for row in elsewhere.rows if row.advice == "avoid"} >= {"kelvin-voigt", "block12", "quasistatic"}
+
+
+FIGURES = {"T": "period", "Δμ": "stress_drop"}
+
+
+def repeats(cell, command, capsys):
+    """Whether a command of the page prints the figures of its cell in all digits of the page; means of irregular motions on
+    another processor than that of the record within four standard errors."""
+    assert main([*shlex.split(command)[1:], "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    known = cell.regime != "irregular" or get_host_cpu_name() == json.loads(RECORD.read_bytes())["processor"]
+    found = {symbol: told[name]["mean"] if "run" in command else told[name] for symbol, name in FIGURES.items()}
+    found["v_{max}"] = told["v_max_median" if cell.cycles else "v_max"]
+    ours = {symbol: (one.value, one.standard_error) for symbol, one in cell.figures.items()}
+    off = {symbol: abs(found[symbol] / value - 1.0) / (1.0 if known else 8e6 * error) for symbol, (value, error) in ours.items()}
+    return all(one < 5e-7 for one in off.values())
+
+
+@pytest.mark.parametrize(("model", "place"), [("modal:1", 1), ("modal:2", 3)])
+def test_a_printed_command_repeats_an_orbit_and_a_mean(model, place, capsys):
+    table = read_table()
+    cell, column = table.row(model).cells[place], table.columns[place]
+    assert (cell.regime, cell.cycles > 0) == (("periodic", False) if place == 1 else ("torus", True))
+    assert repeats(cell, cell.command_for(table.row(model), column), capsys)
+
+
+@pytest.mark.slow
+def test_ten_printed_commands_repeat_their_figures(capsys):
+    """Of both tables, every so many of those that take seconds; the first is of an orbit, the last of a scene in SI."""
+    cells = [found for table in held("which-model").model_tables for found in judged.cells_of(table) if found[2].figures]
+    quick = [found for found in cells if "e+06" not in found[2].command]
+    chosen = quick[:: len(quick) // 10][:10]
+    assert len({cell.command.partition(" ")[0] for _, _, cell in chosen}) == 2
+    assert [column.title for column, row, cell in chosen if not repeats(cell, cell.command_for(row, column), capsys)] == []
 
 
 @pytest.mark.parametrize("name", ["unlike", "grip", "rock"])

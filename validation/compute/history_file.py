@@ -15,22 +15,25 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.files import reason_of
 from slipwave.friction import Law
-from slipwave.observe.history import named_columns
-from slipwave.observe.pieces import Array, Pieces
+from slipwave.observe.history import named_columns, values_at
+from slipwave.observe.pieces import Array, Pieces, lagrange_basis
 
 _COLUMNS = 5
 _BLOCK = 50_000  # samples that are read back at a time: 2 MB
 _EARLY = 0.01  # share of the run after which its size is known well enough to compare it with the disk
 _LARGE = 1e8  # bytes, and twice as many each time, after which it is compared anyway
+_ROUNDING = 1e-12  # of a time
 _SHARE = 0.25  # of the memory: the longest history that a user can still look at
 
 
 class Kept(NamedTuple):
-    """Which samples are kept: each `every`-th of those between the times `begin` and `end` (transits)."""
+    """Which samples are kept: each `every`-th of those between the times `begin` and `end` (transits); with a `step` (transits)
+    even ones, from `begin` on, instead of the solver's own."""
 
     every: int = 1
     begin: float = 0.0
     end: float = math.inf
+    step: float = 0.0
 
 
 ALL = Kept()
@@ -45,7 +48,7 @@ class HistoryFile:
     """
 
     def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True, kept: Kept = ALL) -> None:
-        self._law, self._nodes = law, np.asarray(nodes)
+        self._law, self._nodes, self._basis = law, np.asarray(nodes), lagrange_basis(nodes)
         self.path, self.problem = path, ""
         self._kept, self._seen = kept, 0
         self._until = min(until, kept.end)
@@ -61,14 +64,14 @@ class HistoryFile:
         return self._kept.begin if self._reached <= self._kept.end else math.inf
 
     def expect(self, samples: float) -> None:
-        """Raises SceneError if a history of `samples` samples, before thinning, is too large."""
+        """Raises SceneError if a history of `samples` samples of the solver's own, before thinning, is too large."""
+        if self._kept.step:
+            samples = (self._until - self._kept.begin) / self._kept.step
         self._require_space(samples / self._kept.every * _COLUMNS * 8)
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
-        rows = np.stack([values.ravel() for values in (time, *pieces[2:])], axis=1)
-        rows = rows[(rows[:, 0] >= self._kept.begin) & (rows[:, 0] <= self._kept.end)]
+        rows = self._even(pieces) if self._kept.step else self._own(pieces)
         self._keep(rows[-self._seen % self._kept.every :: self._kept.every])
         self._seen += len(rows)
         self._reached = float(pieces.time[-1] + pieces.length[-1])
@@ -79,6 +82,21 @@ class HistoryFile:
         elif not self._judged and share > _EARLY:
             self._judged = True
             self._require_space(self._bytes / min(share, 1.0))
+
+    def _own(self, pieces: Pieces) -> Array:
+        """The solver's own samples in the window."""
+        time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
+        rows = np.stack([values.ravel() for values in (time, *pieces[2:])], axis=1)
+        return rows[(rows[:, 0] >= self._kept.begin) & (rows[:, 0] <= self._kept.end)]
+
+    def _even(self, pieces: Pieces) -> Array:
+        """The next samples, a step apart, that lie within the pieces and the window."""
+        end = min(float(pieces.time[-1] + pieces.length[-1]), self._kept.end)
+        count = math.floor((end - self._kept.begin) / self._kept.step * (1.0 + _ROUNDING)) + 1
+        times: Array = self._kept.begin + self._kept.step * np.arange(self._seen, count, dtype=np.float64)
+        if not times.size:
+            return np.empty((0, _COLUMNS))
+        return np.stack([times, *values_at(pieces, self._basis, times, self._law)], axis=1)
 
     def state(self) -> dict[str, Array]:
         """Number of samples on the disk, and their checksum."""
@@ -185,8 +203,8 @@ class HistoryFile:
         else:
             return
         raise SceneError(
-            f'run.record: "interface" {problem}; shorten the run, record events only, or keep fewer samples by --every N or '
-            "--window A:B"
+            f'run.record: "interface" {problem}; shorten the run, record events only, or keep fewer samples by --every N, '
+            "--rate RATE or --window A:B"
         )
 
 
@@ -196,4 +214,5 @@ def _memory() -> float:
 
 
 def _in_words(kept: Kept) -> str:
-    return f"one in {kept.every:g} samples from t = {kept.begin:g} to {kept.end:g}"
+    evenly = f", {kept.step:g} apart," if kept.step else ""
+    return f"one in {kept.every:g} samples{evenly} from t = {kept.begin:g} to {kept.end:g}"

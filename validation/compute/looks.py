@@ -16,7 +16,7 @@ def style_of(model: str) -> PlotStyle:
     """Plot style of `model`, by its full name; grey for a model without one."""
     family, number = family_of(model), model.partition(":")[2]
     styles = family.styles if family else {}
-    return styles.get(int(number) if number else None) or styles.get(None) or PlotStyle(model, "#555555", "-", ".")
+    return styles.get(int(number) if number else None) or styles.get(None) or PlotStyle("#555555", "-", ".")
 
 
 def model_look(model: str, **changes: Any) -> Look:
@@ -30,16 +30,14 @@ def model_marks(model: str, **changes: Any) -> Look:
 
 
 def model_line(model: str, x: ArrayLike, y: ArrayLike, name: str = "", **changes: Any) -> Trace:
-    """A line of `model` under the label of its style, or `name`, with `changes` of its look."""
-    return Trace(name or style_of(model).label, x, y, model_look(model, **changes))
+    """A line of `model` under its own name, or another, with `changes` of its look."""
+    return Trace(name or model, x, y, model_look(model, **changes))
 
 
 def grid_styles(models: Iterable[str]) -> dict[str, PlotStyle]:
     """Plot styles of several full waves in one figure: colour and marker are the family's, dashes distinguish its members."""
     styles: dict[str, PlotStyle] = {}
     for model in models:
-        name, _, number = model.partition(":")
-        seen = sum(other.partition(":")[0] == name for other in styles)
-        own = style_of(model)
-        styles[model] = own._replace(label=f"{own.label.removeprefix('full wave, ')} {number}".strip(), dashes=_DASHES[seen])
+        seen = sum(other.partition(":")[0] == model.partition(":")[0] for other in styles)
+        styles[model] = style_of(model)._replace(dashes=_DASHES[seen])
     return styles

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeAlias
 from slipwave.errors import SceneError
 from slipwave.files import part_of, remove_leftovers, require_writable
 from slipwave.input.assemble import moment
+from slipwave.input.quantity import looks_measured, quantity
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, Solver
@@ -72,17 +73,30 @@ def _temporary_samples() -> Path:
     return Path(name)
 
 
-def kept_of(every: int | None, window: Window | None, scene: Scene) -> Kept:
-    """One in `every` samples from the beginning of the `window` to its end; all of them where None. Raises SceneError for a
-    choice that makes no sense, and for a unit of time in a scene without one."""
+def kept_of(every: int | None, window: Window | None, scene: Scene, rate: float | str | None = None) -> Kept:
+    """One in `every` samples from the beginning of the `window` to its end, or even ones at a `rate`; all of them where None.
+    Raises SceneError for a choice that makes no sense, and for a unit of time in a scene without one."""
+    step = 0.0 if rate is None else _step(rate, scene)
     if window is None:
-        return Kept(every or 1, 0.0, math.inf)
+        return Kept(every or 1, 0.0, math.inf, step)
     ends = window.split(":") if isinstance(window, str) else list(window)
     times = [moment("window", one, scene) for one in ends]
     if len(times) != 2 or not 0.0 <= times[0] < times[1]:
         label = f"window = {shorten(':'.join(map(str, ends)))}"
         raise SceneError(f"{label}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative")
-    return Kept(every or 1, *times)
+    return Kept(every or 1, times[0], times[1], step)
+
+
+def _step(rate: float | str, scene: Scene) -> float:
+    """Transits between two samples. Raises SceneError unless the rate is a positive number per transit or a frequency."""
+    measured = isinstance(rate, str) and looks_measured(rate)
+    try:
+        per = quantity(str(rate), "Hz").value if measured else float(rate)
+    except ValueError:
+        per = math.nan
+    if not 0.0 < per < math.inf:
+        raise SceneError(f"rate = {shorten(rate)}: must be a positive number of samples per transit, or a frequency as in 1kHz")
+    return moment("rate", f"{1.0 / per:.17g} s", scene) if measured else 1.0 / per
 
 
 def time_between(path: Path | None, every: float | str | None, scene: Scene) -> float | None:

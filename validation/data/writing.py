@@ -11,6 +11,9 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.data.quantities import MEASURED, unit_sizes
 
+MOST_LINES = 100_000
+"""Lines of a record, 15 MB, unless samples are chosen."""
+
 
 def as_record(parts: Iterable[Mapping[str, Array]], scene: Scene) -> Iterator[dict[str, Array]]:
     """The interface's history in its own units (`slipwave.observe.history.named_columns`, a part at a time) as columns of
@@ -28,15 +31,16 @@ def as_record(parts: Iterable[Mapping[str, Array]], scene: Scene) -> Iterator[di
         yield {name: values * sizes[MEASURED[name].own] for name, values in columns.items()}
 
 
-def write_series(path: Path, parts: Iterable[Mapping[str, Array]], scene: Scene) -> None:
-    """Write the interface's history to `path`, which is whole or absent, with 17 digits. Raises SceneError if it cannot be
-    written."""
+def write_series(path: Path, parts: Iterable[Mapping[str, Array]], scene: Scene, every: int = 1) -> None:
+    """Write one in `every` samples of the interface's history to `path`, which is whole or absent, with 17 digits. Raises
+    SceneError if it cannot be written."""
+    seen = 0
     with whole_or_absent(path) as temporary, open(temporary, "w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream)
         for number, columns in enumerate(as_record(parts, scene)):
             if number == 0:
                 units = {name: MEASURED[name].own if scene.units is None else MEASURED[name].unit for name in columns}
                 table.writerow(f"{name} [{unit}]" if unit else name for name, unit in units.items())
-            table.writerows(
-                [f"{value:.17g}" for value in row] for row in zip(*map(np.ndarray.tolist, columns.values()), strict=True)
-            )
+            kept = [values[-seen % every :: every].tolist() for values in columns.values()]
+            table.writerows([f"{value:.17g}" for value in row] for row in zip(*kept, strict=True))
+            seen += columns["time"].size

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import NamedTuple, cast
 
 from slipwave.files import alone_in
+from slipwave.sources import commit
 from validation.compute.progress import progress
 from validation.measure.stopwatch import cores
 from validation.report import baseline, store
@@ -82,7 +83,7 @@ def _write(out: Path, results: list[store.Stored], quick: bool, against: Record 
     facts = machine_facts()
     bare = record_of(results, facts, quick, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
     kept = baseline.as_report(bare)
-    left = changes_since(kept, bare, "the committed baseline")
+    left = changes_since(kept, bare, f"the baseline of commit {commit(baseline.FOLDER)}")
     report = bare.model_copy(update={"changes": left})
     patch = baseline.patch_of(report)
     red: tuple[Word, ...] = baseline.LEFT

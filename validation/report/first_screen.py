@@ -63,17 +63,11 @@ def anchor(table: ModelTable, row: ModelRow, column: ModelColumn) -> str:
     return f"models.{table.name}.{row.model}.{column.title}".replace("−", "-").replace(" ", "-")
 
 
-def command_for(row: ModelRow, column: ModelColumn, cell: ModelCell) -> str:
-    """The command that repeats a cell."""
-    name = "run" if cell.cycles else "orbit" if cell.figures else "stability"
-    return f"slipwave {name} {column.settings} --model {row.model}"
-
-
 def proofs(model: str, studies: Sequence[Stored]) -> list[Verdict]:
     """The verdicts, or cases of them, that judge the model by its name."""
     rows = (row for verdict in verdicts_of(studies) for row in verdict.rows)
     return [row for row in rows if f"`{model}`" in row.claim + row.remark]
 
 
-SHOWN = (anchor, command_for, cost_at, groups_of, joined, shown, starts, usual)
+SHOWN = (anchor, cost_at, groups_of, joined, shown, starts, usual)
 """Functions for the template of the table."""

@@ -12,6 +12,7 @@ from validation.report.questions import ask, left_out, verdicts_of
 from validation.report.record import Changes, Record, Word
 from validation.report.store import Stored
 from validation.study import Evidence, Outcome, Verdict, text
+from validation.study.advice import JUDGED, advice_on
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -73,7 +74,12 @@ def _templates(studies: Sequence[Stored]) -> "Environment":
         "sentences": text.first_sentence,
     }
     environment.globals |= {function.__name__: function for function in first_screen.SHOWN}
-    environment.globals |= {"tally_of": tally, "proofs": partial(first_screen.proofs, studies=studies)}
+    environment.globals |= {
+        "tally_of": tally,
+        "advice_on": advice_on,
+        "judged": JUDGED,
+        "proofs": partial(first_screen.proofs, studies=studies),
+    }
     return with_figures(environment, studies)
 
 

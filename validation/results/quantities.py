@@ -36,7 +36,7 @@ EVENTS = {
 _MARGIN = "half the width of the 95 % interval of the mean over the second half: "
 MARGINS = {
     f"{name}_margin": Meaning(_MARGIN + name, EVENTS[name].unit) for name in ("period", "stress_drop", "elastic_stress_drop")
-}
+} | {"v_max_median_margin": Meaning("the same of the median of v_max", "V*")}
 STAGE_QUANTITIES = {
     "stage_start": Meaning("beginning of the stage", "transit"),
     "stage_end": Meaning("end of the stage", "transit"),

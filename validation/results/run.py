@@ -21,7 +21,6 @@ from validation.chart.draw import Drawing, draw
 from validation.compute.build import on_its_orbit
 from validation.compute.default_grid import grid_in_words, judged_grid, note_on, note_on_given
 from validation.compute.exponent import exponent_of, require_constant
-from validation.compute.history_file import ALL
 from validation.compute.models import made, one_port_of
 from validation.compute.outlook import amplified_rounding, costly_steps
 from validation.compute.recording import FIELD_FILES, Window, how_to_resume, kept_of, time_between
@@ -37,7 +36,7 @@ from validation.compute.run import (
     require_counted,
     simulate,
 )
-from validation.data.writing import write_series
+from validation.data.writing import MOST_LINES, write_series
 from validation.results.command import command
 from validation.results.figures import return_map, run_chart
 from validation.results.options import ModelOptions, NumericalOptions, RunsOptions, announced, log, option
@@ -99,6 +98,9 @@ class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
         stored=True,
         least=1,
         must="be 1 or more: one in so many samples is kept",
+    )
+    rate: float | str | None = option(
+        "keep even samples of the history, at so many per transit or as 1kHz, not the solver's own", metavar="RATE", stored=True
     )
     window: Window | None = option(
         "keep only the history from A to B, in transits or as 10s:60s; in Python also a pair of them", metavar="A:B", stored=True
@@ -198,6 +200,7 @@ class RunResult(Result):
             **{name: asdict(one) for name, one in found.spreads.items()},
             "v_max": found.v_max,
             "v_min": found.v_min,
+            "v_max_median": found.v_max_median,
             "margins": asdict(found.margins) if done.verdict and done.verdict.wanders else None,
             "final": asdict(done.final) if done.final else None,
             "energy": self.energy,
@@ -295,12 +298,17 @@ class RunResult(Result):
         write_events(Path(path), self.done.events, self.done.solver.scene)
 
     def write_series(self, path: str | Path) -> None:
-        """Write the interface's motion as a record that `validation.data.series.read_series` reads, in SI if the scene has units.
-        Raises SceneError if the run kept no history (`interface`), or if it cannot be written."""
+        """Write the interface's motion as a record that `validation.data.series.read_series` reads, in SI if the scene has units:
+        one in so many samples that there are MOST_LINES at most, unless `every`, `rate` or `window` chose them. Raises SceneError
+        if the run kept no history (`interface`), or if it cannot be written."""
         history = self.records.history
         if history is None or history.problem:
             raise SceneError(history.problem if history else "a record needs the interface's history: run with interface=True")
-        write_series(Path(path), history.parts(), self.done.solver.scene)
+        chosen = any(self.options[name] is not None for name in ("every", "rate", "window"))
+        every = 1 if chosen else max(1, math.ceil(len(history) / MOST_LINES))
+        if every > 1:
+            log.info("series: one in %d of %d samples; --every 1 writes all, --rate even ones", every, len(history))
+        write_series(Path(path), history.parts(), self.done.solver.scene, every)
 
     def write_fields(self, path: str | Path) -> None:
         """Write velocity and stress of the last transits to a .vtu, .xdmf or .nc file; nothing if the run kept none."""
@@ -326,7 +334,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     until, checkpoint = options.until, options.checkpoint
     if until is not None and options.cycles is not None:
         raise SceneError(f"cycles = {options.cycles}: must not be given together with until = {until}")
-    if options.interface is None and (options.every is not None or options.window is not None):
+    if options.interface is None and (options.every, options.window, options.rate) != (None, None, None):
         options = replace(options, interface=True)
     options = options.recalled(source, "run", without=["cycles"] if until is not None else [])
     scene = options.scene_of(source, until)
@@ -335,7 +343,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         require_constant(scene)
     asks = checkpoint is not None or options.checkpoint_every is not None
     every = time_between(checkpoint, options.checkpoint_every, scene) if asks else None
-    kept = kept_of(options.every, options.window, scene) if options.every or options.window else ALL
+    kept = kept_of(options.every, options.window, scene, options.rate)
     built = made(options.model, scene, **options.numerical)
     if scene.start.kind is StartKind.ORBIT:
         built = on_its_orbit(built, checkpoint is not None and checkpoint.exists())

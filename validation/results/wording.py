@@ -14,7 +14,7 @@ from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import Drive
-from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, RigidFace, Slab, Viscosity
+from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, ReflectingFace, RigidFace, Slab, Viscosity
 from slipwave.scene.units import Units
 from slipwave.solve.lyapunov import Exponent
 from validation.results.quantities import EVENTS, shown_in
@@ -68,17 +68,18 @@ def _sized(spread: float, unit: str) -> str:
 
 
 def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
-    """A line with the intervals of the means of cycles that never repeat; none if they do."""
+    """Lines with the intervals of the means of cycles that never repeat, and of the median of v_max; none if they do."""
     if math.isnan(found.margins.period):
         return []
-    period, drop = found.margins.period, found.margins.stress_drop
+    period, drop, rate = found.margins.period, found.margins.stress_drop, found.margins.v_max_median
     sizes = [shown_in(unit, scene)[0] for unit in ("transit", "normal stress")]
     seconds, pascals = (
         f" ({rounded(value * size, 3)} {unit})" if scene.units else ""
         for value, size, unit in zip((period, drop), sizes, ("s", "Pa"), strict=True)
     )
     known = f"period +- {rounded(period, 3)} transits{seconds}, stress drop +- {rounded(drop, 3)}{pascals}"
-    return [f"the mean of an endless run lies within (95 %): {known}"]
+    middle = f"the median of v_max is {rounded(found.v_max_median)} +- {rounded(rate, 3)} V*"
+    return [f"the mean of an endless run lies within (95 %): {known}", middle]
 
 
 def spreads_in_words(found: RunStatistics) -> list[str]:
@@ -157,7 +158,8 @@ def _slab(slab: Slab, units: Units | None, alike: bool) -> list[str]:
     if units:
         lines.append(_in_si(slab, units, alike))
     if not isinstance(slab.face, RigidFace):
-        lines.append(_face(slab.face) + (_face_in_si(slab, units) if units and not slab.termination.is_rigid else ""))
+        in_si = _face_in_si(slab, units) if units and not slab.termination.is_rigid else ""
+        lines.append(_face(slab.face) + in_si + _reflection(slab))
     if slab.viscosity:
         lines.append(_viscosity(slab.viscosity, units))
     if len(slab.layers) > 1:
@@ -179,6 +181,14 @@ def _in_si(slab: Slab, units: Units, alike: bool) -> str:
 def _face(face: Face) -> str:
     (kind,) = (name for name, one in FACES.items() if one is type(face))
     return f"{kind}: {_values(face)}"
+
+
+def _reflection(slab: Slab) -> str:
+    """The coefficient R by which springs and dashpots reflect fast waves, which a mass holds."""
+    held, behind = slab.termination, slab.epsilon * slab.layers[-1].impedance
+    if isinstance(slab.face, ReflectingFace) or held.is_rigid:
+        return ""
+    return f", R = {1.0 if held.mass > 0.0 else (held.dashpot - behind) / (held.dashpot + behind):.4g} for fast waves"
 
 
 def _face_in_si(slab: Slab, units: Units) -> str:

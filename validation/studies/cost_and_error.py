@@ -169,7 +169,7 @@ def _work_precision(points: Sequence[SettingRun]) -> Chart:
         dashes = "-" if model in ("delay", "fd", _WAVE) else style_of(model).dashes
         half = (cfl is not None and cfl < 1.0) or time == "explicit"
         look = model_look(model, dashes=dashes, marker=style_of(model).marker, width=1.0, hollow=half)
-        name = style_of(model).label + (f", CFL {cfl:g}" if cfl else "") + (f", {time} in time" if time else "")
+        name = model + (f", CFL {cfl:g}" if cfl else "") + (f", {time} in time" if time else "")
         traces.append(Trace(name, [one.times[1] for one in chosen], [abs(one.error) for one in chosen], look))
     axes = Scale("run time (ms)", "log"), Scale("relative error of the period", "log", floor=_EXACT)
     return Chart([Panel("", *axes, traces, grid=True)], 4.6, legend="outside right center")

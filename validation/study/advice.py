@@ -24,9 +24,9 @@ AS_CHEAP = 1.1
 """Ratio of costs that counts as equal: run times of one program vary by a tenth."""
 
 
-def is_good(cell: ModelCell, bars: float = 2.0) -> bool:
-    """Whether the model may be used there, allowing `bars` standard errors."""
-    return cell.right and all(not _is_off(cell, symbol, bars) for symbol in JUDGED)
+def is_good(cell: ModelCell, bars: float = 2.0, symbols: Sequence[str] = JUDGED) -> bool:
+    """Whether the model may be used there for these quantities, allowing `bars` standard errors."""
+    return cell.right and all(not _is_off(cell, symbol, bars) for symbol in symbols)
 
 
 def _is_off(cell: ModelCell, symbol: str, bars: float = 2.0) -> bool:
@@ -36,26 +36,26 @@ def _is_off(cell: ModelCell, symbol: str, bars: float = 2.0) -> bool:
 
 def with_advice(table: ModelTable) -> ModelTable:
     """The table with advice in every row, and with its sentences."""
-    advised = ((row, _advice(row, table)) for row in table.rows)
+    advised = ((row, advice_on(row, table)) for row in table.rows)
     done = replace(table, rows=tuple(replace(row, advice=advice, why=why) for row, (advice, why) in advised))
     return replace(done, sentences=tuple(_sentences(done)))
 
 
-def _advice(row: ModelRow, table: ModelTable) -> tuple[str, str]:
-    """(advice, why), from the columns where the reference's regime and its own are decided."""
+def advice_on(row: ModelRow, table: ModelTable, symbols: Sequence[str] = JUDGED) -> tuple[str, str]:
+    """(advice, why) for these quantities, from the columns where the reference's regime and its own are decided."""
     if row.model == table.reference:
         return "use", "exact"
     witness = _is_witness(row)
     every = zip(table.columns, table.row(table.reference).cells, row.cells, strict=True)
     decided = [(one.over_onset, cell) for one, exact, cell in every if {exact.regime, cell.regime}.isdisjoint(UNKNOWN)]
-    bad = [one for one in decided if not is_good(one[1], _BY_CHANCE if witness else 2.0)]
+    bad = [one for one in decided if not is_good(one[1], _BY_CHANCE if witness else 2.0, symbols)]
     first, fault = min(bad, key=lambda one: one[0], default=(math.inf, None))
     below = [over_onset for over_onset, _ in decided if over_onset < first]
     if not below:
-        return "avoid", _trouble(row, table)
+        return "avoid", _trouble(row, table, symbols)
     if fault:
-        return f"use up to {max(below):.2f} r_{{c}}", f"then {_fault(fault)}"
-    return ("use as witness", "full wave") if witness else ("use", f"as an ODE, off by {_most(_largest(row))}")
+        return f"use up to {max(below):.2f} r_{{c}}", f"then {_fault(fault, symbols)}"
+    return ("use as witness", "full wave") if witness else ("use", f"as an ODE, off by {_most(_largest(row, symbols))}")
 
 
 def _is_witness(row: ModelRow) -> bool:
@@ -69,11 +69,11 @@ def _most(error: float) -> str:
     return plain(unit * math.ceil(error / unit - 1e-9), ".0e")
 
 
-def _fault(cell: ModelCell) -> str:
+def _fault(cell: ModelCell, symbols: Sequence[str]) -> str:
     """Text on why a cell is not good."""
     if not cell.right:
         return cell.regime
-    worst = max((symbol for symbol in JUDGED if symbol in cell.figures), key=lambda symbol: _size(cell, symbol))
+    worst = max((symbol for symbol in symbols if symbol in cell.figures), key=lambda symbol: _size(cell, symbol))
     return f"{worst} {_span([cell.figures[worst].error])}"
 
 
@@ -81,14 +81,15 @@ def _size(cell: ModelCell, symbol: str) -> float:
     return abs(cell.figures[symbol].error or 0.0) if symbol in cell.figures else 0.0
 
 
-def _trouble(row: ModelRow, table: ModelTable) -> str:
-    """Why a model is to be avoided: up to where it has no cycles, and the range of its errors of T, or of Δμ if T is good."""
+def _trouble(row: ModelRow, table: ModelTable, symbols: Sequence[str]) -> str:
+    """Why a model is to be avoided: up to where it has no cycles, and the range of its errors of the first quantity that is off
+    somewhere."""
     silent = [
         (cell.regime, column)
         for cell, column in zip(row.cells, table.columns, strict=True)
         if not cell.figures and cell.regime not in UNKNOWN
     ]
-    symbol = next((symbol for symbol in JUDGED if any(_is_off(cell, symbol) for cell in row.cells)), "T")
+    symbol = next((symbol for symbol in symbols if any(_is_off(cell, symbol) for cell in row.cells)), symbols[0])
     errors = [cell.figures[symbol].error for cell in row.cells if symbol in cell.figures]
     words = []
     if silent:
@@ -106,9 +107,9 @@ def _span(errors: Sequence[float | None]) -> str:
     return minus(" to ".join(shown)) + " %"
 
 
-def _largest(row: ModelRow) -> float:
-    """The largest error of T and Δμ of orbits; errors of means are limited by their scatter."""
-    return max((_size(cell, symbol) for cell in row.cells for symbol in JUDGED if not cell.cycles), default=0.0)
+def _largest(row: ModelRow, symbols: Sequence[str] = JUDGED) -> float:
+    """The largest error of orbits; errors of means are limited by their scatter."""
+    return max((_size(cell, symbol) for cell in row.cells for symbol in symbols if not cell.cycles), default=0.0)
 
 
 def costs_of_good_reductions(table: ModelTable) -> list[float]:

@@ -15,23 +15,22 @@ _UNSTABLE = Look(GREY, DOTTED, width=0.8, kind="smooth")
 
 def orbit_traces(branch: Branch, name: str) -> Iterator[Trace]:
     """The figure `name` of all orbits over log10 r: stable ones, unstable ones."""
-    style = style_of(branch.model)
-    looks = {"": model_look(branch.model, dashes="-", kind="smooth"), ", unstable": _UNSTABLE.but(color=style.color)}
+    color = style_of(branch.model).color
+    looks = {"": model_look(branch.model, dashes="-", kind="smooth"), ", unstable": _UNSTABLE.but(color=color)}
     for words, look in looks.items():
         curves = [corners for stable, corners in parts(branch.corners) if stable != bool(words)]
         points = (([one.value for one in corners], [getattr(one, name) for one in corners]) for corners in curves)
-        yield Trace(style.label + words, *with_gaps(points), look)
+        yield Trace(branch.model + words, *with_gaps(points), look)
 
 
 def branch_traces(branch: Branch, name: str) -> Iterator[Trace]:
     """As `orbit_traces`, and the special points with their marks."""
     yield from orbit_traces(branch, name)
-    style = style_of(branch.model)
     found = [("HB", branch.onset.parameter, branch.onset.period if name == "period" else 0.0)]
     found += [(one.kind, one.point.parameter, figures_of(one.point.closed)[name]) for one in branch.special]
     for kind in dict.fromkeys(kind for kind, *_ in found):
         x, y = zip(*(place for own, *place in found if own == kind), strict=True)
-        yield Trace(f"{NAMES[kind]}, {style.label}", x, y, _mark(kind, style.color))
+        yield Trace(f"{NAMES[kind]}, {branch.model}", x, y, _mark(kind, style_of(branch.model).color))
 
 
 def branch_keys(kinds: Iterable[str]) -> Iterator[Trace]:

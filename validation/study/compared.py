@@ -57,7 +57,7 @@ def compared_table(
 def _cell(ours: Regime, exact: Regime | None) -> ModelCell:
     others = exact.figures if exact else {}
     figures = {symbol: against(own, others.get(symbol)) for symbol, own in ours.figures.items()}
-    return ModelCell(ours.words, exact is None or ours.agrees(exact), ours.cycles, figures)
+    return ModelCell(ours.words, exact is None or ours.agrees(exact), ours.cycles, figures, ours.command)
 
 
 def against(ours: Estimate, exact: Estimate | None) -> Compared:

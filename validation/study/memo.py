@@ -20,8 +20,6 @@ from validation.compute.orbits import find_orbit
 from validation.compute.settle import MOST_TRANSITS, Settled, settle
 from validation.measure.cycle import OneCycle, cut
 
-TRANSIENT = 1500.0  # transits
-LATE_TOLERANCE = 1e-7  # of a run whose cycles never repeat
 _PER_PIECE = 12  # samples
 _TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
 

@@ -39,12 +39,18 @@ class Compared:
 class ModelCell:
     """A model in a column. `regime`: in words (`slipwave.observe.verdict`, or "runs away"); `right`: whether the reference has
     this regime too; `cycles`: number of cycles of a mean, 0 for an orbit; `figures`: symbol of a quantity
-    (`ModelTable.quantities`) -> what was found, empty where there are no cycles."""
+    (`ModelTable.quantities`) -> what was found, empty where there are no cycles; `command` and options that print it."""
 
     regime: str
     right: bool
     cycles: int = 0
     figures: dict[str, Compared] = field(default_factory=dict)
+    command: str = ""
+
+    def command_for(self, row: "ModelRow", column: "ModelColumn") -> str:
+        """The whole command that repeats the cell, its digits included; "" where the model was not tried."""
+        name, _, options = self.command.partition(" ")
+        return f"slipwave {name} {column.settings} --model {row.model} {options}" if name else ""
 
 
 @dataclass(frozen=True)
@@ -151,7 +157,7 @@ def cell_records(table: ModelTable) -> Iterator[dict[str, Cell]]:
                 "group": column.group,
                 "regime": cell.regime,
             }
-            record |= {"regime_right": int(cell.right), "cycles": cell.cycles, "settings": column.settings}
+            record |= {"regime_right": int(cell.right), "cycles": cell.cycles, "command": cell.command_for(row, column)}
             cost = dict(zip(table.costed, row.costs, strict=True)).get(column.title)
             for symbol, found in cell.figures.items() or {"": None}.items():
                 numbers = (found.value, found.error, found.standard_error) if found else (None, None, None)

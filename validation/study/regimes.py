@@ -1,22 +1,20 @@
 """The final motion of a model in a scene: its regime in words, and the figures of its cycles, if any."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 from slipwave.errors import NumericsError
-from slipwave.observe import EventObserver, Events
-from slipwave.observe.pieces import Array
-from slipwave.observe.statistics import Estimate, mean_of, median_of
+from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from validation.compute.build import build
 from validation.compute.models import one_port_of
-from validation.compute.run import reconsidered, simulate
+from validation.compute.run import Run, reconsidered, simulate
 from validation.compute.settle import estimate
 from validation.measure.cycle import SYMBOLS
 from validation.study import Number, stated
-from validation.study.memo import LATE_TOLERANCE, TRANSIENT, kept, own_orbit
+from validation.study.memo import kept, own_orbit
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -27,20 +25,24 @@ UNKNOWN = {UNDECIDED, UNTRIED}
 _WORDS = {"steady": STEADY, "decaying": STEADY, "settling": UNDECIDED, "growing": UNDECIDED, "too short": UNDECIDED}
 """Verdict on a run -> its name in tables of models, if different."""
 
+TOLERANCE = 1e-7
+"""Tolerance of runs."""
 FIGURES = {SYMBOLS[name]: name for name in ("period", "stress_drop", "v_max")}
 """Symbol of a figure of cycles, as in tables of models -> its name in `Orbit` and `Events`."""
 
 
-class Regime(NamedTuple):
+@dataclass(frozen=True)
+class Regime:
     """`words`: "periodic" (with its events, if several), "torus", "irregular", or one of the words above; `figures` of its
     cycles by symbol (transits, σ, V*), with the errors of an orbit's computation or the standard errors of means, empty if it has
-    none; `cycles`: number of cycles of the means, 0 for a repeating motion; `ran`: figures of the run's last cycles where its
-    `figures` are those of an orbit by Newton's method."""
+    none; `cycles`: number of cycles of the means, 0 for a repeating motion; `command` and options of `slipwave` that print them;
+    `ran`: figures of the run's cycles where its `figures` are those of an orbit by Newton's method."""
 
     words: str
-    figures: dict[str, Estimate] = {}  # noqa: RUF012
+    figures: dict[str, Estimate] = field(default_factory=dict)
     cycles: int = 0
-    ran: dict[str, Estimate] = {}  # noqa: RUF012
+    command: str = ""
+    ran: dict[str, Estimate] = field(default_factory=dict)
 
     def agrees(self, other: "Regime") -> bool:
         """Whether both are the same, as far as both are decided."""
@@ -49,51 +51,48 @@ class Regime(NamedTuple):
 
 @kept
 def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, tolerance: float | None = None) -> Regime:
-    """The regime of a run of `model` to `until` (transits). Figures are means over the cycles after the transient (of the largest
-    slip rate, whose tail is heavy, the median); for a motion that repeats, those of the last cycles or, if a `tolerance` is
-    given, of its stable orbit by Newton's method. A run whose numerics fail counts as running away: no step is short enough for
-    unbounded rates."""
-    solver = build(model, scene, tolerance=LATE_TOLERANCE) if cells is None else build(model, scene, cells=cells)
-    watch = EventObserver(solver.scene, solver.nodes)
-    run = reconsidered(simulate(solver, until, watch=watch), one_port_of(model))
-    kind, events = run.kind, (run.verdict.multiplicity if run.verdict else None) or 1
-    if run.failed or kind is None:
-        return Regime(AWAY)
-    orbit = _stable_orbit(model, scene, tolerance, cells) if tolerance and kind in ("periodic", "settling") else {}
-    ran = _repeating(watch.events(0.5 * until), events) if kind == "periodic" else {}
+    """The regime of a run of `model` to `until` (transits). Figures are those of the cycles of its second half: means and, of
+    the largest slip rate, whose tail is heavy, the median; if a `tolerance` is given and the motion repeats, those of its stable
+    orbit by Newton's method. A run whose numerics fail counts as running away: no step is short enough for unbounded rates."""
+    grid = f" --cells {cells}" if cells else ""
+    command = f"run --until {until:g} --tol {TOLERANCE:g}{grid}"
+    run = reconsidered(simulate(build(model, scene, tolerance=TOLERANCE, cells=cells), until), one_port_of(model))
+    if run.failed or run.verdict is None:
+        return Regime(AWAY, command=command)
+    kind, events = run.verdict.kind, run.verdict.multiplicity or 1
+    orbit = _own_figures(model, scene, tolerance, cells) if tolerance and kind in ("periodic", "settling") else {}
     if orbit and events == 1:
-        return Regime("periodic", orbit, 0, ran)
-    if ran:
-        return Regime("periodic" if events == 1 else f"periodic, {events} events", ran)
-    if kind in ("torus", "irregular"):
-        late = watch.events(TRANSIENT)
-        return Regime(kind, _figures(late, mean_of) | {"v_{max}": median_of(late.v_max)}, late.period.size)
-    return Regime(_WORDS.get(kind, kind))
+        ran = _figures(estimate(run.events)) if kind == "periodic" else {}
+        return Regime("periodic", orbit, 0, f"orbit --tol {tolerance:g}{grid}", ran)
+    words = f"periodic, {events} events" if events > 1 else _WORDS.get(kind, kind)
+    figures = _figures_of(run) if run.verdict.repeats else {}
+    return Regime(words, figures, run.statistics.cycles if run.verdict.wanders else 0, command)
 
 
-def _figures(of: Any, measure: Callable[[Any], Estimate] = lambda value: value) -> dict[str, Estimate]:
-    return {symbol: measure(getattr(of, name)) for symbol, name in FIGURES.items()}
+def _figures(of: Orbit) -> dict[str, Estimate]:
+    return {symbol: getattr(of, name) for symbol, name in FIGURES.items()}
 
 
-def _repeating(cycles: Events, events: int) -> dict[str, Estimate]:
-    """Figures of the last cycles: of one, or means over the last period of several `events`, with their change since the period
-    before as error."""
-    if events == 1:
-        return _figures(estimate(cycles))
-    last, before = (_figures(cycles, partial(_mean, past)) for past in (slice(-events, None), slice(-2 * events, -events)))
-    return {symbol: Estimate(mean.value, abs(mean.value - before[symbol].value)) for symbol, mean in last.items()}
+def _figures_of(run: Run) -> dict[str, Estimate]:
+    """Figures of the second half of a run: of cycles that never repeat means and a median; of others, whose error is the change
+    until the last period, means and the largest slip rate."""
+    found, events = run.statistics, (run.verdict.multiplicity if run.verdict else None) or 1
+    values, margins = [found.period.mean, found.stress_drop.mean, found.v_max], found.margins
+    if not math.isnan(margins.period):
+        errors = [0.5 * margins.period, 0.5 * margins.stress_drop, 0.5 * margins.v_max_median]
+        return dict(zip(FIGURES, map(Estimate, [*values[:2], found.v_max_median], errors), strict=True))
+    columns = [getattr(run.events, name)[-events:] for name in FIGURES.values()]
+    last = [float(columns[0].mean()), float(columns[1].mean()), float(columns[2].max())]
+    return {symbol: Estimate(value, abs(value - late)) for symbol, value, late in zip(FIGURES, values, last, strict=True)}
 
 
-def _mean(past: slice, values: Array) -> Estimate:
-    return Estimate(float(values[past].mean()), 0.0)
-
-
-def _stable_orbit(model: str, scene: Scene, tolerance: float, cells: int | None) -> dict[str, Estimate]:
+def _own_figures(model: str, scene: Scene, tolerance: float, cells: int | None) -> dict[str, Estimate]:
+    """Figures of the model's orbit, none if it is unstable: a run cannot have come near it."""
     try:
         found = own_orbit(model, scene, tolerance, cells)
     except NumericsError:
         return {}
-    return _figures(found.orbit) if found.multipliers.stable else {}
+    return {} if found.multipliers.stable is False else _figures(found.orbit)
 
 
 def regime_areas(differences: "Dataset", rows: Sequence[Mapping[str, Any]]) -> dict[str, Number]:

@@ -4,9 +4,10 @@ import math
 from collections.abc import Iterator, Mapping
 
 from validation.chart import WIDTH, Chart, Panel, Scale, Trace
-from validation.compute.looks import model_marks, style_of
+from validation.compute.looks import model_marks
 from validation.studies.which_model import judged, laws, periods, scenes
 from validation.studies.which_model.judged import WAVE, ByModel
+from validation.studies.which_model.means import on_record, paper_at, record_verdicts
 from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, stated
 from validation.study.advice import GOOD
 from validation.study.compared import EXACT_MODEL, compared_table, critical_r, onset, relative_costs
@@ -18,29 +19,30 @@ from validation.study.text import places, power
 NAME = "which-model"
 QUESTION = "Which model may I use, at what error, at what cost?"
 SCENES = ("paper", *scenes.SCENES)
-SECONDS = (20.0, 50.0)
+SECONDS = (12.0, 30.0)
 
 ORBITS = ("modal:8", "modal:4", "modal:2", "modal:1", "kelvin-voigt", "block8", "block12")
 """The reductions with a stable orbit wherever the exact system has one."""
 EVERY = (EXACT_MODEL, WAVE, *ORBITS, "quasidynamic", "quasistatic")
+IN_SCENES = (*EVERY[:6], "fitted:4", *EVERY[6:])
 """The rows of the table of the paper's scene; that of the others has a rational fit besides."""
 CELLS = 3
 """Cells per slab of the full wave, propagated exactly in time: its orbit is accurate to ten digits."""
 SHOWN = (-2.69, -2.68, -2.66)
 """log10 r at which the exact system's orbit is stable; the second one is the paper's."""
 TOLERANCE = 1e-9
-_BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
-_UNTIL, _UNTIL_IN_SCENES = {True: 6000.0, False: 10000.0}, {True: 4000.0, False: 5000.0}
-_SETTLED = 4000.0  # transits of a run to a stable orbit
+BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
+_SETTLED, _IN_SCENES = 4000.0, 7000.0  # transits of a run to a stable orbit
 _COSTED, _ROUNDS = (-2.68, -2.5), {True: 3, False: 7}
-_RUN_ERROR = 1e-9  # what the tolerance of the exact system's runs in the other scenes leaves, relative
 _LEAST = 1e-13  # the smallest error that is drawn
 
 
 def run(budget: Budget) -> StudyResult:
     """Every model's regime, orbits and means at every r, and its cost at two; in other scenes; over r; laws of the errors."""
-    quick, grid = budget.quick, (*SHOWN, *_BEYOND[budget.quick])
-    regimes = {model: {x: regime_at(model, x, _UNTIL[quick]) for x in grid} for model in budget.each(EVERY, 0.4)}
+    quick, grid = budget.quick, (*SHOWN, *BEYOND[budget.quick])
+    regimes = {
+        model: {x: on_record(model, paper_at(x)) or regime_at(model, x) for x in grid} for model in budget.each(EVERY, 0.4)
+    }
     table = _the_table(regimes, {_title(x): costs_at(x, _ROUNDS[quick]) for x in _COSTED})
     others = _in_scenes(budget)
     found = periods.branches_of(quick)
@@ -62,18 +64,29 @@ def run(budget: Budget) -> StudyResult:
         tables=(scenes.bias_table(others),),
         verdicts=(
             *_verdicts(table, others, regimes, quick),
+            *record_verdicts(regime_at),
             *periods.period_verdicts(seen),
             *laws.law_verdicts(onsets, cycles),
         ),
         numbers=_numbers(table, regimes)
         | scenes.scene_numbers(others, ("kelvin-voigt", "modal:4", "fitted:4", "block12"))
-        | periods.period_numbers(seen, _BEYOND[quick])
+        | periods.period_numbers(seen, BEYOND[quick])
         | laws.law_numbers(cycles),
         model_tables=(table, others),
     )
 
 
-_RESTS_ON = ("Runs ", "The full ", "Where cycles ", "The slabs’ ", "Every ", "The quasi", "No ODE ", "The paper’s ODE falls")
+_RESTS_ON = (
+    "Runs ",
+    "The full ",
+    "Where cycles ",
+    "The slabs’ ",
+    "Every ",
+    "The quasi",
+    "No ODE ",
+    "The paper’s ODE falls",
+    "Means ",
+)
 _CARRIES = ("P3 ", "P4 ", "P7 ", "P12 ")
 
 
@@ -81,10 +94,9 @@ def _title(log10_r: float) -> str:
     return places([log10_r], ".2f")
 
 
-def regime_at(model: str, log10_r: float, until: float, cells: int = CELLS) -> Regime:
-    """The regime of a run of the model, of at most `until` transits; the reductions' orbits by Newton's method."""
-    until = _SETTLED if log10_r in SHOWN else until
-    return regime_of(model, scene_at(log10_r), until, *((cells,) if model == WAVE else (None, TOLERANCE)))
+def regime_at(model: str, log10_r: float, until: float = _SETTLED, cells: int = CELLS) -> Regime:
+    """The regime of a run of the model to `until` (transits); stable orbits by Newton's method."""
+    return regime_of(model, scene_at(log10_r), until, cells if model == WAVE else None, TOLERANCE)
 
 
 def _the_table(regimes: ByModel, costs: Mapping[str, Mapping[str, float]]) -> ModelTable:
@@ -92,9 +104,7 @@ def _the_table(regimes: ByModel, costs: Mapping[str, Mapping[str, float]]) -> Mo
     paper = scene_at(SHOWN[1])
     onsets = {model: onset(model, paper) for model in regimes}
     exact = math.log10(critical_r(EXACT_MODEL, paper))
-    columns = [
-        ModelColumn(_title(x), x, 10.0 ** (x - exact), "", f"paper --set slab.log10_r={x:g}") for x in regimes[EXACT_MODEL]
-    ]
+    columns = [ModelColumn(_title(x), x, 10.0 ** (x - exact), "", paper_at(x)) for x in regimes[EXACT_MODEL]]
     caption = (
         f"Errors relative to the exact delay system, in the paper’s scene (V = {paper.velocity:g} V*) from its onset at "
         f"log_{{10}} r_{{c}} = {places([exact], '.5f')} on; r: round trip of a wave through one slab, in L/V*; cost: processor "
@@ -117,22 +127,27 @@ def costs_at(log10_r: float, rounds: int) -> dict[str, float]:
     return relative_costs([model for model in EVERY if model != "quasistatic"], {WAVE: CELLS}, scene_at(log10_r), rounds)
 
 
+def regime_in(model: str, place: scenes.Place, until: float = _IN_SCENES, cells: int = CELLS) -> Regime:
+    """As `regime_at`, in another scene."""
+    return scenes.regime_in(model, place, until, cells if model == WAVE else None, TOLERANCE)
+
+
 def _in_scenes(budget: Budget) -> ModelTable:
     """The same models in other scenes."""
-    others, until = scenes.places_of(budget.quick), _UNTIL_IN_SCENES[budget.quick]
+    others = scenes.places_of(budget.quick)
     regimes = {
-        model: [scenes.regime_in(model, place, until, CELLS if model == WAVE else None) for place in others]
-        for model in budget.each((*EVERY[:6], "fitted:4", *EVERY[6:]), 0.7, 0.4)
+        model: [on_record(model, place[0].settings) or regime_in(model, place) for place in others]
+        for model in budget.each(IN_SCENES, 0.7, 0.4)
     }
     return scenes.scene_table(others, regimes)
 
 
 def _verdicts(paper: ModelTable, elsewhere: ModelTable, regimes: ByModel, quick: bool) -> Iterator[Verdict]:
     """All verdicts on both tables."""
-    grid, others, until = [*regimes[WAVE]], scenes.places_of(quick), _UNTIL_IN_SCENES[quick]
+    grid, others = [*regimes[WAVE]], scenes.places_of(quick)
     coarse = (
-        (paper, lambda column: regime_at(WAVE, grid[column], _SETTLED, CELLS - 1), 0.0),
-        (elsewhere, lambda column: scenes.regime_in(WAVE, others[column], until, CELLS - 1), _RUN_ERROR),
+        (paper, lambda column: regime_at(WAVE, grid[column], cells=CELLS - 1), TOLERANCE),
+        (elsewhere, lambda column: regime_in(WAVE, others[column], cells=CELLS - 1), TOLERANCE),
     )
     for table, on_coarse, run_error in coarse:
         yield from judged.regime_verdicts(table)
@@ -177,7 +192,7 @@ def cost_and_error(table: ModelTable) -> Chart:
                     [abs(found.error or 0.0)],
                     [2.0 * found.standard_error] if number and found.error is not None else None,
                 )
-                name, look = style_of(row.model).label, model_marks(row.model, hollow=bool(number))
+                name, look = row.model, model_marks(row.model, hollow=bool(number))
                 traces.append(Trace(f"{name}, {title}" if number else name, [cost], size, look, y_error=bar))
                 keys.setdefault(row.model, traces[-1])
     ticks = {value: f"{value:g}" for value in (0.1, 0.3, 1.0, 3.0)}

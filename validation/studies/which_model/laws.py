@@ -164,12 +164,12 @@ def fall(onsets: Onsets, cycles: Sequence[CycleErrors]) -> Chart:
     """Errors of the onset, left, and of the period of the cycle, right, over theta = r omega_c."""
     left, right, theta = list[Trace](), list[Trace](), [cycle.theta for cycle in cycles]
     for model, onset in onsets.items():
-        style, laws = style_of(model), [abs(onset.law.at(float(one))) for one in onset.theta]
-        left += [model_line(model, onset.theta, laws, f"law of {style.label}", dashes="-", width=0.8)]
-        left += [Trace(style.label, onset.theta, np.abs(onset.error), model_marks(model, size=4.5))]
+        laws = [abs(onset.law.at(float(one))) for one in onset.theta]
+        left += [model_line(model, onset.theta, laws, f"law of {model}", dashes="-", width=0.8)]
+        left += [Trace(model, onset.theta, np.abs(onset.error), model_marks(model, size=4.5))]
         if model in _CYCLING:
             errors = [abs(cycle.error(model)) for cycle in cycles]
-            right += [model_line(model, theta, errors, marker=style.marker, width=1.0)]
+            right += [model_line(model, theta, errors, marker=style_of(model).marker, width=1.0)]
     scales = Scale(r"$\theta=r\,\omega_c$ (radians per transit)", "log"), Scale("relative error", "log", (1e-12, 2.0))
     panels = Panel("onset: critical $r$", *scales, left), Panel("cycle: period", *scales, right)
     return Chart(panels, 3.9, 2, share=("all", "all"), legend="outside upper left", legend_columns=4, keys=left[1::2])

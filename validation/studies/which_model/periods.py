@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from slipwave.observe.statistics import Estimate
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
-from validation.compute.looks import model_line, model_look, style_of
+from validation.compute.looks import model_line, model_look
 from validation.references.published import reference
 from validation.study import Number, Verdict, stated
 from validation.study.branch_drawing import orbit_traces
@@ -102,9 +102,7 @@ def over_r(branches: Mapping[str, Branch], periods: ByModel) -> Chart:
     for model in WAVES:
         found = {x: one.seen for x, one in periods[model].items() if one.cycles}
         look, bars = model_look(model, dashes="", marker="o", size=4.0, hollow=True), [2.0 * one.error for one in found.values()]
-        traces.append(
-            Trace(f"{style_of(model).label}, means", [*found], [one.value for one in found.values()], look, y_error=bars)
-        )
+        traces.append(Trace(f"{model}, means", [*found], [one.value for one in found.values()], look, y_error=bars))
     paper = reference()["paper"]
     printed = [_PRINTED, _PRINTED], [paper["T_ode"], paper["T_dde"]]
     traces.append(Trace("the paper’s values", *printed, Look(ORANGE, "", "x", size=7.0)))

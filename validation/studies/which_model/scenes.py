@@ -2,12 +2,10 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 import slipwave
-from reduced.stability import scaled
 from slipwave.scene import Scene
 from validation.compute.models import family_of
 from validation.study import Cell, Number, Table, table
@@ -28,8 +26,6 @@ SCENES = {
 _QUICK = ("unlike", "grip", "rock")
 OVER_ONSET = (1.02, 1.25)
 """r over the onset of the exact system, both slabs scaled together."""
-_UNTIL = {True: 4000.0, False: 5000.0}
-_LONGER = {"rock": 1.7}  # its cycles are twice as long
 _NONE = 1e-3  # a bias that is not mentioned
 _NUDGE = 0.5  # of ψ: a small one grows for thousands of transits near the onset; from 2 the ODE runs away under the slip law
 
@@ -42,17 +38,17 @@ def place(name: str, over_onset: float) -> Place:
     """A scene with both slabs scaled together to r = `over_onset` times the onset of the exact system, and its column."""
     own = slipwave.read(name)
     factor = over_onset * critical_r(EXACT_MODEL, own) / own.transit
-    scene = scaled(replace(own, start=replace(own.start, size=_NUDGE)), round_trip=factor)
-    settings = f"{name} {_settings(own, factor)} --set start.size={_NUDGE:g}"
-    return ModelColumn(name, math.log10(scene.transit), over_onset, f"r = {over_onset:.2f} r_{{c}}", settings), scene
+    settings = [*_settings(own, factor), f"start.size={_NUDGE:g}"]
+    scene, words = slipwave.read(name, settings), " ".join(f"--set {one}" for one in settings)
+    return ModelColumn(name, math.log10(scene.transit), over_onset, f"r = {over_onset:.2f} r_{{c}}", f"{name} {words}"), scene
 
 
-def _settings(own: Scene, factor: float) -> str:
-    """The command line options that make the slabs thicker by `factor`."""
+def _settings(own: Scene, factor: float) -> list[str]:
+    """The settings that make the slabs thicker by `factor`."""
     if own.upper.material and own.units:
-        return f"--set slab.thickness={factor * 0.5 * own.transit * own.units.time * own.upper.material.wave_speed:.6g}"
+        return [f"slab.thickness={factor * 0.5 * own.transit * own.units.time * own.upper.material.wave_speed:.6g}"]
     slabs = {"slab": own.upper} if own.alike else {"upper": own.upper, "lower": own.lower}
-    return " ".join(f"--set {key}.r={factor * slab.round_trip:.7g}" for key, slab in slabs.items())
+    return [f"{key}.r={factor * slab.round_trip:.7g}" for key, slab in slabs.items()]
 
 
 def places_of(quick: bool) -> list[Place]:
@@ -60,13 +56,13 @@ def places_of(quick: bool) -> list[Place]:
     return [place(name, over_onset) for over_onset in OVER_ONSET for name in (_QUICK if quick else SCENES)]
 
 
-def regime_in(model: str, where: Place, until: float, cells: int | None) -> Regime:
-    """The regime of a run to `until`; UNTRIED where the model cannot compute the scene, or where a rational fit would find the
-    modes of another model."""
-    column, scene = where
+def regime_in(model: str, where: Place, until: float, cells: int | None, tolerance: float) -> Regime:
+    """The regime of a run to `until`, and its orbit to the `tolerance`; UNTRIED where the model cannot compute the scene, or
+    where a rational fit would find the modes of another model."""
+    scene = where[1]
     if not _able(model, scene) or (model.startswith("fitted:") and _able(f"modal:{model[7:]}", scene)):
         return Regime(UNTRIED)
-    return regime_of(model, scene, _LONGER.get(column.title, 1.0) * until, cells)
+    return regime_of(model, scene, until, cells, tolerance)
 
 
 def _able(model: str, scene: Scene) -> bool:
