@@ -209,7 +209,7 @@ PLACES = {
         Place("which_model.laws:measure_onsets", (each(part("error")),)),
         Place("which_model.laws:measure_cycle"),
         Place(
-            "which_model.scenes:regime_in",
+            "which_model.scenes:regime_there",
             (lambda value: value if value.words == UNTRIED else DISPLACED(value),),
             unjudged=("modal:2", "modal:1", "kelvin-voigt", "block8", "block12", "quasistatic"),
         ),

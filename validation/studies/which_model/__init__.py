@@ -129,7 +129,7 @@ def costs_at(log10_r: float, rounds: int) -> dict[str, float]:
 
 def regime_in(model: str, place: scenes.Place, until: float = _IN_SCENES, cells: int = CELLS) -> Regime:
     """As `regime_at`, in another scene."""
-    return scenes.regime_in(model, place, until, cells if model == WAVE else None, TOLERANCE)
+    return scenes.regime_there(model, place, until, cells if model == WAVE else None, TOLERANCE)
 
 
 def _in_scenes(budget: Budget) -> ModelTable:

@@ -56,7 +56,7 @@ def places_of(quick: bool) -> list[Place]:
     return [place(name, over_onset) for over_onset in OVER_ONSET for name in (_QUICK if quick else SCENES)]
 
 
-def regime_in(model: str, where: Place, until: float, cells: int | None, tolerance: float) -> Regime:
+def regime_there(model: str, where: Place, until: float, cells: int | None, tolerance: float) -> Regime:
     """The regime of a run to `until`, and its orbit to the `tolerance`; UNTRIED where the model cannot compute the scene, or
     where a rational fit would find the modes of another model."""
     scene = where[1]
