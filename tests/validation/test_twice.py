@@ -107,6 +107,7 @@ PAIRS = {
     ),
     "run, other V*": Pair(RUN, PACE, PACED),
     "run, faces of an area": Pair(f"run machine-SI.toml {FAST} --until 40", TEXTS),
+    "run, a rate": Pair(f"run plain-SI.toml {FAST} --until 200 --rate 2", {"--rate 2": "--rate 72.463768115942Hz"}),
     "run, protocol": Pair("run hold-own.toml --until 40", "run hold-SI.toml --until 40"),
     "run, protocol, texts": Pair("run hold-SI.toml --until 40", {"SI": "texts", "40": "1104ms"}),
     "run, protocol, other V*": Pair("run hold-SI.toml --until 40", {"SI": "paced"}, PACED),
@@ -319,6 +320,6 @@ def test_every_command_and_every_option_with_a_unit_is_in_the_table():
         words = " ".join(f"{pair.words} {pair.other}" for label, pair in PAIRS.items() if label.startswith(name))
         assert f"{name} " in words, f"{name} is in no pair"
         kind = getattr(sw, name).__wrapped__.__annotations__["options"]
-        takes_units = re.compile(r"TIME|FROM:|VALUES|A:B|BEGIN:|time,|time=|nan|\.csv")
+        takes_units = re.compile(r"TIME|RATE|FROM:|VALUES|A:B|BEGIN:|time,|time=|nan|\.csv")
         needed = [one.flag for one in options_of(kind).values() if takes_units.search(one.more.get("metavar") or "")]
         assert [flag for flag in needed if flag not in words] == [], name
