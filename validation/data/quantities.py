@@ -2,6 +2,7 @@
 
 import math
 import re
+from contextlib import suppress
 from typing import NamedTuple
 from unicodedata import normalize
 
@@ -127,13 +128,10 @@ def unit_of(written: str | None, key: str, where: str, area: float | None = None
         return None
     found = _size(written, key)
     if found is None and MEASURED[key].unit == "Pa":
-        try:
-            force = quantity(f"1 {written}", "N").value
-        except ValueError:
-            force = math.nan
-        if force > 0.0 and area is None:
+        with suppress(ValueError):
+            found = Unit(quantity(f"1 {written}", "N").value / (area or math.nan))
+        if found and area is None:
             raise SceneError(f"{where}: unit {shorten(written)} is a force: --area says on what, as in --area='25 cm2'")
-        found = Unit(force / area) if force > 0.0 and area else None
     if found is None and not MEASURED[key].unit:
         raise SceneError(f"{where}: unit {shorten(written)} does not fit: it is a pure number")
     if found is None:

@@ -143,8 +143,10 @@ def read_series(
         if key in _ONE_RANGE:
             _require_no_mark(f"{label!r}, column {index + 1}", key, column, text.numbers)
     _require_units_of_one_kind(label, found)
-    pairs = zip(chosen, values.T, strict=True)
-    series = {key: factors.get(key, 1.0) * _converted(column, found[key]) for key, column in pairs}
+    series = dict[str, Array]()
+    for key, column in zip(chosen, values.T, strict=True):
+        unit = found[key] or Unit(1.0)
+        series[key] = np.asarray((10.0**column if unit.is_log else column) * unit.size * factors.get(key, 1.0))
     series, dropped = _rising(label, series, text.numbers)
     measured = {key: unit for key, unit in found.items() if MEASURED[key].unit}
     is_own = None if not any(measured.values()) else any(unit.is_own for unit in measured.values() if unit)
@@ -171,12 +173,11 @@ def _scales(label: str, scale: str | None, chosen: Mapping[str, int], text: "_Te
 def _area(text: str | None) -> float | None:
     """An area in m2."""
     try:
-        found = math.nan if text is None else quantity(text, "m2").value
+        if text is None or (found := quantity(text, "m2").value) > 0.0:
+            return None if text is None else found
+        raise ValueError("must be above 0")
     except ValueError as error:
         raise SceneError(f"--area = {shorten(text)}: {error}") from None
-    if found <= 0.0:
-        raise SceneError(f"--area = {shorten(text)}: must be above 0")
-    return None if text is None else found
 
 
 def _lines_of(path: Path) -> list[str]:
@@ -357,12 +358,6 @@ def _numbers(label: str, text: _Text, indices: list[int]) -> Array:
                 way = " (--missing=nan leaves such lines out)" if cell.lower() == "nan" else ""
                 raise SceneError(f"{label!r}, line {number}: column {index + 1} {which}{way}")
     raise SceneError(f"{label!r}: cannot be read as columns of numbers")
-
-
-def _converted(column: Array, unit: Unit | None) -> Array:
-    if unit is None:
-        return column
-    return np.asarray((10.0**column if unit.is_log else column) * unit.size)
 
 
 def _rising(label: str, columns: dict[str, Array], numbers: Sequence[int]) -> tuple[dict[str, Array], list[str]]:

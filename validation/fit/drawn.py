@@ -47,15 +47,12 @@ def _along(record: Experiment, is_si: bool) -> tuple[Array, str]:
     """Abscissa of a record's figure, and its name: displacement of the load point, or time where it rests (a hold would be one
     point)."""
     if record.cycle is not None:
-        return record.times[record.shown] / record.cycle.period, _phase(record.cycle.period, is_si)
+        period = f"{record.cycle.period:.4g} {'s' if is_si else 'transits'}"
+        return record.times[record.shown] / record.cycle.period, f"time since the last slip event / mean period ({period})"
     if 0.0 in record.schedule.velocities:
         return record.times[record.shown], "time / s" if is_si else "time / transits"
     size, unit = (1e6, "μm") if is_si else (1.0, "$L$")
     return size * record.travel[record.shown], f"displacement of the load point / {unit}"
-
-
-def _phase(period: float, is_si: bool) -> str:
-    return f"time since the last slip event / mean period ({period:.4g} {'s' if is_si else 'transits'})"
 
 
 def values_in_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:

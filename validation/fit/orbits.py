@@ -92,7 +92,10 @@ class CycleOfOrbit(Forward):
         closed = self._marched(inner)
         slopes = self._period_slopes(closed, inner)
         if self.anchor is None:
-            self.leading = self._strongest(slopes, closed.cycle.period)
+            self.leading = int(np.argmax(np.abs(slopes)))
+            if abs(slopes[self.leading]) < _LEAST_SLOPE * closed.cycle.period:
+                wanted = "needs a parameter that changes the period, as interface.a"
+                raise SceneError(f"--free: a fit of stick-slip with every wave {wanted}")
         slope = float(slopes[self.leading]) or 1.0
         for _ in range(_TRIALS):
             late = self._late_by(closed)
@@ -220,10 +223,3 @@ class CycleOfOrbit(Forward):
             is_clock = abs(sizes(flow_at(inner[k] + SHIFT[1]).scene)[0] / sizes(closed.flow.scene)[0] - 1.0) > SAME
             slopes.append(0.0 if is_clock else float(np.linalg.solve(matrix, np.append(-drift, 0.0))[-1]))
         return np.array(slopes)
-
-    def _strongest(self, slopes: Array, period: float) -> int:
-        if np.abs(slopes).max() < _LEAST_SLOPE * period:
-            raise SceneError(
-                "--free: a fit of stick-slip with every wave needs a parameter that changes the period, as interface.a"
-            )
-        return int(np.argmax(np.abs(slopes)))

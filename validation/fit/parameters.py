@@ -1,7 +1,7 @@
 """The keys of a scene that a fit changes, as unbounded numbers for least squares."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -146,8 +146,3 @@ def _free(key: Sequence[str], known: Any) -> Free:
 
 def _unit(value: float, allowed: Numbers) -> str:
     return allowed.units[0] if type(allowed) is not Numbers and allowed.units else ""
-
-
-def started(free: Sequence[Free], values: Mapping[str, float]) -> tuple[Free, ...]:
-    """The same parameters with other start values."""
-    return tuple(one._replace(start=values.get(one.key, one.start)) for one in free)

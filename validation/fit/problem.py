@@ -1,5 +1,6 @@
 """The residuals of a model over all records, for least squares."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -85,12 +86,9 @@ class FrictionProblem:
 
     def far(self, residual: Array) -> float:
         """The `residual` over the noise, which is at least `FINEST` of each record's range of friction; 0 without noise."""
-        least = [FINEST * float(np.ptp(one.friction[one.shown])) for one in self.records]
-        rows = [np.broadcast_to(one.weight, one.friction.shape) for one in self.records]
-        shares = [np.minimum(1.0, 1.0 / np.maximum(size * row, 1e-300)) for size, row in zip(least, rows, strict=True)]
-        return self.noise * float(
-            np.sqrt(np.sum((residual * np.concatenate(shares)) ** 2) / max(residual.size - len(self.names), 1))
-        )
+        least = [FINEST * np.ptp(one.friction[one.shown]) * one.weight + 0.0 * one.friction for one in self.records]
+        found = float(np.linalg.norm(residual / np.maximum(np.concatenate(least), 1.0)))
+        return self.noise * found / math.sqrt(max(residual.size - len(self.names), 1))
 
     def starts(self) -> Iterator[Array]:
         """Start values: the scene's, then others."""

@@ -115,11 +115,6 @@ def _moved(series: Series, scene: Scene, times: Array) -> Array | None:
     return None
 
 
-def _is_bare(text: str) -> bool:
-    """Whether it has no unit, as 1e3 has none."""
-    return not text or re.fullmatch(r"[-+.\deE]+", text) is not None or not looks_measured(text)
-
-
 def _inside(series: Series, scene: Scene, window: str | None) -> slice:
     """The samples of a `window` of the file's clock (s, or transits of the `scene`). Raises SceneError for too few samples."""
     times, is_own = series["time"], series.is_own or scene.units is None
@@ -130,7 +125,7 @@ def _inside(series: Series, scene: Scene, window: str | None) -> slice:
 
     def time_at(text: str) -> float:
         """An end of the window."""
-        if _is_bare(text):
+        if not text or re.fullmatch(r"[-+.\deE]+", text) or not looks_measured(text):  # 1e3 has no unit
             return float(text or "nan")
         time = quantity(text, "s")
         return in_scene("--window", time, scene.units, TIME, scene.transit) if is_own else time.value

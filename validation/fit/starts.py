@@ -39,7 +39,9 @@ def sticking_starts(free: Sequence[Free], first: Array, cycle: MeanCycle, scene_
     """Start values at which steady sliding is unstable, friction falls by about as much as in the mean cycle and, if the spring
     is free, rises before an event at the measured rate."""
     index = {_word(one): k for k, one in enumerate(free) if one.is_positive}
-    steep = float(np.polyfit(np.arange(cycle.friction.size // 3) * cycle.period / cycle.friction.size, *_middle(cycle))[0])
+    size = cycle.friction.size
+    middle = slice(size // 3, 2 * (size // 3))
+    steep = float(np.polyfit(np.arange(size // 3) * cycle.period / size, cycle.friction[middle], 1)[0])
     for kappa, ratio in product(_KAPPAS, _RATIOS):
         inner = first.copy()
         for word in _SPRINGS:
@@ -83,11 +85,6 @@ def unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Arra
         else:
             return
         yield inner
-
-
-def _middle(cycle: MeanCycle) -> tuple[Array, int]:
-    third = cycle.friction.size // 3
-    return cycle.friction[third : 2 * third], 1
 
 
 def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of: Callable[[Array], Scene]) -> float:
