@@ -118,7 +118,8 @@ _CAPTION = (
     "Where no orbit of the delay system is stable: means over cycles with two standard errors (±), of v_{max} medians; elsewhere"
     f" orbits. A model is good at an r if its regime is that of the delay system and T and Δμ err by less than {100 * GOOD:g} "
     "%, or by no more than that and two standard errors (a full wave: four); the advice is to use it up to the last r before the "
-    "first at which it is not. Cost: of 1000 transits, the median of several rounds, over that of the delay system."
+    "first at which it is not. Long means are on record; on another kind of processor the commands of irregular motions give "
+    "other digits, within the errors. Cost: of 1000 transits, the median of several rounds, over that of the delay system."
 )
 
 
