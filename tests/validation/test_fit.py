@@ -365,6 +365,9 @@ def test_a_slide_hold_slide_in_columns_of_its_own_is_fitted_with_its_own_drive(t
     found = sw.fit(scene, data=[str(path)], free=KEYS, **call)
     assert all(row["low"] < TRUTH[key] < row["high"] for key, row in found.summary["parameters"].items())
     assert any("the load point moves as in the file: 3 velocities" in note for note in found.notes)
+    part = sw.fit(scene, data=[str(path)], free=KEYS, window="100:400", **call)
+    part.to_netcdf(tmp_path / "part.nc")
+    assert sw.fit(tmp_path / "part.nc").residual["samples"] == part.residual["samples"]  # of the same columns and window
 
 
 def test_a_figure_says_the_values_and_shows_holds_over_time() -> None:

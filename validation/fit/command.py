@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
@@ -223,11 +223,8 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     ends at a bound, or the data do not determine one.
     """
     began = time.perf_counter()
+    options = _going_on(source, options)
     files, texts, model = _listed(options.data), _listed(options.free), options.model
-    if is_stored(source):
-        stored = read_stored(str(source))
-        model = stored.model if model == "auto" else model
-        files, texts = files or stored.options.get("data", []), texts or stored.options.get("free", [])
     scene = options.scene_of(source)
     model = default_model(scene) if model == "auto" else model
     words = [word.strip() for text in texts for word in text.split(",") if word.strip()]
@@ -274,6 +271,19 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         remarks=missing_in(model, scene),
         failed=f"fit: {failed}" if failed else "",
         stopped=stopped,
+    )
+
+
+def _going_on(source: SceneSource, options: FitOptions) -> FitOptions:
+    """The options completed by those of a file of results."""
+    if not is_stored(source):
+        return options
+    stored, names = read_stored(str(source)), ("data", "free", "window", *options.reading)
+    known: dict[str, Any] = {name: getattr(options, name) or stored.options.get(name) for name in names}
+    return replace(
+        options,
+        **{name: value for name, value in known.items() if value},
+        model=stored.model if options.model == "auto" else options.model,
     )
 
 
