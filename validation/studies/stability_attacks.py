@@ -215,8 +215,8 @@ def advised(model: str) -> Cure:
 
 
 def advice_verdict(advice: Mapping[str, Cure]) -> Verdict:
-    """Whether more cells cured the runs that asked for them: the worst."""
-    worst = max(advice, key=lambda model: (math.isnan(advice[model].error), advice[model].error))
+    """Whether more cells cured the runs that asked for them."""
+    right = sum(cure.error <= GOOD for cure in advice.values())
     asked = f"{sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked"
-    remark = f"ψ, V = 10^{{5}} V*, {_ADVISED_UNTIL:g} transits; {asked}; shown: `{worst}` on {advice[worst].cells} cells"
-    return claim(CURED, WITNESS, advice[worst].error, GOOD, remark)
+    remark = f"ψ to {100 * GOOD:g} %, V = 10^{{5}} V*, {_ADVISED_UNTIL:g} transits; {asked}"
+    return every(CURED, WITNESS, right, len(advice), remark, "families")
