@@ -1,6 +1,7 @@
 """Friction laws of the user's own: loaded from a Python file on request, and named by the digest of that file."""
 
 from pathlib import Path
+from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.friction.law import LAWS
@@ -28,5 +29,6 @@ def load_laws(path: Path) -> list[str]:
 
 
 def own_law(name: str) -> OwnFile | None:
-    """The file of the law `name`; None if it is built in or unknown."""
-    return own_file(LAWS[name].respond) if name in LAWS else None
+    """The file of the law `name`, of its function or of its parameters; None if both are built in, or it is unknown."""
+    parts: tuple[Any, ...] = (LAWS[name].respond, LAWS[name].parameters) if name in LAWS else ()
+    return next(filter(None, map(own_file, parts)), None)

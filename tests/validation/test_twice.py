@@ -75,6 +75,7 @@ class Pair(NamedTuple):
 
 FAST = "--set V=4000"
 RUN = f"run plain-SI.toml {FAST} --until 200 --window 150.3:160.3 --every 3"
+ODD_LAYERS = "'upper.layers=[{fraction=0.41421356,impedance=1.0},{fraction=0.58578644,impedance=1.0}]'"
 NETWORK = f"run network-own.toml {FAST}"
 FIELDS = f'run plain-own.toml {FAST} \'run.record=["events","fields"]\' --model fd --cells 16'
 LEAPING = "run leaping.toml --tol 1e-6"
@@ -117,7 +118,7 @@ PAIRS = {
         EXCHANGED,
     ),
     "run, a mass with a jump by a network": Pair(
-        f"run heavy-own.toml {FAST} --until 60", {"--until": "upper.r=0.0027600000000001 --until"}, ((r"@", None),)
+        f"run heavy-own.toml {FAST} --until 20", {"--until": f"{ODD_LAYERS} --until"}, ((r"@", None),), 1e-6
     ),
     "run, layers that are none": Pair(
         f"run plain-own.toml {FAST} --until 60",
@@ -177,7 +178,7 @@ PAIRS = {
     "sweep, own units": Pair(
         f"{SWEEP.replace('SI', 'own').replace('slab.thickness=34.5,37.5', 'r=0.00276,0.003')} --out a",
         SI | {"r=0.00276,0.003": "slab.thickness=34.5,37.5", "--out a": "--out b"},
-        ((r"^nc\.r$", 12500.0, "nc.slab_thickness"), (r"^axes.1.(from|to)", 12500.0), (r"nc.*_s$", None)),
+        ((r"^nc\.r$", 12500.0, "nc.slab_thickness"), (r"^axes.1.(from|to)", 12500.0)),
     ),
     "sweep, texts": Pair(f"{SWEEP} --measure run --out a", AXES | {"--out a": "--out b"}, UNITS),
     "sweep of stability, texts": Pair(f"{SWEEP} --measure stability --out a", AXES | {"--out a": "--out b"}, UNITS),
@@ -239,7 +240,7 @@ PAIRS = {
         MIRRORED,
         1e-4,
     ),
-    "fit, noise that lasts": Pair(STEPS, {"steps.csv": "steps-lasting.csv"}, ((r"(value|low|high)$", 1.0), (r"", None)), 1e-3),
+    "fit, noise that lasts": Pair(STEPS, {"steps.csv": "steps-lasting.csv"}, ((r"(value|low|high)$", 1.0), (r"", None)), 1e-4),
     "fit of cycles, another clock": Pair(CYCLES, TEXTS | {"cycles.csv": "cycles-late.csv"}, (), 1e-5),
     "fit of cycles, cut within their falls": Pair(
         CYCLES.replace("cycles.", "cycles-whole."), {"whole": "cut"}, ((r"level", None), *VALUES), 1e-4
@@ -312,7 +313,8 @@ def twin(path, numbers):
     spread = re.sub(r"_(std|mean)$", r".\1", own)
     names = (own, f"{own}.mean", spread, f"margins.{own.removesuffix('_margin')}")
     base = next((numbers[name] for name in names if name in numbers), 1.0)
-    return None if ending is None or base is None else np.asarray(base) * SIZES[ending]
+    grown = numbers.get("nc.slab_thickness", 34.5) / 34.5 if ending == "s" and np.shape(base) else 1.0  # of the transit
+    return None if ending is None or base is None else np.asarray(base) * SIZES[ending] * grown
 
 
 def test_every_command_and_every_option_with_a_unit_is_in_the_table():
@@ -323,3 +325,14 @@ def test_every_command_and_every_option_with_a_unit_is_in_the_table():
         takes_units = re.compile(r"TIME|RATE|FROM:|VALUES|A:B|BEGIN:|time,|time=|nan|\.csv")
         needed = [one.flag for one in options_of(kind).values() if takes_units.search(one.more.get("metavar") or "")]
         assert [flag for flag in needed if flag not in words] == [], name
+
+
+def test_the_sum_of_squares_has_risen_alike_at_both_ends_of_an_asymmetric_interval(written, monkeypatch):
+    """As the other parameter is at its best there. Ends that are interchanged miss by 2e-2."""
+    monkeypatch.chdir(written)
+    noisy = "fit steps-SI.toml --model quasistatic --data steps-noisy.csv --set start.size=0 {} --free {}memory_length"
+    whole = numbers_of(noisy.format("", "slab.thickness,"), monkeypatch)
+    ends = [f"slab.thickness={whole[f'parameters.slab.thickness.{end}']!r}" for end in ("low", "high")]
+    low, high = (numbers_of(noisy.format(end, ""), monkeypatch)["residual.rms"] for end in ends)
+    assert low == pytest.approx(high, rel=1e-3)
+    assert low > 1.002 * whole["residual.rms"]

@@ -95,7 +95,8 @@ def read_followed(path: Path, found: Followed) -> End:
             facts = json.loads(file.getncattr("facts"))
             for name, value in json.loads(json.dumps(found.facts)).items():
                 if facts.get(name) != value:
-                    raise SceneError(f"--resume {str(path)!r}: {name} is {facts.get(name)!r}; this {found.what} has {value!r}")
+                    differs = f"{name} is {facts.get(name)!r}; this {found.what} has {value!r}"
+                    raise SceneError(f"--resume {str(path)!r}: {differs}; without --resume it begins anew")
             if file.getncattr("contents") != _digest(file):
                 raise ValueError("its contents have changed since it was written")
             for kind, (record, rows) in found.tables.items():
