@@ -21,6 +21,7 @@ from validation.chart.draw import Drawing, draw
 from validation.compute.build import on_its_orbit
 from validation.compute.default_grid import grid_in_words, judged_grid, note_on, note_on_given
 from validation.compute.exponent import exponent_of, require_constant
+from validation.compute.history_file import ALL
 from validation.compute.models import made, one_port_of
 from validation.compute.outlook import amplified_rounding, costly_steps
 from validation.compute.recording import FIELD_FILES, Window, how_to_resume, kept_of, time_between
@@ -343,7 +344,8 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         require_constant(scene)
     asks = checkpoint is not None or options.checkpoint_every is not None
     every = time_between(checkpoint, options.checkpoint_every, scene) if asks else None
-    kept = kept_of(options.every, options.window, scene, options.rate)
+    chosen = (options.every, options.window, options.rate) != (None, None, None)
+    kept = kept_of(options.every, options.window, scene, options.rate) if chosen else ALL
     built = made(options.model, scene, **options.numerical)
     if scene.start.kind is StartKind.ORBIT:
         built = on_its_orbit(built, checkpoint is not None and checkpoint.exists())
