@@ -20,7 +20,7 @@ from reduced.delay.kernel import Clock, DelayMemory, alike_lines, march_delay
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.transmission_lines import NODES
 from slipwave.errors import SceneError
-from slipwave.friction import rates, respond, unknown_of
+from slipwave.friction import allows_rest, rates, respond, unknown_of
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
@@ -257,7 +257,9 @@ class Delay(DelayMarch):
         """Take more equal steps per transit, or halve the rejected one; the polynomials of the incoming waves (now or at the
         beginning) give the new nodes."""
         old, incoming, now = (self._mesh, self._lines.incoming, self._memory.now) if self._emit else self._beginning
-        if self._emit and old.count >= _MOST_EQUAL and (verdict != TOO_STEEP or any(old.levels)):
+        # where v may change its sign, its bend travels with the waves through every step: equal ones resolve it
+        may_halve = self._emit and not allows_rest(self.scene.law) and old.count >= _MOST_EQUAL
+        if may_halve and (verdict != TOO_STEEP or any(old.levels)):
             new = transit_mesh(old.count, self._cuts, old.halved(self._rejected))
             fits = new.lengths.min() >= _SHORTEST
         else:

@@ -58,7 +58,7 @@ def changed(run, kind, period, margin):
     """A run of that verdict and mean period; the margin is that of every mean."""
     cycles = 9 if math.isfinite(period) else 0
     means = (Spread(period, 0.1), *[Spread(0.2 if cycles else math.nan, 0.1)] * 2)
-    figures = RunStatistics(cycles, *means, 1.0, 1.0, Margins(margin, margin, margin))
+    figures = RunStatistics(cycles, *means, 1.0, 1.0, 1.0, Margins(margin, margin, margin))
     return dataclasses.replace(run, verdict=MotionVerdict(kind, cycles), statistics=figures)
 
 

@@ -57,6 +57,7 @@ def held_means(events: Events, count: int) -> list[Held]:
     return [
         Held(name, margin / getattr(rest, name).mean, certain * abs(getattr(first, name).mean / getattr(rest, name).mean - 1.0))
         for name, margin in vars(first.margins).items()
+        if name in first.spreads
     ]
 
 
