@@ -16,7 +16,6 @@ TOO_MANY = 10
 
 SHORTEST = 1e-7
 _SAME = 1e-10
-_OF_DERIVATIVES = 10.0  # times the smallest error; in 200 random scenes the motion errs no more than with 1
 _LONGER = 4.0  # where a break arrives, steps are at most so much longer than where it was launched
 FILLED, WAITING, FOLLOWED = range(3)  # `History.counts`
 
@@ -140,9 +139,8 @@ def leeway(ends: Ends, wave: Array, history: History, slot: int) -> float:
     """How far a step's end may lie from the break of `wave` (ring, s) at the start of the step in the `slot`; infinite without
     one.
 
-    Within a step h, a polynomial of degree n misses a jump q of the m-th derivative by about q (h/n)^m/2^(m + 1), a kink here and
-    there to either side, so that the motion errs by less. A break is one that is missed by more than the `smallest` error, of a
-    derivative by some times that, and by more than the jump that the rest of both polynomials feigns; if its
+    Within a step h, a polynomial of degree n misses a jump q of the m-th derivative by about q (h/n)^m/2^(m + 1). A break is one
+    that is missed by more than the `smallest` error, and by more than the jump that the rest of both polynomials feigns; if its
     end is off by d, it is missed by q d^m."""
     s, ring, nearest = wave.shape[1], history.starts.size, math.inf
     before, started, degree = (slot - 1) % ring, history.starts[slot] > 0.0, wave.shape[1] - 1
@@ -158,7 +156,7 @@ def leeway(ends: Ends, wave: Array, history: History, slot: int) -> float:
         jump *= share
         if started:
             jump -= last * share_before
-        if abs(jump) * missed > (_OF_DERIVATIVES if m else 1.0) * ends.smallest:
+        if abs(jump) * missed > ends.smallest:
             if here < 0.0:
                 here = rest_of(ends.coefficients, wave[slot])
                 there = rest_of(ends.coefficients, wave[before]) if started else 0.0
