@@ -22,13 +22,15 @@ FILLED, WAITING, FOLLOWED = range(3)  # `History.counts`
 
 class History(NamedTuple):
     """`starts` and `lengths` (ring,) of past steps; `arrivals` (n,), the next break points in order; `counts` (3,): past steps
-    known, break points to come, break points passed. Begin (2,) and length (1,) of the `present` step."""
+    known, break points to come, break points passed. Begin (2,) and length (1,) of the `present` step. `nearby` (layers,): ring
+    index of the step that was read last."""
 
     starts: Array
     lengths: Array
     arrivals: Array
     counts: Integers
     present: tuple[Array, Array]
+    nearby: Integers
 
 
 class Ends(NamedTuple):
@@ -56,39 +58,48 @@ def look_back(nodes: Nodes, ends: Ends, network: Network, history: History, slot
     (none before t = 0). False if the ring does not reach back so far."""
     s, ring, known = len(nodes), history.starts.size, history.counts[FILLED]
     for layer in range(ends.travel.size):
+        age = (slot - history.nearby[layer]) % ring
+        age = age if 0 < age <= known else known
         for j in range(s):
             wanted = start + nodes[j] * length - ends.travel[layer]
             network.back[layer, j] = 0
             for k in range(s):
-                network.weights[layer, j, j, k] = 0.0
+                network.weights[layer, j, 0, k] = 0.0
             if wanted <= _SAME or known == 0:
                 continue
-            young, old = 1, known  # ages, in steps, between which that of the step lies
-            while young < old:
-                age = (young + old) // 2
-                if history.starts[(slot - age) % ring] < wanted - _SAME:
-                    old = age
-                else:
-                    young = age + 1
-            past = (slot - young) % ring
-            if young == ring and history.starts[past] > wanted:
+            while age < known and not _starts_before(history, slot, age, wanted):
+                age += 1
+            while age > 1 and _starts_before(history, slot, age - 1, wanted):
+                age -= 1
+            past = slot - age if slot >= age else slot - age + ring
+            if age == ring and history.starts[past] > wanted:
                 return False
+            history.nearby[layer] = past
+            network.back[layer, j] = age
             local = min(1.0, max(0.0, (wanted - history.starts[past]) / history.lengths[past]))
-            network.back[layer, j] = young
-            total, hit = 0.0, -1
-            for k in range(s):
-                gap = local - nodes[k]
-                if gap == 0.0:
-                    hit = k
-                else:
-                    network.weights[layer, j, j, k] = ends.barycentric[k] / gap
-                    total += network.weights[layer, j, j, k]
-            for k in range(s):
-                if hit >= 0:
-                    network.weights[layer, j, j, k] = 1.0 if k == hit else 0.0
-                else:
-                    network.weights[layer, j, j, k] /= total
+            weigh(nodes, ends.barycentric, local, network.weights[layer, j, 0])
     return True
+
+
+@njit
+def _starts_before(history: History, slot: int, age: int, time: float) -> bool:
+    """Whether the step that lies `age` steps before the one in the `slot` starts before `time`."""
+    return history.starts[slot - age if slot >= age else slot - age + history.starts.size] < time - _SAME
+
+
+@njit
+def weigh(nodes: Nodes, barycentric: Array, local: float, weights: Array) -> None:
+    """Set the `weights` (s,) that interpolate a step's polynomial at `local`, a share of its length."""
+    total, hit = 0.0, -1
+    for k in range(len(nodes)):
+        gap = local - nodes[k]
+        if gap == 0.0:
+            hit = k
+        else:
+            weights[k] = barycentric[k] / gap
+            total += weights[k]
+    for k in range(len(nodes)):
+        weights[k] = (1.0 if k == hit else 0.0) if hit >= 0 else weights[k] / total
 
 
 @njit

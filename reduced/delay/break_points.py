@@ -40,7 +40,7 @@ class DelayBreaks(DelayNetwork):
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
         super().__init__(scene, tolerance, lines=lines)
         layers, each = self._layers.travel.size, (self._layers.travel.size, self._stages)
-        weights = np.zeros((*each, self._stages, self._stages))  # every node reads from a step of its own
+        weights = np.zeros((*each, 1, self._stages))  # every node reads from a step of its own
         network = self._lines.network._replace(
             whole=np.zeros(layers, dtype=np.bool_), back=np.zeros(each, dtype=np.int64), weights=weights
         )
@@ -87,8 +87,8 @@ class DelayBreaks(DelayNetwork):
     def _remember(self, past: Array, arrivals: Array, followed: int) -> None:
         """Set the history to these past steps (start and length) and next break points."""
         counts = np.array([past.shape[0], arrivals.size, followed])
-        present = (np.zeros(2), np.zeros(1))
-        self._history = History(np.empty(_RING), np.ones(_RING), np.empty(_RING + arrivals.size), counts, present)
+        present, nearby = (np.zeros(2), np.zeros(1)), np.zeros(self._layers.travel.size, dtype=np.int64)
+        self._history = History(np.empty(_RING), np.ones(_RING), np.empty(_RING + arrivals.size), counts, present, nearby)
         self._history.starts[: past.shape[0]], self._history.lengths[: past.shape[0]] = past.T
         self._history.arrivals[: arrivals.size] = arrivals
 

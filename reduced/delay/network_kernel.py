@@ -23,10 +23,10 @@ Integers = NDArray[np.int64]
 
 class Network(NamedTuple):
     """Lines in compiled form (see `Lines`). Per layer: `impedance` e; `back` (layers, n), the number of steps since the arriving
-    wave was emitted, and the `weights` (layers, n, s, s) of these steps; `whole` (layers,), whether it was emitted at the nodes
-    of the first alone. Per slab: `first`, `last` and its top: `spring`, `compliance` (s, s) = (m/h A^-1 + Z_g + e + h K A)^-1,
-    `inertia` (s, s) = m/h A^-1 and `remembers` = has a spring or a mass (`tops_for`). `base` = mu_ss + Z V_0; `weight` of each
-    slab."""
+    wave was emitted, and the `weights` (layers, n, s, s) of these steps, or (layers, s, 1, s) if each node reads from a step of
+    its own; `whole` (layers,), whether it was emitted at the nodes of the first alone. Per slab: `first`, `last` and its top:
+    `spring`, `compliance` (s, s) = (m/h A^-1 + Z_g + e + h K A)^-1, `inertia` (s, s) = m/h A^-1 and `remembers` = has a spring or
+    a mass (`tops_for`). `base` = mu_ss + Z V_0; `weight` of each slab."""
 
     impedance: Array
     back: Integers
@@ -86,20 +86,22 @@ def lines_with(network: Network, waves: Array, tops: Array, cursor: int = 0) -> 
 def _read(nodes: Nodes, network: Network, waves: Array, cursor: int, arrived: Array) -> None:
     """arrived <- nodal values of the waves launched one travel time before, at the ends of their layers."""
     s, ring, weights = len(nodes), waves.shape[2], network.weights
+    by_node = weights.shape[2] == 1
     for layer in range(waves.shape[0]):
         whole = network.whole[layer]
         for i in range(1 if whole else weights.shape[1]):
             row = cursor - network.back[layer, i]
             row += ring if row < 0 else 0
-            for j in range(s):
-                outward = arrived[layer, OUTWARD, j] if i else 0.0
-                inward = arrived[layer, INWARD, j] if i else 0.0
+            for j in range(i if by_node else 0, i + 1 if by_node else s):
+                outward = arrived[layer, OUTWARD, j] if i and not by_node else 0.0
+                inward = arrived[layer, INWARD, j] if i and not by_node else 0.0
                 if whole:
                     outward, inward = waves[layer, OUTWARD, row, j], waves[layer, INWARD, row, j]
                 else:
+                    m = 0 if by_node else j
                     for k in range(s):
-                        outward += weights[layer, i, j, k] * waves[layer, OUTWARD, row, k]
-                        inward += weights[layer, i, j, k] * waves[layer, INWARD, row, k]
+                        outward += weights[layer, i, m, k] * waves[layer, OUTWARD, row, k]
+                        inward += weights[layer, i, m, k] * waves[layer, INWARD, row, k]
                 arrived[layer, OUTWARD, j], arrived[layer, INWARD, j] = outward, inward
 
 
