@@ -84,7 +84,7 @@ def look_back(nodes: Nodes, ends: Ends, network: Network, history: History, slot
 @njit
 def _starts_before(history: History, slot: int, age: int, time: float) -> bool:
     """Whether the step that lies `age` steps before the one in the `slot` starts before `time`."""
-    return history.starts[slot - age if slot >= age else slot - age + history.starts.size] < time - _SAME
+    return bool(history.starts[slot - age if slot >= age else slot - age + history.starts.size] < time - _SAME)
 
 
 @njit
