@@ -29,7 +29,7 @@ def no_progress(monkeypatch):
     """Tests of what is printed must not depend on how long it took: no test is told of progress or of a long run unless it says
     so."""
     monkeypatch.setattr("validation.compute.progress.PATIENCE", math.inf)
-    monkeypatch.setattr("validation.compute.progress._SOON", math.inf)
+    monkeypatch.setattr("validation.compute.progress.LONG", math.inf)
 
 
 @pytest.fixture(autouse=True)

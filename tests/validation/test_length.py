@@ -3,7 +3,9 @@
 import dataclasses
 import itertools
 import math
+import re
 import tracemalloc
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -204,6 +206,44 @@ def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatc
     with pytest.raises(SceneError, match="would take 8 GB, more than a quarter"):
         HistoryFile(PAPER.law, NODES, tmp_path / "z", until).expect(8e9 / 40.0)
     history.close(), thin.close()
+
+
+@pytest.fixture
+def boundless(monkeypatch):
+    """A machine with a memory and a disk that nothing fills."""
+    monkeypatch.setattr("validation.compute.history_file._memory", lambda: 1e15)
+    monkeypatch.setattr("validation.compute.history_file.shutil.disk_usage", lambda _: SimpleNamespace(free=1e15))
+
+
+@pytest.mark.usefixtures("boundless")
+@pytest.mark.parametrize(
+    ("words", "samples"),
+    [
+        ("--model fd --cells 16 --until 2.6e7 --every 1", "1e\\+09"),  # 8 steps of 5 nodes a transit
+        ("--model dg:4 --cells 4 --time explicit --until 1e8 --every 1", "2.8e\\+09"),
+        ("--model delay --until 1e6 --rate 1001", "1e\\+09"),
+    ],
+)
+def test_a_billion_samples_are_refused_before_the_run_where_their_number_is_known(words, samples, monkeypatch, refused, tmp_path):
+    """Steps of a fixed length, or samples."""
+    monkeypatch.setattr("validation.compute.run.follow", None)
+    said = refused("run", "paper", "--yes", *words.split(), "--out", str(tmp_path / "x.nc"))
+    why = "more than 1e\\+09; .* --every N, --rate RATE or --window A:B"
+    assert re.search(f'"interface" would have {samples} samples, {why}', said)
+
+
+@pytest.mark.usefixtures("boundless")
+def test_too_many_samples_are_refused_after_a_hundredth_of_the_run_where_steps_adapt(tmp_path, monkeypatch):
+    """2000 samples a transit, 1e6 are too many: 499 transits may be recorded, 501 not."""
+    monkeypatch.setattr("validation.compute.history_file._MOST", 1e6)
+    kept, refused = (HistoryFile(PAPER.law, NODES, tmp_path / f"{until}", until) for until in (499.0, 501.0))
+    for first in range(5):
+        kept.scan(pieces(first))
+        refused.scan(pieces(first))
+    kept.scan(pieces(5))
+    with pytest.raises(SceneError, match=r"would have 1e\+06 samples, more than 1e\+06; .* --every N"):
+        refused.scan(pieces(5))
+    kept.close(), refused.close()
 
 
 @pytest.mark.parametrize("block", [997, 50_000])

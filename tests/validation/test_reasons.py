@@ -10,12 +10,13 @@ import slipwave
 from fullwave.finite_difference import Leapfrog
 from reduced.stability import characteristic, leading_roots
 from slipwave.errors import SceneError
+from slipwave.scene.drive import Drive, steady_drive
 from slipwave.solve.follow import DAY
 from tests.granite import GRANITE, THIN
 from validation.compute import progress as module
 from validation.compute.build import build
 from validation.compute.outlook import outlook, stress_released
-from validation.compute.progress import LongRunAdvice, error_without_echoes, progress
+from validation.compute.progress import LongRunAdvice, Remaining, error_without_echoes, progress, share_of_run
 from validation.compute.run import simulate
 from validation.measure.cycle import watch
 
@@ -94,19 +95,53 @@ def test_it_is_that_of_the_velocity_with_which_the_drive_ends():
 
 
 @pytest.mark.parametrize(
-    ("model", "seconds", "says"), [("delay", 6.1, True), ("delay", 0.5, False), ("quasidynamic", 6.1, False)]
+    ("model", "seconds", "says"), [("delay", 7.0, True), ("delay", 0.5, False), ("quasidynamic", 7.0, False)]
 )
 def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
     """A tenth of the run has taken so many seconds; what came before it, as compilation, does not count."""
     clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
-    monkeypatch.setattr("validation.compute.progress._SOON", 5.0)
+    monkeypatch.setattr("validation.compute.progress.LONG", 60.0)
     monkeypatch.setattr("validation.compute.progress.time.monotonic", lambda: next(clock))
-    advice = LongRunAdvice(build(model, slipwave.read("paper")), 110.0, lambda done: None)
+    advice = LongRunAdvice(build(model, slipwave.read("paper")), lambda done: done / 110.0, lambda done: None)
     with caplog.at_level(logging.INFO, logger="slipwave"):
         for done in (10.0, 20.0, 90.0):
             advice(done)
     told = [record.getMessage() for record in caplog.records]
-    assert [("61 s" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
+    assert [("63 s left" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
+
+
+def test_the_rest_is_predicted_from_the_whole_and_from_the_last_tenth():
+    """At 1 % a second up to a half, then at 0.1 %: nothing before a tenth; then both speeds, the last stretch being a tenth."""
+    remaining = Remaining()
+    found = {done: remaining(0.01 * done, float(done if done <= 50 else 10 * done - 450)) for done in range(101)}
+    assert all(found[done] is None for done in range(10))
+    assert found[10] == pytest.approx((90.0, 90.0))
+    assert found[50] == pytest.approx((50.0, 50.0))
+    assert found[60] == pytest.approx((0.4 * 150.0 / 0.6, 0.4 * 100.0 / 0.1))
+    assert found[100] == (0.0, 0.0)
+    assert Remaining()(1.0, 5.0) is None
+
+
+def test_a_continued_run_is_predicted_from_where_it_goes_on():
+    """From a half on at 5 % in 2 s; the first news, of any time, is the beginning."""
+    remaining = Remaining()
+    assert [remaining(share, now) for share, now in ((0.5, 70.0), (0.54, 72.0))] == [None, None]
+    assert remaining(0.6, 74.0) == pytest.approx((0.4 * 2.0 / 0.06, 16.0))
+
+
+@pytest.mark.parametrize(
+    ("drive", "shares"),
+    [
+        (steady_drive(100.0), (0.05, 0.3, 1.0)),
+        (Drive((0.0, 10.0, 10.0, 90.0, 90.0), (1.0, 1.0, 0.0, 0.0, 1.0)), (0.15, 0.4, 1.0)),
+        (Drive((0.0, 50.0, 50.0), (1.0, 1.0, -1.0)), (0.05, 0.3, 1.0)),
+        (steady_drive(0.0), (0.05, 0.3, 1.0)),
+    ],
+)
+def test_work_is_shared_by_time_and_by_what_the_drive_has_travelled(drive, shares):
+    """A hold of 80 in 100 transits has nothing of the way. A drive that reverses or rests says nothing."""
+    share = share_of_run(drive, 100.0)
+    assert [share(time) for time in (5.0, 30.0, 100.0)] == pytest.approx(shares)
 
 
 def test_the_error_is_that_of_one_echo():
@@ -138,16 +173,16 @@ def test_yes_runs_it_all_the_same(words, tmp_path, monkeypatch, printed, refused
 
 
 def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(monkeypatch, caplog):
-    """At 40 of 200 after 11 s, 10 of which brought 20: 160 are left, at 2 a second."""
+    """At 40 of 200 after 11 s, 10 of which brought 20: 160 are left, at 2 a second. The last tenth took 60 s in the end."""
     now = [100.0]
     monkeypatch.setattr(module, "PATIENCE", 2.0)
     monkeypatch.setattr(module.time, "monotonic", lambda: now[0])
     caplog.set_level(logging.INFO, "slipwave")
     told = []
     with progress("run", 200.0) as report:
-        for seconds, done in ((1.0, 20.0), (3.0, 30.0), (9.9, 39.0), (11.0, 40.0), (20.9, 90.0), (21.0, 100.0), (30.9, 190.0)):
+        for seconds, done in ((1.0, 20.0), (3.0, 30.0), (9.9, 37.0), (10.0, 37.0), (11.0, 38.0), (21.0, 110.0), (81.0, 130.0)):
             now[0] = 100.0 + seconds
             report(done)
             told.append(" ".join(caplog.messages))
             caplog.clear()
-    assert told == ["", "", "", "run: 20%, 80 s left", "", "run: 50%, 25 s left", ""]
+    assert told == ["", "", "", "run: 18%", "", "run: 55%, 17 s left", "run: 65%, 51 to 210 s left"]

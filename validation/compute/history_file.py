@@ -23,6 +23,7 @@ _BLOCK = 50_000  # samples that are read back at a time: 2 MB
 _EARLY = 0.01  # share of the run after which its size is known well enough to compare it with the disk
 _LARGE = 1e8  # bytes, and twice as many each time, after which it is compared anyway
 _ROUNDING = 1e-12  # of a time
+_MOST = 1e9  # samples
 _SHARE = 0.25  # of the memory: the longest history that a user can still look at
 
 
@@ -44,7 +45,7 @@ class HistoryFile:
     or garbage-collected, unless it `stays` for continued runs. A checkpoint holds the number of samples and their checksum; a
     continued run drops later samples. On a full disk the run continues without further samples; `problem` describes it. Raises
     SceneError, early in a run of `until` transits, if the history (here and once more in the user's file) will not fit on the
-    disk, or would fill a quarter of the memory. Gaps are refused within the window of `kept`.
+    disk, would fill a quarter of the memory or have 1e9 samples. Gaps are refused within the window of `kept`.
     """
 
     def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True, kept: Kept = ALL) -> None:
@@ -198,6 +199,8 @@ class HistoryFile:
         if further > free:
             disk = f"the disk of {str(self.path.parent)!r}, which has {free / 1e9:.2g} GB left"
             problem = f"would take {further / 1e9:.2g} GB more of {disk}"
+        elif expected >= _MOST * _COLUMNS * 8:
+            problem = f"would have {expected / (_COLUMNS * 8):.2g} samples, more than {_MOST:g}"
         elif expected > most:
             problem = f"would take {expected / 1e9:.2g} GB, more than a quarter of the memory, {most / 1e9:.2g} GB"
         else:

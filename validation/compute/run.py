@@ -30,7 +30,7 @@ from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers
 from validation.compute.history_file import ALL, HistoryFile, Kept
 from validation.compute.outlook import LEFT_BY_ROUNDING, is_stable, outlook
 from validation.compute.own import digests
-from validation.compute.progress import LongRunAdvice, progress
+from validation.compute.progress import LongRunAdvice, progress, share_of_run
 from validation.compute.recording import fields_for, history_for
 
 if TYPE_CHECKING:
@@ -368,8 +368,9 @@ class JudgedMarch:
             for mark in marks:
                 if isinstance(mark, Checkpoints):
                     mark.until = end
-            with progress(f"{self.solver.scene.name}, {self.solver.model}", end) as report:
-                self.final = follow(self.solver, end, everyone, LongRunAdvice(self.solver, end, report), marks)
+            share = share_of_run(self.solver.scene.drive, end)
+            with progress(f"{self.solver.scene.name}, {self.solver.model}", end, share) as report:
+                self.final = follow(self.solver, end, everyone, LongRunAdvice(self.solver, share, report), marks)
             self._judged = self.judged()
             self.ended = length.ended(self._judged)
             if self.ended:
