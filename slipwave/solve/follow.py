@@ -91,7 +91,7 @@ def follow(
             pieces = leaper.leap(min(stop, whole), whole, gaps=True)
         else:
             pieces = leaper.leap(stop, until, gaps=False)
-        if not all(math.isfinite(np.vdot(values, values)) for values in (pieces.z, pieces.psi, pieces.mu)):
+        if not all(np.isfinite(values).all() for values in (pieces.z, pieces.psi, pieces.mu)):  # no BLAS: its threads wake for it
             raise NumericsError(
                 f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} "
                 f"transits (scene {solver.scene.name!r}, digest {solver.scene.digest})"
