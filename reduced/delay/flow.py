@@ -22,7 +22,7 @@ from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpol
 from slipwave.scene import Scene
 from slipwave.solve import State
 from slipwave.step.collocation import radau, rule_of
-from slipwave.step.flow import Cycle, idle_states, without
+from slipwave.step.flow import Cycle, eigenvalues_without, idle_states
 from slipwave.step.nodal import DONE, Limits, Physics, nodal_of
 from slipwave.step.solve import first_guess
 from slipwave.step.tangent import Motion
@@ -135,7 +135,7 @@ class DelayFlow:
             return math.exp(self.length * total)
         if self.undecided:
             return 1.0
-        return float(np.abs(np.linalg.eigvals(without(self.tangent(cycle, frozen=True), self.idle))).max())
+        return float(np.abs(eigenvalues_without(self.tangent(cycle, frozen=True), self.idle)).max())
 
     @cached_property
     def idle(self) -> Array:

@@ -7,7 +7,7 @@ import numpy as np
 from reduced.impedance.transmission_line import Complex
 from reduced.orbit.closing import Closed
 from slipwave.observe.pieces import Array
-from slipwave.step.flow import without
+from slipwave.step.flow import eigenvalues_without
 
 if TYPE_CHECKING:
     from reduced.stability.idle import IdleMode
@@ -70,7 +70,7 @@ def count_unstable(closed: Closed) -> int:
 def floquet(monodromy: Array, idle: Array = _NONE) -> tuple[Complex, float]:
     """Eigenvalues without those of `idle` states and the one nearest to 1, largest modulus first; and the distance of the latter
     from 1."""
-    values = np.linalg.eigvals(without(monodromy, idle)).astype(complex)
+    values = eigenvalues_without(monodromy, idle)
     trivial = int(np.abs(values - 1.0).argmin())
     rest = np.delete(values, trivial)
     return rest[np.argsort(-np.abs(rest), kind="stable")], float(abs(values[trivial] - 1.0))

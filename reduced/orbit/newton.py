@@ -8,6 +8,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
+from slipwave.threads import one_thread
 
 _MOST_ITERATIONS = 25
 _MOST_HALVINGS = 6
@@ -69,7 +70,8 @@ def solve_by_newton(
             away = 0.0
         fresh = away == 0.0
         try:
-            step = np.linalg.solve(matrix, -now.residual)
+            with one_thread():
+                step = np.linalg.solve(matrix, -now.residual)
         except np.linalg.LinAlgError:
             step = np.full_like(now.residual, np.nan)
         if not np.isfinite(step).all():

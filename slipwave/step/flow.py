@@ -3,6 +3,7 @@
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
@@ -119,10 +120,11 @@ def idle_states(step: Array) -> Array:
     return states[:, sizes > _LEFT * max(float(sizes[0]), 1.0)]
 
 
-def without(matrix: Array, states: Array) -> Array:
-    """The quotient map (n - m, n - m) of a `matrix` (n, n) by its invariant subspace, spanned by the orthonormal `states` (n, m):
-    its eigenvalues are those of the matrix without those of the subspace."""
-    if not states.size:
-        return matrix
-    rest = np.linalg.qr(states, mode="complete")[0][:, states.shape[1] :]
-    return np.asarray(rest.T @ matrix @ rest)
+def eigenvalues_without(matrix: Array, idle: Array) -> NDArray[np.complex128]:
+    """Eigenvalues of a `matrix` (n, n) without those of its invariant subspace spanned by the orthonormal `idle` states (n, m):
+    those of the quotient map (n - m, n - m); on one thread, since the others cost a busy machine more than they gain."""
+    with one_thread():
+        if idle.size:
+            rest = np.linalg.qr(idle, mode="complete")[0][:, idle.shape[1] :]
+            matrix = rest.T @ matrix @ rest
+        return np.linalg.eigvals(matrix).astype(np.complex128)
