@@ -21,6 +21,8 @@ FEWEST = 8
 
 BATCHES = 6
 _CONFIDENCE = 0.95
+_BELOW, _ITERATIONS = 1.95, 6  # less than Student's quantile of any freedom; of Newton's method from there
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 _FREEDOM, _LEFT = 3.0, 0.25  # least that a window as long as the run leaves: independent values, and share of the variance
 
 
@@ -180,7 +182,11 @@ def autocorrelations(values: Array) -> Array:
 
 
 def _quantile(freedom: float) -> float:
-    """Two-sided 95 % quantile of Student's distribution."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(freedom, 0.5 * (1.0 + _CONFIDENCE)))
+    """Two-sided 95 % quantile of Student's distribution, sqrt(freedom) tan(angle): the integral of cos(x)^(freedom - 1) from 0 to
+    this angle is 0.95 of that to pi/2. By Newton's method, from below; to import scipy.special takes as long as a short run."""
+    whole = 0.5 * math.sqrt(math.pi) * math.exp(math.lgamma(0.5 * freedom) - math.lgamma(0.5 * freedom + 0.5))
+    angle = math.atan(_BELOW / math.sqrt(freedom))
+    for _ in range(_ITERATIONS):
+        inside = 0.5 * angle * float(_WEIGHTS @ np.cos(0.5 * angle * (_POINTS + 1.0)) ** (freedom - 1.0))
+        angle += (_CONFIDENCE * whole - inside) / math.cos(angle) ** (freedom - 1.0)
+    return math.sqrt(freedom) * math.tan(angle)

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import t
 
 from slipwave.observe.events import Events
-from slipwave.observe.statistics import BATCHES, FEWEST, margin_of_mean, median_of, summarise
+from slipwave.observe.statistics import BATCHES, FEWEST, _quantile, margin_of_mean, median_of, summarise
 
 RUNS = 400
 
@@ -19,6 +19,11 @@ def autoregressive(memory, count):
     for k in range(1, count + 100):
         rows[:, k] += memory * rows[:, k - 1]
     return rows[:, 100:]
+
+
+@pytest.mark.parametrize("freedom", [3.0, 3.7, 5.0, 20.5, 1e3, 1e5])
+def test_quantiles_are_those_of_students_distribution(freedom):
+    assert _quantile(freedom) == pytest.approx(t.ppf(0.975, freedom), rel=1e-9)
 
 
 def covered(rows):
