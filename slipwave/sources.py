@@ -1,12 +1,18 @@
 """The project's own source files: what a module imports, and digests that identify what was computed from them.
 
 Imports are read from the text (`ast`), including those within functions. A digest leaves out comments and docstrings, so that a
-change of these invalidates nothing.
+change of these invalidates nothing. What was read is kept on disk beside the compiled code, by the bytes of the file: to parse
+the solvers takes longer than a short run.
 """
 
 import ast
+import atexit
 import hashlib
+import os
+import pickle
+import sys
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -15,6 +21,7 @@ ROOT = Path(__file__).resolve().parent.parent
 SOLVER_PACKAGES = ("slipwave", "reduced", "fullwave")
 _PACKAGES = (*SOLVER_PACKAGES, "validation")
 _BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
+_KEPT, _MOST_KEPT = "sources", 2000  # name of the file beside the compiled code, and texts in it: some versions of all of ours
 _DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
 
@@ -53,7 +60,7 @@ def inside(path: Path) -> bool:
 
 
 def program(path: Path) -> str:
-    """The syntax tree of a Python file as text, without docstrings, comments and line numbers; read once per process."""
+    """Digest of the syntax tree of a Python file, without docstrings, comments and line numbers; read once per process."""
     return _read(path).program
 
 
@@ -69,9 +76,44 @@ class _Read(NamedTuple):
     imports: tuple[str, ...]
 
 
+_NEW: dict[bytes, _Read] = {}
+"""What this process has read and no earlier one."""
+
+
 @cache
 def _read(path: Path) -> _Read:
-    return _parsed(path.read_bytes())
+    content = path.read_bytes()
+    key, kept = hashlib.sha256(sys.version.encode() + content).digest(), _kept()
+    if key not in kept:
+        if not _NEW:
+            atexit.register(_keep)
+        kept[key] = _NEW[key] = _parsed(content)
+    return kept[key]
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled code. Raises RuntimeError if there is no home folder."""
+    chosen, base = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    return Path(chosen) if chosen else (Path(base) if base else Path.home() / ".cache") / "slipwave"
+
+
+@cache
+def _kept() -> dict[bytes, _Read]:
+    """What this process and earlier ones have read."""
+    try:
+        return dict(pickle.loads((cache_folder() / _KEPT).read_bytes()))
+    except Exception:  # there is none, or a damaged one, which may raise anything
+        return {}
+
+
+def _keep() -> None:
+    """Write what was read, whole or not at all, but no more than _MOST_KEPT texts; of several processes the last one wins."""
+    with suppress(OSError, RuntimeError):
+        folder = cache_folder()
+        folder.mkdir(parents=True, exist_ok=True)
+        part = folder / f"{_KEPT}-{os.getpid()}.part"
+        part.write_bytes(pickle.dumps(_kept() if len(_kept()) <= _MOST_KEPT else _NEW))
+        part.replace(folder / _KEPT)
 
 
 def imports_in(content: bytes) -> tuple[str, ...]:
@@ -91,7 +133,7 @@ def _parsed(content: bytes) -> _Read:
             names += [base, *(f"{base}{'.' if node.module else ''}{name.name}" for name in node.names)]
         elif isinstance(node, ast.Import):
             names += [name.name for name in node.names]
-    return _Read(ast.dump(tree), tuple(names))
+    return _Read(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(names))
 
 
 def _statements(tree: ast.Module) -> Iterator[ast.AST]:

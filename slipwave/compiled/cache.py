@@ -35,7 +35,7 @@ from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from slipwave.compiled.frozen import frozen_parts
-from slipwave.sources import digest_of, import_closure, inside
+from slipwave.sources import cache_folder, digest_of, import_closure, inside
 
 STARTED = time.time()
 _UNUSED_SECONDS = 30 * 86400.0
@@ -73,12 +73,6 @@ class _Trouble:
 
 
 TROUBLE = _Trouble()
-
-
-def cache_folder() -> Path:
-    """Folder of the compiled code. Raises RuntimeError if there is no home folder."""
-    chosen, base = os.environ.get("NUMBA_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
-    return Path(chosen) if chosen else (Path(base) if base else Path.home() / ".cache") / "slipwave"
 
 
 class DiskCache(NullCache):  # type: ignore[misc]

@@ -12,7 +12,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from slipwave.compiled.cache import cache_folder
+from slipwave.sources import cache_folder
 from tests.faults.planting import ROOT, Fault, read_faults
 from tests.faults.trial import Copy
 

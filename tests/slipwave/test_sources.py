@@ -47,3 +47,44 @@ def test_the_digest_of_the_solvers_sees_each_of_their_rooms(room, monkeypatch):
     edited = min((ROOT / room).rglob("*.py"))
     monkeypatch.setattr(sources, "program", lambda path: read(path) + "edited" * (path == edited))
     assert digest() != before
+
+
+@pytest.fixture
+def started_again(tmp_path, monkeypatch):
+    """Forgets what this process has read, as at the start of another one; its files are kept in a folder of this test."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
+    monkeypatch.setattr(sources, "_NEW", {})
+
+    def forget():
+        sources._read.cache_clear()
+        sources._kept.cache_clear()
+
+    forget()
+    yield forget
+    forget()
+
+
+def test_a_text_is_parsed_once_for_all_processes_and_again_when_it_is_edited(started_again, tmp_path, monkeypatch):
+    path, parsed, parse = tmp_path / "program.py", [], sources._parsed
+    monkeypatch.setattr(sources, "_parsed", lambda content: parsed.append(content) or parse(content))
+    texts = [b"import slipwave\n", b"import slipwave\n", b"import reduced\n", b"import slipwave\n"]
+    for text in texts:
+        path.write_bytes(text)
+        assert sources.imported_names(path) == (text.split()[1].decode(),)
+        sources._keep()
+        started_again()
+    assert parsed == [texts[0], texts[2]]
+
+
+def test_a_damaged_file_of_what_was_parsed_is_replaced(started_again, tmp_path):
+    path = tmp_path / "program.py"
+    path.write_text("x = 1\n")
+    whole = program(path)
+    sources._keep()
+    (kept,) = (tmp_path / "kept").iterdir()
+    kept.write_bytes(kept.read_bytes()[:-20])
+    started_again()
+    assert program(path) == whole
+    sources._keep()
+    started_again()
+    assert len(sources._kept()) == 1
