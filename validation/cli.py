@@ -131,6 +131,10 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command given by `arguments` (default: the process's own) and return the exit status."""
     _prepare_streams()
     words = one_value_each(sys.argv[1:] if arguments is None else arguments)
+    if arguments is None and words[:1] == ["sweep"]:
+        from validation.sweep.workers import start_early  # imported here to keep the start of other commands fast
+
+        start_early(words)
     command: Any = typer.main.get_command(app)
     try:
         names = [word.partition("=")[0] for word in words if word.startswith("--") and word != "--"]

@@ -22,6 +22,7 @@ from slipwave.errors import SceneError
 from validation.cli import main
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.engine import Engine, compute
+from validation.sweep.executors import processes
 from validation.sweep.map_figures import chart_of_sweep, other_side
 from validation.sweep.measures import VERDICTS
 from validation.sweep.plan import order_of
@@ -52,11 +53,11 @@ def plan(counts=(5, 4), measure=DISC, models=("delay",), **options):
 
 def computed(what, folder, **where):
     """The gathered sweep."""
-    from validation.sweep.gather import dataset_of
+    from validation.sweep.gather import dataset_of, filled_arrays
 
     store = Store(folder)
     perform_sweep(what, store, Where(**({"executor": Here()} | where)))
-    return dataset_of(what, store)
+    return dataset_of(what, filled_arrays(what, store))
 
 
 def same(one, other):
@@ -187,6 +188,15 @@ def forked(monkeypatch):
     copies = multiprocessing.get_context("fork")
     monkeypatch.setattr(multiprocessing, "get_context", lambda method: copies)
     return copies
+
+
+@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="this system cannot copy processes")
+def test_processes_of_all_sweeps_are_copies_of_one_other():
+    parents = []
+    for _ in range(2):
+        with processes(1) as start:
+            parents.append(start().submit(os.getppid).result())
+    assert parents[0] == parents[1] != os.getpid()
 
 
 @pytest.fixture

@@ -26,7 +26,7 @@ from validation.results.command import command
 from validation.results.options import RunsOptions, option
 from validation.results.result import Dataset, Output, Result, aligned, rounded
 from validation.sweep.axes import Axis, axis_of
-from validation.sweep.gather import dataset_of
+from validation.sweep.gather import dataset_of, filled_arrays
 from validation.sweep.map_figures import chart_of_sweep
 from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Plan
@@ -97,12 +97,16 @@ class SweepResult(Result):
     @cached_property
     def dataset(self) -> Dataset:
         """The figures computed so far over the axes (and `model`, if there are several)."""
-        return dataset_of(self.plan, self.swept.store)
+        return dataset_of(self.plan, self._arrays)
+
+    @cached_property
+    def _arrays(self) -> dict[str, Any]:
+        return filled_arrays(self.plan, self.swept.store)
 
     @cached_property
     def _counts(self) -> dict[str, Any]:
-        status = [STATUS[number] for number in np.ravel(self.dataset["status"].values) if number >= 0]
-        reasons = Counter(str(reason) for reason in np.ravel(self.dataset["reason"].values) if reason)
+        status = [STATUS[number] for number in self._arrays["status"] if number >= 0]
+        reasons = Counter(str(reason) for reason in self._arrays["reason"] if reason)
         shown = [{"reason": reason, "points": count} for reason, count in reasons.most_common(_SHOWN)]
         return {"points": self.plan.size, **{name: status.count(name) for name in STATUS}, "reasons": shown}
 
@@ -131,7 +135,7 @@ class SweepResult(Result):
         """Number of points by model and verdict."""
         found = []
         for name, words in measure_of(self.plan.measure).words.items():
-            values = np.reshape(self.dataset[name].values, (len(self.plan.models), -1))
+            values = np.reshape(self._arrays[name], (len(self.plan.models), -1))
             for model, row in zip(self.plan.models, values, strict=True):
                 counts = {word: int((row == number).sum()) for number, word in enumerate(words)}
                 found.append({"model": model, **{word: count for word, count in counts.items() if count}})
@@ -161,9 +165,9 @@ class SweepResult(Result):
             yield ""
             words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
             yield from aligned(words, [[str(row.get(word, "-")) for word in words] for row in summary["regimes"]])
-        if "needed" in self.dataset:
-            ratio = self.dataset["needed"] / self.dataset["until"]
-            longer = float(ratio.where(ratio < np.inf).max())
+        if "needed" in self._arrays:
+            ratio = self._arrays["needed"] / self._arrays["until"]
+            longer = ratio.max(initial=0.0, where=ratio < np.inf)
             if longer > 1.0:
                 yield f"runs that are too short have enough cycles if they are up to {longer:.2g} times as long"
 

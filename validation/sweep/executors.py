@@ -16,6 +16,7 @@ from slipwave.extras import require
 from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
 from validation.compute.own import load_families, own_files
+from validation.sweep.workers import starting
 
 _ENVIRONMENT = threading.Lock()
 
@@ -31,7 +32,7 @@ def processes(workers: int) -> Iterator[Callable[[], Executor]]:
         while made:
             kill(made.pop())
         with _environment(dict.fromkeys(VARIABLES, "1")):
-            pool = ProcessPoolExecutor(workers, multiprocessing.get_context("spawn"), _begin, ([*LAW_FILES], own_files()))
+            pool = ProcessPoolExecutor(workers, starting(), _begin, ([*LAW_FILES], own_files(), dict(os.environ)))
             made.append(pool)
             with suppress(BrokenExecutor):  # a process killed as it starts: the next submission raises
                 for _ in range(workers):
@@ -53,9 +54,10 @@ def kill(pool: ProcessPoolExecutor) -> None:
         process.kill()
 
 
-def _begin(laws: list[Path], families: list[Path]) -> None:
+def _begin(laws: list[Path], families: list[Path], environment: dict[str, str]) -> None:
     """Initialise a worker: it ignores Ctrl-C, ends with its parent, and loads the user's laws and families."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ.update(environment)
     for path in laws:
         load_laws(path)
     for path in families:

@@ -31,14 +31,19 @@ def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
     return found
 
 
-def dataset_of(plan: Plan, store: Store) -> Dataset:
-    """The columns over (model, axes), words as CF flags. `status`: how each point ended. In a refined sweep, points between the
-    computed ones have the verdict of their cell and the status "not computed"."""
-    measure, arrays = measure_of(plan.measure), arrays_of(plan, store)
-    levels = int(plan.options.get("refine", 0))
+def filled_arrays(plan: Plan, store: Store) -> dict[str, Array]:
+    """Every column over all points of the plan. In a refined sweep, points between the computed ones have the verdict of their
+    cell and the status "not computed"."""
+    arrays, levels = arrays_of(plan, store), int(plan.options.get("refine", 0))
     if levels:
         shown = {name: values for name, values in arrays.items() if name not in ("status", "reason") and values.ndim == 1}
-        fill(plan, levels, regime_numbers(measure, arrays), shown)
+        fill(plan, levels, regime_numbers(measure_of(plan.measure), arrays), shown)
+    return arrays
+
+
+def dataset_of(plan: Plan, arrays: dict[str, Array]) -> Dataset:
+    """The columns `filled_arrays` over (model, axes), words as CF flags. `status`: how each point ended."""
+    measure = measure_of(plan.measure)
     names = ["scene"] if plan.rows else [axis.name for axis in plan.axes]
     dimensions = ("model", *names)
     variables = {

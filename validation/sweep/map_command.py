@@ -15,7 +15,7 @@ from validation.results.options import SceneOptions, option
 from validation.results.result import Dataset, Output, Result, aligned, load_dataset, rounded
 from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import difference, difference_rows
-from validation.sweep.gather import dataset_of
+from validation.sweep.gather import dataset_of, filled_arrays
 from validation.sweep.map_figures import Line, chart_of_sweep
 from validation.sweep.store import Store
 from validation.sweep.sweep import stored_plan
@@ -101,7 +101,8 @@ def gathered(source: SceneSource) -> Dataset:
     """The dataset of a sweep's folder or file. Raises SceneError if there is none."""
     path = Path(source) if isinstance(source, str | Path) else Path()
     if path.is_dir():
-        return dataset_of(stored_plan(path), Store(path))
+        plan = stored_plan(path)
+        return dataset_of(plan, filled_arrays(plan, Store(path)))
     require("files", "a map")
     data = load_dataset(path, f"SCENE = {str(source)!r}: neither a folder nor a netCDF file")
     if "manifest" not in data.attrs:

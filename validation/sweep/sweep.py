@@ -30,7 +30,7 @@ from validation.results.result import Dataset
 from validation.sweep import executors
 from validation.sweep.axes import Axis, axis_of, whole_key
 from validation.sweep.engine import Engine, compute
-from validation.sweep.gather import arrays_of, dataset_of
+from validation.sweep.gather import arrays_of, dataset_of, filled_arrays
 from validation.sweep.measures import MEASURES, measure_of, own_measure
 from validation.sweep.plan import Indices, Plan, order_of, require_plan
 from validation.sweep.refine import Audit, refine, regime_numbers, require_refinable
@@ -163,7 +163,7 @@ def swept_here(plan: Plan) -> Dataset:
     """All points of `plan`, computed in this process without keeping a folder, for studies and scripts."""
     with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
         swept = perform_sweep(plan, Store(Path(folder)), Where(workers=1, executor=here))
-        return dataset_of(plan, swept.store)
+        return dataset_of(plan, filled_arrays(plan, swept.store))
 
 
 def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
