@@ -1,10 +1,11 @@
 """`make bench`: processor times, all in turn; medians over rounds with quartiles. Nothing is judged.
 
-python -m tests.bench                           # a minute
+python -m tests.bench                           # some minutes
 python -m tests.bench --yardstick PROGRAM.py    # full waves against another program, timed in the same rounds
 
 First the error of psi(600) and the time of full waves and the delay system, after a nudge at log10 r = -2.6. PROGRAM prints one
-JSON object a line, with the `error` of its psi(600) and the time in `ms` by `time.perf_counter`. Then ratios of two times each.
+JSON object a line, with the `error` of its psi(600) and the time in `ms` by `time.perf_counter`. Then ratios of two times each,
+times of whole commands, and the reductions beside general integrators (`tests.bench.peers`).
 """
 
 import argparse
@@ -20,8 +21,12 @@ from typing import Any, NamedTuple
 
 import slipwave as sw
 from slipwave.observe import EventObserver, HistoryObserver
+from slipwave.scene import Scene
+from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import KelvinVoigtViscosity
 from slipwave.solve import follow
+from tests.bench.peers import PEER_HEADS, table_of_peers
+from tests.bench.through_python import table_of_times
 from tests.granite import GRANITE
 from tests.plain_ode import plain_kelvin_voigt
 from validation.results.result import aligned
@@ -122,6 +127,10 @@ def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
     found: dict[str, tuple[Work[Any], Work[Any]]] = {
         "delay: unlike slabs over alike": (run(delay, unlike, 200.0), alike),
         "delay: irrational round trips over alike": (run(delay, irrational, 200.0), alike),
+        "delay: irrational round trips over alike, after a jump": (
+            run(delay, _jumped(irrational), 200.0),
+            run(delay, _jumped(paper), 200.0),
+        ),
         "delay: every transit of granite over leaps": (partial(_granite, True), partial(_granite, False)),
         "dg:8: time of the delay system": (once, alike),
         "dg:8: unlike slabs over alike": (run(_EXACT, unlike, 200.0), once),
@@ -130,6 +139,7 @@ def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
             _whole(plain_kelvin_voigt, paper, 300.0, 1e-8),
             run(Setting("kelvin-voigt", tolerance=1e-8), paper, 300.0),
         ),
+        "slipwave run paper over bare Python": (_process("-m", "validation.cli", "run", "paper", "--json"), _process("-c", "")),
         "slipwave --help over bare Python": (_process("-m", "validation.cli", "--help"), _process("-c", "")),
     }
     for model in ("block12", "kelvin-voigt", "modal:8"):
@@ -141,6 +151,10 @@ def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
         found[f"{model}: orbit to 1e-10 over a run of 1000 transits"] = orbit, run(Setting(model), paper, 1000.0)
         found[f"{model}: branch of ten points over an orbit"] = branch, coarse
     return found
+
+
+def _jumped(scene: Scene) -> Scene:
+    return replace(scene, start=Start(StartKind.JUMP))
 
 
 def _whole(function: Any, *given: Any, **named: Any) -> Work[Any]:
@@ -184,3 +198,5 @@ if __name__ == "__main__":
     parser.add_argument("--rounds", type=int, default=5, metavar="N", help="default: 5")
     options = parser.parse_args()
     main(full_waves(options.yardstick, options.rounds), pairs(), options.rounds)
+    print("\n" + "\n".join(aligned(["work", "median", "quartiles"], table_of_times(options.rounds))))
+    print("\n" + "\n".join(aligned(PEER_HEADS, table_of_peers(options.rounds))))

@@ -1,16 +1,22 @@
 """The timer on works of known cost, and the rows of `make bench`."""
 
+import itertools
 import subprocess
 import sys
 import time
 from functools import partial
 
+import numpy as np
 import pytest
 
+import slipwave as sw
 from tests.bench.__main__ import full_waves, main, run_program
+from tests.bench.peers import HELD, PEERS, At, Problem, _around, _at, table_of_peers
+from tests.bench.through_python import Timed, table_of_times
 from validation.measure import stopwatch
 from validation.timing import Setting, alternating, in_turn, quartiles
 
+PAPER = sw.read("paper", {"start.kind": "jump", "start.size": 3.0, "run.until": 80.0})
 PLAIN = """
 import json, time
 import beside
@@ -81,3 +87,43 @@ def test_the_program_prints_the_error_and_the_time_of_every_march(tmp_path, caps
     assert (other[0], delay[0], exact[0]) == names
     assert float(delay[1]) < 3e-10  # 3e-11 measured
     assert float(exact[1]) < 1e-10  # 1e-11 measured
+
+
+@pytest.mark.parametrize(
+    ("scene", "model"),
+    [
+        *((PAPER, model) for model in ("quasidynamic", "block8", "block12", "kelvin-voigt", "modal:2")),
+        (sw.read("velocity-steps"), "quasistatic"),
+        (sw.read(HELD, {"run.until": "21 s", "slab.thickness": "1 m"}), "quasidynamic"),
+    ],
+)
+def test_peers_integrate_the_equations_that_the_reductions_march(scene, model):
+    """After a large jump in the paper's scene, through steps of V, and into a hold; errors of 1e-6 are LSODA's."""
+    problem = Problem(scene, model)
+    ours, steps = problem.ours(1e-9)
+    theirs = problem.solved(partial(PEERS["scipy LSODA"][0], 1e-9))
+    assert ours.shape == theirs.shape == (20, 2)
+    assert np.ptp(ours[:, 0]) > 0.2
+    assert steps > 20
+    assert np.abs(ours - theirs).max() < 2e-5
+
+
+def test_times_are_compared_at_the_same_error():
+    """Half-way between the errors of two tolerances in logarithms; a peer that stays above the error says at which it stands."""
+    found = {1e-4: 1e-3, 1e-6: 1e-5, 1e-8: 1e-7}
+    assert [_around(found, error) for error in (1e-6, 1e-5, 1e-2, 1e-9)] == [[1e-8, 1e-6], [1e-6, 1e-4], [1e-4], [1e-8]]
+    assert _at(1e-6, [(1e-7, 8.0), (1e-5, 2.0)]) == pytest.approx(At(4.0, 1e-6))
+    assert _at(1e-9, [(1e-7, 8.0)]) == At(8.0, 1e-7)
+    assert _at(1e-2, [(1e-3, 8.0)]) == At(8.0, 1e-2)
+
+
+def test_there_is_a_row_for_each_work(clock):
+    assert table_of_times(3, {"a (ms)": Timed(clock(9.0, 1.0, 3.0, 2.0), 1e3)}) == [["a (ms)", "2e+03", "1.5e+03 to 2.5e+03"]]
+
+
+def test_there_is_a_row_for_each_problem_and_tolerance(monkeypatch):
+    monkeypatch.setattr(stopwatch, "processor_seconds", partial(next, itertools.count()))
+    monkeypatch.delitem(PEERS, "scipy Radau")
+    rows = table_of_peers(1, [Problem(PAPER, "block8")])
+    assert [row[:3] for row in rows] == [["paper, 80", "block8", one] for one in ("1e-09", "1e-06")]
+    assert all(len(row) == 6 + len(PEERS) and "(" in row[6] for row in rows)
