@@ -2,13 +2,13 @@
 
 import math
 from bisect import bisect_right
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from slipwave.friction import rates, resampled, respond, steady_state, unknown_of
-from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, stage_figures, stages_of
 from slipwave.scene import Scene
 
@@ -32,14 +32,15 @@ class ProtocolObserver:
     """Reads the pieces of a run of `scene` to `until` (transits)."""
 
     def __init__(self, scene: Scene, nodes: Array, until: float) -> None:
-        self._scene, self._basis = scene, lagrange_basis(nodes)
+        self._scene = scene
         self.stages = stages_of(scene.drive, until)
         self._seen = [Seen() for _ in self.stages]
         self._slip, self._last, self._now = 0.0, math.nan, 0  # `_now`: the first stage that is not over
         # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
         self._cut = nodes[0] > 0.0
-        self._coarse = _sampling(self._basis, np.append(0.0, nodes) if self._cut else nodes)
-        self._fine = _sampling(self._basis, np.linspace(0.0, 1.0, _POINTS)) if self._cut else self._coarse
+        own = tuple(nodes.tolist())
+        self._coarse = _sampling(own, (0.0, *own) if self._cut else own)
+        self._fine = _sampling(own, tuple(np.linspace(0.0, 1.0, _POINTS).tolist())) if self._cut else self._coarse
 
     @property
     def whole_from(self) -> float:
@@ -187,12 +188,10 @@ def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> See
     return seen._replace(recovered=float(slip[k - 1] + share * (slip[k] - slip[k - 1])))
 
 
-def _sampling(basis: Basis, points: Array) -> Sampling:
-    return Sampling(points, interpolation_matrix(basis, points), _integrals(basis, np.append(points, 1.0)))
-
-
-def _integrals(basis: Basis, points: Array) -> Array:
-    """Rows that integrate the interpolating polynomial from 0 to `points` of [0, 1]."""
-    abscissae, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
-    inner = 0.5 * (1.0 + abscissae)
-    return np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in points])
+@lru_cache(maxsize=16)
+def _sampling(nodes: tuple[float, ...], points: tuple[float, ...]) -> Sampling:
+    basis, abscissae = lagrange_basis(np.array(nodes)), np.array(points)
+    gauss, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
+    inner = 0.5 * (1.0 + gauss)
+    sums = np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in (*points, 1.0)])
+    return Sampling(abscissae, interpolation_matrix(basis, abscissae), sums)

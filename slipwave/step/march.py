@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law, law_of_step, to_own, to_step
-from slipwave.observe.pieces import SAME, Array, Pieces
+from slipwave.observe.pieces import Array, Pieces, slack
 from slipwave.step.collocation import EQUAL, RATIOS, Nodes, Rule
 from slipwave.step.impedance import Full, own
 from slipwave.step.newton import emit
@@ -135,10 +135,10 @@ def march(
     now, levels, origin, plan = memory.now, memory.levels, stretch.origin, stretch.plan
     deepest = port.length.size - 1
     iterations, k, planned = 0, 0, plan.size > 0
-    while k < pieces.time.size and now[TIME] < min(stretch.until, stretch.stop) - SAME:
+    while k < pieces.time.size and now[TIME] < min(stretch.until, stretch.stop) - slack(now[TIME]):
         if planned:
             levels[NEXT] = plan[k]
-        while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stretch.stop + SAME:
+        while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stretch.stop + slack(now[TIME]):
             levels[NEXT] += 1
         level = levels[NEXT]
         if not port.ready[level]:
