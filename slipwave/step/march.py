@@ -98,15 +98,21 @@ def _guess(nodes: Nodes, law: Law, own: Law, rule: Rule, memory: Memory, nodal: 
 @njit
 def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, growth: float, nodal: Nodal) -> bool:
     """Whether a disturbance of the state at some node would grow by more than e^`growth` within the step, where the slabs'
-    impedance for such growth is `resistance`.
+    impedance for such growth is `resistance`, or might grow while it swings by half that angle: the
+    nodes then show the swing as well as the end of the step reproduces it.
 
     With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
-    positive for large s; if it is negative at s = growth/length, there is a real zero beyond.
+    positive for large s; if it is negative at s = growth/length, there is a real zero beyond. Passive slabs (Re Z >= 0) let only
+    those swings grow for which friction weakens, Re (F_z + F_psi G_z/(i w - G_psi)) < 0: of angles up to
+    (w length)^2 = F_psi G_z G_psi/F_z - G_psi^2, with G times the length.
     """
     for j in range(len(nodes)):
         total = 1.0 / nodal.inverse[j]
         resists = total + (resistance - own(impedance, j)) * nodal.v_z[j]
         by_psi = nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j]
+        friction_z = total - own(impedance, j) * nodal.v_z[j]
+        if by_psi * (nodal.ratio[j] * total * nodal.by_z[j] / friction_z - by_psi) > 0.25 * growth * growth:
+            return True
         if resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
             return True
     return False
