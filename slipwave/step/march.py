@@ -111,9 +111,8 @@ def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, growth: float
         resists = total + (resistance - own(impedance, j)) * nodal.v_z[j]
         by_psi = nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j]
         friction_z = total - own(impedance, j) * nodal.v_z[j]
-        if by_psi * (nodal.ratio[j] * total * nodal.by_z[j] / friction_z - by_psi) > 0.25 * growth * growth:
-            return True
-        if resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
+        swing = by_psi * (nodal.ratio[j] * total * nodal.by_z[j] / friction_z - by_psi)
+        if swing > 0.25 * growth * growth or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
             return True
     return False
 
