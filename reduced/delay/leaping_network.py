@@ -6,8 +6,9 @@ outer face oscillates: a march needs as many steps as in an event. A leap splits
     slow   quasi-static response to the slip rate (`slow_motion`): one step of collocation over the whole leap;
     rest   too small for the curvature of friction, hence linear (`frozen_step`): a power of the matrix of one step;
 
-The error of the split, mainly the square of the rest, is measured: a few steps are marched before and after the leap and compared
-with the prediction of both parts.
+What the split misses in a step, mainly the square of the rest, is measured: some steps are marched before the leap and compared
+with the prediction of both parts. This drift goes on in the leap at the same rate, carried along like the rest. Steps after the
+leap give the drift there; its change, times the steps of the leap, is the estimated error.
 """
 
 import math
@@ -36,11 +37,12 @@ _FIRST, _LONGEST = 1 << 14, 1 << 26  # steps of a leap
 _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 3.0
 _SETTLES = 500.0  # steps of an average, times the phase of the slowest resonance in one of them
 _PAUSE, _LONGEST_PAUSE = 1024, 1 << 16  # transits marched before the next try to leap; doubled by a try that fails late
-_CUTS, _LOOKS = 16, 65  # pieces of a leap; moments at which its extrema are looked for
+_CHECKED = 4.0  # times the root of a leap's steps: steps that are marched before it and after it, to check it
+_CUTS, _LOOKS = 16, 65  # pieces of a leap or of its check; moments at which its extrema are looked for
 _ORDER = 8.0  # with which the highest coefficient of a slow step grows
 _NEWTON = 1e-5  # of the tolerance: what Newton's method leaves adds up, to 3e-7 in 1e5 steps if it is 1e-9
 _NEGLIGIBLE = 1e-3  # of the allowed error
-_MOST_SPLITS, _NUDGES = 5, 1e-5  # Newton steps that take the motion apart; changes of ln v and psi for their slopes
+_MOST_SPLITS, _NUDGES = 8, 1e-5  # steps by the first slopes that take the motion apart; changes of ln v and psi for their slopes
 
 
 class _Split(NamedTuple):
@@ -52,11 +54,11 @@ class _Split(NamedTuple):
 
 
 class _Check(NamedTuple):
-    """A few marched steps: their `pieces`, `miss`, the error of the predicted ln v, psi and y after a leap, and `ripple`, the
-    largest difference of z from the slow motion."""
+    """Some marched steps: their `pieces`, `drift`, what both parts of the motion miss in a step, as a change of the memory, and
+    `ripple`, the largest difference of z from the slow motion."""
 
     pieces: Pieces
-    miss: float
+    drift: Array
     ripple: float
 
 
@@ -141,9 +143,9 @@ class LeapingNetwork(DelayNetwork):
     def _leap(self, stop: float, gaps: bool) -> Pieces | None:
         """The pieces of a leap that ends before `stop`, with some steps before and after it; None if no leap saves time: then
         only the length of the next one has changed."""
-        size, checks = self._lines.waves.size + self._lines.tops.size + 2, 2 * self._lines.waves.shape[2]
+        size, left = self._lines.waves.size + self._lines.tops.size + 2, int((stop - self.time) / self._length - COINCIDENT)
         least = int(_PRICE + _PRICE_OF_POWERS * size**3)
-        count = min(max(least, self._reach), int((stop - self.time) / self._length - COINCIDENT) - checks)
+        count = min(max(least, self._reach), left - self._checked(left))
         if size > _LARGEST or count < least or any(top.has_dead_load for top in self._layers.tops):
             return None
         while count >= least:
@@ -188,15 +190,14 @@ class LeapingNetwork(DelayNetwork):
         slow, begin, steps = split.slow, self.time, count - ahead.pieces.time.size
         end = self._origin + (self._done + steps) * self._length
         fill = self._fill(split, np.linspace(begin, end, _CUTS + 1))
-        if ahead.miss > self._allowed:
-            return None, min(0.5, self._scale(slow, ahead.miss))
         if ahead.ripple > self._tolerance and not self._is_monotonic(split, begin, end):
             return None, 0.5
         rest = self._now().vector - self._composed(split, begin).vector
-        split, spread = self._carried(split._replace(rest=rest), begin, end, steps)
+        later, spread = self._carried(slow, np.column_stack([rest, ahead.drift]), begin, end, steps)
+        split = split._replace(rest=later[:, 0] + steps * later[:, 1])
         self._jump_to(split, end, steps)
-        behind = self._check(split, count)
-        error = max(ahead.miss, behind.miss, spread) if behind else math.inf
+        behind, friction = self._check(split, count), self._friction(slow, end, end)
+        error = max(self._size(steps * (behind.drift - later[:, 1]), friction), spread) if behind else math.inf
         if not (behind and error <= self._allowed):
             return None, min(0.5, self._scale(slow, error))
         self.skipped += end - begin
@@ -224,28 +225,30 @@ class LeapingNetwork(DelayNetwork):
         def rest(slow: Slow) -> Array:
             return now.vector - self._composed(_Split(slow, y, now.vector), start).vector
 
-        steps = np.array([_NUDGES, _NUDGES * friction_z / abs(motion.transfer.stress[0])])
+        steps = np.diag([_NUDGES, _NUDGES * friction_z / abs(motion.transfer.stress[0])])
+        left = rest(slow)
+        nearby = [rest(motion.step(start, length, begin + step, slow.guess)) - left for step in steps]
+        slopes = rows @ np.column_stack(nearby) / steps.diagonal()
         for _ in range(_MOST_SPLITS):
-            left = rows @ rest(slow)
-            if np.abs(left).max() < _NEGLIGIBLE * self._allowed:
-                return _Split(slow, y, rest(slow))
-            slopes = np.empty((2, 2))
-            for k in range(2):
-                other = begin + steps * (np.arange(2) == k)
-                nearby = motion.step(start, length, other, slow.guess)
-                slopes[:, k] = (rows @ rest(nearby) - left) / steps[k]
-            begin = begin - np.linalg.solve(slopes, left)
+            if np.abs(rows @ left).max() < _NEGLIGIBLE * self._allowed:
+                return _Split(slow, y, left)
+            begin = begin - np.linalg.solve(slopes, rows @ left)
             slow = motion.step(start, length, begin, slow.guess)
             if not slow.solved:
                 return None
+            left = rest(slow)
         return None
+
+    def _checked(self, count: int) -> int:
+        """Number of steps that are marched before and after a leap of `count`: so many that what hardly grows with them, rounding
+        and small ripples of waves, is no error of the leap."""
+        return int(max(self._lines.waves.shape[2], _CHECKED * math.sqrt(count)))
 
     def _check(self, split: _Split, count: int) -> _Check | None:
         """March some steps of the motion with this `split`, to check a leap of `count` steps; None if that fails."""
         motion, frozen = self._parts()
-        steps, start = frozen.empty.waves.shape[2], self.time
-        friction = self._friction(split.slow, start, start)
-        matrix, _ = frozen.matrix(friction)
+        steps, start = self._checked(count), self.time
+        matrix, _ = frozen.matrix(self._friction(split.slow, start, start + steps * self._length))
         expected = advanced(powers_of(matrix, steps), split.rest, steps)
         pieces = empty_pieces(steps, self._stages)
         done, _ = self._march(self._length, pieces)
@@ -253,22 +256,21 @@ class LeapingNetwork(DelayNetwork):
             return None
         miss = self._now().vector - self._composed(split, self.time).vector - expected
         times = (pieces.time[:, None] + pieces.length[:, None] * self.nodes).ravel()
-        ripple = np.abs(pieces.z.ravel() - motion.interface(split.slow, times).z).max()
-        return _Check(pieces, self._size(miss, friction) * count / steps, float(ripple))
+        looks = np.linspace(start, self.time, _CUTS + 1)
+        ripple = np.abs(pieces.z.ravel() - np.interp(times, looks, motion.interface(split.slow, looks).z)).max()
+        return _Check(pieces, miss / steps, float(ripple))
 
-    def _carried(self, split: _Split, begin: float, end: float, steps: int) -> tuple[_Split, float]:
-        """`split` with the rest after `steps` steps, and its change if friction is averaged over all of them instead of over each
-        half."""
+    def _carried(self, slow: Slow, rest: Array, begin: float, end: float, steps: int) -> tuple[Array, float]:
+        """The `rest` (n, 2) of the memory and its drift after `steps` steps, and the change of the rest if friction is averaged
+        over all of them instead of over each half."""
         frozen, parts = self._parts()[1], (steps // 2, steps - steps // 2)
-        if self._size(split.rest, self._friction(split.slow, begin, begin)) < _NEGLIGIBLE * self._allowed:
-            return split, 0.0
-        middle = begin + parts[0] * self._length
-        rest = split.rest
+        middle, later, friction = begin + parts[0] * self._length, rest, self._friction(slow, begin, end)
+        if self._size(np.abs(rest) @ [1.0, steps], friction) < _NEGLIGIBLE * self._allowed:
+            return rest, 0.0
         for count, (first, last) in zip(parts, ((begin, middle), (middle, end)), strict=True):
-            rest = advanced(powers_of(frozen.matrix(self._friction(split.slow, first, last))[0], count), rest, count)
-        friction = self._friction(split.slow, begin, end)
-        other = advanced(powers_of(frozen.matrix(friction)[0], steps), split.rest, steps)
-        return split._replace(rest=rest), self._size(rest - other, friction)
+            later = advanced(powers_of(frozen.matrix(self._friction(slow, first, last))[0], count), later, count)
+        other = advanced(powers_of(frozen.matrix(friction)[0], steps), rest[:, 0], steps)
+        return later, self._size(later[:, 0] - other, friction)
 
     def _jump_to(self, split: _Split, time: float, steps: int) -> None:
         """Set the state `steps` later, at `time`, from its `split`."""
@@ -322,10 +324,10 @@ class LeapingNetwork(DelayNetwork):
         """Size of a `change` of the memory: the largest of the changes of psi, y and ln v (that of a wave over F_z)."""
         waves, tops, rest = self._parts()[1].empty.like(np.abs(change))
         impedance = self._layers.impedance[list(self._layers.last)]
-        stresses = [waves.max(), rest[1], tops[:, LOAD].max(), (tops[:, VELOCITY] * impedance).max()]
-        return float(max(rest[0], max(stresses) / friction.mu_z))
+        stresses = [waves.max(), tops[:, LOAD].max(), (tops[:, VELOCITY] * impedance).max()]
+        return float(max(*rest, max(stresses) / friction.mu_z))
 
     def _scale(self, slow: Slow, error: float) -> float:
         """Ratio of the next leap's length to that of the step `slow`, which has this `error`."""
         smooth = (self._limits.resolution / max(slow.tail, 1e-300)) ** (1.0 / _ORDER)
-        return float(min(_GROW, max(_SHRINK, _SAFETY * min(smooth, self._allowed / max(error, 1e-300)))))
+        return float(min(_GROW, max(_SHRINK, _SAFETY * min(smooth, math.sqrt(self._allowed / max(error, 1e-300))))))

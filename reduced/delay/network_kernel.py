@@ -151,11 +151,12 @@ def scatter(nodes: Nodes, inner: float, outer: float, layer: int, arrived: Array
 
 @njit
 def gather(nodes: Nodes, lines: NetworkLines, length: float, integral: Array, incoming: Array) -> None:
-    """Waves that arrive and that leave joints and outer faces in a step; incoming += the stress that they bring to the
-    interface."""
+    """Waves that arrive and that leave joints and outer faces in a step; `passage.stress` <- the stress that they bring to the
+    interface, and incoming += this."""
     network, passage = lines.network, lines.passage
     impedance, arrived, launched = network.impedance, passage.arrived, passage.launched
     _read(nodes, network, lines.waves, lines.cursor[0], arrived)
+    passage.stress[:] = 0.0
     for slab in range(network.first.size):
         first, last = network.first[slab], network.last[slab]
         passage.tops[slab, LOAD], passage.tops[slab, VELOCITY] = lines.tops[slab, LOAD], lines.tops[slab, VELOCITY]
@@ -168,7 +169,9 @@ def gather(nodes: Nodes, lines: NetworkLines, length: float, integral: Array, in
             scatter(nodes, impedance[layer], impedance[layer + 1], layer, arrived, launched)
         share = network.weight * network.interface_impedance / impedance[first]
         for j in range(len(nodes)):
-            incoming[j] += share * arrived[first, INWARD, j]
+            passage.stress[j] += share * arrived[first, INWARD, j]
+    for j in range(len(nodes)):
+        incoming[j] += passage.stress[j]
 
 
 @njit
@@ -219,6 +222,6 @@ def _roughness_of_faces(lines, nodes, tail, nodal):  # type: ignore[no-untyped-d
 @leave.register(NetworkLines)
 def _leave_into_network(lines, nodes, physics, n, start, length, nodal):  # type: ignore[no-untyped-def]
     for j in range(len(nodes)):
-        stress = nodal.incoming[j] - lines.impedance * nodal.v[j]
-        lines.passage.stress[j] = stress - physics.forcing.steady_stress
+        # not from the stress itself, whose rounding, of some 1e-16 a step, would add up in the waves
+        lines.passage.stress[j] -= lines.impedance * (nodal.v[j] - physics.forcing.velocity)
     launch(nodes, lines)

@@ -56,6 +56,8 @@ def transfer_of(lines: Lines) -> Transfer:
     slip, stress, waves, tops = _responses(lines, s)
     powers = s[:, None] ** -np.arange(-1.0, TERMS) / _POINTS
     stress_row, wave_rows, top_rows = ((values / slip @ powers).real for values in (stress, waves, tops))
+    wave_rows[..., 0] = stress_row[0]  # at rest all lines have one stress; rounding of that would set off waves
+    top_rows[..., 0] = np.where(np.any(top_rows, axis=-1) & (np.arange(2) == LOAD), stress_row[0], 0.0)
     return Transfer(stress_row, wave_rows, top_rows, _INSIDE * radius)
 
 
