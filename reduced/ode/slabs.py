@@ -21,7 +21,7 @@ import numpy as np
 
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.reduction import Reduction
-from slipwave.observe.pieces import SAME, Array
+from slipwave.observe.pieces import Array, slack
 from slipwave.scene import Scene
 from slipwave.solve import Energy
 from slipwave.step.collocation import radau
@@ -65,7 +65,7 @@ class ReducedSlabs:
 
     def next_break(self, time: float) -> float:
         """As `Slabs`: the knots of the drive."""
-        return self.scene.drive.knot_after(time + SAME)
+        return self.scene.drive.knot_after(time + slack(time))
 
 
 def impedance_at(reduction: Reduction, s: Array) -> Array:
@@ -145,26 +145,20 @@ def _kept(reduction: Reduction) -> Array:
 
 
 STAGES = 8
-LONGEST = 2.0
-"""Longest step (transits) where waves ring, and of samples whose friction is not much slower than these."""
-
-_FIRST = 0.125
-_SLOW = 4e-4  # of the time of slip by L: the longest step without waves
-
-
-def steps_to(longest: float) -> tuple[float, float, int]:
-    """Longest step (transits), at least `LONGEST` and at most `longest`; the first; the number of lengths. The shortest is the
-    same of all: the slip rate of a block falls the faster the slower it is, whatever a transit is."""
-    more = max(0, math.floor(math.log2(max(longest, LONGEST) / LONGEST)))
-    return math.ldexp(LONGEST, more), _FIRST, LEVELS + more
+_LONGEST = 30  # 2^30 transits, the longest step, are as long as the longest run
+_SHORTEST = -30  # as a power of 2: the slip rate of a block falls the faster the slower it is, whatever a transit is
+_SLOW = 4e-4  # of the time of slip by L: the longest step of an orbit's mesh without waves, if that is above 2 transits
+_FIRST = 0.125  # transits; if waves ring, at most this share of the shortest period
 
 
 class ReducedModel(PortMarch):
     """Marches `reduction` of the scene's slab pair to `tolerance`, the requested relative error of the cycle's figures.
 
-    Radau IIA with 8 nodes (order 15 at step ends, L-stable), step lengths 2^k transits; the longest is `LONGEST`, or, where no
-    wave rings and slip by L takes many transits (a thin sample in a machine), a share of that time. Knots of the drive cause
-    kinks of the motion; between two knots, step lengths are their distance over powers of two, so that a step ends on each.
+    Radau IIA with 8 nodes (order 15 at step ends, L-stable), step lengths 2^k transits, as long as the motion allows whatever a
+    transit is. Knots of the drive cause kinks of the motion; between two knots, step lengths are their distance over powers of
+    two, so that a step ends on each. At the start and behind each knot, where the motion may begin to ring, steps begin at an
+    eighth of the shortest period of a mode: an implicit step that is longer damps the ring and does not see it.
+
     `failures` counts unconverged solves; a step that cannot be solved at the shortest length raises NumericsError naming time and
     scene (a quasi-static model runs away).
     """
@@ -178,8 +172,12 @@ class ReducedModel(PortMarch):
         self.scene, self.model, self.reduction = scene, reduction.name, reduction
         self.settings: dict[str, Any] = {"tolerance": tolerance, "stages": stages}
         reason = "nothing limits its slip rate: it runs away" if reduction.runs_away else ""
+        first = _FIRST * min(1.0, 2.0 * math.pi / max(reduction.frequencies, default=1.0))
+        slabs = ReducedSlabs(scene, self._reduce, stages)
+        super().__init__(slabs, tolerance, 2.0**_LONGEST, first, _LONGEST - _SHORTEST + 1, reason)
+        self.longest_after_break = first
         slow = 0.0 if reduction.modes else _SLOW / (scene.transit * max(scene.drive.velocities))
-        super().__init__(ReducedSlabs(scene, self._reduce, stages), tolerance, *steps_to(slow), reason)
+        self._longest_in_cycle = 2.0 ** max(1, math.floor(math.log2(max(slow, 2.0))))
 
     def _reduce(self, scene: Scene) -> Reduction:
         """The reduction of `scene`; this one if the slabs are the same."""

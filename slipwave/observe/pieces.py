@@ -12,12 +12,19 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
 SAME = 1e-9
 """Transits; two times that differ by less are equal."""
+
+
+@register_jitable  # type: ignore[untyped-decorator]
+def slack(time: float) -> float:
+    """As `SAME`, or, late in a run, a few roundings of `time` (transits), if that is more."""
+    return max(SAME, 4e-16 * abs(time))
 
 
 class Pieces(NamedTuple):

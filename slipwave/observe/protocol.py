@@ -2,20 +2,22 @@
 
 import math
 from bisect import bisect_right
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
 
 from slipwave.friction import rates, resampled, respond, steady_state, unknown_of
-from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis, slack
 from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, stage_figures, stages_of
 from slipwave.scene import Scene
 
 _LEFT = math.exp(-1.0)
 """Share of the peak's height over the steady stress at which the stress counts as recovered."""
 
-_POINTS = 33  # of a piece, its ends included
+_POINTS, _MORE_POINTS = 33, 513  # of a piece, its ends included; of one longer than _LONG
+_LONG = 2.0  # transits
+_BETWEEN = 0.1  # of the range of its nodal values: so far above these a piece may rise between its nodes
 _AT_ONCE = 256  # pieces that are searched for a peak
 _NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie between them
 
@@ -32,14 +34,15 @@ class ProtocolObserver:
     """Reads the pieces of a run of `scene` to `until` (transits)."""
 
     def __init__(self, scene: Scene, nodes: Array, until: float) -> None:
-        self._scene, self._basis = scene, lagrange_basis(nodes)
+        self._scene = scene
         self.stages = stages_of(scene.drive, until)
         self._seen = [Seen() for _ in self.stages]
         self._slip, self._last, self._now = 0.0, math.nan, 0  # `_now`: the first stage that is not over
         # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
         self._cut = nodes[0] > 0.0
-        self._coarse = _sampling(self._basis, np.append(0.0, nodes) if self._cut else nodes)
-        self._fine = _sampling(self._basis, np.linspace(0.0, 1.0, _POINTS)) if self._cut else self._coarse
+        own = tuple(nodes.tolist())
+        self._coarse = _sampling(own, (0.0, *own) if self._cut else own)
+        self._fine, self._finer = (_sampling(own, tuple(np.linspace(0.0, 1.0, n).tolist())) for n in (_POINTS, _MORE_POINTS))
 
     @property
     def whole_from(self) -> float:
@@ -65,7 +68,7 @@ class ProtocolObserver:
         for k, stage in enumerate(self.stages[self._now : begun_by_now], self._now):
             first, end = np.searchsorted(np.repeat(middle, samples.shape[2]) if self._cut else samples[0].ravel(), stage[1:3])
             inside = samples.reshape(len(samples), -1)[:, first:end]
-            inside = inside[:, inside[0] <= stage.end + 1e-9]
+            inside = inside[:, inside[0] <= stage.end + slack(stage.end)]
             if not inside.size and self._seen[k].reached > -math.inf:
                 self._seen[k] = self._seen[k]._replace(reached=min(now, stage.end))
             if inside.size:
@@ -91,8 +94,9 @@ class ProtocolObserver:
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:
         """Find the peak of a stage and the recovery after it, in those of its `pieces` in which they may lie."""
-        count, steady = pieces.time.size, self._steady(stage)
+        count, steady, long = pieces.time.size, self._steady(stage), pieces.length > _LONG
         first, highest, lowest = 0, (stage.sign * pieces.mu).max(axis=1), (stage.sign * pieces.mu).min(axis=1)
+        highest, lowest = (1.0 + _BETWEEN) * highest - _BETWEEN * lowest, (1.0 + _BETWEEN) * lowest - _BETWEEN * highest
         while first < count:
             seen, many = self._seen[k], 1
             may = ~(highest[first:] < stage.sign * seen.peak)
@@ -100,12 +104,16 @@ class ProtocolObserver:
                 near, many = _NEAR * _LEFT * stage.sign * (seen.peak - steady), _AT_ONCE
                 may |= lowest[first:] - stage.sign * steady <= near
             first = first + int(np.argmax(may)) if may.any() else count
-            these = slice(first, min(first + many, count))
             if first < count:
-                fine, _ = self._sampled(self._fine, pieces.part(these), begun[these])
-                mu, slip = fine[1].ravel(), fine[3].ravel()
-                used = _until_recovered(seen, stage.sign, steady, mu) // _POINTS + 1
-                self._seen[k] = _peak(seen, stage.sign, steady, mu[: used * _POINTS], slip[: used * _POINTS])
+                alike = np.append(long[first:] != long[first], True)
+                these, sampling = (
+                    slice(first, first + min(many, int(np.argmax(alike)))),
+                    self._finer if long[first] else self._fine,
+                )
+                fine, _ = self._sampled(sampling, pieces.part(these), begun[these])
+                mu, slip, points = fine[1].ravel(), fine[3].ravel(), sampling.points.size
+                used = _until_recovered(seen, stage.sign, steady, mu) // points + 1
+                self._seen[k] = _peak(seen, stage.sign, steady, mu[: used * points], slip[: used * points], points)
                 first += used
 
     def _take(self, k: int, stage: Stage, samples: Array, reached: float) -> None:
@@ -169,12 +177,13 @@ def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
     return int(np.argmax(back)) if back.any() else mu.size - 1
 
 
-def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> Seen:
-    """`seen` updated by further samples: the peak and, after it, the slip at which the stress has recovered (`_LEFT`)."""
+def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array, points: int = 1) -> Seen:
+    """`seen` updated by further samples, `points` of each piece: the peak and, after it, the slip at which the stress has
+    recovered (`_LEFT`)."""
     highest, first = int(np.argmax(sign * mu)), 0
     if not sign * mu[highest] <= sign * seen.peak:
-        seen = seen._replace(peak=float(mu[highest]), peak_slip=float(slip[highest]), recovered=math.nan)
-        first = highest
+        peak, peak_slip = _top(sign, mu, slip, highest, points)
+        seen, first = seen._replace(peak=peak, peak_slip=peak_slip, recovered=math.nan), highest
     height = sign * (seen.peak - steady)
     if not (math.isnan(seen.recovered) and height > 0.0):
         return seen
@@ -187,12 +196,24 @@ def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array) -> See
     return seen._replace(recovered=float(slip[k - 1] + share * (slip[k] - slip[k - 1])))
 
 
-def _sampling(basis: Basis, points: Array) -> Sampling:
-    return Sampling(points, interpolation_matrix(basis, points), _integrals(basis, np.append(points, 1.0)))
+def _top(sign: float, mu: Array, slip: Array, k: int, points: int) -> tuple[float, float]:
+    """Stress and slip at the top of the parabola through the highest sample, k, and its neighbours in its piece; at the sample
+    itself at an end of the piece."""
+    if 0 < k % points < points - 1:
+        before, here, after = slip[k - 1 : k + 2]
+        if before < here < after:
+            rise = (mu[k] - mu[k - 1]) / (here - before)
+            bend = ((mu[k + 1] - mu[k]) / (after - here) - rise) / (after - before)
+            if sign * bend < 0.0:
+                top = 0.5 * (before + here - rise / bend)
+                return float(mu[k - 1] + (top - before) * (rise + bend * (top - here))), float(top)
+    return float(mu[k]), float(slip[k])
 
 
-def _integrals(basis: Basis, points: Array) -> Array:
-    """Rows that integrate the interpolating polynomial from 0 to `points` of [0, 1]."""
-    abscissae, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
-    inner = 0.5 * (1.0 + abscissae)
-    return np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in points])
+@lru_cache(maxsize=16)
+def _sampling(nodes: tuple[float, ...], points: tuple[float, ...]) -> Sampling:
+    basis, abscissae = lagrange_basis(np.array(nodes)), np.array(points)
+    gauss, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
+    inner = 0.5 * (1.0 + gauss)
+    sums = np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in (*points, 1.0)])
+    return Sampling(abscissae, interpolation_matrix(basis, abscissae), sums)

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
-from slipwave.observe.pieces import SAME, Array
+from slipwave.observe.pieces import Array, slack
 from slipwave.scene.drive import Drive
 
 StageKind: TypeAlias = Literal["start", "step", "hold", "slide", "ramp", "level"]
@@ -171,7 +171,7 @@ def _figures(stage: Stage, seen: Seen, earlier: StageFigures | None, before_hold
 
 def _has_settled(stage: Stage, seen: Seen) -> bool:
     """Whether the slip rate was steady at the end of a stage of one velocity that is over."""
-    if stage.velocity == 0.0 or stage.kind == "ramp" or seen.reached < stage.end - SAME:
+    if stage.velocity == 0.0 or stage.kind == "ramp" or seen.reached < stage.end - slack(stage.end):
         return False
     wanted = math.log(stage.velocity)
     return max(abs(seen.late.low - wanted), abs(seen.late.high - wanted)) < STEADY

@@ -19,9 +19,9 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import rate_of
 from slipwave.observe.history import values_at
-from slipwave.observe.pieces import SAME, Pieces, lagrange_basis
+from slipwave.observe.pieces import Pieces, lagrange_basis, slack
 from slipwave.scene.recorded import OBSERVERS
-from slipwave.solve.solver import FieldSolver, Leaping, Resumable, Solver
+from slipwave.solve.solver import Cutting, FieldSolver, Leaping, Resumable, Solver
 
 
 @dataclass(frozen=True)
@@ -82,15 +82,17 @@ def follow(
     spanning = [cast(Spanning, one) for one in observers if offers(one, Spanning)]
     patient = len(spanning) == len(observers)
     _act(solver, marks)
-    while solver.time < until - SAME:
-        stop = max(min([until, *(mark.due for mark in marks)]), solver.time + 2.0 * SAME)
+    while solver.time < until - slack(until):
+        stop = max(min([until, *(mark.due for mark in marks)]), solver.time + 2.0 * slack(solver.time))
         whole = min([until, *(one.whole_from for one in spanning)]) if patient else 0.0
         if leaper is None:
             pieces = solver.advance(stop)
-        elif whole > solver.time + SAME:
+        elif whole > solver.time + slack(solver.time):
             pieces = leaper.leap(min(stop, whole), whole, gaps=True)
         else:
             pieces = leaper.leap(stop, until, gaps=False)
+        if offers(solver, Cutting):
+            pieces = cast(Cutting, solver).cut(pieces, until)
         if not all(np.isfinite(values).all() for values in (pieces.z, pieces.psi, pieces.mu)):  # no BLAS: its threads wake for it
             raise NumericsError(
                 f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} "
@@ -118,7 +120,7 @@ def follow(
 
 def _act(solver: Solver, marks: Sequence[Mark]) -> None:
     for mark in marks:
-        if mark.due <= solver.time + SAME:
+        if mark.due <= solver.time + slack(solver.time):
             mark.act()
 
 

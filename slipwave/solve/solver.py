@@ -104,6 +104,15 @@ class Leaping(Solver, Protocol):
         gap."""
 
 
+@runtime_checkable
+class Cutting(Solver, Protocol):
+    """A solver whose steps may end far beyond the end of a run."""
+
+    def cut(self, pieces: Pieces, until: float) -> Pieces:
+        """The latest `pieces` as far as `until` (transits), which is then the time reached: what the last step has beyond is the
+        next piece to come. As they are, if that is within 2 transits."""
+
+
 @dataclass(frozen=True)
 class SlabSnapshot:
     """The fields of a slab: `depth` (m,) as a fraction of its one-way travel time, 0 at the interface and 1 at the outer face;

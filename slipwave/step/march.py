@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law, law_of_step, to_own, to_step
-from slipwave.observe.pieces import SAME, Array, Pieces
+from slipwave.observe.pieces import Array, Pieces, slack
 from slipwave.step.collocation import EQUAL, RATIOS, Nodes, Rule
 from slipwave.step.impedance import Full, own
 from slipwave.step.newton import emit
@@ -98,16 +98,21 @@ def _guess(nodes: Nodes, law: Law, own: Law, rule: Rule, memory: Memory, nodal: 
 @njit
 def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, growth: float, nodal: Nodal) -> bool:
     """Whether a disturbance of the state at some node would grow by more than e^`growth` within the step, where the slabs'
-    impedance for such growth is `resistance`.
+    impedance for such growth is `resistance`, or might grow while it swings by half that angle: the
+    nodes then show the swing as well as the end of the step reproduces it.
 
     With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
-    positive for large s; if it is negative at s = growth/length, there is a real zero beyond.
+    positive for large s; if it is negative at s = growth/length, there is a real zero beyond. Passive slabs (Re Z >= 0) let only
+    those swings grow for which friction weakens, Re (F_z + F_psi G_z/(i w - G_psi)) < 0: of angles up to
+    (w length)^2 = F_psi G_z G_psi/F_z - G_psi^2, with G times the length.
     """
     for j in range(len(nodes)):
         total = 1.0 / nodal.inverse[j]
         resists = total + (resistance - own(impedance, j)) * nodal.v_z[j]
         by_psi = nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j]
-        if resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
+        friction_z = total - own(impedance, j) * nodal.v_z[j]
+        swing = by_psi * (nodal.ratio[j] * total * nodal.by_z[j] / friction_z - by_psi)
+        if swing > 0.25 * growth * growth or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
             return True
     return False
 
@@ -135,10 +140,10 @@ def march(
     now, levels, origin, plan = memory.now, memory.levels, stretch.origin, stretch.plan
     deepest = port.length.size - 1
     iterations, k, planned = 0, 0, plan.size > 0
-    while k < pieces.time.size and now[TIME] < min(stretch.until, stretch.stop) - SAME:
+    while k < pieces.time.size and now[TIME] < min(stretch.until, stretch.stop) - slack(now[TIME]):
         if planned:
             levels[NEXT] = plan[k]
-        while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stretch.stop + SAME:
+        while levels[NEXT] < deepest and now[TIME] + port.length[levels[NEXT]] > stretch.stop + slack(now[TIME]):
             levels[NEXT] += 1
         level = levels[NEXT]
         if not port.ready[level]:

@@ -6,7 +6,8 @@ import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.friction import rate_of, said_of_rest, unknown_of
-from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis, slack
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import Cycle, InterfaceState
@@ -16,15 +17,18 @@ from slipwave.step.port import LEVELS, Levels, Slabs, padded
 from slipwave.step.port_flow import PortFlow, flow_near
 
 CHUNK = 2048
+_UNCUT = 2.0  # transits; a last piece up to this long may end beyond the end of a run
 
 
 class PortMarch:
     """The march of friction against `slabs` in collocation steps of length `longest`/2^k (transits), k < `levels`, or, between
-    two break points, their distance over 2^k; the first step has the length `first`. `tolerance`: relative error of the figures
-    of a cycle. `reason` is added to the message if no step is short enough. One call of compiled code takes at most
-    `most_steps`."""
+    two break points, their distance over 2^k, down to the same shortest; the first step has the length `first`. `tolerance`:
+    relative error of the figures of a cycle. `reason` is added to the message if no step is short enough. One call of compiled
+    code takes at most `most_steps`."""
 
     bookkeeping = frozenset({"counts", "stretch"})
+    longest_after_break = math.inf
+    """Length (transits) with which steps begin behind a break point, unless those before it were shorter."""
 
     def __init__(
         self,
@@ -38,7 +42,7 @@ class PortMarch:
     ) -> None:
         scene, stages = slabs.scene, slabs.stages
         self.slabs, self._reason, self._most_steps = slabs, reason, most_steps
-        self._longest, self._levels = longest, levels
+        self._longest, self._levels, self._longest_in_cycle = longest, levels, longest
         self._whole = np.zeros(padded(slabs.remembered))
         self.values = self._whole[: slabs.remembered]
         rule, compiled, self._shape = rule_of(stages)
@@ -50,11 +54,16 @@ class PortMarch:
         )
         start = unknown_of(scene.law, scene.velocity)
         self._memory = begin(scene.steady_psi + scene.start.jump_size, scene.steady_stress, start, stages)
+        self._rest: Pieces | None = None
         self._take_stretch(0.0, first)
 
     @property
     def time(self) -> float:
         """Transits since the start."""
+        return self._now if self._rest is None else float(self._rest.time[0])
+
+    @property
+    def _now(self) -> float:
         return float(self._memory.now[TIME])
 
     @property
@@ -64,11 +73,15 @@ class PortMarch:
 
     def advance(self, until: float) -> Pieces:
         """As `Solver`; NumericsError if no step is short enough."""
+        if self._rest is not None:
+            pieces, self._rest = self._rest, None
+            return pieces
         pieces = empty_pieces(self._most_steps, self.nodes.size)
         steps, ended = 0, NOT_READY
-        while ended != TOO_LONG and steps < self._most_steps and (ended == NOT_READY or self.time < until - SAME):
-            if self.time >= self._stretch.stop - SAME:
-                self._take_stretch(self._stretch.stop, float(self._port.length[self._memory.levels[NEXT]]))
+        while ended != TOO_LONG and steps < self._most_steps and (ended == NOT_READY or self._now < until - slack(until)):
+            if self._now >= self._stretch.stop - slack(self._now):
+                before = float(self._port.length[self._memory.levels[NEXT]])
+                self._take_stretch(self._stretch.stop, min(before, self.longest_after_break))
             left = pieces.part(slice(steps, None))
             stretch, memory = self._stretch._replace(until=until), self._memory
             more, iterations, ended = march(
@@ -82,6 +95,18 @@ class PortMarch:
             raise self._refusal()
         return pieces.part(slice(steps))
 
+    def cut(self, pieces: Pieces, until: float) -> Pieces:
+        """As `Cutting`."""
+        last, end = pieces.part(slice(-1, None)), self.time
+        if until >= end - slack(end) or last.length[0] <= _UNCUT:
+            return pieces
+        halves = []
+        for start, length in ((float(last.time[0]), until - last.time[0]), (until, end - until)):
+            values = values_at(last, lagrange_basis(self.nodes), start + length * self.nodes, self.slabs.scene.law)
+            halves.append(Pieces(np.array([start]), np.array([length]), *(row[None] for row in values)))
+        self._rest = halves[1]
+        return Pieces.joined([pieces.part(slice(-1)), halves[0]])
+
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""
         reason += said_of_rest(scene.law, self._nodal.incoming, float(now[PSI]))
@@ -93,9 +118,11 @@ class PortMarch:
 
     def state(self) -> State:
         """As `Solver`. `remembered`: memory of the slabs; `last` and `now` of `Memory`; `stretch`: time from which the present
-        step lengths hold; `counts`: level of the next step and of the last (-1: none), iterations."""
+        step lengths hold; `counts`: level of the next step and of the last (-1: none), iterations; `rest`, where the last `cut`
+        left one: of its piece, time, length and values."""
         memory = self._memory
-        return {
+        rest = {} if self._rest is None else {"rest": np.concatenate([column.ravel() for column in self._rest])}
+        return rest | {
             "counts": np.array([*memory.levels, self.iterations], dtype=float),
             "stretch": np.array([self._stretch.origin]),
             "last": np.stack(memory.last),
@@ -107,18 +134,24 @@ class PortMarch:
         """As `Solver`."""
         following, last, iterations = whole_numbers(state, "counts", (0, -1, 0))
         shapes = {"stretch": (1,), "last": (2, self.nodes.size), "now": self._memory.now.shape, "remembered": self.values.shape}
+        if "rest" in state:
+            shapes["rest"] = (2 + 4 * self.nodes.size,)
         saved = tables(state, shapes, self.slabs.model)
         self.iterations = iterations
         self._take_tables(float(saved["stretch"][0]))
         levels = np.minimum([following, last], self._port.length.size - 1)
         self._memory = Memory(Interface(*saved["last"]), saved["now"], levels)
         self.values[:] = saved["remembered"]
+        self._rest = None
+        if "rest" in saved:
+            time, length, *values = np.split(saved["rest"], [1, 2, *(2 + np.arange(1, 4) * self.nodes.size)])
+            self._rest = Pieces(time, length, *(row[None] for row in values))
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
         """Flow on a mesh that resolves the next `period` (transits) to `tolerance`, and the present state as its state."""
         state = np.append(self.values, self._memory.now[PSI])
         # of slabs of its own, because it makes tables of many lengths
-        return flow_near(self.slabs.of(self.slabs.scene), state, period, tolerance, self._longest), state
+        return flow_near(self.slabs.of(self.slabs.scene), state, period, tolerance, self._longest_in_cycle), state
 
     def state_at_start(self, cycle: Cycle, interface: InterfaceState) -> State:
         """The state, for `restore`, at the start of `cycle`, a motion of a flow of these slabs; no step lies before it."""
@@ -148,7 +181,8 @@ class PortMarch:
         stop, longest = self.slabs.next_break(begin), self._longest
         if not math.isinf(stop):
             longest = (stop - begin) / 2 ** max(0, math.ceil(math.log2((stop - begin) / longest)))
-        self._port = self.slabs.port(longest, self._levels)._replace(values=self._whole)
+        levels = self._levels - math.floor(math.log2(self._longest / longest))
+        self._port = self.slabs.port(longest, levels)._replace(values=self._whole)
         self._stretch = Stretch(begin, begin, stop, np.full(self._port.length.size, math.nan), ANY_LENGTH)
         self._resist(np.flatnonzero(self._port.ready))
 

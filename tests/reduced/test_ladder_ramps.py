@@ -16,7 +16,6 @@ from reduced.ode.slabs import ReducedModel, impedance_at
 from slipwave.errors import NumericsError
 from slipwave.scene.drive import Drive
 from slipwave.solve import follow
-from slipwave.step.port import LEVELS
 
 KNOTS = (20.1234567, 21.3456789, 30.77777, 30.87777, 41.42135)
 RAMP = "drive.velocity=" + str([[0.0, 100.0], *map(list, zip(KNOTS, (100.0, 300.0, 60.0, 200.0, 100.0), strict=True))])
@@ -81,7 +80,7 @@ def test_a_drive_of_many_knots_is_marched_at_once_to_the_same_motion(monkeypatch
     whole, parted = (ReducedModel(scene, reduction_of(scene, "quasidynamic"), 1e-9) for _ in range(2))
     calls.clear()
     pieces = whole.advance(float(knots[-1]))
-    assert calls == [LEVELS] * 119  # the first stretch had its own before
+    assert len(calls) == 119  # the first stretch had its own before
     parts = [parted.advance(float(knot)) for knot in knots[1:]]
     for ours, theirs in zip(pieces, map(np.concatenate, zip(*parts, strict=True)), strict=True):
         assert np.array_equal(ours, theirs)

@@ -24,7 +24,7 @@ NAME, UNTIL = "steel-on-pmma", 90000.0
 @pytest.fixture(scope="module")
 def slips() -> tuple[Series, Events, Scene]:
     """A run with slip events as a record, its cycles, and its scene."""
-    result = sw.run(NAME, "quasidynamic", until=UNTIL, interface=True)
+    result = sw.run(NAME, "quasidynamic", until=UNTIL, rate="400kHz")
     assert result.records.history
     parts = [*as_record(result.records.history.parts(), result.done.solver.scene)]
     columns = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}

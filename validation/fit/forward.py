@@ -9,21 +9,18 @@ import numpy as np
 from reduced.delay.sensitivity import delay_sensitivity
 from reduced.families import DELAY
 from reduced.impedance.reduce import reduction_of
-from reduced.ode.slabs import STAGES, ReducedSlabs, steps_to
+from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
 from slipwave.errors import NumericsError
 from slipwave.observe.history import values_at
-from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis
+from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis, slack
 from slipwave.scene import Scene
 from slipwave.solve.solver import Leaping
 from slipwave.step.collocation import radau
-from slipwave.step.port_march import PortMarch
 from slipwave.step.sensitivity import port_sensitivity
 from validation.compute.build import build
 from validation.compute.models import GRIDS
 from validation.fit.parameters import Variants, sizes
 
-_LONGEST = 2e4  # transits, the longest step of a short march
-_FEWEST_STEPS = 256  # of a long march
 _MOST_STEPS = 400_000
 _SAME_TIME = 1e-6  # transits; a sample so far beyond the end of a piece is at its end
 _SHIFT = 1e-4  # of differences of marches
@@ -167,10 +164,9 @@ def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
 
 def marched(slabs: ReducedSlabs, until: float, tolerance: float) -> Pieces:
     """The pieces of a march from the start to `until` (transits). Raises NumericsError if it fails or takes too many steps."""
-    longest = min(until, max(_LONGEST, until / _FEWEST_STEPS))
-    solver = PortMarch(slabs, tolerance, *steps_to(longest))
+    solver = ReducedModel(slabs.scene, slabs.reduction, tolerance)
     parts, steps = [solver.advance(until)], 0
-    while solver.time < until - SAME * max(1.0, until):
+    while solver.time < until - slack(until):
         parts.append(solver.advance(until))
         steps += parts[-1].time.size
         if steps > _MOST_STEPS or not math.isfinite(float(parts[-1].z[-1, -1])):
