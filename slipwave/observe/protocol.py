@@ -18,7 +18,7 @@ _LEFT = math.exp(-1.0)
 _POINTS, _MORE_POINTS = 33, 513  # of a piece, its ends included; of one longer than _LONG
 _LONG = 2.0  # transits
 _BETWEEN = 0.1  # of the range of its nodal values: so far above these a piece may rise between its nodes
-_AT_ONCE = 256  # pieces that are searched for a peak
+_AT_ONCE, _LONG_AT_ONCE = 256, 8  # pieces that are searched for a peak
 _NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie between them
 
 
@@ -101,7 +101,8 @@ class ProtocolObserver:
             seen, many = self._seen[k], 1
             may = ~(highest[first:] < stage.sign * seen.peak)
             if math.isnan(seen.recovered):
-                near, many = _NEAR * _LEFT * stage.sign * (seen.peak - steady), _AT_ONCE
+                near = _NEAR * _LEFT * stage.sign * (seen.peak - steady)
+                many = _LONG_AT_ONCE if long[first] else _AT_ONCE
                 may |= lowest[first:] - stage.sign * steady <= near
             first = first + int(np.argmax(may)) if may.any() else count
             if first < count:
