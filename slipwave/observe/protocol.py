@@ -15,7 +15,7 @@ from slipwave.scene import Scene
 _LEFT = math.exp(-1.0)
 """Share of the peak's height over the steady stress at which the stress counts as recovered."""
 
-_POINTS, _MORE_POINTS = 33, 513  # of a piece, its ends included; of one longer than _LONG
+_POINTS, _MORE_POINTS = 33, 257  # of a piece, its ends included; of one longer than _LONG
 _LONG = 2.0  # transits
 _BETWEEN = 0.1  # of the range of its nodal values: so far above these a piece may rise between its nodes
 _AT_ONCE, _LONG_AT_ONCE = 256, 8  # pieces that are searched for a peak
@@ -193,8 +193,7 @@ def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array, points
     if not back.size:
         return seen
     k = max(first + int(back[0]), 1)
-    share = over[k - 1] / (over[k - 1] - over[k]) if over[k - 1] > over[k] else 1.0
-    return seen._replace(recovered=float(slip[k - 1] + share * (slip[k] - slip[k - 1])))
+    return seen._replace(recovered=_crossing(over, slip, k, points))
 
 
 def _top(sign: float, mu: Array, slip: Array, k: int, points: int) -> tuple[float, float]:
@@ -209,6 +208,20 @@ def _top(sign: float, mu: Array, slip: Array, k: int, points: int) -> tuple[floa
                 top = 0.5 * (before + here - rise / bend)
                 return float(mu[k - 1] + (top - before) * (rise + bend * (top - here))), float(top)
     return float(mu[k]), float(slip[k])
+
+
+def _crossing(over: Array, slip: Array, k: int, points: int) -> float:
+    """Slip where `over` falls to 0 between the samples k - 1 and k: by the parabola of slip over `over` through a third sample of
+    their piece, if `over` falls there too, else by the chord."""
+    before, after = float(over[k - 1]), float(over[k])
+    if not before > after:
+        return float(slip[k])
+    chord = (slip[k] - slip[k - 1]) / (after - before)
+    third = k + 1 if (k + 1) // points == k // points else k - 2
+    bend = 0.0
+    if (k - 1) // points == k // points == third // points and third < over.size and (third - k) * (over[third] - after) < 0.0:
+        bend = ((slip[third] - slip[k]) / (over[third] - after) - chord) / (over[third] - before)
+    return float(slip[k - 1] - before * chord + before * after * bend)
 
 
 @lru_cache(maxsize=16)
