@@ -98,7 +98,7 @@ def _guess(nodes: Nodes, law: Law, own: Law, rule: Rule, memory: Memory, nodal: 
 @njit
 def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, growth: float, nodal: Nodal) -> bool:
     """Whether a disturbance of the state at some node would grow by more than e^`growth` within the step, where the slabs'
-    impedance for such growth is `resistance`, or might grow while it swings by half that angle: the
+    impedance for such growth is `resistance`, or might grow while it swings by 0.7 times that angle: the
     nodes then show the swing as well as the end of the step reproduces it.
 
     With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
@@ -112,7 +112,7 @@ def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, growth: float
         by_psi = nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j]
         friction_z = total - own(impedance, j) * nodal.v_z[j]
         swing = by_psi * (nodal.ratio[j] * total * nodal.by_z[j] / friction_z - by_psi)
-        if swing > 0.25 * growth * growth or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
+        if swing > 0.5 * growth * growth or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
             return True
     return False
 

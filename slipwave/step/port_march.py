@@ -100,12 +100,12 @@ class PortMarch:
         last, end = pieces.part(slice(-1, None)), self.time
         if until >= end - slack(end) or last.length[0] <= _UNCUT:
             return pieces
-        halves = []
-        for start, length in ((float(last.time[0]), until - last.time[0]), (until, end - until)):
-            values = values_at(last, lagrange_basis(self.nodes), start + length * self.nodes, self.slabs.scene.law)
-            halves.append(Pieces(np.array([start]), np.array([length]), *(row[None] for row in values)))
-        self._rest = halves[1]
-        return Pieces.joined([pieces.part(slice(-1)), halves[0]])
+        starts, lengths = np.array([last.time[0], until]), np.array([until - last.time[0], end - until])
+        times = (starts[:, None] + lengths[:, None] * self.nodes).ravel()
+        values = values_at(last, lagrange_basis(self.nodes), times, self.slabs.scene.law)
+        halves = Pieces(starts, lengths, *(row.reshape(2, -1) for row in values))
+        self._rest = halves.part(slice(1, 2))
+        return Pieces.joined([pieces.part(slice(-1)), halves.part(slice(1))])
 
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""
