@@ -118,7 +118,7 @@ class Problem(NamedTuple):
 
     def solved(self, integrate: Callable[[Array, Array, Array], Array]) -> Array:
         """ln v and psi at the `times`: `integrate` takes the numbers, a state and times, the first of which is that of the state,
-        and returns the states there."""
+        and returns the states there; NaN if it fails."""
         scene, (mass, modes) = self.scene, self.modes
         drive, numbers = scene.drive, self.numbers(scene.velocity)
         ln_v, psi = math.log(scene.velocity), scene.steady_psi + scene.start.jump_size
@@ -132,6 +132,8 @@ class Problem(NamedTuple):
         for end in ends:
             inside = self.times[(self.times > now) & (self.times < end)]
             states = integrate(numbers, state, np.array([now, *inside, end]))
+            if not np.isfinite(states).all():
+                return np.full((self.times.size, 2), math.nan)
             found.append(states[1:-1, 1::-1])
             state, now, before = states[-1].copy(), end, numbers[0]
             numbers = self.numbers(drive.at(end))
@@ -323,13 +325,15 @@ PEER_HEADS = ["scene, transits", "model", "tolerance", "error", "steps", "ms", *
 
 @contextmanager
 def _silenced() -> Iterator[None]:
-    """No standard output, to which compiled peers print whenever an equation becomes stiff."""
+    """No output: compiled peers print whenever an equation becomes stiff or an error test fails."""
     sys.stdout.flush()
-    kept = os.dup(1)
+    kept = {number: os.dup(number) for number in (1, 2)}
     with open(os.devnull, "w") as nowhere:
-        os.dup2(nowhere.fileno(), 1)
         try:
+            for number in kept:
+                os.dup2(nowhere.fileno(), number)
             yield
         finally:
-            os.dup2(kept, 1)
-            os.close(kept)
+            for number, copy in kept.items():
+                os.dup2(copy, number)
+                os.close(copy)
