@@ -128,7 +128,7 @@ class Problem(NamedTuple):
         state = np.array([psi, ln_v, *([scene.steady_stress] if mass else []), *rest])
         if not mass:
             state[1] = _slid(numbers, ln_v, -numbers[4] * scene.start.jump_size)
-        ends, found, now = [*dict.fromkeys(one for one in drive.times if one > 0.0), scene.until], [], 0.0
+        ends, found, now = [*dict.fromkeys(one for one in drive.times if 0.0 < one < scene.until), scene.until], [], 0.0
         for end in ends:
             inside = self.times[(self.times > now) & (self.times < end)]
             states = integrate(numbers, state, np.array([now, *inside, end]))
