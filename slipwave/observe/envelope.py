@@ -5,18 +5,20 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from slipwave.compiled import njit
+from slipwave.compiled import inlined, njit
 from slipwave.friction import rates
+from slipwave.observe.extrema import bounds
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.scene import Scene
+from slipwave.scene.drive import Travelled
 
 COUNT = 4096
 """Intervals, at most; a figure is a thousand pixels wide."""
 
 _UNREAD = 1 << 19  # samples, 24 MB
 _FIRST = 2.0**-10  # length of an interval at first, in transits or in L of slip
-_ROWS = _TIME, _SLIP, _Z, _MU = range(4)
-_EMPTY = np.stack([np.full((len(_ROWS), COUNT), np.inf), np.full((len(_ROWS), COUNT), -np.inf)])
+_ROWS = 4
+_TIME, _SLIP, _Z, _MU = range(_ROWS)  # columns of the least values; those of the greatest follow
 
 Ranges: TypeAlias = tuple[Array, Array]
 """The least and the greatest values in each interval."""
@@ -43,8 +45,8 @@ class Envelope:
     def __init__(self, scene: Scene, nodes: Array, begin: float = 0.0, end: float = math.inf) -> None:
         self._scene, self._nodes = scene, np.asarray(nodes)
         self._begin, self._end = begin, end
-        self._bins = _Bins(), _Bins()
-        self._reached, self._origin = 0.0, math.nan
+        self._bins = _empty_bins(), _empty_bins()
+        self._reached, self._origin = 0.0, np.full(1, math.nan)
         self._unread: list[tuple[float, Pieces]] = []
 
     @property
@@ -60,27 +62,12 @@ class Envelope:
             self._read()
 
     def _read(self) -> None:
+        frame = _Frame(self._begin, self._end, self._scene.transit, self._scene.stiffness)
+        scratch = np.empty((_ROWS + 2, self._nodes.size))
         for reached, pieces in self._unread:
-            self._take(reached, pieces)
+            times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
+            _take(pieces, times, reached, frame, self._scene.drive.travelled, scratch, self._origin, *self._bins)
         self._unread.clear()
-
-    def _take(self, reached: float, pieces: Pieces) -> None:
-        """Add pieces after the time `reached`. After a gap, and in intervals longer than a transit, all samples of a transit go
-        to one interval, even if the next ones stay empty: a part of a transit has another range."""
-        time = pieces.time[:, None] + pieces.length[:, None] * self._nodes
-        inside = (time >= self._begin) & (time <= self._end)
-        if not inside.any():
-            return
-        pick = np.ravel if inside.all() else lambda values: values[inside]
-        transit = pick(np.broadcast_to(np.floor(pieces.time + SAME)[:, None], time.shape))
-        time, z, mu, y = (pick(values) for values in (time, pieces.z, pieces.mu, pieces.y))
-        slip = self._scene.transit * (self._scene.drive.travel(time) - y / self._scene.stiffness)
-        self._origin = float(slip[0]) if math.isnan(self._origin) else self._origin
-        samples = time, slip - self._origin, z, mu
-        by_time, by_slip = self._bins
-        by_time.add(np.maximum(transit - self._begin, 0.0) if by_time.width >= 1.0 else time - self._begin, samples)
-        gaps = (pieces.time > np.append(reached, pieces.time[:-1] + pieces.length[:-1]) + 0.5).any()
-        by_slip.add(samples[_SLIP][np.searchsorted(transit, transit)] if gaps else samples[_SLIP], samples)
 
     def by_time(self) -> Shown:
         """The motion so far over equal intervals of time."""
@@ -93,47 +80,117 @@ class Envelope:
         return self._shown(self._bins[1])
 
     def _shown(self, bins: "_Bins") -> Shown:
-        low, high = bins.ranges[:, :, np.isfinite(bins.ranges[0, 0])]
+        low, high = np.split(bins.ranges[np.isfinite(bins.ranges[:, 0])].T, 2)
         rate = rates(self._scene.law, low[_Z]), rates(self._scene.law, high[_Z])
         return Shown(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
 
     def state(self) -> dict[str, Array]:
         """The ranges so far, for a checkpoint."""
         self._read()
-        tables = {f"ranges{n}": np.concatenate([*bins.ranges]) for n, bins in enumerate(self._bins)}
-        widths = [bins.width for bins in self._bins]
-        return {"numbers": np.array([self._begin, self._end, self._reached, self._origin, *widths]), **tables}
+        tables = {f"ranges{n}": bins.ranges.T.copy() for n, bins in enumerate(self._bins)}
+        widths = [float(bins.width[0]) for bins in self._bins]
+        return {"numbers": np.array([self._begin, self._end, self._reached, self._origin[0], *widths]), **tables}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned. Raises ValueError if it is of another window."""
         self._unread.clear()
-        begin, end, self._reached, self._origin, *widths = state["numbers"].tolist()
+        begin, end, self._reached, origin, *widths = state["numbers"].tolist()
         if (begin, end) != (self._begin, self._end):
             raise ValueError(f"the window is {begin:g}:{end:g}; this run asks for {self._begin:g}:{self._end:g}")
-        by_time, by_slip = (_Bins(width, np.array(np.split(state[f"ranges{n}"], 2))) for n, width in enumerate(widths))
+        self._origin = np.full(1, origin)
+        by_time, by_slip = (_Bins(np.full(1, width), state[f"ranges{n}"].T.copy()) for n, width in enumerate(widths))
         self._bins = by_time, by_slip
 
 
-class _Bins:
-    """`ranges` (low and high, rows, intervals) of samples over intervals `width` long."""
+class _Frame(NamedTuple):
+    """The window from `begin` to `end` (transits); a `transit` in L/V*, and the `stiffness` of the slabs."""
 
-    def __init__(self, width: float = _FIRST, ranges: Array = _EMPTY) -> None:
-        self.width, self.ranges = width, ranges.copy()
+    begin: float
+    end: float
+    transit: float
+    stiffness: float
 
-    def add(self, positions: Array, samples: tuple[Array, ...]) -> None:
-        """Add the samples of all rows, (n,) each, at `positions` (n,) >= 0, which usually rise."""
-        while positions.max() >= COUNT * self.width:
-            left, right = self.ranges[:, :, ::2], self.ranges[:, :, 1::2]
-            halves = np.stack([np.minimum(left[0], right[0]), np.maximum(left[1], right[1])])
-            self.ranges, self.width = np.concatenate([halves, _EMPTY[:, :, COUNT // 2 :]], axis=2), 2.0 * self.width
-        for lowest, highest, values in zip(*self.ranges, samples, strict=True):
-            _widen(lowest, highest, positions, self.width, values)
+
+class _Bins(NamedTuple):
+    """The `ranges` (intervals, columns) of samples in intervals of `width` (1,); infinite where there are none."""
+
+    width: Array
+    ranges: Array
+
+
+def _empty_bins() -> _Bins:
+    return _Bins(np.full(1, _FIRST), np.repeat([[np.inf, -np.inf]], _ROWS, axis=1).repeat(COUNT, axis=0))
 
 
 @njit
-def _widen(lowest: Array, highest: Array, positions: Array, width: float, values: Array) -> None:
-    """Widen the ranges of the intervals of length `width` by `values` (n,) at `positions`."""
-    for i in range(positions.size):
-        k = int(max(positions[i] / width, 0.0))
-        lowest[k] = min(lowest[k], values[i])
-        highest[k] = max(highest[k], values[i])
+def _take(
+    pieces: Pieces,
+    times: Array,
+    reached: float,
+    frame: _Frame,
+    travelled: Travelled,
+    scratch: Array,
+    origin: Array,
+    by_time: _Bins,
+    by_slip: _Bins,
+) -> None:
+    """Add pieces, with nodes at `times`, after the time `reached`, as far as they are within the window; `origin` (1,): the slip
+    of the first sample, NaN before it. After a gap, and in intervals longer than a transit, all samples of a transit go to one
+    interval, even if the next ones stay empty: a part of a transit has another range."""
+    whole, gaps, here, transit, first = by_time.width[0] >= 1.0, False, 0, -math.inf, 0.0
+    samples, where = scratch[:_ROWS], scratch[_ROWS:]
+    for k in range(pieces.time.size):
+        gaps |= pieces.time[k] > reached + 0.5
+        reached = pieces.time[k] + pieces.length[k]
+    for k in range(pieces.time.size):
+        count = 0
+        for j in range(times.shape[1]):
+            time = times[k, j]
+            if not frame.begin <= time <= frame.end:
+                continue
+            while here + 1 < travelled.knots.size and travelled.knots[here + 1] <= time:
+                here += 1
+            since = time - travelled.knots[here]
+            pace = travelled.paces[here] + 0.5 * travelled.gains[here] * max(since, 0.0)
+            slip = frame.transit * (travelled.passed[here] + since * pace - pieces.y[k, j] / frame.stiffness)
+            if math.isnan(origin[0]):
+                origin[0] = slip
+            slip -= origin[0]
+            if math.floor(pieces.time[k] + SAME) > transit:
+                transit, first = math.floor(pieces.time[k] + SAME), slip
+            samples[_TIME, count], samples[_SLIP, count] = time, slip
+            samples[_Z, count], samples[_MU, count] = pieces.z[k, j], pieces.mu[k, j]
+            where[0, count] = max(transit - frame.begin, 0.0) if whole else time - frame.begin
+            where[1, count] = first if gaps else slip
+            count += 1
+        if count:
+            _widen(by_time, where[0, :count], samples)
+            _widen(by_slip, where[1, :count], samples)
+
+
+@inlined
+def _widen(bins: _Bins, where: Array, samples: Array) -> None:
+    """Widen the ranges of the intervals at the positions `where` (n,) by the first n of the `samples` (rows, nodes)."""
+    lowest, highest = bounds(where)
+    while highest >= COUNT * bins.width[0]:
+        _double(bins)
+    unit = 1.0 / bins.width[0]  # a power of two
+    together = int(max(lowest * unit, 0.0)) == int(max(highest * unit, 0.0))
+    for j in range(1 if together else where.size):
+        row = bins.ranges[int(max(where[j] * unit, 0.0))]
+        for column in range(_ROWS):
+            low, high = bounds(samples[column, : where.size]) if together else (samples[column, j], samples[column, j])
+            row[column], row[_ROWS + column] = min(row[column], low), max(row[_ROWS + column], high)
+
+
+@njit
+def _double(bins: _Bins) -> None:
+    """Make the intervals twice as long."""
+    bins.width[0] *= 2.0
+    for k in range(COUNT):
+        for column in range(2 * _ROWS):
+            sign = 1.0 if column < _ROWS else -1.0
+            least = math.inf
+            if 2 * k < COUNT:
+                least = min(sign * bins.ranges[2 * k, column], sign * bins.ranges[2 * k + 1, column])
+            bins.ranges[k, column] = sign * least

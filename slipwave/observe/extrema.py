@@ -53,9 +53,10 @@ def find_root(basis: Basis, values: Array, level: float, left: float, right: flo
 def differentiate(basis: Basis, values: Array, slopes: Array) -> None:
     """slopes <- derivative of the polynomial at the nodes."""
     for i in range(values.size):
-        slopes[i] = 0.0
+        slope = 0.0
         for j in range(values.size):
-            slopes[i] += basis.derivative[i, j] * values[j]
+            slope += basis.derivative[i, j] * values[j]
+        slopes[i] = slope  # stored once: what is stored may be what is read next
 
 
 @njit
@@ -125,12 +126,14 @@ def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot
 def _peak(basis: Basis, values: Array, slopes: Array, sign: float, begin: float, end: float) -> float:
     """Maximum of sign * polynomial at `end` and where it turns in [begin, end]; `slopes` are those at the nodes."""
     n = values.size
-    best = sign * evaluate(basis, values, end)
-    left, before = begin, sign * evaluate(basis, slopes, begin)
+    best = sign * (values[n - 1] if end == basis.nodes[n - 1] else evaluate(basis, values, end))
+    left, before = begin, 0.0
     for j in range(n + 1):
         right = min(basis.nodes[j], end) if j < n else end
         if right > left:
             slope = sign * (slopes[j] if j < n and right == basis.nodes[j] else evaluate(basis, slopes, right))
+            if left == begin and slope <= 0.0:  # else the slope there decides nothing
+                before = sign * evaluate(basis, slopes, begin)
             if before > 0.0 >= slope:
                 peak = sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right)))
                 best = max(best, _trusted(peak, values, sign))

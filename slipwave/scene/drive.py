@@ -44,6 +44,16 @@ class Ramps(NamedTuple):
     velocities: Array
 
 
+class Travelled(NamedTuple):
+    """The integral of V: times of the `knots` (transits), V there (`paces`, V*), its growth after each (`gains`, V* per
+    transit), and the integral before it (`passed`)."""
+
+    knots: Array
+    paces: Array
+    gains: Array
+    passed: Array
+
+
 @by_class(inline=True)
 def velocity_at(drive: Any, time: float, within: float) -> float:
     """V (in V*) at `time` (transits), on the straight stretch of V that contains `within`.
@@ -126,18 +136,18 @@ class Drive:
         """The integral of V (in V*) from its first knot to `times` (transits)."""
         if self.is_constant:
             return self.initial * (times - self.times[0])
-        knots, paces, lasts, rise, passed = self._travelled
+        knots, paces, gains, passed = self.travelled
         here = np.maximum(np.searchsorted(knots, times, side="right") - 1, 0)
         since = times - knots[here]
-        gains = np.divide(rise, lasts, out=np.zeros_like(rise), where=lasts > 0.0)
         return np.asarray(passed[here] + since * (paces[here] + 0.5 * gains[here] * np.maximum(since, 0.0)))
 
     @cached_property
-    def _travelled(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Times of the knots, V there, time to the next knot, rise of V until then, and the integral of V before."""
+    def travelled(self) -> Travelled:
+        """What `travel` reads."""
         knots, paces = np.array(self.times), np.array(self.velocities)
         lasts, rise = np.append(np.diff(knots), 1.0), np.append(np.diff(paces), 0.0)
-        return knots, paces, lasts, rise, np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise))))
+        gains = np.divide(rise, lasts, out=np.zeros_like(rise), where=lasts > 0.0)
+        return Travelled(knots, paces, gains, np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise)))))
 
 
 def steady_drive(velocity: float) -> Drive:
