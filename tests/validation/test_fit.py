@@ -7,13 +7,11 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import slipwave as sw
-from reduced.impedance.reduce import reduction_of
-from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.drawn import chart_of_fit, values_in_words
-from validation.fit.forward import OfReduction, OfSolver, marched
+from validation.fit.forward import OfReduction, OfSolver, solved
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
 from validation.fit.problem import problem_of
@@ -230,8 +228,7 @@ def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_
     sample = STICKING | {"interface": STICKING["interface"] | law, "slab": thin, "drive": {"velocity": "1 um/s"}}
     scene = read(sample)
     set_going = disturbed(Variants(scene, (), schedule_of(scene))).scene(np.empty(0))
-    slabs = ReducedSlabs(set_going, lambda one: reduction_of(one, "quasidynamic"), STAGES)
-    assert marched(slabs, 1.4e9, 1e-7).time.size < 3000
+    assert sum(pieces.time.size for pieces in solved("quasidynamic", set_going, 1.4e9, 1e-7)) < 3000
     found = sw.fit(sample, data=[str(path)], free=KEYS)
     for key, value in zip(KEYS, (a, b, length), strict=True):
         row = found.summary["parameters"][key]

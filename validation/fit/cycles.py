@@ -12,14 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.ode.slabs import ReducedSlabs
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
 from slipwave.step.collocation import radau
 from validation.data.events import FALL, SlipEvents, falls, noise_of, slip_events
-from validation.fit.forward import Reduced, marched, sampled
+from validation.fit.forward import Reduced, sampled
 from validation.fit.parameters import Variants, sizes
 
 BINS = 48
@@ -201,10 +200,10 @@ class CycleOfReduction(Reduced):
         times = np.arange(0.4 * pieces.time[-1] * clock, pieces.time[-1] * clock, every)
         return times, sampled(pieces, times / clock, [pieces.mu])[0]
 
-    def _march(self, slabs: ReducedSlabs) -> Pieces:
+    def _march(self, scene: Scene) -> Pieces:
         for longer in _LONGER:
-            until = float(np.ceil(longer * (_SETTLED + 1.5) * self._period / sizes(slabs.scene)[0]))
-            pieces = marched(slabs, until, self._tolerance)
+            until = float(np.ceil(longer * (_SETTLED + 1.5) * self._period / sizes(scene)[0]))
+            pieces = self._until(scene, until)
             events = self._falls(pieces)
             if len(events) >= _SETTLED and self._is_settled(pieces, events[-3:]):
                 break

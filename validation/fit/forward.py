@@ -9,7 +9,7 @@ import numpy as np
 from reduced.delay.sensitivity import delay_sensitivity
 from reduced.families import DELAY
 from reduced.impedance.reduce import reduction_of
-from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
+from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis, slack
@@ -73,12 +73,22 @@ class Reduced(Forward):
     def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:
         if self._last is None or not np.array_equal(self._last[0], inner):
             slabs = ReducedSlabs(self.scene(inner), lambda one: reduction_of(one, self._model), STAGES)
-            self._last = inner.copy(), slabs, self._march(slabs)
+            self._last = inner.copy(), slabs, self._march(slabs.scene)
         return self._last[1:]
 
     @abstractmethod
-    def _march(self, slabs: ReducedSlabs) -> Pieces:
+    def _march(self, scene: Scene) -> Pieces:
         """The motion that is to be seen."""
+
+    def _until(self, scene: Scene, until: float) -> Pieces:
+        """The motion up to `until` (transits). Raises NumericsError if it takes too many steps or is not finite."""
+        parts, steps = [], 0
+        for part in solved(self._model, scene, until, self._tolerance):
+            parts.append(part)
+            steps += part.time.size
+            if steps > _MOST_STEPS or not math.isfinite(float(part.z[-1, -1])):
+                raise NumericsError(f"{self._model}: more than {_MOST_STEPS} steps at t = {part.time[-1]:.6g} transits")
+        return Pieces.joined(parts)
 
     @abstractmethod
     def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
@@ -92,8 +102,8 @@ class OfReduction(Reduced):
         super().__init__(variants, model, tolerance)
         self._times = times
 
-    def _march(self, slabs: ReducedSlabs) -> Pieces:
-        return marched(slabs, self._times[-1] / sizes(slabs.scene)[0], self._tolerance)
+    def _march(self, scene: Scene) -> Pieces:
+        return self._until(scene, self._times[-1] / sizes(scene)[0])
 
     def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
         times = np.clip(self._times / sizes(scene)[0], 0.0, pieces.time[-1] + pieces.length[-1])
@@ -148,7 +158,7 @@ def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator
     has_grid = model.partition(":")[0] in [one.name for one in GRIDS]
     solver = build(model, scene) if has_grid else build(model, scene, tolerance=tolerance)
     end = float(np.ceil(until))
-    while solver.time < end - SAME:
+    while solver.time < end - slack(end):
         yield solver.leap(end, end, False) if isinstance(solver, Leaping) else solver.advance(end)
 
 
@@ -160,15 +170,3 @@ def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
         four = [*rows[k : k + 4], *[pieces.mu] * 3][:4]
         found += values_at(Pieces(pieces.time, pieces.length, *four), basis, times)
     return found[: len(rows)]
-
-
-def marched(slabs: ReducedSlabs, until: float, tolerance: float) -> Pieces:
-    """The pieces of a march from the start to `until` (transits). Raises NumericsError if it fails or takes too many steps."""
-    solver = ReducedModel(slabs.scene, slabs.reduction, tolerance)
-    parts, steps = [solver.advance(until)], 0
-    while solver.time < until - slack(until):
-        parts.append(solver.advance(until))
-        steps += parts[-1].time.size
-        if steps > _MOST_STEPS or not math.isfinite(float(parts[-1].z[-1, -1])):
-            raise NumericsError(f"{slabs.model}: more than {_MOST_STEPS} steps at t = {solver.time:.6g} transits")
-    return Pieces.joined(parts)
