@@ -4,6 +4,7 @@ from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reduced.impedance import Complex, Jet
 from slipwave.errors import NumericsError
@@ -53,6 +54,8 @@ def resolved(function: Function, corners: Complex, anchors: tuple[complex, ...] 
     """
     floor = _SHORTEST * float(np.abs(corners).max())
     points = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)] + [corners[-1:]])
+    while (long := _beside(points, anchors, floor)).any():  # halves of a piece that is short enough here are too
+        points = np.insert(points, np.flatnonzero(long) + 1, 0.5 * (points[:-1] + points[1:])[long])
     jet = function(points)
     value, slope = jet.value, jet.slope
     while True:
@@ -66,8 +69,6 @@ def resolved(function: Function, corners: Complex, anchors: tuple[complex, ...] 
         long = (np.maximum(rate[1:], rate[:-1]) * pieces > _STEP) | (np.abs(turn) > np.pi / 3.0)
         if np.any(long & (pieces < _FINEST * np.abs(points[1:]))):
             raise OnContour(f"stability: a root lies on the contour near s = {points[int(np.argmax(rate))]:.6g}")
-        for anchor in anchors:
-            long |= pieces > np.maximum(np.abs(0.5 * (points[1:] + points[:-1]) - anchor), floor)
         if not long.any():
             return points, Jet(value, slope)
         if len(points) > _MOST_POINTS:
@@ -81,6 +82,15 @@ def resolved(function: Function, corners: Complex, anchors: tuple[complex, ...] 
         points, value, slope = (
             np.insert(old, at, new) for old, new in ((points, middles), (value, jet.value), (slope, jet.slope))
         )
+
+
+def _beside(points: Complex, anchors: tuple[complex, ...], floor: float) -> NDArray[np.bool_]:
+    """Which pieces between `points` are longer than `floor` and than their distance from one of the `anchors`."""
+    pieces, middles = np.abs(np.diff(points)), 0.5 * (points[1:] + points[:-1])
+    long = np.zeros(pieces.size, dtype=bool)
+    for anchor in anchors:
+        long |= pieces > np.maximum(np.abs(middles - anchor), floor)
+    return long
 
 
 def count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> int:
