@@ -43,6 +43,7 @@ wheel: $(STAMP)
 	$(BIN)/python -m tests.wheel $(if $(QUICK),--quick-report)
 
 # run times and their ratios, against another program with YARDSTICK=PROGRAM.py; judges nothing
+bench: export PYTHONDONTWRITEBYTECODE =
 bench: $(STAMP) requirements-bench.lock
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --requirement requirements-bench.lock >/dev/null 2>&1 || \
 	echo "numbalsoda cannot be built here (it needs gfortran and a C++ compiler): its LSODA and DOP853 are left out" >&2

@@ -139,7 +139,6 @@ def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
             _whole(plain_kelvin_voigt, paper, 300.0, 1e-8),
             run(Setting("kelvin-voigt", tolerance=1e-8), paper, 300.0),
         ),
-        "slipwave run paper over bare Python": (_process("-m", "validation.cli", "run", "paper", "--json"), _process("-c", "")),
         "slipwave --help over bare Python": (_process("-m", "validation.cli", "--help"), _process("-c", "")),
     }
     for model in ("block12", "kelvin-voigt", "modal:8"):
