@@ -4,15 +4,19 @@ A jump at t = 0 returns after every round trip, and after every sum of round tri
 for the kink that a knot of the drive causes, and for the jump of a higher derivative that it causes behind a mass. Breaks are
 measured: at each step's start the waves just launched at every end of every layer are compared, in value and three derivatives,
 with those of the step before. If a step without an end there would err by more than the tolerance, its arrival at the layer's
-other end becomes a break point, where a step ends. Smaller breaks are not followed.
+other end becomes a break point, where a step ends. Smaller breaks are not followed. Where none is left, because sliding has
+damped all echoes, steps are equal, as in any network, until V has its next kink.
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
+from reduced.delay.alike import TransitMesh
 from reduced.delay.break_kernel import FILLED, FOLLOWED, TOO_MANY, WAITING, Ends, History, march_breaks
 from reduced.delay.kernel import DelayMemory
+from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.march import next_count
-from reduced.delay.network import DelayNetwork
+from reduced.delay.network_kernel import NetworkLines, lines_with
 from reduced.delay.transmission_lines import NODES, Lines
 from slipwave.errors import NumericsError
 from slipwave.friction import respond
@@ -24,29 +28,27 @@ from slipwave.step.nodal import PSI, TIME, Interface, constant_guess
 
 _RING = 8192
 _PIECES = 256
+_SOON = 64.0  # steps; equal steps are not worth while before a kink of V that lies nearer
 _DERIVATIVES = 3  # a jump of V makes a face with a mass and no dashpot jump in the second, a kink of V in the third
 
 
-class DelayBreaks(DelayNetwork):
+class DelayBreaks(LeapingNetwork):
     """As `DelayNetwork`, with steps of varying length that end where a break arrives; about 4 microseconds per step.
 
     Delayed waves at a node are interpolated in the past step in which they left. Equal steps need a projection (`delay_rows`),
     because some delays amplify noise at every return; steps of varying length do not: for such delays psi(600) agrees with the
     full wave to 2e-11, at a tolerance of 1e-9 and with no more steps.
 
-    `break_points` counts the jumps and kinks that were followed. Raises NumericsError if they need more than the stored history.
+    `break_points` counts the jumps and kinks that were followed. Where none is to come but kinks of V, `leap` takes the equal
+    steps and the leaps of `LeapingNetwork`; from two steps before a kink of V on, breaks are followed again. Raises NumericsError
+    if they need more than the stored history.
     """
 
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
         super().__init__(scene, tolerance, lines=lines)
-        layers, each = self._layers.travel.size, (self._layers.travel.size, self._stages)
-        weights = np.zeros((*each, 1, self._stages))  # every node reads from a step of its own
-        network = self._lines.network._replace(
-            whole=np.zeros(layers, dtype=np.bool_), back=np.zeros(each, dtype=np.int64), weights=weights
-        )
-        self._lines = self._lines._replace(network=network, waves=np.zeros((layers, 2, _RING, self._stages)))
         self._ends = self._ends_for(tolerance)
-        self._remember(np.empty((0, 2)), np.array([time for time in scene.drive.knots if time > 0.0]), 0)
+        self._lines, self._follows = self._lines_of_breaks(np.empty((0, 2)), self._lines.waves[:, :, :0], self._lines.tops), True
+        self._remember(np.empty((0, 2)), self._kinks(), 0)
 
     @property
     def break_points(self) -> int:
@@ -55,15 +57,91 @@ class DelayBreaks(DelayNetwork):
 
     def advance(self, until: float) -> Pieces:
         """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
+        if not self._follows:
+            near = self._next_kink() - 2.0 * self._length
+            if self.time < near:
+                return super().advance(min(until, near))
+            self._follow()
         pieces = empty_pieces(_PIECES, self._stages)
         while True:
             trail = (self._history, self._ends._replace(longest=self._length))
-            march = (self._physics, self._lines, self._memory, self._nodal, trail, self._limits, until - SAME)
+            march = (self._physics, self._lines, self._memory, self._nodal, trail, self._limits_of_breaks, until - SAME)
             steps, iterations, verdict = march_breaks(self._shape, *march, pieces)
             self.iterations += iterations
             if steps:
                 return pieces.part(slice(steps))
             self._refine(verdict)
+
+    def leap(self, until: float, end: float, gaps: bool) -> Pieces:
+        """As `Leaping`."""
+        if not self._follows:
+            return super().leap(until, end, gaps)
+        if not self._is_quiet():
+            return self.advance(until)
+        pieces = self.advance(self.time + 0.5 * self._length)  # one step, at whose start a break may still be launched
+        if self._is_quiet():
+            self._settle()
+        return pieces
+
+    def _kinks(self) -> Array:
+        """The kinks of V that are still to come."""
+        return np.array([time for time in self.scene.drive.knots if time > self.time])
+
+    def _is_quiet(self) -> bool:
+        """Whether no break point is to come but kinks of V, none of them soon, and the past steps reach back far enough."""
+        counts, reach = self._history.counts, float(self._layers.travel.max()) + _SOON * self._length
+        if counts[WAITING] > len(self.scene.drive.knots) or counts[WAITING] > self._kinks().size or not counts[FILLED]:
+            return False
+        known = self._history.starts[self._order()[0]] < self.time - reach
+        return bool(known and self._next_kink() > self.time + reach)
+
+    def _settle(self) -> None:
+        """Go on in equal steps."""
+        order, network = self._order(), self._compile(self._length)
+        ring = int(network.back.max()) + 1
+        kept = order[np.searchsorted(self._history.starts[order], self.time - ring * self._length, side="right") - 1 :]
+        starts, lengths = self._history.starts[kept] - self.time, self._history.lengths[kept]
+        past, new = (TransitMesh(n.size, n, begin) for n, begin in ((lengths, starts), self._equal(ring)))
+        waves = past.resample(self._lines.waves[:, :, kept], self.nodes, new)
+        self._lines, self._follows = lines_with(network, waves, self._lines.tops), False
+        self._begin_anew()
+
+    def _follow(self) -> None:
+        """Go on in steps that end on break points."""
+        _, _, waves, tops, cursor, _ = self._lines
+        ring, followed = waves.shape[2], self.break_points
+        lengths, starts = self._equal(ring)
+        past = np.column_stack([self.time + starts, lengths])
+        self._lines, self._follows = self._lines_of_breaks(past, np.roll(waves, -int(cursor[0]), axis=2), tops), True
+        self._remember(past, self._kinks(), followed)
+        self._begin_anew()
+
+    def _equal(self, ring: int) -> tuple[Array, Array]:
+        """Lengths of the last `ring` equal steps, and their starts (transits from now)."""
+        return np.full(ring, self._length), self._length * np.arange(-ring, 0.0)
+
+    def _begin_anew(self) -> None:
+        """Begin a new grid of steps now."""
+        now, z = self._memory.now, float(self._memory.guess.z[0])
+        self._memory = DelayMemory(constant_guess(now[PSI], z, self._stages), now)
+        self._origin, self._done, self._frozen = self.time, 0, None
+
+    def _order(self) -> NDArray[np.int64]:
+        """Ring indices of the past steps, oldest first."""
+        filled = int(self._history.counts[FILLED])
+        return (int(self._lines.cursor[0]) - filled + np.arange(filled)) % _RING
+
+    def _lines_of_breaks(self, past: Array, waves: Array, tops: Array) -> NetworkLines:
+        """The lines with the `waves` of the `past` steps, oldest first; every node reads from a step of its own."""
+        layers, steps = self._layers.travel.size, past.shape[0]
+        network = self._compile(self._length)._replace(
+            whole=np.zeros(layers, dtype=np.bool_),
+            back=np.zeros((layers, self._stages), dtype=np.int64),
+            weights=np.zeros((layers, self._stages, 1, self._stages)),
+        )
+        ring = np.zeros((layers, 2, _RING, self._stages))
+        ring[:, :, :steps] = waves
+        return lines_with(network, ring, tops, steps % _RING)
 
     def _ends_for(self, tolerance: float) -> Ends:
         scene, lines, basis = self.scene, self._layers, lagrange_basis(self.nodes)
@@ -94,6 +172,9 @@ class DelayBreaks(DelayNetwork):
 
     def _refine(self, verdict: int) -> None:
         """Shorten the longest step; past steps keep their own lengths."""
+        if not self._follows:
+            super()._refine(verdict)
+            return
         if verdict == TOO_MANY:
             raise NumericsError(
                 f"delay: more than {_RING} break points within a travel time at t = {self._memory.now[TIME]:.6g} transits (scene "
@@ -108,28 +189,42 @@ class DelayBreaks(DelayNetwork):
     def state(self) -> State:
         """As `Solver`: start and length of the `past` steps (steps, 2), the `waves` launched in them (layers, 2, steps, s), the
         next break points in order, `arrivals` (points, 1), and the present state; `counts`: longest steps in their span, break
-        points, failures, iterations."""
-        lines, memory, history = self._lines, self._memory, self._history
-        filled, waiting, followed = (int(count) for count in history.counts[[FILLED, WAITING, FOLLOWED]])
-        order = (int(lines.cursor[0]) - filled + np.arange(filled)) % _RING
+        points, 0, failures, iterations. In equal steps as `LeapingNetwork`, no `past`, and `arrivals` (1, 1): break points."""
+        if not self._follows:
+            return super().state() | {"past": np.empty((0, 2)), "arrivals": np.array([[float(self.break_points)]])}
+        lines, memory, history, order = self._lines, self._memory, self._history, self._order()
+        waiting, followed = (int(count) for count in history.counts[[WAITING, FOLLOWED]])
         return {
-            "counts": np.array([self._count, followed, self.failures, self.iterations], dtype=float),
+            "counts": np.array([self._count, followed, 0, self.failures, self.iterations], dtype=float),
+            "origin": np.zeros(1),
             "past": np.column_stack([history.starts[order], history.lengths[order]]),
             "waves": lines.waves[:, :, order],
             "arrivals": history.arrivals[:waiting, None].copy(),
             "tops": lines.tops.copy(),
             "guess": np.stack(memory.guess),
             "now": memory.now.copy(),
-        }
+        } | self._state_of_leaps()
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
-        count, points, failures, iterations = whole_numbers(state, "counts", (1, 0, 0, 0))
         steps = min(state["past"].shape[0] if "past" in state else 0, _RING)
-        shapes = {"past": (steps, 2), "waves": (self._layers.travel.size, 2, steps, self._stages), "arrivals": (-1, 1)}
+        if not steps and "waves" in state and state["waves"].shape[2:3] > (0,):
+            kept = tables(state, {"past": (0, 2), "arrivals": (1, 1)}, self.model)
+            super().restore(state)
+            self._follows = False
+            self._remember(kept["past"], np.empty(0), int(kept["arrivals"][0, 0]))
+            return
+        leaps = self._leaps_of(state)
+        count, points, _, failures, iterations = whole_numbers(state, "counts", (1, 0, 0, 0, 0))
+        shapes = {
+            "origin": (1,),
+            "past": (steps, 2),
+            "waves": (self._layers.travel.size, 2, steps, self._stages),
+            "arrivals": (-1, 1),
+        }
         saved = tables(state, shapes | self._present(), self.model)
-        self._count, self.failures, self.iterations = count, failures, iterations
+        self._follows, self._count, self.failures, self.iterations = True, count, failures, iterations
         self._remember(saved["past"], saved["arrivals"].ravel(), points)
-        self._lines.waves[:, :, :steps] = saved["waves"]
-        self._lines = self._lines._replace(tops=saved["tops"], cursor=np.array([steps % _RING]))
+        self._lines = self._lines_of_breaks(saved["past"], saved["waves"], saved["tops"])
         self._memory = DelayMemory(Interface(*saved["guess"]), saved["now"])
+        self._restore_leaps(leaps)

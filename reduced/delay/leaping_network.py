@@ -73,6 +73,7 @@ class LeapingNetwork(DelayNetwork):
     def __init__(self, scene: Scene, tolerance: float = 1e-9, lines: Lines | None = None) -> None:
         super().__init__(scene, tolerance, lines=lines)
         self._tolerance, self._allowed = tolerance, _SHARE * tolerance
+        self._limits_of_breaks = self._limits
         self._limits = self._limits._replace(newton=max(_NEWTON * tolerance, 1e-14))
         self._reach, self._pause = _FIRST, _PAUSE
         self._next_try = float(NUDGE_CENTRE + NUDGE_REACH) if scene.forcing.nudge else 0.0
@@ -104,16 +105,26 @@ class LeapingNetwork(DelayNetwork):
     def state(self) -> State:
         """As `DelayNetwork`, and `leaps`: steps of the next leap, pause (transits) after one that fails; `tries`: transits
         skipped, time of the next try."""
-        leaps = {"leaps": np.array([self._reach, self._pause], dtype=float), "tries": np.array([self.skipped, self._next_try])}
-        return super().state() | leaps
+        return super().state() | self._state_of_leaps()
+
+    def _state_of_leaps(self) -> State:
+        return {"leaps": np.array([self._reach, self._pause], dtype=float), "tries": np.array([self.skipped, self._next_try])}
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
-        reach, pause = whole_numbers(state, "leaps", (1, 1))
-        saved = tables(state, {"tries": (2,)}, self.model)
+        leaps = self._leaps_of(state)
         super().restore(state)
-        self._reach, self._pause, self._frozen = reach, pause, None
-        self.skipped, self._next_try = (float(value) for value in saved["tries"])
+        self._restore_leaps(leaps)
+
+    def _leaps_of(self, state: State) -> tuple[int, int, float, float]:
+        """What `_state_of_leaps` has written, checked."""
+        reach, pause = whole_numbers(state, "leaps", (1, 1))
+        skipped, next_try = (float(value) for value in tables(state, {"tries": (2,)}, self.model)["tries"])
+        return reach, pause, skipped, next_try
+
+    def _restore_leaps(self, leaps: tuple[int, int, float, float]) -> None:
+        self._reach, self._pause, self.skipped, self._next_try = leaps
+        self._frozen = None
 
     def _next_kink(self) -> float:
         """The next time (transits) at which V has a kink; infinite if there is none."""

@@ -213,9 +213,9 @@ _ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes 
 
 def delay_system(scene: Scene, tolerance: float = 1e-9) -> "Delay | DelayNetwork":
     """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
-    ones. If equal steps cannot end on the jumps and kinks, steps end on these (`DelayBreaks`), hundreds in a transit. The solver
-    is `Leaping`. For alike plain slabs in a scene that records nothing, does not start on its orbit and needs few steps, only the
-    state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
+    ones. If equal steps cannot end on the jumps and kinks, steps end on these (`DelayBreaks`), hundreds in a transit, until their
+    echoes have decayed. The solver is `Leaping`. For alike plain slabs in a scene that records nothing, does not start on its
+    orbit and needs few steps, only the state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
     """
     if scene.alike and scene.upper.is_plain:
         shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT or first_steps(scene, NODES) >= MOST_FIRST_STEPS
