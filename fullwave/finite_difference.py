@@ -25,6 +25,7 @@ from fullwave.leapfrog.viscous import steady_side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
 from fullwave.sampling import pieces_until, sample_nodes
+from fullwave.slabs import marched_slabs
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
 from slipwave.scene import Scene
 from slipwave.solve import Energy, Snapshot, State, take_back, whole_numbers
@@ -56,10 +57,10 @@ class Leapfrog:
     def _set_up(self) -> None:
         scene, cells, cfl = self.scene, self.cells, self.cfl
         self.step = common_step(scene, cells, cfl)
-        travels = [slab.round_trip / scene.transit for slab in scene.slabs]
+        travels = [slab.round_trip / scene.transit for slab in marched_slabs(scene)]
         require_bytes(cells, _CELL_BYTES * cfl * 0.5 * sum(travels) / self.step)
-        self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in scene.slabs]
-        self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(scene.slabs, self._grids, strict=True)]
+        self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in marched_slabs(scene)]
+        self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(marched_slabs(scene), self._grids, strict=True)]
         self._lower = None if scene.alike else self._sides[1]
         self._memory = steady_memory(scene)
         self._sample = -1

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fullwave.lines.panels import LANES
 from fullwave.lines.system import SCALARS, Elastic, GridInterface, Operator, System, Tops, Traces, Viscous
 from fullwave.options import MOST_CELLS, require_whole
+from fullwave.slabs import marched_slabs
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.slab import KelvinVoigtViscosity, StandardLinearViscosity
@@ -84,7 +85,7 @@ def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
     so many that its cells are not longer, and every layer has at least `fewest`. Raises SceneError naming cells and the allowed
     range."""
     require_whole("cells", cells, fewest, MOST_CELLS)
-    slabs = scene.slabs
+    slabs = marched_slabs(scene)
     shortest = min(slab.round_trip for slab in slabs)
     sections = []
     for index, slab in enumerate(slabs):
@@ -150,7 +151,7 @@ def _traces(chains: Sequence[tuple[Block, ...]], medium: Elastic | Viscous) -> T
 
 def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], traces: Traces) -> Tops:
     columns = []
-    for index, (slab, chain) in enumerate(zip(scene.slabs, chains, strict=True)):
+    for index, (slab, chain) in enumerate(zip(marched_slabs(scene), chains, strict=True)):
         held, impedance = slab.termination.in_transits(scene.transit), chain[-1].section.impedance
         if held.is_rigid:
             columns.append((1.0, 0.0, 0.0, 0.0, 0.0, 0.0))
@@ -175,7 +176,7 @@ def energy_weight(grid: BlockGrid) -> Array:
 
 
 def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
-    slabs = scene.slabs
+    slabs = marched_slabs(scene)
     if all(slab.viscosity is None for slab in slabs):
         return Elastic()
     rate, fraction, delay, total, spare = (np.zeros(grid.size) for _ in range(5))
@@ -192,8 +193,8 @@ def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
 
 
 def _interface(scene: Scene, traces: Traces, size: int, viscous: bool) -> GridInterface:
-    sides = len(scene.slabs)
-    has_mass = any(slab.termination.mass > 0.0 for slab in scene.slabs)
+    sides = len(marched_slabs(scene))
+    has_mass = any(slab.termination.mass > 0.0 for slab in marched_slabs(scene))
     joints = traces.lift.size // 2 - sides
     copies = 2.0 if sides == 1 else 1.0
     ends = slice(2 * joints, 2 * joints + sides)

@@ -1,6 +1,6 @@
-"""The exact delay system (29, 35) for alike plain slabs, by Radau collocation whose steps divide the transit (`transit_mesh`).
+"""The exact delay system (29, 35) for plain slabs of equal round trips, by Radau collocation whose steps divide the transit.
 
-They are equal between the kinks of the drive, which return every transit, and halved where the motion needs it.
+Steps (`transit_mesh`) are equal between the kinks of the drive, which return every transit, and halved where the motion needs it.
 
 A knot of the drive at t causes a kink of the load at t and, half a transit later, of the wave that reaches the interface. Its
 echoes return every transit for ever. A polynomial across a kink is only first-order accurate, so steps must end on kinks. The
@@ -24,7 +24,7 @@ from slipwave.friction import allows_rest, rates, respond, unknown_of
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
-from slipwave.scene.drive import Drive
+from slipwave.scene.drive import Drive, velocity_at
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
 from slipwave.step.flow import Cycle, InterfaceState
@@ -148,16 +148,15 @@ class Delay(DelayMarch):
     def __init__(
         self, scene: Scene, nodes: int | None = None, steps: int | None = None, tolerance: float = 1e-9, emit: bool = True
     ) -> None:
-        refuse_unless_plain(scene)
         stages = nodes or (_LOOSE_NODES if tolerance > _LOOSE else _TIGHT_NODES)
         super().__init__(scene, stages, tolerance, dense_resolution(tolerance, stages) if emit else end_resolution(tolerance))
         self._emit, self._negligible = emit, _SHARE * tolerance
         self.settings = {"nodes": stages, "steps": steps, "tolerance": tolerance, "emit": emit}
         self._cuts = cuts_of(scene.drive)
         mesh = transit_mesh(steps or first_steps(scene, stages), self._cuts)
-        incoming = scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity
+        self._impedance = plain_impedance(scene)
         start = np.array([0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress])
-        self._remember(mesh, np.full((mesh.steps, stages), incoming), start)
+        self._remember(mesh, first_waves(scene, mesh, self.nodes), start)
         self._beginning = (mesh, self._lines.incoming.copy(), start)
         self._waiting = empty_pieces(0, stages)
         self._march(0, self._waiting)  # loads or compiles the march, so that a run's wall time does not include that
@@ -290,19 +289,30 @@ class Delay(DelayMarch):
 
     def _remember(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
         """Set the memory at a whole transit, with guesses for constant psi."""
-        guess = self._first_guess(0.5 * self.scene.upper.epsilon, incoming[0], now[PSI])
+        guess = self._first_guess(self._impedance, incoming[0], now[PSI])
         self._take(mesh, incoming, DelayMemory(guess, now.copy()))
 
     def _take(self, mesh: TransitMesh, incoming: Array, memory: DelayMemory) -> None:
         """Continue from this memory in the steps of `mesh`."""
         self._mesh, self._clock, self._memory = mesh, Clock(0.0, np.append(mesh.starts, 1.0), mesh.lengths), memory
-        self._lines = alike_lines(0.5 * self.scene.upper.epsilon, incoming)
+        self._lines = alike_lines(self._impedance, incoming)
 
 
-def refuse_unless_plain(scene: Scene) -> None:
-    """Raises SceneError unless both slabs are alike, homogeneous, elastic and driven through rigid faces."""
-    if not (scene.alike and scene.upper.is_plain):
-        raise SceneError(f"model = delay: scene {scene.name!r} is not a pair of alike plain slabs with rigid faces")
+def plain_impedance(scene: Scene) -> float:
+    """Z = epsilon/2 of plain slabs of equal round trips. Raises SceneError for all others."""
+    (slab, *others) = scene.slabs
+    if others or not slab.is_plain:
+        raise SceneError(f"model = delay: scene {scene.name!r} is not a pair of plain slabs with equal round trips")
+    return 0.5 * slab.epsilon
+
+
+def first_waves(scene: Scene, mesh: TransitMesh, nodes: Array) -> Array:
+    """S at the nodes of the first transit's steps (steps, s): that of steady sliding and, from half a transit on, what the drive
+    has sent since t = 0."""
+    impedance, drive, late = plain_impedance(scene), scene.drive.compiled, mesh.starts - 0.5
+    times, middles = late[:, None] + nodes * mesh.lengths[:, None], late + 0.5 * mesh.lengths
+    rates = [[velocity_at(drive, time, middle) for time in row] for row, middle in zip(times, middles, strict=True)]
+    return scene.steady_stress + impedance * (2.0 * np.array(rates) - scene.velocity)
 
 
 def end_resolution(tolerance: float) -> float:

@@ -119,11 +119,11 @@ class DelayFlow:
         return self._state(waves, tops.reshape(*self.tops_remembered.shape, -1), psi, cursor, fraction)
 
     def essential_radius(self, cycle: Cycle) -> float:
-        """As `Flow`: the spectral radius of the waves' motion with psi held. For alike plain slabs the interface returns a wave
-        with the factor rho = (F_v - epsilon/2)/(F_v + epsilon/2), and the radius is exp of the integral of ln |rho| over the
+        """As `Flow`: the spectral radius of the waves' motion with psi held. For plain slabs of equal round trips the interface
+        returns a wave with the factor rho = (F_v - Z)/(F_v + Z), and the radius is exp of the integral of ln |rho| over the
         period. Slabs of incommensurate round trips with lossless faces have modes with arbitrarily small stress at the interface:
         the radius is 1. In all other cases it is that of the frozen `tangent`."""
-        if self.scene.alike and self.scene.upper.is_plain:
+        if self.scene.is_plain:
             steps, fraction = self._steps(cycle.period)
             points, weights = np.polynomial.legendre.leggauss(_FINE)
             total = 0.0
@@ -131,7 +131,7 @@ class DelayFlow:
                 rows = interpolation_matrix(self._basis, 0.5 * length * (points + 1.0))
                 law, psi = self.scene.law, cycle.pieces.psi[part]
                 z = resampled(law, cycle.pieces.z[part], psi, lambda nodal: nodal @ rows.T)  # noqa: B023 (called at once)
-                total += 0.5 * length * float(logs_of_return(law, 0.5 * self.scene.upper.epsilon, z, psi @ rows.T) @ weights)
+                total += 0.5 * length * float(logs_of_return(law, 0.5 * self._lines.impedance[0], z, psi @ rows.T) @ weights)
             return math.exp(self.length * total)
         if self.undecided:
             return 1.0
@@ -140,10 +140,10 @@ class DelayFlow:
     @cached_property
     def idle(self) -> Array:
         """As `Flow`, for slabs with commensurate round trips: the states that do not decay in a step with a maximally absorbing
-        interface."""
+        interface. None for slabs with an `equivalent`: in the motion of that slab alone, the other moves against it."""
         scene, divisor = self.scene, self._lines.divisor
         lossless = all(slab.termination.is_rigid or not slab.termination.dashpot for slab in scene.slabs)
-        if scene.alike or divisor is None or not lossless:
+        if scene.equivalent is not None or divisor is None or not lossless:
             return np.zeros((self.size, 0))
         if all(slab.is_plain for slab in scene.slabs) and not (np.rint(self._lines.travel / divisor) % 2.0).all():
             return np.zeros((self.size, 0))  # round trips in a ratio that is not odd:odd

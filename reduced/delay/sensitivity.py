@@ -1,7 +1,8 @@
-"""The derivative of a march of alike plain slabs' delay system by parameters of its scene (`slipwave.step.sensitivity`).
+"""The derivative of a march of the delay system by parameters of its scene (`slipwave.step.sensitivity`), for plain slabs of
+equal round trips.
 
-With the wave S that arrives, S(t + 1) = S(t) - eps v(t) + eps V(t + 1/2), a change dS meets friction and returns one transit
-later: dS(t + 1) = dS(t) - eps dv(t) + the direct derivative by p. Parameters that change the transit are left out: they shift the
+With the wave S that arrives, S(t + 1) = S(t) - 2 Z v(t) + 2 Z V(t + 1/2), a change dS meets friction and returns one transit
+later: dS(t + 1) = dS(t) - 2 Z dv(t) + the direct derivative by p. Parameters that change the transit are left out: they shift the
 arrival of each jump, so that the derivative does not exist there.
 """
 
@@ -10,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.delay.alike import Delay, TransitMesh
+from reduced.delay.alike import Delay, TransitMesh, first_waves, plain_impedance
 from slipwave.compiled import allocating
 from slipwave.errors import SceneError
 from slipwave.friction import Law
@@ -64,21 +65,19 @@ def delay_sensitivity(scene: Scene, sides: Sequence[Sides], until: float, tolera
     if any(abs(clock - 1.0) > SAME for _, clocks, _ in sides for clock in clocks):
         raise SceneError("delay: the derivative by a parameter that changes the transit does not exist at every moment")
     solver = Delay(scene, tolerance=tolerance)
-    carried, mesh = start_by(sides, 0), TransitMesh(1, np.ones(1), np.zeros(1))
-    arriving = np.zeros((1, len(sides), solver.nodes.size))
-    for i, ((plus, minus), _, step) in enumerate(sides):
-        arriving[:, i] = (_first_wave(plus) - _first_wave(minus)) / (2.0 * step)
+    carried, mesh, arriving = start_by(sides, 0), None, np.empty(0)
     end = np.ceil(until - SAME)
     while solver.time < end - SAME:
         pieces = solver.advance(end)
         now = _mesh_of(pieces)
-        if now.steps != mesh.steps or not np.allclose(now.lengths, mesh.lengths):
+        if mesh is None:
+            changes = [
+                first_waves(plus, now, solver.nodes) - first_waves(minus, now, solver.nodes) for (plus, minus), _, _ in sides
+            ]
+            arriving, mesh = np.stack([change / (2.0 * side.step) for change, side in zip(changes, sides, strict=True)], 1), now
+        elif now.steps != mesh.steps or not np.allclose(now.lengths, mesh.lengths):
             arriving, mesh = np.moveaxis(mesh.resample(np.moveaxis(arriving, 0, 1), solver.nodes, now), 1, 0).copy(), now
         yield pieces, _carried_along(scene, sides, pieces, arriving, carried)
-
-
-def _first_wave(scene: Scene) -> float:
-    return scene.steady_stress + 0.5 * scene.upper.epsilon * scene.velocity
 
 
 def _mesh_of(pieces: Pieces) -> TransitMesh:
@@ -90,17 +89,18 @@ def _mesh_of(pieces: Pieces) -> TransitMesh:
 def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arriving: Array, carried: Carried) -> Array:
     """d mu/dp along `pieces`; `arriving` and `carried` are advanced to their end."""
     _, rule, shape = rule_of(pieces.z.shape[1])
-    nodes = np.array(shape)
+    nodes, own = np.array(shape), plain_impedance(scene)
     given, here = given_by(scene, sides, pieces, 0)
     direct = -given.stress
     launched = np.zeros_like(given.stress)
     for i, (scenes, _, step) in enumerate(sides):
         for one, sign in zip(scenes, (0.5, -0.5), strict=True):
-            if one.upper.epsilon != scene.upper.epsilon or one.velocity != scene.velocity:
-                epsilon, drive = one.upper.epsilon, drive_on(one, pieces, nodes, 1.0, 0.5)
-                launched[:, i] += sign / step * epsilon * (drive - here.v)
-                given.stress[:, i] -= sign / step * 0.5 * epsilon * here.v
+            impedance = plain_impedance(one)
+            if impedance != own or one.velocity != scene.velocity:
+                drive = drive_on(one, pieces, nodes, 1.0, 0.5)
+                launched[:, i] += sign / step * 2.0 * impedance * (drive - here.v)
+                given.stress[:, i] -= sign / step * impedance * here.v
     motion, lengths = Motion(pieces.z, pieces.psi, False), pieces.length * scene.transit
     waves = Waves(arriving, launched)
-    _carry_waves(shape, scene.law, 0.5 * scene.upper.epsilon, lengths, rule.integral, motion, waves, given, carried.psi)
+    _carry_waves(shape, scene.law, own, lengths, rule.integral, motion, waves, given, carried.psi)
     return stress_by(here, given, direct)

@@ -1,6 +1,7 @@
 """Selects the fastest solver of a scene's exact delay system.
 
-The delay system of alike plain slabs with leaps over the transits of long sticks, and of the slow rise of v after them.
+The delay system of plain slabs of equal round trips with leaps over the transits of long sticks, and of the slow rise of v after
+them.
 
 A stick may last 1e5 transits. The waves of the last event stay trapped in the slabs and modulate the slip rate in every one of
 them, so a march needs as many steps in each. But each transit is almost the same as the one before: `multirevolution`.
@@ -158,7 +159,7 @@ class LeapingDelay(Delay):
         pieces, before = empty_pieces(self.steps, self._stages), self._memory.now.copy()
         _, verdict = self._march(1, pieces)
         velocity = self.scene.drive.at(before[TIME])
-        wave = self.scene.upper.epsilon * (velocity - rates(self.scene.law, pieces.z))
+        wave = 2.0 * self._impedance * (velocity - rates(self.scene.law, pieces.z))
         now = self._memory.now
         phi = math.exp(before[PSI]) * math.expm1(now[PSI] - before[PSI])
         return pieces, np.concatenate((wave.ravel(), (phi, now[ELASTIC] - before[ELASTIC]))), verdict
@@ -212,15 +213,16 @@ _ALIGNED = 1e-7  # of a step: ignoring a kink this close to a step's end causes 
 
 
 def delay_system(scene: Scene, tolerance: float = 1e-9) -> "Delay | DelayNetwork":
-    """The solver of the delay system: one slab and one delay for alike plain slabs, a network of lines for all other lossless
-    ones. If equal steps cannot end on the jumps and kinks, steps end on these (`DelayBreaks`), hundreds in a transit, until their
-    echoes have decayed. The solver is `Leaping`. For alike plain slabs in a scene that records nothing, does not start on its
-    orbit and needs few steps, only the state at the end is accurate (`Delay`, emit=False). Raises SceneError for viscous slabs.
+    """The solver of the delay system: one slab and one delay for plain slabs of equal round trips, a network of lines for all
+    other lossless ones. If equal steps cannot end on the jumps and kinks, steps end on these (`DelayBreaks`), hundreds in a
+    transit, until their echoes have decayed. The solver is `Leaping`. For plain slabs of equal round trips in a scene that
+    records nothing, does not start on its orbit and needs few steps, only the state at the end is accurate (`Delay`, emit=False).
+    Raises SceneError for viscous slabs.
     """
-    if scene.alike and scene.upper.is_plain:
+    if scene.is_plain:
         shown = bool(scene.record) or scene.start.kind is StartKind.ORBIT or first_steps(scene, NODES) >= MOST_FIRST_STEPS
         return LeapingDelay(scene, tolerance) if shown else Delay(scene, tolerance=tolerance, emit=False)
-    from reduced.delay.break_points import DelayBreaks  # networks take as long to import as all that alike slabs need
+    from reduced.delay.break_points import DelayBreaks  # networks take as long to import as all that plain pairs need
     from reduced.delay.leaping_network import LeapingNetwork
 
     lines = lines_of(scene)

@@ -8,7 +8,7 @@ after its one-way travel time. At the ends of layers the waves obey (MODEL.md se
     interface  S from outside: mu = Z (sum S_i/e_i - dv),  on out 2 mu - S
 
 (K, Z_g, m) is the slab's `Termination`; a rigid top is Z_g -> infinity (w = dV). The sign of the lower slab's velocities is such
-that the slip rate is the sum of both slabs' velocities. For alike slabs only one is computed, and counted twice.
+that the slip rate is the sum of both slabs' velocities. Slabs that have an `equivalent` are computed as that, counted twice.
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class Lines:
     """Layers of all slabs, slab after slab, from the interface outwards.
 
     `impedance`, `travel` (one way, transits) per layer; per slab `first` and `last` layer index, and its `tops` (transit clock);
-    `weight` is 2 for one of two alike slabs, else 1.
+    `weight` is 2 for the slab that is equivalent to both, else 1.
     """
 
     impedance: Array
@@ -72,7 +72,7 @@ def lines_of(scene: Scene) -> Lines:
         first=tuple(int(end - count) for end, count in zip(ends, counts, strict=True)),
         last=tuple(int(end - 1) for end in ends),
         tops=tuple(slab.termination.in_transits(scene.transit) for slab in slabs),
-        weight=2.0 if scene.alike else 1.0,
+        weight=2.0 if len(slabs) == 1 else 1.0,
     )
 
 

@@ -139,10 +139,10 @@ def slab_ratio(slab: Slab, s: Jet) -> Ratio:
 
 
 def pair_ratio(scene: Scene, s: Jet) -> Ratio:
-    """(p, q) of both slabs in series, Y = Y_1 + Y_2 = p/q: slip rate v per stress. Alike slabs: Y = 2 Y_1, without the modes in
-    which both slabs move together without stress or slip at the interface."""
-    p, q = slab_ratio(scene.upper, s)
-    if scene.alike:
+    """(p, q) of both slabs in series, Y = Y_1 + Y_2 = p/q: slip rate v per stress. Slabs with an `equivalent`: Y = 2 Y_1 of it,
+    without the modes in which both slabs move together without stress or slip at the interface."""
+    p, q = slab_ratio(scene.slabs[0], s)
+    if len(scene.slabs) == 1:
         return p * 2.0, q
     below_p, below_q = slab_ratio(scene.lower, s)
     return p * below_q + below_p * q, q * below_q
@@ -153,9 +153,9 @@ def drive_ratio(scene: Scene, s: Jet) -> Ratio:
 
     For alike slabs behind rigid faces T = eps/(2 sinh(s r/2)). A free slab passes the velocity of its drive on with a factor H;
     T = Z (H_1 + H_2)/2."""
-    p, q = slab_ratio(scene.upper, s)
-    if scene.alike:
-        return p * 2.0, _passed(scene.upper, s)
+    p, q = slab_ratio(scene.slabs[0], s)
+    if len(scene.slabs) == 1:
+        return p * 2.0, _passed(scene.slabs[0], s)
     below_p, below_q = slab_ratio(scene.lower, s)
     passed = _passed(scene.upper, s) * below_q + _passed(scene.lower, s) * q
     return p * below_q + below_p * q, passed * 0.5

@@ -181,7 +181,7 @@ class ReducedModel(PortMarch):
 
     def _reduce(self, scene: Scene) -> Reduction:
         """The reduction of `scene`; this one if the slabs are the same."""
-        same = scene.slabs == self.scene.slabs and scene.transit == self.scene.transit
+        same = (scene.upper, scene.lower) == (self.scene.upper, self.scene.lower)
         return self.reduction if same else reduction_of(scene, self.model)
 
     def energy(self) -> Energy | None:

@@ -55,8 +55,8 @@ class Characteristic:
 
     def idle(self, s: Complex) -> NDArray[np.bool_]:
         """True at roots of idle modes: both slabs oscillate alike, without slip or stress at the interface. Friction does not
-        affect them; they exist if free modes of unlike slabs coincide."""
-        if self.scene.alike or self.reduction is not None:
+        affect them; they exist if free modes of unlike slabs coincide. D of slabs with an `equivalent` is free of them."""
+        if self.scene.equivalent is not None or self.reduction is not None:
             return np.zeros(s.shape, dtype=bool)
         variable = Jet.variable(s)
         small = []

@@ -47,7 +47,7 @@ class IdleMode(NamedTuple):
 def idle_modes(scene: Scene) -> tuple[IdleMode, ...]:
     """Idle modes of slabs without losses: the first few by frequency or, if there are none, the nearly idle ones that decay more
     slowly than all of lower frequency."""
-    (upper, upper_mass), (lower, lower_mass) = (_free_vibrations(slab, scene.transit) for slab in scene.slabs)
+    (upper, upper_mass), (lower, lower_mass) = (_free_vibrations(slab, scene.transit) for slab in (scene.upper, scene.lower))
     nearest = np.abs(upper[:, None] - lower).argmin(axis=1)
     apart, mass = upper - lower[nearest], upper_mass + lower_mass[nearest]
     apart[np.abs(apart) < _SAME * upper] = 0.0

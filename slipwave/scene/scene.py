@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import InitVar, dataclass, field
+from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -43,10 +43,29 @@ class Scene:
         """True if both slabs are the same, so that one of them is sufficient (the motion is antisymmetric)."""
         return self.upper == self.lower
 
+    @cached_property
+    def equivalent(self) -> Slab | None:
+        """One of two alike slabs that answer the interface as both of the scene's; None if there are no such slabs.
+
+        Z_1(s) and Z_2(s) of slabs that differ in epsilon alone (layers and face are relative to it) have a constant ratio, and
+        1/Z = 1/Z_1 + 1/Z_2 is that of alike slabs of epsilon = 2/(1/eps_1 + 1/eps_2). That holds for any drive: how a slab that
+        carries no stress at the interface follows it does not depend on epsilon."""
+        upper, lower = self.upper, self.lower
+        if upper == lower:
+            return upper
+        if replace(lower, epsilon=upper.epsilon) != upper:
+            return None
+        return replace(upper, epsilon=2.0 / (1.0 / upper.epsilon + 1.0 / lower.epsilon), material=None)
+
     @property
     def slabs(self) -> tuple[Slab, ...]:
-        """The slabs to be computed: one of an alike pair, else the upper and the lower one."""
-        return (self.upper,) if self.alike else (self.upper, self.lower)
+        """The slabs that the interface's motion needs: the `equivalent` one, else the upper and the lower one."""
+        return (self.upper, self.lower) if self.equivalent is None else (self.equivalent,)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the slabs have an `equivalent` that is plain: one wave and one delay are then sufficient."""
+        return self.equivalent is not None and self.equivalent.is_plain
 
     @property
     def velocity(self) -> float:

@@ -37,6 +37,7 @@ from validation.compute.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, 
 
 _FORMAT = 2
 _SMALL = 0.1  # amplitude of ln v
+_BESIDE = 1e-6  # of the range, from its end: the first orbit, if states at the end itself have another size
 _MOST_OUTSIDE = 200  # points of a branch that begins just outside of its range before it is given up
 _SAME = 0.03  # difference of ln v and psi between two halves
 
@@ -200,10 +201,13 @@ class FollowedBranch:
                 "branch of orbits begins between them"
             )
         value, metric = unstable[0], metric_for(*over.ends)
+        other = sum(over.ends) - value
+        beside = value + _BESIDE * (other - value)
+        flow_at = self.family_at(value, 1.0)
+        if flow_at(value).size != flow_at(beside).size:  # at the value alone slabs are one pair, or round trips have a divisor
+            value = beside
         found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
-        return self._first(
-            from_orbit(FlowFamily(found.flow, over.scene_at), found, value, sum(over.ends) - value, metric), metric
-        )
+        return self._first(from_orbit(FlowFamily(found.flow, over.scene_at), found, value, other, metric), metric)
 
     def _from_doubling(self) -> BranchEnd:
         """The first orbit of twice the period, at the first period doubling of the scene's own branch in the range."""

@@ -130,9 +130,10 @@ class OfSolver(Forward):
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
         scene = self.scene(inner)
-        if self._model == DELAY.name and scene.alike and scene.upper.is_plain:
+        if self._model == DELAY.name and scene.is_plain:
             sides = self._variants.neighbours(inner)
-            if all(abs(clock - 1.0) < SAME for _, clocks, _ in sides for clock in clocks):
+            of_one_wave = all(one.is_plain for scenes, _, _ in sides for one in scenes)
+            if of_one_wave and all(abs(clock - 1.0) < SAME for _, clocks, _ in sides for clock in clocks):
                 parts = delay_sensitivity(scene, sides, self._times[-1] / sizes(scene)[0], self._tolerance)
                 return self._along(inner, ((pieces, [*np.moveaxis(found, 1, 0)]) for pieces, found in parts))
         shifts = _SHIFT * np.eye(inner.size)
