@@ -119,8 +119,8 @@ def _ratio(first: Sequence[float], second: Sequence[float]) -> str:
 def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
     """Two works whose times are compared, by what their ratio is called."""
     paper, run = sw.read("paper"), partial(March, begin=1.0)
-    pair = replace(paper, lower=replace(paper.lower, epsilon=3.0 * paper.lower.epsilon))
-    unlike = replace(paper, lower=replace(pair.lower, round_trip=2.0 * paper.lower.round_trip))
+    upper, lower = (replace(paper.upper, epsilon=share * paper.upper.epsilon) for share in (2.0 / 3.0, 2.0))
+    pair, unlike = (replace(paper, upper=upper, lower=replace(lower, round_trip=r * paper.transit)) for r in (1.0, 2.0))
     irrational = replace(paper, lower=replace(paper.lower, round_trip=math.sqrt(2.0) * paper.lower.round_trip))
     slab = replace(paper.upper, viscosity=KelvinVoigtViscosity(0.05 * paper.upper.round_trip))
     delay = Setting("delay", tolerance=1e-9)
