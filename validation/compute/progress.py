@@ -24,7 +24,6 @@ PATIENCE = 2.0
 """Seconds without news before progress is shown."""
 
 _LINE_INTERVAL = 10.0
-_PAUSE = 0.02  # seconds between two reports of a run
 
 LONG = 60.0
 """Predicted rest of a run (s) from which a cheaper model is recommended."""
@@ -150,17 +149,11 @@ class LongRunAdvice:
         self._solver, self._share, self._report, self._remaining = solver, share, report, Remaining()
         elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
         self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
-        self._next = -math.inf
 
     def __call__(self, done: float) -> None:
-        """Report the time `done` (transits), unless it comes at once after the last one: many short stretches of a run are faster
-        than a report."""
-        now = time.monotonic()
-        if now < self._next:
-            return
-        self._next = now + _PAUSE
+        """Report the time `done` (transits)."""
         self._report(done)
-        left = None if self._silent else self._remaining(self._share(done), now)
+        left = None if self._silent else self._remaining(self._share(done), time.monotonic())
         if left is None or math.sqrt(left[0] * left[1]) < LONG:
             return
         self._silent = True
