@@ -61,7 +61,7 @@ class Leapfrog:
         require_bytes(cells, _CELL_BYTES * cfl * 0.5 * sum(travels) / self.step)
         self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in marched_slabs(scene)]
         self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(marched_slabs(scene), self._grids, strict=True)]
-        self._lower = None if scene.alike else self._sides[1]
+        self._lower = self._sides[1] if len(self._sides) == 2 else None
         self._memory = steady_memory(scene)
         self._sample = -1
         self._stride = steps_at_once(_CELL_WORK * self.total_cells)

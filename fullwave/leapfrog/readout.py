@@ -13,6 +13,7 @@ from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.kernel import FRICTION, INPUT, RATE, STRESS, Z
 from fullwave.leapfrog.media import Side
 from fullwave.leapfrog.viscous import KelvinVoigt, StandardLinear
+from fullwave.slabs import both_slabs
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -20,9 +21,9 @@ from slipwave.solve import Energy, SlabSnapshot, Snapshot
 
 
 def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]]) -> Energy:
-    """Energy balance of `sides`; the only side of alike slabs counts twice."""
+    """Energy balance of `sides`; an only one, which stands for both, counts twice."""
     sums = [side_energy(side, grid, scene.steady_stress, 0.5 * scene.velocity) for side, grid in sides]
-    copies = 2 if scene.alike else 1
+    copies = 3 - len(sides)
     stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
     unit = scene.transit
     spent = unit * sides[0][1].step
@@ -60,11 +61,9 @@ def leapfrog_snapshot(scene: Scene, time: float, memory: Array, sides: list[Side
     """Velocity and stress at the nodes at the whole time `time`, of second order in the cell."""
     stress, rate = float(memory[STRESS]) - scene.steady_stress, float(memory[RATE])
     drive = 0.5 * scene.drive.at(time)
-    shots = [_slab(sides[0], grids[0], stress, rate, drive)]
-    if not scene.alike:
-        shots.append(_slab(sides[1], grids[1], stress, rate_of(scene.law, float(memory[Z])) - rate, drive))
-    upper, lower = (SlabSnapshot(shot.depth, shot.velocity, shot.stress + scene.steady_stress) for shot in (shots[0], shots[-1]))
-    return Snapshot(time, upper, SlabSnapshot(lower.depth, -lower.velocity, lower.stress))
+    rates = rate, rate_of(scene.law, float(memory[Z])) - rate
+    shots = [_slab(side, grid, stress, own, drive) for side, grid, own in zip(sides, grids, rates, strict=False)]
+    return both_slabs(scene, time, [SlabSnapshot(shot.depth, shot.velocity, shot.stress + scene.steady_stress) for shot in shots])
 
 
 def _slab(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:

@@ -14,6 +14,7 @@ from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, StepMap, grid_impedance_at, to_legendre
 from fullwave.lines.step_maps import StepMaps, at_nodes, dissipation_of
 from fullwave.lines.system import System
+from fullwave.slabs import marched_slabs
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.step.collocation import radau
@@ -33,9 +34,9 @@ class Known(NamedTuple):
 
 class GridSlabs:
     """The `Slabs` (slipwave.step.port) of the grid that `grid` makes for `scene`, for steps of `stages` nodes. The memory of a
-    port: the grid's values, in `slots` of the explicit march's layout, times the upper slab's impedance, `scale`, as stresses.
-    All ports share the `entries` of the energy balance. Tables of `most_known` longest steps are kept, as far as memory
-    allows."""
+    port: the grid's values, in `slots` of the explicit march's layout, times the first marched slab's impedance, `scale`, as
+    stresses. All ports share the `entries` of the energy balance. Tables of `most_known` longest steps are kept, as far as
+    memory allows."""
 
     def __init__(
         self, scene: Scene, grid: Callable[[Scene], System], model: str, stages: int, most_known: int = _MOST_KNOWN
@@ -43,7 +44,7 @@ class GridSlabs:
         self.scene, self.model, self.stages, self._grid = scene, model, stages, grid
         self.drive_terms = min(scene.drive.terms, stages)
         system = grid(scene)
-        size, self.scale = state_size(system), scene.upper.epsilon
+        size, self.scale = state_size(system), marched_slabs(scene)[0].epsilon
         with one_thread():
             motion = motion_of(system)
         self.slots = motion.moving

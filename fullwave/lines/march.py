@@ -17,6 +17,7 @@ from fullwave.lines.runge_kutta import RungeKutta, method_of
 from fullwave.lines.scheme_limit import relaxation_limit, spectral_limit
 from fullwave.lines.system import ELASTIC, PSI, System
 from fullwave.options import require_cfl
+from fullwave.slabs import marched_slabs
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
@@ -141,7 +142,7 @@ class MethodOfLines(ABC):
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`."""
-        return snapshot_of(self.grid, self.system, self.time, self._march.layout)
+        return snapshot_of(self.scene, self.grid, self.system, self.time, self._march.layout)
 
     def keep_frames(self, interval: float) -> None:
         """As `FieldSolver`."""
@@ -149,7 +150,7 @@ class MethodOfLines(ABC):
 
     def frames(self) -> list[Snapshot]:
         """As `FieldSolver`."""
-        shown = [snapshot_of(self.grid, self.system, time, values) for time, values in self._march.frames()]
+        shown = [snapshot_of(self.scene, self.grid, self.system, time, values) for time, values in self._march.frames()]
         return shown or [self.snapshot()]
 
     def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
@@ -179,7 +180,7 @@ class MethodOfLines(ABC):
         """As `PortMarch`; `cycle` is a motion of the exact march."""
         if isinstance(self._march, ExactMarch):
             return self._march.state_at_start(cycle, interface)
-        return self._march.state_at_start(cycle.start[:-1] / self.scene.upper.epsilon, interface)
+        return self._march.state_at_start(cycle.start[:-1] / marched_slabs(self.scene)[0].epsilon, interface)
 
     def state(self) -> State:
         """As `Solver`."""

@@ -6,7 +6,9 @@ import numpy as np
 
 from fullwave.lines.blocks import Block, BlockGrid, Chain
 from fullwave.lines.system import GRIP, SCALARS, System, Viscous
+from fullwave.slabs import both_slabs
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 from slipwave.solve import SlabSnapshot, Snapshot
 
 
@@ -57,20 +59,17 @@ def twice_energy(grid: BlockGrid, state: Array) -> float:
     return float(sum(values @ _weighted(norm, values) for norm, values in fields))
 
 
-def snapshot_of(grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:
+def snapshot_of(scene: Scene, grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:
     """Fields of both slabs at `time`; if one slab is marched, it gives both."""
-    shots = [_slab_fields(chain, system, state, 1.0 - 2.0 * slab) for slab, chain in enumerate(grid.chains)]
-    lower = shots[1] if len(shots) == 2 else SlabSnapshot(shots[0].depth, -shots[0].velocity, shots[0].stress)
-    return Snapshot(time, shots[0], lower)
+    return both_slabs(scene, time, [_slab_fields(chain, system, state) for chain in grid.chains])
 
 
-def _slab_fields(chain: Chain, system: System, state: Array, sign: float) -> SlabSnapshot:
-    """Fields of a marched slab; `sign` turns its velocity into the upper slab's direction of drive. The two values at a joint are
-    averaged."""
+def _slab_fields(chain: Chain, system: System, state: Array) -> SlabSnapshot:
+    """Fields of a marched slab. The two values at a joint are averaged."""
     velocity = np.concatenate([state[block.velocity] for block in chain.blocks]) + 0.5 * system.forcing.velocity
     stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in chain.blocks])
     means = [np.bincount(chain.node, field) / chain.values for field in (velocity, stress + system.forcing.steady_stress)]
-    return SlabSnapshot(chain.depth, sign * means[0], means[1])
+    return SlabSnapshot(chain.depth, means[0], means[1])
 
 
 def _total_stress(block: Block, system: System, state: Array) -> Array:

@@ -38,10 +38,10 @@ def cost(monkeypatch):
 @EVERY
 def test_work_is_proportional_to_cells_times_steps(model, cost):
     """Twice the transits: twice the steps, of the same values. Four times the cells: four times the steps, of four times the
-    values. Unlike slabs of equal round trips: twice the values. A run ends with the piece of up to 8 steps in which its end
-    lies."""
+    values. Slabs whose round trips differ by rounding: twice the values. A run ends with the piece of up to 8 steps in which its
+    end lies."""
     cells = GRIDS[model]
-    unlike = dataclasses.replace(PAPER, lower=dataclasses.replace(PAPER.lower, epsilon=1.001 * PAPER.lower.epsilon))
+    unlike = dataclasses.replace(PAPER, lower=dataclasses.replace(PAPER.lower, round_trip=(1.0 + 4e-16) * PAPER.lower.round_trip))
     steps, values = cost(model, PAPER, cells)
     assert cost(model, PAPER, cells, 40.0) == (pytest.approx(2 * steps, abs=16), values)
     assert cost(model, PAPER, 4 * cells) == (pytest.approx(4 * steps, abs=40), pytest.approx(4 * values, abs=40))

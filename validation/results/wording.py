@@ -142,7 +142,8 @@ def header(scene: Scene, notes: Iterable[str] = ()) -> list[str]:
     pairs = [("slabs", scene.upper)] if scene.alike else [("upper", scene.upper), ("lower", scene.lower)]
     lines += [f"{label}: {line}" for label, slab in pairs for line in _slab(slab, scene.units, scene.alike)]
     if scene.equivalent and not scene.alike:
-        lines.append(f"both: to the interface as alike slabs of epsilon {rounded(scene.equivalent.epsilon)}; delay marches one")
+        one = "delay and full waves march one" if scene.drive.is_constant else "delay marches one"
+        lines.append(f"both: to the interface as alike slabs of epsilon {rounded(scene.equivalent.epsilon)}; {one}")
     if scene.units:
         lines += _units(scene, scene.units)
     return lines + [f"note: {line}" for line in (*doubts(scene), *notes)]
