@@ -148,7 +148,12 @@ STAGES = 8
 _LONGEST = 30  # 2^30 transits, the longest step, are as long as the longest run
 _SHORTEST = -30  # as a power of 2: the slip rate of a block falls the faster the slower it is, whatever a transit is
 _SLOW = 4e-4  # of the time of slip by L: the longest step of an orbit's mesh without waves, if that is above 2 transits
-_FIRST = 0.125  # transits; if waves ring, at most this share of the shortest period
+_FIRST = 0.125  # transits; behind a knot, if waves ring, at most this share of the shortest period
+_SWING = 0.7  # of the largest growth: the nodes then show a swing as well as the end of the step reproduces it
+_RUSHES = (
+    0.05  # slip (L) in a transit from which modes ring on from slip to slip: few steps could be longer than 2 transits, and none
+)
+# is, because records of irregular motions repeat only step by step
 
 
 class ReducedModel(PortMarch):
@@ -172,10 +177,12 @@ class ReducedModel(PortMarch):
         self.scene, self.model, self.reduction = scene, reduction.name, reduction
         self.settings: dict[str, Any] = {"tolerance": tolerance, "stages": stages}
         reason = "nothing limits its slip rate: it runs away" if reduction.runs_away else ""
-        first = _FIRST * min(1.0, 2.0 * math.pi / max(reduction.frequencies, default=1.0))
+        longest = _LONGEST if not reduction.modes or scene.transit * max(scene.drive.velocities) < _RUSHES else 1
         slabs = ReducedSlabs(scene, self._reduce, stages)
-        super().__init__(slabs, tolerance, 2.0**_LONGEST, first, _LONGEST - _SHORTEST + 1, reason)
-        self.longest_after_break = first
+        super().__init__(slabs, tolerance, 2.0**longest, _FIRST, longest - _SHORTEST + 1, reason)
+        if longest == _LONGEST:
+            self._limits = self._limits._replace(swing=_SWING * self._limits.growth)
+        self.longest_after_break = _FIRST * min(1.0, 2.0 * math.pi / max(reduction.frequencies, default=1.0))
         slow = 0.0 if reduction.modes else _SLOW / (scene.transit * max(scene.drive.velocities))
         self._longest_in_cycle = 2.0 ** max(1, math.floor(math.log2(max(slow, 2.0))))
 

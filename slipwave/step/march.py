@@ -96,23 +96,23 @@ def _guess(nodes: Nodes, law: Law, own: Law, rule: Rule, memory: Memory, nodal: 
 
 
 @njit
-def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, growth: float, nodal: Nodal) -> bool:
+def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, limits: Limits, nodal: Nodal) -> bool:
     """Whether a disturbance of the state at some node would grow by more than e^`growth` within the step, where the slabs'
-    impedance for such growth is `resistance`, or might grow while it swings by 0.7 times that angle: the
-    nodes then show the swing as well as the end of the step reproduces it.
+    impedance for such growth is `resistance`, or might grow while it swings by more than the angle `swing` of the `limits`.
 
     With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
     positive for large s; if it is negative at s = growth/length, there is a real zero beyond. Passive slabs (Re Z >= 0) let only
     those swings grow for which friction weakens, Re (F_z + F_psi G_z/(i w - G_psi)) < 0: of angles up to
     (w length)^2 = F_psi G_z G_psi/F_z - G_psi^2, with G times the length.
     """
+    growth = limits.growth
     for j in range(len(nodes)):
         total = 1.0 / nodal.inverse[j]
         resists = total + (resistance - own(impedance, j)) * nodal.v_z[j]
         by_psi = nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j]
         friction_z = total - own(impedance, j) * nodal.v_z[j]
         swing = by_psi * (nodal.ratio[j] * total * nodal.by_z[j] / friction_z - by_psi)
-        if swing > 0.5 * growth * growth or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
+        if swing > limits.swing * limits.swing or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
             return True
     return False
 
@@ -158,7 +158,7 @@ def march(
         tails = tail_of(nodes, rule.tail, nodal.z), tail_of(nodes, rule.tail, nodal.psi)
         size = max(abs(tails[0]), abs(tails[1])) if math.isfinite(tails[0] + tails[1]) else math.inf
         rough = not planned and (
-            not size <= limits.resolution or grows_unseen(nodes, impedance, stretch.resistance[level], limits.growth, nodal)
+            not size <= limits.resolution or grows_unseen(nodes, impedance, stretch.resistance[level], limits, nodal)
         )
         if used == 0 or rough:
             if planned and levels[LAST] != _NONE:  # try again from constant values

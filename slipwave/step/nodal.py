@@ -1,6 +1,7 @@
 """Data of one collocation step of friction (values at its nodes, limits), and its parts other than Newton's method
 (`slipwave.step.newton`): first guess, nudge, acceptance."""
 
+import math
 from functools import cache
 from typing import NamedTuple, Protocol
 
@@ -69,11 +70,12 @@ class Physics(NamedTuple):
 
 class Limits(NamedTuple):
     """`newton` and `resolution`: allowed error of the iteration and highest Legendre coefficient of a step; `growth`: largest
-    growth of a disturbance, as an exponent, that a step reproduces."""
+    growth of a disturbance, as an exponent, that a step reproduces; `swing`: largest angle of one that may grow."""
 
     newton: float
     resolution: float
     growth: float
+    swing: float = math.inf
 
 
 def nodal_of(stages: int) -> Nodal:

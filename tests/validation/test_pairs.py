@@ -84,7 +84,7 @@ def test_the_ledger_closes(row):
 def test_units_change_nothing(row):
     """Measured: 5e-13 of the final state."""
     ours, theirs = whole(row).facts, play(built(row, units="none"), UNTIL).facts
-    assert list(ours["final"].values()) == pytest.approx(list(theirs["final"].values()), abs=1e-11)
+    assert list(ours["final"].values()) == pytest.approx(list(theirs["final"].values()), rel=1e-12, abs=1e-11)
     assert (ours["verdict"], ours["events"], ours["failures"]) == (theirs["verdict"], theirs["events"], theirs["failures"])
     for one, other in zip(ours.get("protocol", []), theirs.get("protocol", []), strict=True):
         assert (one["kind"], one["stick_slips"]) == (other["kind"], other["stick_slips"])
