@@ -63,13 +63,12 @@ SNAKE = Oscillator(lambda s: 0.02 * s + 0.03 * np.sin(6.0 * s), lambda s: 0.02 +
 class FlowByHand:
     """The motion of an `oscillator`. A state is (u, w), each as two reals, or w alone; z and psi are the parts of w. On an orbit
     the growth of |w| and the velocity of its angle are constant, so that `steps` have no errors but in multipliers. `roughest`:
-    factor of the roughness; `stuck`: it is the same on every mesh; `radius`: what the flow gives as essential."""
+    factor of the roughness; `radius`: what the flow gives as essential."""
 
     oscillator: Oscillator
     parameter: float
     steps: int = 6
     roughest: float = 0.0
-    stuck: bool = False
     radius: float = 0.0
     model = "by hand"
     nodes = np.arange(1, 9) / 8.0
@@ -99,8 +98,7 @@ class FlowByHand:
         return replace(self, steps=math.ceil(finer * self.steps - 1e-9)), cycle.start
 
     def roughness(self, cycle, tolerance):
-        size = self.roughest * np.ptp(cycle.pieces.psi)
-        return size if self.stuck else size * (6.0 / self.steps) ** self.nodes.size / tolerance
+        return self.roughest * np.ptp(cycle.pieces.psi) * (6.0 / self.steps) ** self.nodes.size / tolerance
 
     def march(self, start, period):
         grown, turned = self._motion(start[:, None], period)

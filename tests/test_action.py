@@ -51,25 +51,33 @@ def test_workflows_give_inputs_that_the_action_has():
             assert (ROOT / file).is_file()
 
 
-@pytest.mark.skipif(os.name != "posix", reason="the action's shell is bash")
-def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(tmp_path):
-    (tmp_path / "slipwave" / "bin").mkdir(parents=True)
+@pytest.fixture
+def step(tmp_path):
+    """Runs the step `verify` with the words of a user, and a script in place of slipwave."""
+    if os.name != "posix":
+        pytest.skip("the action's shell is bash")
     program = tmp_path / "slipwave" / "bin" / "slipwave"
-    program.write_text(f'#!/bin/sh\nexec {sys.executable} -m slipwave "$@"\n')
-    program.chmod(0o755)
-    (tmp_path / "slipwave" / "bin" / "python").symlink_to(sys.executable)
-    summary = tmp_path / "summary.md"
-    environment = os.environ | {"RUNNER_TEMP": str(tmp_path), "GITHUB_STEP_SUMMARY": str(summary)}
-    environment["WORDS"] = "jump --model dg:3  # a comment\n  --set 'start.size = 0.01'\n"
-    run = ["bash", "-e", "-o", "pipefail", "-c", SCRIPTS["verify"]]
-    done = subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    program.parent.mkdir(parents=True)
+    program.with_name("python").symlink_to(sys.executable)
+
+    def run(script, words):
+        program.write_text(f"#!/bin/sh\n{script}\n")
+        program.chmod(0o755)
+        given = {"RUNNER_TEMP": str(tmp_path), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary.md"), "WORDS": words}
+        shell = ["bash", "-e", "-o", "pipefail", "-c", SCRIPTS["verify"]]
+        return subprocess.run(shell, cwd=tmp_path, env=os.environ | given, capture_output=True, text=True)
+
+    return run
+
+
+def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(step, tmp_path):
+    program = f'exec {sys.executable} -m slipwave "$@"'
+    done = step(program, "jump --model dg:3  # a comment\n  --set 'start.size = 0.01'\n")
     assert (done.returncode, (tmp_path / "verify.xml").is_file()) == (0, True), done.stderr
-    assert done.stdout in summary.read_text()
-    environment["WORDS"] = "nowhere.toml"
-    assert subprocess.run(run, cwd=tmp_path, env=environment, capture_output=True).returncode == 2
+    assert done.stdout in (tmp_path / "summary.md").read_text()
+    assert step(program, "nowhere.toml").returncode == 2
 
 
-@pytest.mark.skipif(os.name != "posix", reason="the action's shell is bash")
 @pytest.mark.parametrize(
     ("words", "wanted"),
     [
@@ -77,14 +85,8 @@ def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(tmp_pat
         ("* $HOME `id` a\\ b", ["verify", "*", "$HOME", "`id`", "a b", "--junit", "verify.xml"]),
     ],
 )
-def test_lines_and_quotes_of_the_words_are_those_of_a_shell_and_nothing_in_them_is_run(words, wanted, tmp_path):
-    (tmp_path / "slipwave" / "bin").mkdir(parents=True)
-    program = tmp_path / "slipwave" / "bin" / "slipwave"
-    program.write_text('#!/bin/sh\nprintf "%s\\n" "$@"\n')
-    program.chmod(0o755)
-    (tmp_path / "slipwave" / "bin" / "python").symlink_to(sys.executable)
-    environment = os.environ | {"RUNNER_TEMP": str(tmp_path), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary.md"), "WORDS": words}
-    done = subprocess.run(["bash", "-e", "-c", SCRIPTS["verify"]], cwd=tmp_path, env=environment, capture_output=True, text=True)
+def test_lines_and_quotes_of_the_words_are_those_of_a_shell_and_nothing_in_them_is_run(step, words, wanted):
+    done = step('printf "%s\\n" "$@"', words)
     assert (done.returncode, done.stdout.splitlines()) == (0, wanted), done.stderr
 
 

@@ -28,7 +28,6 @@ from slipwave.solve import follow
 from tests.bench.peers import PEER_HEADS, table_of_peers
 from tests.bench.through_python import table_of_times
 from tests.granite import GRANITE
-from tests.plain_ode import plain_kelvin_voigt
 from validation.results.result import aligned
 from validation.timing import March, Setting, Work, alternating, in_turn, quartiles, solver_of
 
@@ -137,10 +136,6 @@ def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
         "dg:8: time of the delay system": (once, alike),
         "dg:8: unlike slabs over alike": (run(_EXACT, pair, 200.0), once),
         "dg:8: Kelvin-Voigt over elastic": (run(_EXACT, replace(paper, upper=slab, lower=slab), 200.0), once),
-        "LSODA over kelvin-voigt": (
-            _whole(plain_kelvin_voigt, paper, 300.0, 1e-8),
-            run(Setting("kelvin-voigt", tolerance=1e-8), paper, 300.0),
-        ),
         "slipwave --help over bare Python": (_process("-m", "validation.cli", "--help"), _process("-c", "")),
     }
     for model in ("block12", "kelvin-voigt", "modal:8"):

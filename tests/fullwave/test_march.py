@@ -1,4 +1,4 @@
-"""The march as users meet it: agreement, resumption to the bit, refusals, the ledger.
+"""Full waves as users meet them: agreement, equivalent forms, limits, refusals, the ledger.
 
 Step limits: tests/verification/test_noise.
 """
@@ -8,9 +8,8 @@ import math
 
 import numpy as np
 import pytest
-from grid_scenes import FAMILIES, PAIRS, SCENES
+from grid_scenes import FAMILIES, PAIRS, PAPER, SCENES, of
 
-import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
@@ -21,7 +20,6 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.scene.slab import Slab
 from slipwave.solve import follow
 
-PAPER = slipwave.read("paper")
 FINE = {
     "dg": (DiscontinuousGalerkin, {"number": 7, "cells": 6}),
     "fem": (FiniteElement, {"number": 7, "cells": 6}),
@@ -85,3 +83,45 @@ def test_no_scene_lets_the_frictionless_motion_grow(family, name):
     for locked in (True, False):
         spectrum = np.linalg.eigvals(motion_matrix(system, locked))
         assert spectrum.real.max() < 1e-9 * np.abs(spectrum).max()
+
+
+def test_a_layer_thinner_than_a_cell_is_refused():
+    scene = SCENES["layers"]
+    with pytest.raises(SceneError, match="layer 1 is thinner than a cell; use at least 4"):
+        Leapfrog(scene, cells=3)
+    Leapfrog(scene, cells=4)
+
+
+def test_numbers_without_bound_end_the_run_with_the_time():
+    solver = Leapfrog(PAPER, 16)
+    follow(solver, 5.0)
+    state = solver.state()
+    state["upper.stress"][3] = 1e308
+    solver.restore(state)
+    with pytest.raises(NumericsError, match=r"stopped being finite between t = 5"):
+        follow(solver, 10.0)
+
+
+def test_too_coarse_a_step_ends_the_run():
+    """A round trip of many state relaxations: eight cells cannot follow psi through an event, 512 can."""
+    scene = of({"epsilon": 1e-3, "round_trip": 1.0})
+    with pytest.raises(NumericsError, match=r"did not converge by t = .*, the first at t = "):
+        follow(Leapfrog(scene, 8), 100.0)
+    solver = Leapfrog(scene, 512)
+    follow(solver, 100.0)
+    assert solver.failures == 0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_ledger_closes_to_rounding(name):
+    solver = Leapfrog(SCENES[name], 24, 0.9)
+    follow(solver, 120.0)
+    ledger = solver.energy()
+    assert abs(ledger.residual) < 1e-12
+    assert ledger.input > 0
+    assert ledger.friction > 0
+    assert (ledger.radiated > 0) == (
+        name in ("grip", "stiff-grip", "machine", "hung-machine", "absorbing", "layers", "everything")
+    )
+    assert (ledger.viscous > 0) == (name in ("kelvin-voigt", "standard-linear", "hung-machine", "everything"))
+    assert solver.failures == 0

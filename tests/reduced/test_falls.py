@@ -1,8 +1,9 @@
-"""Slip that reverses, for laws that allow v <= 0: random falls of the drive, mirrored motions, the kink of |v| in one step, and
-what shows v. The whole study: `python -m tests.reduced.random_falls 105`."""
+"""Slip that reverses, for laws that allow v <= 0: random pairs of slabs whose drive falls that far, mirrored motions, the kink of
+|v| in one step, and what shows v."""
 
 import math
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -18,12 +19,95 @@ from slipwave.scene.drive import Drive
 from slipwave.solve import follow
 from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Diagonal
-from slipwave.step.nodal import nodal_of
+from slipwave.step.nodal import NOT_SMOOTH, nodal_of
 from slipwave.step.solve import solve
-from tests.reduced.random_falls import KINDS, judge, random_fall
+from tests.reduced.test_random_networks import fit_out
 from validation.compute.build import build
 
+KINDS = ("alike", "unlike", "irrational", "layered", "grip", "reflection", "machine")
 LAWS = ("ageing-regularised", "slip-regularised", "spinodal")
+CELLS = (512, 2048)
+ALLOWED, BY_FD = 10.0, 0.05
+
+
+class Fall(NamedTuple):
+    """`halved`: the largest difference of psi and mu at the end from those by steps half as long, over the tolerance; `fd`: that
+    from `fd`; whether v `reverses` in the run."""
+
+    seed: int
+    halved: float
+    fd: float
+    reverses: bool
+
+    @property
+    def is_right(self):
+        return self.halved <= ALLOWED and self.fd <= BY_FD
+
+
+def random_fall(seed):
+    """The scene of a number."""
+    rng = np.random.default_rng(seed)
+    kind, law = KINDS[seed % len(KINDS)], LAWS[seed // len(KINDS) % len(LAWS)]
+    a = rng.uniform(0.01, 0.05)
+    epsilon, r = 10.0 ** rng.uniform(-5.0, -4.0), 10.0 ** rng.uniform(-3.2, -2.3)
+    upper = {"epsilon": epsilon, "r": r}
+    lower = dict(upper)
+    if kind != "alike":
+        lower = {"epsilon": epsilon * rng.uniform(0.3, 3.0), "r": r * rng.choice([0.5, 1.0, 1.5, 2.0])}
+    if kind == "irrational":
+        lower["r"] = r * rng.uniform(0.5, 2.0)
+    fit_out(rng, upper, kind, [0.25, 0.5, 0.75])
+    ratio = 10.0 ** rng.uniform(np.log10(30.0), 6.0)
+    velocity = 10.0 ** rng.uniform(-0.3, 0.5) / min(upper["epsilon"], lower["epsilon"])  # waves that friction cannot carry
+    rise, fall = np.round(rng.uniform([2.0, 12.0], [6.0, 18.0]) * 4.0) / 4.0
+    if rng.random() < 0.3:
+        rise, fall = rng.uniform([2.0, 12.0], [6.0, 18.0])
+    after = velocity / ratio if rng.random() < 0.8 else 0.0
+    ramp = rng.uniform(0.2, 2.0) if rng.random() < 0.3 else 0.0
+    knots = [[0.0, 100.0], [rise, 100.0], [rise, velocity], [fall, velocity], [fall + ramp, after]]
+    interface = {"law": law, "a_star": 0.369, "a": a, "b": a * rng.uniform(0.7, 2.0)}
+    if law == "spinodal":
+        interface |= {"cutoff_velocity": 10.0 ** rng.uniform(3.0, 6.0), "saturation_velocity": 10.0 ** rng.uniform(-4.0, -1.0)}
+    scene = {
+        "interface": interface,
+        "drive": {"velocity": [[float(t), float(v)] for t, v in knots]},
+        "upper": upper,
+        "lower": lower,
+        "start": {"size": 0.0},
+        "run": {"until": 31.87},
+    }
+    return read(scene)
+
+
+class Lowest:
+    """The least rate unknown at the nodes."""
+
+    least = np.inf
+
+    def scan(self, pieces):
+        self.least = min(self.least, pieces.z.min())
+
+
+def judge(seed, tolerance=1e-9):
+    scene, lowest = random_fall(seed), Lowest()
+    solver = delay_system(scene, tolerance)
+    final = follow(solver, scene.until, observers=[lowest])
+    finer = delay_system(scene, tolerance)
+    while finer.steps < 2.0 * solver.steps:
+        finer._refine(NOT_SMOOTH)
+    ends = [np.array([one.psi, one.mu]) for one in (final, follow(finer, scene.until), by_leapfrog(scene))]
+    differences = [float(np.abs(one - ends[0]).max()) for one in ends[1:]]
+    return Fall(seed, differences[0] / tolerance, differences[1], bool(lowest.least < 0.0))
+
+
+def by_leapfrog(scene):
+    """The end of the run by `fd`, with more cells where its steps are too long for the state."""
+    try:
+        return follow(build("fd", scene, cells=CELLS[0]), scene.until)
+    except NumericsError:
+        return follow(build("fd", scene, cells=CELLS[1]), scene.until)
+
+
 FALL = {"velocity": [[0.0, 100.0], [4.0, 100.0], [4.0, 2e4], [8.0, 2e4], [8.0, 1.0]]}
 PLAIN = {"interface": {"law": "ageing-regularised", "a_star": 0.369, "a": 0.0349, "b": 0.0489}, "start": {"size": 0.0}}
 SLABS = {"upper": {"epsilon": 5.6e-05, "r": 10.0**-2.8}, "lower": {"epsilon": 2.8e-05, "r": 10.0**-2.8}}
@@ -33,7 +117,6 @@ FALLS = PLAIN | SLABS | {"drive": FALL}
 @pytest.mark.parametrize("seed", range(0, 24, 2))
 def test_falls_march_through_rest(seed):
     found = judge(seed)
-    assert not found.refused
     assert found.is_right, found
 
 
@@ -49,7 +132,7 @@ def test_many_falls_march_through_rest(first):
 @pytest.mark.parametrize("model", ["delay", "dg:4"])
 def test_a_mirrored_drive_mirrors_slip_and_stress(seed, model):
     """V -> -V: v and mu change their signs, psi does not."""
-    scene, _ = random_fall(seed)
+    scene = random_fall(seed)
     mirrored = replace(scene, drive=Drive(scene.drive.times, tuple(-v for v in scene.drive.velocities)))
     there, back = (follow(build(model, one), 20.0) for one in (scene, mirrored))
     assert back.psi == pytest.approx(there.psi, abs=1e-12)

@@ -1,11 +1,15 @@
-"""V(t) and the nudge, in compiled code and in plain Python."""
+"""V(t) and the nudge, in compiled code and in plain Python, and the stages that a drive has."""
 
 import math
 
 import numpy as np
 import pytest
 
+import slipwave
 from slipwave.compiled import allocating
+from slipwave.observe import Pieces
+from slipwave.observe.protocol import ProtocolObserver
+from slipwave.observe.stages import stages_of
 from slipwave.scene.drive import NUDGE_CENTRE, Constant, Drive, Ramps, nudge_rate, velocity_at
 
 MANY = 10_000
@@ -64,3 +68,77 @@ def test_the_nudge_is_a_bell_around_its_centre(late):
     for size in (0.5, 1.0):
         assert nudge_rate(size, NUDGE_CENTRE + late) == pytest.approx(size * math.exp(-(late**2)), rel=1e-13)
         assert nudge_rate(size, NUDGE_CENTRE + 7.1) == 0.0  # exp(-49) is below rounding
+
+
+KNOTS = [(0, 1), (5, 1), (5, 10), (8, 10), (8, 0), (12, 0), (12, 1), (15, 1), (20, 3), (25, 3)]
+
+
+def test_every_kind_of_stage():
+    drive = Drive(*zip(*KNOTS, strict=True))
+    found = [(stage.kind, stage.start, stage.end, stage.before, stage.velocity) for stage in stages_of(drive, 40.0)]
+    assert found == [
+        ("start", 0.0, 5, 1, 1),
+        ("step", 5, 8, 1, 10),
+        ("hold", 8, 12, 10, 0),
+        ("slide", 12, 15, 0, 1),
+        ("ramp", 15, 20, 1, 3),
+        ("level", 20, 40.0, 3, 3),
+    ]
+    assert [stage.sign for stage in stages_of(drive, 40.0)] == [1.0, 1.0, -1.0, 1.0, 1.0, 1.0]
+
+
+def ringing(rate, period):
+    """What is seen of a step after which ln v oscillates about ln V with an amplitude of 2 exp(-rate t)."""
+    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 220})
+    nodes = np.array([0.2, 0.5, 1.0])
+    observer, begins = ProtocolObserver(scene, nodes, 220.0), np.arange(0.0, 220.0)
+    time = begins[:, None] + nodes
+    swing = np.where(time > 20.0, 2.0 * np.exp(-rate * (time - 20.0)) * np.sin(2 * np.pi * time / period), 0.0)
+    velocity = np.where(time > 20.0, 300.0, 100.0)
+    observer.scan(Pieces(begins, np.ones(220), np.log(velocity) + swing, swing, 0.3 + 0.01 * swing, swing))
+    return observer
+
+
+def test_a_ringing_that_decays_is_no_stick_slip():
+    start, rings = ringing(0.006, 12.0).figures
+    assert (start.steady_stress, start.stick_slips) == (0.3, False)
+    assert (rings.steady_stress, rings.stick_slips) == (None, False)
+    assert ringing(0.0, 12.0).figures[1].stick_slips
+    assert not ringing(0.0, 300.0).figures[1].stick_slips  # one way through, no cycle
+
+
+@pytest.mark.parametrize("end", [3, 20, 25, 120])
+def test_a_protocol_goes_on_as_without_a_stop(end):
+    """Inside the start, at a jump, after the peak of a step and in the middle of a hold."""
+    drive = [[0, 100], [20, 100], [20, 300], [100, 300], [100, 0], [150, 0], [150, 100]]
+    scene = slipwave.read("paper", {"slab.log10_r": -3.0, "start.size": 0.0, "drive.velocity": drive, "run.until": 220})
+    rng = np.random.default_rng(1)
+    parts = [Pieces(np.array([t]), np.ones(1), *(4.0 + 0.1 * rng.standard_normal((4, 1, 3)))) for t in np.arange(0.0, 220.0)]
+    whole, before, after = (ProtocolObserver(scene, np.array([0.2, 0.5, 1.0]), 220.0) for _ in range(3))
+    for part in parts:
+        whole.scan(part)
+    for part in parts[:end]:
+        before.scan(part)
+    after.restore(before.state())
+    assert after.whole_from == before.whole_from == (math.inf if end == 120 else 0.0)
+    for part in parts[end:]:
+        after.scan(part)
+    assert repr(after.figures) == repr(whole.figures)
+    assert [stage.reached for stage in after._seen] == [20.0, 100.0, 150.0, 220.0]
+
+
+def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back():
+    """Two parabolas over nodes that miss their peaks, in pieces of their own, and a fall to the steady stress between them."""
+    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 60})
+    nodes, steady = np.array([0.2, 0.5, 1.0]), scene.steady_stress
+    observer = ProtocolObserver(scene, nodes, 60.0)
+
+    def take(time, velocity, mu):
+        shape = np.full((1, 3), math.log(velocity))
+        observer.scan(Pieces(np.array([time]), np.array([10.0]), shape, shape, np.array([mu]), shape))
+
+    take(10.0, 100.0, [steady] * 3)
+    for time, peak in ((20.0, 0.02), (40.0, 0.03)):
+        take(time, 300.0, list(steady + peak - 0.1 * (nodes - 0.75) ** 2))
+        take(time + 10.0, 300.0, [steady - 0.02] * 3)
+        assert observer.figures[1].direct_effect == pytest.approx(peak, abs=1e-12)

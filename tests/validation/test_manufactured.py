@@ -1,13 +1,9 @@
-"""Full waves at their orders against exact motions, the delay system and a plain program."""
-
-import math
+"""Full waves at their orders against exact motions and the delay system."""
 
 import numpy as np
 import pytest
 from shown import outcomes
 
-import slipwave
-from tests.plain_ode import plain_kelvin_voigt, right_hand_side, steady_start
 from validation.compute.build import build
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
 from validation.studies.orders.given_motion import GRIDS, climbed, motion_verdicts
@@ -51,28 +47,3 @@ def test_every_full_wave_makes_it_at_its_order(model, pair):
 def test_exact_steps_follow_a_drive_that_is_not_linear():
     """With two terms of V in a step they would be wrong by 0.2."""
     assert error_of_motion(build("dg:7", given_scene(False), cells=6, time="exact")) < 1e-7
-
-
-KNOWN = 70.732344990  # AUTO-07p, log10 r = -2.68
-
-
-def test_its_steady_sliding_turns_neutral_at_the_onset_that_auto_finds():
-    """At log10 r = -2.69954994745 a pair of eigenvalues is +-i 2 pi/49.66821032; the others belong to the ODE's damped wave."""
-    scene = slipwave.read("paper", {"slab.log10_r": -2.69954994745})
-    rates, at = right_hand_side(scene), np.array(steady_start(scene))
-    before = -1e3  # transits: no nudge
-    assert rates(before, at) == pytest.approx([0.0] * 4, abs=1e-13)
-    columns = [np.subtract(rates(before, at + e), rates(before, at - e)) / 2e-6 for e in 1e-6 * np.eye(4)]
-    roots = np.linalg.eigvals(np.array(columns).T)
-    neutral = roots[np.argsort(np.abs(roots.real))[:2]]
-    assert np.abs(neutral.real).max() < 5e-10
-    assert np.abs(neutral.imag) == pytest.approx(2.0 * math.pi / 49.66821032, rel=1e-8)
-
-
-def test_it_is_nudged_as_the_scene_says_and_finds_the_period():
-    scene = slipwave.read("paper")
-    rates, at = right_hand_side(scene), np.array(steady_start(scene))
-    assert [rates(time, at)[3] for time in (6.0, 7.0)] == pytest.approx([0.5, 0.5 * math.exp(-1.0)])
-    period, evaluations = plain_kelvin_voigt(slipwave.read("paper"), 2000.0, 1e-10)
-    assert period == pytest.approx(KNOWN, rel=1e-7)  # 3e-8 was measured: the transient
-    assert evaluations > 10_000
