@@ -48,11 +48,6 @@ def curve(kind, made, s, towards, count, steps=CURVE_STEPS, ahead=9.0, **setting
     return start, [one.last for one in itertools.islice(reached, count)]
 
 
-def test_places_in_the_plane_are_in_units_of_the_scales():
-    plane = Plane(scene_of, (0.5, 20.0))
-    assert (plane.values(0.2 + 0.1j), plane.at((0.1, 2.0))) == (pytest.approx((0.1, 2.0)), pytest.approx(0.2 + 0.1j))
-
-
 def leaning(q):
     """g = s^2 - (1 + q) s: the fold at s = (1 + q)/2 has p = -(1 + q)^2/4."""
     return Oscillator(lambda s: s * s - (1.0 + q) * s, lambda s: 2.0 * s - 1.0 - q)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.special import roots_jacobi
 
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
@@ -15,7 +14,7 @@ from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
-from slipwave.step.collocation import radau, radau_nodes
+from slipwave.step.collocation import radau
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}
 
@@ -145,13 +144,6 @@ def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):
 
 
 ODD = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]
-
-
-@pytest.mark.parametrize("stages", range(2, 13))
-def test_radau_nodes_are_the_roots_of_a_jacobi_polynomial(stages):
-    nodes = radau_nodes(stages)
-    assert nodes[-1] == 1.0
-    assert np.abs(nodes[:-1] - 0.5 * (roots_jacobi(stages - 1, 1.0, 0.0)[0] + 1.0)).max() < 4e-16
 
 
 def outputs(solver, until=120.0):

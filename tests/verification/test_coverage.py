@@ -9,10 +9,9 @@ import pytest
 from reduced.stability.critical import critical_round_trip
 from slipwave.observe.events import Events
 from slipwave.observe.statistics import margin_of_mean
-from tests.verification.stated_errors import irregular, record, repeating
-from tests.verification.stated_errors.held import Held, coverage_of
+from tests.verification.stated_errors import measured, record
+from tests.verification.stated_errors.held import SLABS, Held, coverage_of, random_scene
 from tests.verification.stated_errors.record import KINDS, SUMMARY, agree, chosen, computation, known_computations, summary
-from tests.verification.stated_errors.scenes import SLABS, random_scene
 from validation.compute.orbits import find_orbit
 
 
@@ -83,7 +82,7 @@ def test_a_record_goes_on_where_it_was_interrupted(tmp_path, monkeypatch):
 def test_a_mean_is_held_against_that_of_later_cycles():
     """Means 2 of 8 cycles and 4 of the next 24: half as large, and as far as 0.5/sqrt(1 + 8/24) from an exact one."""
     column = np.concatenate([np.tile([1.0, 3.0], 4), np.full(24, 4.0)])
-    period = irregular.held_means(Events(*[column] * 6), 8)[0]
+    period = measured.held_means(Events(*[column] * 6), 8)[0]
     assert period == ("period", pytest.approx(margin_of_mean(column[:8]) / 4.0), pytest.approx(0.5 * np.sqrt(0.75)))
 
 
@@ -92,7 +91,7 @@ def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh():
     scene = random_scene("alike", "delay", np.random.default_rng(4))
     drawn = SimpleNamespace(random=lambda: 0.9, uniform=lambda *limits: -4.0)
     coarse, fine = (find_orbit("delay", scene, tolerance).found.orbit.values() for tolerance in (1e-4, 1e-11))
-    held = repeating.of_orbit("delay", scene, drawn)
+    held = measured.of_orbit("delay", scene, drawn)
     assert max(one.error for one in held) > 1e-9
     for one in held:
         assert one.error == pytest.approx(abs(coarse[one.figure] / fine[one.figure] - 1.0), rel=0.05, abs=2e-12)

@@ -13,9 +13,16 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.files import whole_or_absent
 from slipwave.sources import ROOT, source_digest
 from tests.verification.stated_errors.held import Held, coverage_of
-from tests.verification.stated_errors.irregular import exponents, irregular_means
-from tests.verification.stated_errors.repeating import WITNESS as KNOWING
-from tests.verification.stated_errors.repeating import any_orbit, chosen_grid, default_grid, limits_of_grids, steps
+from tests.verification.stated_errors.measured import WITNESS as KNOWING
+from tests.verification.stated_errors.measured import (
+    any_orbit,
+    chosen_grid,
+    default_grid,
+    exponents,
+    irregular_means,
+    limits_of_grids,
+    steps,
+)
 from validation.compute.settle import NoCycle
 from validation.study import SELF, WITNESS, Evidence
 
