@@ -30,7 +30,7 @@ from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from tests.granite import GRANITE
+from tests.granite import GRANITE, SAMPLE
 from validation.timing import Setting, Work, in_turn, quartiles, solver_of
 
 os.environ["GFORTRAN_UNBUFFERED_PRECONNECTED"] = "y"  # read when a library of Fortran is loaded; for `_silenced`
@@ -264,26 +264,15 @@ def _repeated(prepare: Work[Any]) -> tuple[Work[Any], int]:
     return work, count
 
 
-_FACE = {"kind": "machine", "stiffness": "8 GPa/m", "impedance": 0, "mass": 0}
 _STEPS = [["0 s", "10 um/s"], ["20 s", "10 um/s"], ["20 s", "0 um/s"], ["120 s", "0 um/s"], ["120 s", "10 um/s"]]
-SAMPLE = {
-    "name": "1 mm sample",
-    "interface": {"law": "ageing", "a_star": 0.6, "a": 0.008, "b": 0.014}
-    | {"normal_stress": "5 MPa", "memory_length": "5 um", "reference_velocity": "1 um/s"},
-    "slab": {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "1 mm", "face": _FACE},
-    "drive": {"velocity": "10 um/s"},
-    "start": {"kind": "jump", "size": 0.05},
-    "run": {"until": "50 s"},
-}
-"""A laboratory sample in a machine, which stick-slips."""
 HELD = SAMPLE | {
     "name": "1 mm sample, hold",
-    "slab": SAMPLE["slab"] | {"face": _FACE | {"stiffness": "40 GPa/m", "mass": "100 kg/m2"}},  # type: ignore[operator]
+    "slab": SAMPLE["slab"] | {"face": SAMPLE["slab"]["face"] | {"stiffness": "40 GPa/m", "mass": "100 kg/m2"}},
     "drive": {"velocity": _STEPS},
     "start": {"size": 0.0},
     "run": {"until": "220 s"},
 }
-"""The same in a stiffer and heavier machine, held for 100 s."""
+"""The sample in a stiffer and heavier machine, held for 100 s."""
 _JUMP = {"kind": "jump", "size": 0.05}
 LABORATORY: dict[str, Any] = {"lab-1mm": SAMPLE, "lab-1mm-hold": HELD, "velocity-steps": "velocity-steps", "hold": "hold"}
 

@@ -15,7 +15,8 @@ from slipwave.observe.envelope import Envelope
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from tests.bench.peers import LABORATORY, SAMPLE
+from tests.bench.peers import LABORATORY
+from tests.granite import SAMPLE
 from validation.timing import March, Setting, Work, in_turn, quartiles, solver_of
 
 _POINTS = 50

@@ -1,6 +1,7 @@
-"""Slabs whose impedances have a constant ratio move the interface as alike ones: one slab is marched, whatever the ratio."""
+"""Slabs whose impedances have a constant ratio move the interface as alike ones: one slab is marched, whatever the ratio, by the
+delay system and, under a constant V, by full waves."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import GripFace, Layer, MachineFace, ReflectingFace, RigidFace
 from slipwave.solve import follow
+from validation.compute.build import build
 from validation.results.wording import header
 
 PAPER = slipwave.read("paper")
@@ -31,7 +33,7 @@ DRIVES = {
 }
 
 
-def in_ratio(ratio: float, scene: Scene = PAPER) -> Scene:
+def in_ratio(ratio, scene=PAPER):
     """The scene's upper slab and one of `ratio` times its impedance, which are together as stiff as two of the upper one."""
     slab = replace(scene.upper, epsilon=0.5 * scene.upper.epsilon * (1.0 + 1.0 / ratio))
     return replace(scene, upper=slab, lower=replace(slab, epsilon=ratio * slab.epsilon))
@@ -98,3 +100,43 @@ def test_a_branch_that_leaves_the_pair_begins_beside_it():
     first = branch.found.points[0]
     assert first.value == pytest.approx(1.0 + 5e-8, abs=1e-12)
     assert first.period == pytest.approx(73.47214494430, rel=1e-5)
+
+
+GRIDS = {"fd": {"cells": 24}, "dg:8": {"cells": 3}, "fem:4": {"cells": 4, "time": "explicit"}}
+LAYERED = {"layers": (Layer(0.3, 1.0), Layer(0.7, 2.0))}
+
+
+def seen(scene, model):
+    """Fields of both slabs, the energy balance, the end of the interface's motion, and the number of values in the state."""
+    solver = build(model, scene, **GRIDS[model])
+    solver.keep_ledger()
+    final = follow(solver, 90.0)
+    shot = solver.snapshot()
+    fields = [values for slab in (shot.upper, shot.lower) for values in (slab.depth, slab.velocity, slab.stress)]
+    size = sum(values.size for values in solver.state().values())
+    return fields, np.array(astuple(solver.energy())), np.array([final.ln_v, final.psi, final.mu]), size
+
+
+@pytest.mark.parametrize("model", GRIDS)
+@pytest.mark.parametrize("change", [*({"face": face} for face in FACES.values()), LAYERED], ids=[*FACES, "layers"])
+def test_one_slab_gives_the_fields_and_energies_of_both(change, model, monkeypatch):
+    scene = in_ratio(3.0, replace(PAPER, upper=replace(PAPER.upper, **change), start=Start(size=0.1), until=90.0))
+    fields, energy, final, size = seen(scene, model)
+    monkeypatch.setattr(Scene, "equivalent", None)
+    fields_of_two, energy_of_two, final_of_two, size_of_two = seen(replace(scene), model)
+    assert size < 0.75 * size_of_two
+    np.testing.assert_allclose(final, final_of_two, atol=1e-9)
+    np.testing.assert_allclose(energy, energy_of_two, rtol=1e-9, atol=1e-9 * abs(energy).max())
+    assert np.abs(fields[1] - 0.5 * scene.velocity).max() > 1e-6
+    for ours, theirs in zip(fields, fields_of_two, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-10 * np.abs(theirs).max())
+
+
+def test_two_slabs_are_marched_where_v_changes():
+    """They then swing together, too, which their interface does not feel."""
+    scene = replace(in_ratio(0.5), drive=DRIVES["ramp"], until=40.0)
+    assert scene.equivalent is not None
+    solver = build("dg:8", scene, cells=2)
+    follow(solver, 40.0)
+    shot = solver.snapshot()
+    assert np.abs(shot.upper.velocity + shot.lower.velocity[: shot.upper.velocity.size]).max() > 1e-3

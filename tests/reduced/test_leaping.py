@@ -20,7 +20,7 @@ from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene.drive import Drive
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
-from tests.granite import GRANITE
+from tests.granite import GRANITE, SAMPLE
 
 CYCLE = 80_000.0
 """Transits; two slip events of granite, and the rise after the second."""
@@ -223,12 +223,7 @@ def test_leapt_and_marched_runs_agree(kind, drive, least):
 def test_rounding_is_no_error_of_a_leap():
     """A sample of 1 mm, held by a spring: a step's rounding, as a rate over the leap, would be more than is allowed at 1e-9.
     Measured: 1e-11."""
-    interface = {"law": "ageing", "a_star": 0.6, "a": 0.008, "b": 0.014}
-    units = {"normal_stress": 5e6, "memory_length": 5e-6, "reference_velocity": 1e-6}
-    rock = {"density": 2700.0, "shear_modulus": 3e10, "thickness": 1e-3}
-    slab = rock | {"face": {"kind": "machine", "stiffness": "8 GPa/m", "impedance": 0, "mass": 0}}
-    tables = {"interface": interface | units, "slab": slab, "drive": {"velocity": 10.0}, "start": {"kind": "jump", "size": 0.05}}
-    scene, until = slipwave.read(tables), 100_000.0
+    scene, until = slipwave.read(SAMPLE), 100_000.0
     leaping, marching = (LeapingNetwork(scene, 1e-9) for _ in range(2))
     ends = [follow(leaping, until), follow(marching, until, leaps=False)]
     assert leaping.skipped > 0.8 * until

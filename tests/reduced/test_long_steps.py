@@ -1,7 +1,6 @@
 """Steps of a reduction as long as its motion allows, against steps of 1/8 transit behind knots of V and around slip events."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,55 +9,39 @@ from reduced.impedance.reduce import reduction_of
 from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
 from slipwave.input import read_scene
 from slipwave.observe.history import values_at
-from slipwave.observe.pieces import Array, Pieces, lagrange_basis
-from slipwave.scene import Scene
+from slipwave.observe.pieces import Pieces, lagrange_basis
 from slipwave.solve import follow
 from slipwave.step.port_march import PortMarch
+from tests.granite import SAMPLE
 
 SHORT = 0.125
 TOLERANCE = 1e-9
-FACE = {"kind": "machine", "stiffness": "8 GPa/m", "impedance": 0, "mass": 0}
-SAMPLE = {
-    "interface": {
-        "law": "ageing",
-        "a_star": 0.6,
-        "a": 0.008,
-        "b": 0.014,
-        "normal_stress": "5 MPa",
-        "memory_length": "5 um",
-        "reference_velocity": "1 um/s",
-    },
-    "slab": {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "1 mm", "face": FACE},
-    "drive": {"velocity": "10 um/s"},
-    "start": {"kind": "jump", "size": 0.05},
-    "run": {"until": "12 s"},
-}
+SHORT_RUN = SAMPLE | {"run": {"until": "12 s"}}
 
 
-def marched(solver: PortMarch, until: float) -> Pieces:
+def marched(solver, until):
     parts = [solver.advance(until)]
     while solver.time < until - 1e-6:
         parts.append(solver.advance(until))
     return Pieces.joined(parts)
 
 
-def short_steps(scene: Scene, model: str) -> PortMarch:
+def short_steps(scene, model):
     slabs = ReducedSlabs(scene, lambda one: reduction_of(one, model), STAGES)
     return PortMarch(slabs, TOLERANCE, SHORT, SHORT)
 
 
-def motion(pieces: Pieces, times: Array) -> Array:
+BASIS = lagrange_basis(short_steps(read_scene("paper"), "quasidynamic").nodes)
+
+
+def motion(pieces, times):
     """ln v, psi and mu."""
-    return np.stack(values_at(pieces, lagrange_basis(read_nodes()), times)[:3])
-
-
-def read_nodes() -> Array:
-    return short_steps(read_scene("paper"), "quasidynamic").nodes
+    return np.stack(values_at(pieces, BASIS, times)[:3])
 
 
 @pytest.mark.parametrize("model", ["quasidynamic", "block8", "kelvin-voigt", "modal:1"])
 @pytest.mark.parametrize("name", ["velocity-steps", "hold"])
-def test_motion_behind_a_knot_is_that_of_short_steps(name: str, model: str) -> None:
+def test_motion_behind_a_knot_is_that_of_short_steps(name, model):
     scene = read_scene(name)
     knot = scene.drive.knots[1]
     end = knot + 1000.0
@@ -70,10 +53,10 @@ def test_motion_behind_a_knot_is_that_of_short_steps(name: str, model: str) -> N
     assert quiet.max() > 1000.0  # it has long steps to forget them
 
 
-def test_motion_around_a_slip_event_is_that_of_short_steps() -> None:
-    scene = read_scene(SAMPLE)
+def test_motion_around_a_slip_event_is_that_of_short_steps():
+    scene = read_scene(SHORT_RUN)
     solver = ReducedModel(scene, reduction_of(scene, "quasidynamic"), TOLERANCE)
-    pieces = marched(solver, scene.until or 0.0)
+    pieces = marched(solver, scene.until)
     fast = int(np.argmax(pieces.z.max(axis=1)))
     assert pieces.z[fast].max() - pieces.z[0, 0] > 2.0
     for start in (pieces.time[fast] - 600.0, pieces.time[fast] + 400.0):
@@ -88,12 +71,12 @@ def test_motion_around_a_slip_event_is_that_of_short_steps() -> None:
         assert difference.max() < 10.0 * TOLERANCE
 
 
-def test_steps_follow_the_motion_whatever_a_transit_is() -> None:
+def test_steps_follow_the_motion_whatever_a_transit_is():
     """A sample of a tenth of the thickness between the same springs: as many steps, though a transit is a tenth."""
     counts = []
     for thickness in ("1 mm", "0.1 mm"):
-        scene = read_scene(SAMPLE | {"slab": SAMPLE["slab"] | {"thickness": thickness}})  # type: ignore[operator]
-        counts.append(marched(ReducedModel(scene, reduction_of(scene, "quasidynamic"), TOLERANCE), scene.until or 0.0).time.size)
+        scene = read_scene(SHORT_RUN | {"slab": SAMPLE["slab"] | {"thickness": thickness}})
+        counts.append(marched(ReducedModel(scene, reduction_of(scene, "quasidynamic"), TOLERANCE), scene.until).time.size)
     assert max(counts) < 200
     assert abs(counts[0] - counts[1]) < 0.1 * counts[0]
 
@@ -101,14 +84,14 @@ def test_steps_follow_the_motion_whatever_a_transit_is() -> None:
 class Seen:
     """The pieces that observers are given."""
 
-    def __init__(self) -> None:
-        self.parts: list[Pieces] = []
+    def __init__(self):
+        self.parts = []
 
-    def scan(self, pieces: Pieces) -> None:
+    def scan(self, pieces):
         self.parts.append(pieces)
 
 
-def test_a_run_ends_within_a_step_and_goes_on_there(tmp_path: Path) -> None:
+def test_a_run_ends_within_a_step_and_goes_on_there():
     scene = read_scene("hold")
     whole, halves = Seen(), Seen()
     follow(ReducedModel(scene, reduction_of(scene, "quasidynamic")), 9e5, [whole])

@@ -75,7 +75,6 @@ def test_no_units_no_thickness_and_no_weakening():
 
 
 FAST = GRANITE | {
-    "interface": GRANITE["interface"] | {"a_star": 0.6, "a": 0.01, "b": 0.015},
     "slab": {
         "density": 2700.0,
         "shear_modulus": 30e9,
