@@ -20,6 +20,7 @@ from slipwave.sources import imports_in, inside
 log = logging.getLogger("slipwave")
 
 _RUN = set[str]()  # files that were run
+_all_entry_points = cache(entry_points)  # to read them takes milliseconds
 _INSTALLED = {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "platstdlib", "purelib", "platlib")}
 
 
@@ -116,7 +117,7 @@ def line_of_user(error: BaseException) -> str:
 def load_from_packages(group: str, take: Callable[[Any, str], None]) -> None:
     """Call `take` with each object that installed packages offer in the `group` of entry points, and a label for messages. A
     failing package is logged in one line and skipped."""
-    for entry in entry_points(group=group):
+    for entry in _all_entry_points().select(group=group):
         label = f"{entry.dist.name if entry.dist else 'an installed package'}: {group} {entry.name} = {entry.value!r}"
         try:
             with no_exit(label):

@@ -11,7 +11,7 @@ The folder is `$NUMBA_CACHE_DIR` if that variable is set, else `$XDG_CACHE_HOME/
 used for a month are removed. numba's own cache, which a user's functions may use, is left alone: it sees a change of a function's
 own file only, and NUMBA_CACHE_LOCATOR_CLASSES, which would change that, acts on every function of the process and does not see
 argument types. Private names of numba without a public substitute: `_reduce` and `_rebuild` of a compiled function, `dumps`,
-which pickles them, `NullCache`, the interface of a cache, and `rtsys`, which loads the code.
+which pickles them, `NullCache`, the interface of a cache, and `c_helpers`, the memory functions that the code calls.
 """
 
 import contextlib
@@ -29,9 +29,10 @@ from typing import Any, TypeAlias
 import llvmlite  # type: ignore[import-untyped]
 import numba
 import numpy as np
+from llvmlite.binding import add_symbol  # type: ignore[import-untyped]
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
-from numba.core.runtime import rtsys
+from numba.core.runtime._nrt_python import c_helpers
 from numba.core.serialize import dumps
 
 from slipwave.compiled.frozen import frozen_parts
@@ -84,7 +85,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The function compiled for `sig`, or None."""
-        rtsys.initialize(target_context)  # all that loading needs of refresh(), which imports every part of numba
+        _name_runtime()
         try:
             path = self._path(sig, target_context.codegen())
             packed = path.read_bytes() if path else None
@@ -125,6 +126,14 @@ class DiskCache(NullCache):  # type: ignore[misc]
         name = f"{self._function.__module__}.{self._function.__qualname__}"
         facts = f"{name} {self._is_part} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(sources)} {foreign}"
         return cache_folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
+
+
+@cache
+def _name_runtime() -> None:
+    """Tell the linker where numba's memory functions are: all that loading needs of numba's own preparation, which compiles
+    others and imports every part of numba."""
+    for name, address in c_helpers.items():
+        add_symbol(name if name.startswith("_") else f"NRT_{name}", address)
 
 
 def _classes(kinds: Iterable[Any]) -> Iterator[type]:

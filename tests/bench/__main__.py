@@ -136,7 +136,7 @@ def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
         "dg:8: time of the delay system": (once, alike),
         "dg:8: unlike slabs over alike": (run(_EXACT, pair, 200.0), once),
         "dg:8: Kelvin-Voigt over elastic": (run(_EXACT, replace(paper, upper=slab, lower=slab), 200.0), once),
-        "slipwave --help over bare Python": (_process("-m", "validation.cli", "--help"), _process("-c", "")),
+        "slipwave --help over bare Python": (_process("-m", "slipwave", "--help"), _process("-c", "")),
     }
     for model in ("block12", "kelvin-voigt", "modal:8"):
         reduced = run(Setting(model, tolerance=1e-9), paper, 1000.0)

@@ -47,7 +47,7 @@ def works() -> Mapping[str, Timed]:
     found["compare velocity-steps, quasidynamic with quasistatic (ms)"] = _call(sw.compare, steps, "quasidynamic,quasistatic")
     found["a point of a sweep, block12, 1000 transits (ms)"] = Timed(lambda: _sweep, 1e3 / _POINTS)
     found["its march (ms)"] = Timed(March(Setting("block12"), sw.read("paper"), 1000.0), 1e3)
-    command = [sys.executable, "-m", "validation.cli", "run", "paper", "--json"]
+    command = [sys.executable, "-m", "slipwave", "run", "paper", "--json"]
     found["slipwave run paper, a process (ms)"] = _call(subprocess.run, command, check=True, capture_output=True)
     second = sample.until / 50.0 if sample.until else 0.0
     found["delay, lab-1mm, a second of motion (s)"] = Timed(March(Setting("delay"), sample, second), 1.0)

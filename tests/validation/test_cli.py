@@ -37,6 +37,14 @@ def test_help_answers_at_once():
     assert [name for name in ("run", "compare", "bench", "scenes", "report") if f"  {name} " not in shown] == []
 
 
+def test_a_run_that_repeats_imports_no_stability_and_no_figures():
+    code = "import sys; from validation.cli import main; main(['run', 'reflection', '--json']); print(*sys.modules)"
+    shown = python(code).stdout
+    assert '"verdict": "periodic' in shown
+    unneeded = ("reduced.stability", "reduced.orbit", "matplotlib", "xarray", "scipy.s")
+    assert [name for name in shown.splitlines()[-1].split() if name.startswith(unneeded)] == []
+
+
 @pytest.mark.parametrize(
     ("place", "told"),
     [

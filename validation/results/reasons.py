@@ -1,13 +1,17 @@
 """Explains a run's motion, and what would change it, by the stability of steady sliding."""
 
 import math
+from typing import TYPE_CHECKING
 
-from reduced.stability import Stability, analyse, friction_slopes, scaled
-from reduced.stability.analyse import stability_in_si
+from reduced.parameters import scaled
+from slipwave.friction.law import friction_slopes
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from validation.compute.outlook import outlook
 from validation.compute.run import Run
+
+if TYPE_CHECKING:
+    from reduced.stability import Stability
 
 _TOGETHER = ", both slabs scaled together,"
 PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "u", -9: "n"}
@@ -19,6 +23,8 @@ def reasons(run: Run, model: str) -> list[str]:
     verdict, scene = run.verdict, run.solver.scene
     if verdict is None or verdict.kind in ("driven", "protocol", *REPEATING) or scene.drive.velocities[-1] == 0.0:
         return []
+    from reduced.stability.analyse import analyse  # imported here to keep the start of other runs fast
+
     final = scene if scene.drive.is_constant else scaled(scene, velocity=scene.drive.velocities[-1])
     found = analyse(final, model)
     changes = [f"it changes by a factor e in {_time(1.0 / abs(verdict.rate), scene)}"] if math.isfinite(verdict.rate) else []
@@ -29,7 +35,7 @@ def reasons(run: Run, model: str) -> list[str]:
     ]
 
 
-def on_stability(scene: Scene, found: Stability) -> str:
+def on_stability(scene: Scene, found: "Stability") -> str:
     """Text: whether steady sliding of `scene`, of stability `found`, is stable, and what would change that."""
     if not friction_slopes(scene.law, scene.velocity).weakening:
         known = scene.law._asdict()
@@ -43,9 +49,11 @@ def on_stability(scene: Scene, found: Stability) -> str:
     return "; ".join(filter(None, [f"steady sliding is {word}", change, what_would_change(scene, found)]))
 
 
-def what_would_change(scene: Scene, found: Stability) -> str:
+def what_would_change(scene: Scene, found: "Stability") -> str:
     """Text: the thickness or normal stress, or r or epsilon, beyond which the stability changes; empty if there is none, or at
     neutral stability."""
+    from reduced.stability.analyse import stability_in_si
+
     physical = stability_in_si(scene, found)
     if physical is not None and scene.units is not None:
         slabs = "slabs" if scene.alike else f"an upper slab{_TOGETHER}"
