@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import slipwave
 from slipwave.friction import register
-from validation.compute.build import build
-from validation.compute.run import simulate
+from validation.models.build import build
+from validation.models.run import simulate
 
 
 class Cutoff(NamedTuple):

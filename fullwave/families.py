@@ -174,7 +174,7 @@ FAMILIES: list[FullWave] = [
     ELEMENTS,
     GALERKIN,
 ]
-"""The built-in families; those of other packages and files are appended (`validation.compute.own`)."""
+"""The built-in families; those of other packages and files are appended (`validation.models.own`)."""
 
 
 def facts_of(name: str) -> FullWave:

@@ -11,19 +11,19 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read, read_scene
 
 _PLACES = {
-    "bench": "results.bench",
-    "branch": "results.branch",
-    "compare": "results.compare",
-    "curve": "results.curve",
-    "fit": "fit.command",
-    "map": "sweep.map_command",
-    "models": "results.listing",
-    "orbit": "results.orbit",
-    "run": "results.run",
-    "scenes": "results.listing",
-    "show": "results.listing",
-    "stability": "results.stability",
-    "sweep": "sweep.command",
+    "bench": "commands.bench",
+    "branch": "commands.branch",
+    "compare": "commands.compare",
+    "curve": "commands.curve",
+    "fit": "commands.fit",
+    "map": "commands.map",
+    "models": "commands.listing",
+    "orbit": "commands.orbit",
+    "run": "commands.run",
+    "scenes": "commands.listing",
+    "show": "commands.listing",
+    "stability": "commands.stability",
+    "sweep": "commands.sweep",
     "verify": "verification.command",
 }
 """The module of `validation` in which each function is written."""

@@ -19,7 +19,7 @@ def main() -> int:
     one_thread_by_default()
     # the process is the command's own; collections at Python's rate would take a tenth of the time of compiling
     gc.set_threshold(_OBJECTS_BEFORE_COLLECTION)
-    status = int(import_module("validation.cli").main())
+    status = int(import_module("validation.commands.cli").main())
     gc.freeze()  # the process ends: its last collections would take a quarter of the time of a short run, and free what ends too
     return status
 

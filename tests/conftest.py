@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, settings
 from reduced.families import REDUCTIONS
 from slipwave.friction import LAWS
 from slipwave.friction.own import LAW_FILES
-from validation.compute import own
-from validation.compute.models import FAMILIES, GRIDS
+from validation.models import own
+from validation.models.by_name import FAMILIES, GRIDS
 
 # no deadline: the first call may compile
 _COMMON = {"deadline": None, "print_blob": True, "suppress_health_check": [HealthCheck.too_slow]}
@@ -28,8 +28,8 @@ def pytest_addoption(parser):
 def no_progress(monkeypatch):
     """Tests of what is printed must not depend on how long it took: no test is told of progress or of a long run unless it says
     so."""
-    monkeypatch.setattr("validation.compute.progress.PATIENCE", math.inf)
-    monkeypatch.setattr("validation.compute.progress.LONG", math.inf)
+    monkeypatch.setattr("validation.models.progress.PATIENCE", math.inf)
+    monkeypatch.setattr("validation.models.progress.LONG", math.inf)
 
 
 @pytest.fixture(autouse=True)

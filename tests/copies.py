@@ -10,8 +10,8 @@ import time
 import traceback
 from concurrent.futures import ThreadPoolExecutor
 
-from validation.cli import main
-from validation.compute import progress
+from validation.commands.cli import main
+from validation.models import progress
 
 
 def in_a_copy(work, heard=lambda line, copy: None):

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from slipwave.sources import ROOT
-from validation.cli import COMMANDS, command_called
+from validation.commands.cli import COMMANDS, command_called
 
 ACTION = yaml.safe_load((ROOT / "action.yml").read_text(encoding="utf-8"))
 WORKFLOWS = {path.name: yaml.safe_load(path.read_text(encoding="utf-8")) for path in (ROOT / ".github/workflows").glob("*.yml")}

@@ -22,6 +22,10 @@ BELOW = {
 }
 """What each room may import besides itself: the two that hold models never import each other."""
 
+INSTRUMENT = {f"validation/{one}" for one in ("models", "commands", "data", "fit", "sweep", "chart", "references")}
+PROOF = {f"validation/{one}" for one in ("measure", "verification", "studies", "report")}
+"""The rooms of `validation`: the proof uses the instrument as any user does; its commands are found by name."""
+
 
 def arrows(root):
     """(file, file that it imports) for all files of the four rooms."""
@@ -56,6 +60,12 @@ def folders(pairs):
 
 def test_a_room_imports_those_below_it():
     assert upward(arrows(ROOT)) == []
+
+
+def test_the_instrument_never_imports_its_proof():
+    room = {name: "/".join(name.split("/")[:2]) for pair in arrows(ROOT) for name in pair}
+    assert {one for one in room.values() if one.startswith("validation/")} - {"validation/__init__.py"} == INSTRUMENT | PROOF
+    assert [(file, other) for file, other in arrows(ROOT) if room[file] in INSTRUMENT and room[other] in PROOF] == []
 
 
 def test_no_files_import_each_other():

@@ -1,1 +1,2 @@
-"""Compares the models: convergence, cost, claims, studies, the report and the command line. Imports the other packages."""
+"""The instrument (models, commands, data, fit, sweep, chart, references), and its proof, which uses it as any user does (measure,
+verification, studies, report). Imports the other packages."""

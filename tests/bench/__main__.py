@@ -28,8 +28,8 @@ from slipwave.solve import follow
 from tests.bench.peers import PEER_HEADS, table_of_peers
 from tests.bench.through_python import table_of_times
 from tests.granite import GRANITE
-from validation.results.result import aligned
-from validation.timing import March, Setting, Work, alternating, in_turn, quartiles, solver_of
+from validation.commands.result import aligned
+from validation.models.timing import March, Setting, Work, alternating, in_turn, quartiles, solver_of
 
 PSI = -2.8174018894888
 """psi(600) by the delay system at three resolutions, and by another program."""

@@ -31,7 +31,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from tests.granite import GRANITE, SAMPLE
-from validation.timing import Setting, Work, in_turn, quartiles, solver_of
+from validation.models.timing import Setting, Work, in_turn, quartiles, solver_of
 
 os.environ["GFORTRAN_UNBUFFERED_PRECONNECTED"] = "y"  # read when a library of Fortran is loaded; for `_silenced`
 try:

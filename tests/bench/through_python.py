@@ -17,7 +17,7 @@ from slipwave.scene import Scene
 from slipwave.solve import follow
 from tests.bench.peers import LABORATORY
 from tests.granite import SAMPLE
-from validation.timing import March, Setting, Work, in_turn, quartiles, solver_of
+from validation.models.timing import March, Setting, Work, in_turn, quartiles, solver_of
 
 _POINTS = 50
 

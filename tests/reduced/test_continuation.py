@@ -14,7 +14,7 @@ from reduced.continuation.start import from_hopf, from_orbit, from_stored, store
 from reduced.orbit.closing import CLOSES_TO, close
 from slipwave.errors import NumericsError
 from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator
-from validation.compute.points import point_of
+from validation.models.points import point_of
 
 METRIC = Metric(2.0 * math.pi, 1.0)
 WIDEST = 2.1e-9

@@ -14,8 +14,8 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import GripFace, Layer, MachineFace, ReflectingFace, RigidFace
 from slipwave.solve import follow
-from validation.compute.build import build
-from validation.results.wording import header
+from validation.commands.wording import header
+from validation.models.build import build
 
 PAPER = slipwave.read("paper")
 FACES = {

@@ -22,7 +22,7 @@ from slipwave.step.impedance import Diagonal
 from slipwave.step.nodal import NOT_SMOOTH, nodal_of
 from slipwave.step.solve import solve
 from tests.reduced.test_random_networks import fit_out
-from validation.compute.build import build
+from validation.models.build import build
 
 KINDS = ("alike", "unlike", "irrational", "layered", "grip", "reflection", "machine")
 LAWS = ("ageing-regularised", "slip-regularised", "spinodal")

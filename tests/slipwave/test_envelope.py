@@ -12,7 +12,7 @@ from slipwave.observe.history import values_at
 from slipwave.observe.pieces import Pieces, lagrange_basis
 from slipwave.solve import follow
 from tests.granite import GRANITE
-from validation.compute.build import build
+from validation.models.build import build
 
 STEP = {"drive.velocity": [[0, 100], [30, 100], [30, 300], [200, 300], [230.5, 0], [260, 0], [260, 50]]}
 

@@ -10,7 +10,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import Pieces
 from slipwave.solve import follow
 from slipwave.solve.lyapunov import WHOLE, largest_exponent
-from validation.compute.build import build
+from validation.models.build import build
 
 
 class Logistic:

@@ -9,7 +9,7 @@ import pytest
 from slipwave.input.schema import json_schema
 from slipwave.sources import ROOT
 from tests.slipwave.test_read_wrong import FULL, LAYERS, SI, changed
-from validation.cli import main
+from validation.commands.cli import main
 
 SCHEMA = json_schema()
 TYPES = {"object": dict, "array": list, "string": str, "number": (int, float)}

@@ -8,7 +8,7 @@ import jinja2
 import pytest
 from fake_studies import Fake
 
-from validation.cli import INPUT_WRONG, main
+from validation.commands.cli import INPUT_WRONG, main
 
 
 class Compiled(jinja2.BytecodeCache):

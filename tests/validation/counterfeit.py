@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from slipwave.observe.statistics import Estimate
-from validation.study import Budget, Outcome
-from validation.study.regimes import UNTRIED
+from validation.measure.regimes import UNTRIED
+from validation.report import Budget, Outcome
 
 Change = Callable[[Any], Any]
 

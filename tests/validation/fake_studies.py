@@ -7,10 +7,21 @@ import textwrap
 import types
 
 import slipwave.sources
-from validation import studies
 from validation.chart import Chart, Look, Panel, Scale, Trace
-from validation.report import sources
-from validation.study import Column, Evidence, Figure, Number, Omission, Outcome, StudyAnswer, StudyResult, Table, Verdict
+from validation.report import (
+    Column,
+    Evidence,
+    Figure,
+    Number,
+    Omission,
+    Outcome,
+    StudyAnswer,
+    StudyResult,
+    Table,
+    Verdict,
+    registered,
+    sources,
+)
 
 
 def draw(height=1):
@@ -50,7 +61,7 @@ class Fake:
     def __init__(self, monkeypatch, tmp_path):
         self.patch, self.folder, self.runs = monkeypatch, tmp_path / "sources", []
         self.folder.mkdir()
-        monkeypatch.setattr(studies, "STUDIES", {})
+        monkeypatch.setattr(registered, "STUDIES", {})
 
     def add(self, name, run=lambda budget: result()):
         module = types.ModuleType(f"validation.studies.{name}")
@@ -65,7 +76,7 @@ class Fake:
 
         module.run = counted
         self.patch.setitem(sys.modules, module.__name__, module)
-        studies.STUDIES[name] = name
+        registered.STUDIES[name] = name
         return module
 
     def edit(self, module, text):
@@ -78,11 +89,11 @@ class Fake:
     def write(self, name, body, timed=False):
         """A study in a file of its own, which other processes can import too; `body` is the text of `run`."""
         source = self.folder / f"written_{name}.py"
-        lines = ["import os", "from pathlib import Path", "from validation.study import *", f"HERE = Path({str(self.folder)!r})"]
+        lines = ["import os", "from pathlib import Path", "from validation.report import *", f"HERE = Path({str(self.folder)!r})"]
         lines += [f"NAME, QUESTION, SCENES, SECONDS, TIMED = {name!r}, 'Does {name} work?', (), (1.0, 1.0), {timed}"]
         source.write_text("\n".join([*lines, "def run(budget):", textwrap.indent(textwrap.dedent(body), "    ")]))
         self.patch.syspath_prepend(self.folder)
         sys.modules.pop(source.stem, None)  # an earlier test's
         module = importlib.import_module(source.stem)
         self.patch.setitem(sys.modules, f"validation.studies.{name}", module)
-        studies.STUDIES[name] = name
+        registered.STUDIES[name] = name

@@ -10,10 +10,10 @@ import numpy as np
 from slipwave import read
 from slipwave.solve import FieldSolver, State
 from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
-from validation.compute.build import prepare
-from validation.compute.models import family_of
-from validation.compute.run import Wanted, records_of, simulate
-from validation.results.run import RunResult
+from validation.commands.run import RunResult
+from validation.models.build import prepare
+from validation.models.by_name import family_of
+from validation.models.run import Wanted, records_of, simulate
 
 Row = tuple[str, ...]
 

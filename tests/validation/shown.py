@@ -10,12 +10,12 @@ from counterfeit import green, tapes_of
 
 from slipwave.input import source
 from validation.chart.draw import draw, styled
-from validation.measure import stopwatch
 from validation.measure.orders import ALMOST
+from validation.models import stopwatch
+from validation.report import Budget, Evidence, Verdict
+from validation.report.names import by_claim
+from validation.report.registered import study_called
 from validation.report.sources import sources_of
-from validation.studies import study_called
-from validation.study import Budget, Evidence, Verdict
-from validation.study.names import by_claim
 
 ROOMY, ROUNDING = 30.0, 1e-10
 """A limit of more than this many times the measured size lets faults pass. Below `ROUNDING` machines may differ by more."""

@@ -4,9 +4,9 @@ import pytest
 
 import slipwave
 from slipwave.observe.statistics import Estimate
-from validation.study.compared import compared_table, onset
-from validation.study.model_table import Compared, ModelCell, ModelColumn
-from validation.study.regimes import AWAY, STEADY, UNDECIDED, UNTRIED, Regime
+from validation.measure.regimes import AWAY, STEADY, UNDECIDED, UNTRIED, Regime
+from validation.report.compared import compared_table, onset
+from validation.report.model_table import Compared, ModelCell, ModelColumn
 
 PAPER = slipwave.read("paper")
 COLUMNS = [ModelColumn("near", -2.68, 1.05, ""), ModelColumn("far", -2.5, 1.6, "")]

@@ -11,7 +11,7 @@ import slipwave as sw
 from slipwave import SceneError
 from slipwave.observe import Events
 from slipwave.scene import Scene
-from validation.cli import main
+from validation.commands.cli import main
 from validation.data.events import measured_motion, noise_of
 from validation.data.series import Series
 from validation.data.writing import as_record

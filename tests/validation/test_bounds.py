@@ -8,7 +8,7 @@ from fake_studies import answered
 from shown import too_roomy
 
 from validation.measure.order_fit import Fit
-from validation.study import (
+from validation.report import (
     PAPER,
     WITNESS,
     Evidence,
@@ -21,8 +21,8 @@ from validation.study import (
     every,
     in_range,
 )
-from validation.study.known import as_known, of_order
-from validation.study.names import by_claim, with_names
+from validation.report.known import as_known, of_order
+from validation.report.names import by_claim, with_names
 
 ORDER = Fit(3.91, 0.11, 1.0, 3.9, 1e-6, slice(0, 4), 0.99, 3.9, 0.1)
 

@@ -13,16 +13,16 @@ import xarray
 
 import slipwave as sw
 from tests.copies import interrupted
-from validation.cli import INTERRUPTED
-from validation.compute import followed
-from validation.compute.branch import FollowedBranch
-from validation.compute.curve import Curve
-from validation.compute.followed import Ended, ends_of, read_followed
-from validation.compute.parameter import over_range
-from validation.compute.points import StopAt
+from validation.commands.branch_figures import chart_of_branch
+from validation.commands.cli import INTERRUPTED
+from validation.models import followed
+from validation.models.branch import FollowedBranch
+from validation.models.curve import Curve
+from validation.models.followed import Ended, ends_of, read_followed
+from validation.models.parameter import over_range
+from validation.models.points import StopAt
 from validation.references.onset import onset_of
 from validation.references.published import reference_orbit
-from validation.results.branch_figures import chart_of_branch
 
 RANGE = "log10_r=-2.72:-2.68"
 COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")
@@ -253,7 +253,7 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         closed = onset_of(sw.read("paper").law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
-    monkeypatch.setattr("validation.results.curve.pursue", lambda *parts: Ended(0.0, None, "", False))
+    monkeypatch.setattr("validation.commands.curve.pursue", lambda *parts: Ended(0.0, None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
     assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
@@ -300,6 +300,6 @@ def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, kind, fac
     with pytest.raises(sw.SceneError, match=f"is no file of a {kind}, or damaged"):  # no points, but the same facts
         read_followed(path, same)
     if fact == "sources":
-        monkeypatch.setattr(f"validation.compute.{kind}.source_digest", lambda: "of another version")
+        monkeypatch.setattr(f"validation.models.{kind}.source_digest", lambda: "of another version")
     with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
         read_followed(path, replace(own, **changes))

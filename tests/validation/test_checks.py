@@ -4,8 +4,8 @@ import json
 
 import pytest
 
+from validation.report import Budget, Outcome
 from validation.studies import checks
-from validation.study import Budget, Outcome
 
 CAUGHT = {
     "name": "half-impedance",

@@ -16,9 +16,9 @@ import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import load_tables
 from tests.copies import in_a_copy
-from validation.cli import COMMANDS, INPUT_WRONG, command_called, main, one_value_each
-from validation.compute.build import build
-from validation.results.options import options_of
+from validation.commands.cli import COMMANDS, INPUT_WRONG, command_called, main, one_value_each
+from validation.commands.options import options_of
+from validation.models.build import build
 
 
 def python(code, **environment):
@@ -27,7 +27,7 @@ def python(code, **environment):
 
 def test_help_answers_at_once():
     """Nothing that takes long to import is imported for it (`make bench` times it)."""
-    shown = python("import sys; from validation.cli import main; main(['--help']); print(*sys.modules)").stdout
+    shown = python("import sys; from validation.commands.cli import main; main(['--help']); print(*sys.modules)").stdout
     loaded = shown.splitlines()[-1].split()
     assert not {name.partition(".")[0] for name in loaded} & {
         "numpy", "numba", "scipy", "matplotlib", "pydantic", "xarray", "netCDF4", "skfem", "jinja2"
@@ -38,7 +38,7 @@ def test_help_answers_at_once():
 
 
 def test_a_run_that_repeats_imports_no_stability_and_no_figures():
-    code = "import sys; from validation.cli import main; main(['run', 'reflection', '--json']); print(*sys.modules)"
+    code = "import sys; from validation.commands.cli import main; main(['run', 'reflection', '--json']); print(*sys.modules)"
     shown = python(code).stdout
     assert '"verdict": "periodic' in shown
     unneeded = ("reduced.stability", "reduced.orbit", "matplotlib", "xarray", "scipy.s")
@@ -58,7 +58,7 @@ def test_a_run_that_repeats_imports_no_stability_and_no_figures():
 )
 def test_a_wrong_output_place_is_refused_before_anything_is_computed(refused, monkeypatch, tmp_path, place, told):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("validation.results.run.simulate", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr("validation.commands.run.simulate", lambda *_: pytest.fail("computed"))
     (tmp_path / "file").write_text("")
     (tmp_path / "a.nc").mkdir()
     for suffix in ("nc", "npz"):
@@ -70,7 +70,7 @@ def test_a_wrong_output_place_is_refused_before_anything_is_computed(refused, mo
 
 def test_a_bug_is_a_traceback_and_status_1():
     code = "import sys, slipwave.input.source as g\ng.gallery_titles = lambda: 1 / 0\n"
-    done = python(code + "from validation.cli import main; sys.exit(main(['scenes']))")
+    done = python(code + "from validation.commands.cli import main; sys.exit(main(['scenes']))")
     assert (done.returncode, done.stderr.splitlines()[-1]) == (1, "ZeroDivisionError: division by zero")
 
 

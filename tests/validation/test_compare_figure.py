@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 import slipwave
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow
-from validation.cli import main
-from validation.compute.build import build
+from validation.commands.cli import main
+from validation.models.build import build
 
 UNTIL = 2000.0
 CHANGED = "slab.log10_r=-2.68"

@@ -8,8 +8,8 @@ import pytest
 import slipwave as sw
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import MotionVerdict
-from validation.cli import INPUT_WRONG, main
-from validation.results.comparison import conclusion, differences, in_json, nothing
+from validation.commands.cli import INPUT_WRONG, main
+from validation.commands.comparison import conclusion, differences, in_json, nothing
 
 
 def row(model, wall, error=1e-3, **more):

@@ -13,7 +13,7 @@ from test_sweep import DISC, Here, computed, plan
 
 import slipwave as sw
 from slipwave.errors import SceneError
-from validation.cli import main
+from validation.commands.cli import main
 from validation.sweep import store as of_store
 
 

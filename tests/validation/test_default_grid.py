@@ -7,8 +7,8 @@ import slipwave
 import slipwave as sw
 from fullwave.adapt import difference_of, probe
 from slipwave.solve import follow
-from validation.compute.build import build, prepare
-from validation.measure.cycle import watch
+from validation.models.build import build, prepare
+from validation.models.cycle import watch
 
 SCENE = sw.read("paper", {"drive.velocity": 2000, "run.until": 9.0})
 """Too short for cycles, so that the state at its end is compared."""

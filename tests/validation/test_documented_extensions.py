@@ -23,7 +23,7 @@ FOR_ALL = ("slipwave", "reduced", "fullwave", "validation", "examples")
 
 ALL = """
 import shlex, sys
-from validation.cli import main
+from validation.commands.cli import main
 for line in sys.argv[1:]:
     assert main([*shlex.split(line), "--json"]) == 0
     print(end="\\f")
@@ -112,10 +112,10 @@ JUDGE = """
 import sys
 from pathlib import Path
 from reduced.stability import scaled
-from validation.compute.own import load_families
+from validation.models.own import load_families
 from validation.measure.grids import in_space
 from validation.studies.orders.in_space import judged_models
-from validation.study.grid_verdicts import order_verdict
+from validation.report.grid_verdicts import order_verdict
 load_families(Path("finite_volume.py"))
 assert "fv" in judged_models(quick=True)
 true = in_space.without_error_in_time

@@ -18,8 +18,8 @@ from slipwave.family import ANYTHING, FEATURES, NOTHING
 from slipwave.input.source import parse_toml
 from slipwave.observe.verdict import REPEATING, Kind
 from slipwave.sources import ROOT
-from validation.cli import COMMANDS, command_called, main
-from validation.compute.models import FAMILIES
+from validation.commands.cli import COMMANDS, command_called, main
+from validation.models.by_name import FAMILIES
 from validation.report.answer import PAGES as ANSWERED
 from validation.report.answer import block_of, read_table, with_block
 from validation.studies.which_model import ORBITS, SHOWN
@@ -86,13 +86,13 @@ MARKED = re.compile(r"([\w.+-]+)<!--(.+?)-->")
 WORDS = {"eight": 8.0, "sixteen": 16.0}
 NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
 HELP = {
-    "run --fields": "validation.compute.recording.FIELD_WINDOW",
-    "run --checkpoint-every": "validation.compute.run._EVERY",
-    "orbit --tol": "validation.results.orbit.ORBIT_TOLERANCE",
-    "branch --tol": "validation.results.branch.BRANCH_TOLERANCE",
-    "branch --most-points": "validation.results.branch.BRANCH_POINTS",
-    "curve --tol": "validation.results.branch.BRANCH_TOLERANCE",
-    "curve --most-points": "validation.results.curve.CURVE_POINTS",
+    "run --fields": "validation.models.recording.FIELD_WINDOW",
+    "run --checkpoint-every": "validation.models.run._EVERY",
+    "orbit --tol": "validation.commands.orbit.ORBIT_TOLERANCE",
+    "branch --tol": "validation.commands.branch.BRANCH_TOLERANCE",
+    "branch --most-points": "validation.commands.branch.BRANCH_POINTS",
+    "curve --tol": "validation.commands.branch.BRANCH_TOLERANCE",
+    "curve --most-points": "validation.commands.curve.CURVE_POINTS",
     "sweep --refine": "2.0",
     "sweep --until": "validation.sweep.measures.TRANSITS",
 }

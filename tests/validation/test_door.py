@@ -7,8 +7,8 @@ import pytest
 
 import slipwave as sw
 from slipwave.errors import SceneError
-from validation.cli import COMMANDS
-from validation.results.options import options_of
+from validation.commands.cli import COMMANDS
+from validation.commands.options import options_of
 
 FAST = {"drive.velocity": 2000}
 """Cycles of four transits, which repeat after 100."""

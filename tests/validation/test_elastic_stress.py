@@ -9,7 +9,7 @@ import slipwave
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import GripFace, Layer, Slab, StandardLinearViscosity
 from slipwave.solve import follow
-from validation.compute.build import build
+from validation.models.build import build
 
 PAPER = slipwave.read("paper")
 E, R = PAPER.upper.epsilon, PAPER.upper.round_trip

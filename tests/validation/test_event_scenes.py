@@ -5,8 +5,8 @@ import pytest
 
 import slipwave
 from tests.granite import GRANITE as GRANITE_BLOCK
-from validation.compute.build import build
-from validation.measure.cycle import watch
+from validation.models.build import build
+from validation.models.cycle import watch
 
 LAYERS = [
     "drive.velocity=100.0",

@@ -10,8 +10,8 @@ from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
-from validation.compute.build import build
-from validation.compute.models import FAMILIES
+from validation.models.build import build
+from validation.models.by_name import FAMILIES
 
 RAMP = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]
 JUMP = ["start.kind=jump", "start.size=0.05"]

@@ -38,8 +38,8 @@ from validation.chart.svg import colors_of
 from validation.chart.table import curves_csv, panel_facts, read_chart
 from validation.chart.thin import CELLS, MOST, staying, with_fewer
 from validation.chart.words import described, meetings
+from validation.report import Figure
 from validation.report.build import make_report
-from validation.study import Figure
 
 X = np.linspace(0.0, 4.0, 1801)
 PART = X[:200:10] - 2.0

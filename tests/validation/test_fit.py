@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
+from validation.commands.fit_figures import chart_of_fit, values_in_words
 from validation.fit.cycles import CycleOfReduction, disturbed
-from validation.fit.drawn import chart_of_fit, values_in_words
 from validation.fit.forward import OfReduction, OfSolver, solved
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
@@ -325,7 +325,7 @@ def test_noise_is_a_ten_thousandth_of_the_range_of_friction_at_least(tmp_path: P
 
 
 def test_values_that_are_no_minimum_have_no_interval(steps: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr("validation.fit.command.minimise", lambda *given: minimise(*given)._replace(failed="no minimum"))
+    monkeypatch.setattr("validation.commands.fit.minimise", lambda *given: minimise(*given)._replace(failed="no minimum"))
     with pytest.raises(NumericsError, match="no minimum") as refused:
         sw.fit("velocity-steps", data=[str(steps)], free=["interface.a"], settings=[*THIN, *ASIDE])
     row = refused.value.result.summary["parameters"]["interface.a"]

@@ -123,14 +123,14 @@ def test_a_search_without_an_answer_ends_and_says_where_it_is(
     times, friction = seen(0.0349, 1e-4, 5)
     file = written(tmp_path / "record.csv", times, friction if scene == "unlike" else 0.2 + 2.0 * friction)
     monkeypatch.setattr("validation.fit.orbits._WORK", work)
-    monkeypatch.setattr("validation.compute.progress._LINE_INTERVAL", 0.0)
+    monkeypatch.setattr("validation.models.progress._LINE_INTERVAL", 0.0)
     with caplog.at_level("INFO", "slipwave"), pytest.raises(NumericsError, match=f"the search ends {line}.*quasidynamic"):
         sw.fit(scene, "delay", data=[file], free=["a", "b"], settings=AWAY)
     assert scene == "unlike" or any("orbits closed or tried" in line for line in caplog.messages)
 
 
 def test_a_fit_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
-    monkeypatch.setattr("validation.compute.progress._LINE_INTERVAL", 0.0)
+    monkeypatch.setattr("validation.models.progress._LINE_INTERVAL", 0.0)
     best = Best(np.zeros(1))
     with caplog.at_level("INFO", "slipwave"):
         best.see(np.zeros(1), np.full(9, 3.0))

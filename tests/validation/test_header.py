@@ -6,10 +6,10 @@ import pytest
 
 import slipwave
 from slipwave.solve import follow
-from validation.cli import main
-from validation.compute.build import build
-from validation.compute.outlook import amplified_rounding
-from validation.results.wording import header
+from validation.commands.cli import main
+from validation.commands.wording import header
+from validation.models.build import build
+from validation.models.outlook import amplified_rounding
 
 UNITS = {"interface.normal_stress": "5 MPa", "interface.memory_length": "10 um", "interface.reference_velocity": "1 um/s"}
 SLAB = {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "10 m"}

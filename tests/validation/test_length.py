@@ -18,12 +18,12 @@ from slipwave.observe import Events, HistoryObserver, Pieces, judge_motion
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
 from tests.granite import GRANITE
-from validation.cli import main
-from validation.compute.build import build
-from validation.compute.history_file import HistoryFile, Kept
-from validation.compute.outlook import outlook
-from validation.compute.run import JudgedHalf, UntilCycles, UntilSettled, halves_agree, simulate
-from validation.results.quantities import stored_name
+from validation.commands.cli import main
+from validation.data.variables import stored_name
+from validation.models.build import build
+from validation.models.history_file import HistoryFile, Kept
+from validation.models.outlook import outlook
+from validation.models.run import JudgedHalf, UntilCycles, UntilSettled, halves_agree, simulate
 
 PAPER = slipwave.read("paper")
 FAST = slipwave.read("paper", ["drive.velocity=2000"])
@@ -195,7 +195,7 @@ def test_memory_does_not_grow_with_the_run(tmp_path):
 @pytest.mark.parametrize(("until", "seen"), [(1e5, 1001), (np.inf, 1251)])
 def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatch, until, seen):
     """Of 8 GB after 1 %, of a run without a known end when 0.1 GB are there; one sample in ten is not too much."""
-    monkeypatch.setattr("validation.compute.history_file._memory", lambda: 4 * (7.9e9 if np.isfinite(until) else 0.09e9))
+    monkeypatch.setattr("validation.models.history_file._memory", lambda: 4 * (7.9e9 if np.isfinite(until) else 0.09e9))
     history, thin = (HistoryFile(PAPER.law, NODES, tmp_path / f"{every}", until, kept=Kept(every)) for every in (1, 10))
     for first in range(seen - 1):
         history.scan(pieces(first))
@@ -211,8 +211,8 @@ def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatc
 @pytest.fixture
 def boundless(monkeypatch):
     """A machine with a memory and a disk that nothing fills."""
-    monkeypatch.setattr("validation.compute.history_file._memory", lambda: 1e15)
-    monkeypatch.setattr("validation.compute.history_file.shutil.disk_usage", lambda _: SimpleNamespace(free=1e15))
+    monkeypatch.setattr("validation.models.history_file._memory", lambda: 1e15)
+    monkeypatch.setattr("validation.models.history_file.shutil.disk_usage", lambda _: SimpleNamespace(free=1e15))
 
 
 @pytest.mark.usefixtures("boundless")
@@ -226,7 +226,7 @@ def boundless(monkeypatch):
 )
 def test_a_billion_samples_are_refused_before_the_run_where_their_number_is_known(words, samples, monkeypatch, refused, tmp_path):
     """Steps of a fixed length, or samples."""
-    monkeypatch.setattr("validation.compute.run.follow", None)
+    monkeypatch.setattr("validation.models.run.follow", None)
     said = refused("run", "paper", "--yes", *words.split(), "--out", str(tmp_path / "x.nc"))
     why = "more than 1e\\+09; .* --every N, --rate RATE or --window A:B"
     assert re.search(f'"interface" would have {samples} samples, {why}', said)
@@ -235,7 +235,7 @@ def test_a_billion_samples_are_refused_before_the_run_where_their_number_is_know
 @pytest.mark.usefixtures("boundless")
 def test_too_many_samples_are_refused_after_a_hundredth_of_the_run_where_steps_adapt(tmp_path, monkeypatch):
     """2000 samples a transit, 1e6 are too many: 499 transits may be recorded, 501 not."""
-    monkeypatch.setattr("validation.compute.history_file._MOST", 1e6)
+    monkeypatch.setattr("validation.models.history_file._MOST", 1e6)
     kept, refused = (HistoryFile(PAPER.law, NODES, tmp_path / f"{until}", until) for until in (499.0, 501.0))
     for first in range(5):
         kept.scan(pieces(first))
@@ -249,7 +249,7 @@ def test_too_many_samples_are_refused_after_a_hundredth_of_the_run_where_steps_a
 @pytest.mark.parametrize("block", [997, 50_000])
 def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path, capsys, monkeypatch, block):
     """Written in several blocks and in one."""
-    monkeypatch.setattr("validation.compute.history_file._BLOCK", block)
+    monkeypatch.setattr("validation.models.history_file._BLOCK", block)
     out = tmp_path / "x.nc"
     assert main(["run", "paper", "--model", "delay", "--until", "150", "--out", str(out), *INTERFACE]) == 0
     solver = build("delay", slipwave.read("paper", {"run.until": 150.0}))

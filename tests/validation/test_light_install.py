@@ -20,7 +20,7 @@ class Hides(MetaPathFinder):
 
 sys.meta_path.insert(0, Hides())
 import slipwave
-from validation.cli import main
+from validation.commands.cli import main
 
 found = {{}}
 for line in sys.stdin.read().splitlines():

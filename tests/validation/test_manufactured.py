@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from shown import outcomes
 
-from validation.compute.build import build
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
+from validation.models.build import build
 from validation.studies.orders.given_motion import GRIDS, climbed, motion_verdicts
 
 FAST = {("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")}

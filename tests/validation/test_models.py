@@ -12,9 +12,9 @@ from slipwave.errors import SceneError
 from slipwave.family import features_of
 from slipwave.input.source import read_stored
 from slipwave.solve import follow
-from validation.compute.build import build, build_all
-from validation.compute.models import FAMILIES, GRIDS, families, honouring, resolve
-from validation.compute.own import load_families, own_files
+from validation.models.build import build, build_all
+from validation.models.by_name import FAMILIES, GRIDS, families, honouring, resolve
+from validation.models.own import load_families, own_files
 
 HAVE = {"paper": "", "ramp": "", "slip-law": "", "unlike": "unlike", "unlike-irrational": "unlike", "grip": "grip"}
 HAVE |= {"machine": "grip mass", "reflection": "reflection", "layered": "layers", "viscous": "kelvin-voigt"}

@@ -14,10 +14,10 @@ from reduced.orbit.closing import close
 from slipwave.errors import NumericsError, SceneError
 from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
-from validation.cli import INPUT_WRONG, main
-from validation.compute import at_scene
-from validation.compute.at_scene import Primary
-from validation.compute.orbits import OrbitFound
+from validation.commands.cli import INPUT_WRONG, main
+from validation.models import at_scene
+from validation.models.at_scene import Primary
+from validation.models.orbits import OrbitFound
 from validation.references.published import half_digit, reference, reference_orbit
 
 

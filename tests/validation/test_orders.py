@@ -8,14 +8,14 @@ from shown import judged, outcomes
 
 from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
-from validation.compute.build import build
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
 from validation.measure.grids.in_space import delay_reference
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
+from validation.models.build import build
+from validation.report import Outcome
+from validation.report.grid_verdicts import order_verdict
 from validation.studies.orders import in_space as study
 from validation.studies.orders import own_orbits, slip_event
-from validation.study import Outcome
-from validation.study.grid_verdicts import order_verdict
 
 
 def test_an_order_ends_where_rounding_begins():

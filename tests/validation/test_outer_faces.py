@@ -14,8 +14,8 @@ from reduced.stability.characteristic import characteristic
 from slipwave.scene.slab import GripFace, MachineFace, ReflectingFace, Termination
 from slipwave.solve import follow
 from tests.one_port_by_hand import leading_root
-from validation.compute.build import build
 from validation.measure.growth import measured_root, nudged
+from validation.models.build import build
 
 PAPER = slipwave.read("paper")
 SLAB = PAPER.upper

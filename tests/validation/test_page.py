@@ -4,14 +4,14 @@ import re
 
 from fake_studies import answered
 
+from validation.report import Evidence, Omission, Outcome, StudyAnswer, StudyResult, Verdict
+from validation.report.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
+from validation.report.names import by_claim
 from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask, left_out
 from validation.report.recorded import record_of
+from validation.report.registered import STUDIES
 from validation.report.store import Stored
-from validation.studies import STUDIES
-from validation.study import Evidence, Omission, Outcome, StudyAnswer, StudyResult, Verdict
-from validation.study.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
-from validation.study.names import by_claim
 
 FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "platform", "processor", "cores"), "1")
 

@@ -7,7 +7,7 @@ import pytest
 from slipwave.solve import follow
 from tests.validation.pairs import KNOTS, NAMES, built, pairwise_rows, play, rows_allowed, scene_of
 from tests.validation.test_every_model_resumes import assert_same_bits
-from validation.compute.build import build
+from validation.models.build import build
 
 UNTIL = 40.0
 CHUNK = 0.37

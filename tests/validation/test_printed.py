@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from validation.cli import main
+from validation.commands.cli import main
 
 RECORD = Path(__file__).with_name("printed.txt")
 FAST = ("--set", "drive.velocity=2000", "--until", "200")
@@ -64,7 +64,7 @@ def _numbers(line):
 @pytest.fixture
 def clock(monkeypatch):
     readings = itertools.count()
-    monkeypatch.setattr("validation.compute.run.time.perf_counter", lambda: 0.25 * next(readings))
+    monkeypatch.setattr("validation.models.run.time.perf_counter", lambda: 0.25 * next(readings))
 
 
 def printed(capsys, folder):

@@ -9,10 +9,9 @@ import pytest
 from shown import quick, too_roomy
 
 from slipwave.sources import ROOT, import_closure, program
-from validation.report import sources, store
-from validation.studies import STUDIES as ALL_STUDIES
-from validation.studies import study_called
-from validation.study import Outcome
+from validation.report import Outcome, sources, store
+from validation.report.registered import STUDIES as ALL_STUDIES
+from validation.report.registered import study_called
 
 
 class Expected(NamedTuple):
@@ -117,8 +116,8 @@ def changes(monkeypatch, study, path):
 
 
 USED = """slipwave/friction/ageing.py slipwave/friction/__init__.py slipwave/gallery/paper.toml reduced/impedance/fit.py
-fullwave/finite_element.py validation/compute/settle.py validation/references/published.json validation/studies/claims.py"""
-UNUSED = "validation/cli.py validation/report/page.py validation/studies/energy.py README.md"
+fullwave/finite_element.py validation/models/settle.py validation/references/published.json validation/studies/claims.py"""
+UNUSED = "validation/commands/cli.py validation/report/page.py validation/studies/energy.py README.md"
 
 
 @pytest.mark.parametrize("path", [*USED.split(), *UNUSED.split()])

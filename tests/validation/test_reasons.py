@@ -13,12 +13,12 @@ from slipwave.errors import SceneError
 from slipwave.scene.drive import Drive, steady_drive
 from slipwave.solve.follow import DAY
 from tests.granite import GRANITE, THIN
-from validation.compute import progress as module
-from validation.compute.build import build
-from validation.compute.outlook import outlook, stress_released
-from validation.compute.progress import LongRunAdvice, Remaining, error_without_echoes, progress, share_of_run
-from validation.compute.run import simulate
-from validation.measure.cycle import watch
+from validation.models import progress as module
+from validation.models.build import build
+from validation.models.cycle import watch
+from validation.models.outlook import outlook, stress_released
+from validation.models.progress import LongRunAdvice, Remaining, error_without_echoes, progress, share_of_run
+from validation.models.run import simulate
 
 
 def told(*settings, until, scene="paper"):
@@ -100,8 +100,8 @@ def test_it_is_that_of_the_velocity_with_which_the_drive_ends():
 def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
     """A tenth of the run has taken so many seconds; what came before it, as compilation, does not count."""
     clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
-    monkeypatch.setattr("validation.compute.progress.LONG", 60.0)
-    monkeypatch.setattr("validation.compute.progress.time.monotonic", lambda: next(clock))
+    monkeypatch.setattr("validation.models.progress.LONG", 60.0)
+    monkeypatch.setattr("validation.models.progress.time.monotonic", lambda: next(clock))
     advice = LongRunAdvice(build(model, slipwave.read("paper")), lambda done: done / 110.0, lambda done: None)
     with caplog.at_level(logging.INFO, logger="slipwave"):
         for done in (10.0, 20.0, 90.0):

@@ -4,7 +4,7 @@ import shlex
 
 import pytest
 
-from validation.cli import INPUT_WRONG, NUMERICS_FAILED
+from validation.commands.cli import INPUT_WRONG, NUMERICS_FAILED
 
 REFUSED = """
 run | SCENE

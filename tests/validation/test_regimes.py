@@ -8,8 +8,8 @@ import slipwave
 from slipwave.observe.statistics import autocorrelations, mean_of, median_of
 from tests.granite import GRANITE
 from validation.fit.least_squares import correlated_samples
-from validation.study.over_r import scene_at
-from validation.study.regimes import AWAY, STEADY, regime_of
+from validation.measure.over_r import scene_at
+from validation.measure.regimes import AWAY, STEADY, regime_of
 
 
 @pytest.mark.parametrize(

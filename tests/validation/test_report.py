@@ -19,9 +19,9 @@ from test_page import models
 from slipwave.errors import SceneError
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
-from validation.study.model_table import Compared, ModelCell, shade_of, words_of
-from validation.study.names import by_claim
-from validation.study.text import number
+from validation.report.model_table import Compared, ModelCell, shade_of, words_of
+from validation.report.names import by_claim
+from validation.report.text import number
 
 
 class Tags(HTMLParser):
@@ -204,18 +204,18 @@ def test_a_process_that_dies_is_a_study_that_failed(fake, tmp_path):
 PROGRAM = """
 import sys
 from types import ModuleType
-from validation import studies
+from validation.report import registered
 from validation.report import build
-from validation.cli import main
-from validation.compute import progress
+from validation.commands.cli import main
+from validation.models import progress
 
 progress.PATIENCE = float("inf")
 folder, *words = sys.argv[1:]
 sys.path.insert(0, folder)
-studies.STUDIES.clear()
+registered.STUDIES.clear()
 for name in ("quick", "endless"):
     sys.modules[f"validation.studies.{name}"] = __import__(f"written_{name}")
-    studies.STUDIES[name] = name
+    registered.STUDIES[name] = name
 build.cores = lambda: 2
 if __name__ == "__main__":
     sys.exit(main(words))

@@ -15,15 +15,14 @@ import pytest
 from fake_studies import answered, draw, result
 from test_page import models
 
-from validation.cli import NUMERICS_FAILED, main
-from validation.report import baseline
+from validation.commands.cli import NUMERICS_FAILED, main
+from validation.report import EXACT, Evidence, Figure, Number, Outcome, Verdict, baseline, claim, holding, table
 from validation.report.build import make_report
 from validation.report.files import csv_of
 from validation.report.record import ColumnRecord, report_schema
 from validation.report.recorded import read_report, text_of
+from validation.report.text import run_time
 from validation.report.without_times import lasting_digest
-from validation.study import EXACT, Evidence, Figure, Number, Outcome, Verdict, claim, holding, table
-from validation.study.text import run_time
 
 ROOT = Path(__file__).parents[2]
 

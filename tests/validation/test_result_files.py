@@ -17,8 +17,8 @@ import slipwave as sw
 from slipwave.friction.law import LAWS
 from slipwave.friction.own import LAW_FILES
 from slipwave.input.source import gallery_names
-from validation.cli import main
-from validation.results.provenance import provenance
+from validation.commands.cli import main
+from validation.models.provenance import provenance
 
 ROOT = Path(__file__).resolve().parents[2]
 SHORT = {"drive.velocity": 2000, "slab.thickness": 0.0335}

@@ -20,8 +20,8 @@ from slipwave.observe import HistoryObserver
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import saved_time
 from tests.copies import interrupted, interrupted_within_a_callback, killed, on_small_disk
-from validation.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
-from validation.compute.build import build
+from validation.commands.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
+from validation.models.build import build
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]
 
@@ -94,7 +94,7 @@ def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, ans
     saving = [*words, "--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "70"]
     direct = answer(*words)
     answer(*saving)
-    monkeypatch.setattr("validation.compute.orbit_start.settle", None)
+    monkeypatch.setattr("validation.models.orbit_start.settle", None)
     assert answer(*saving) | {"wall_s": 0} == direct | {"wall_s": 0}
 
 
@@ -155,7 +155,7 @@ def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, 
 @pytest.mark.skipif(not FULL.exists(), reason="this system has no /dev/full")
 @pytest.mark.parametrize("words", ["scenes", "--help", "stability paper", "run paper --until 50 --out x.nc"])
 def test_a_stdout_that_takes_nothing_is_one_line(tmp_path, words):
-    program = [sys.executable, "-m", "validation.cli", *words.split()]
+    program = [sys.executable, "-m", "validation.commands.cli", *words.split()]
     with FULL.open("w") as full:
         done = subprocess.run(program, cwd=tmp_path, stdout=full, stderr=subprocess.PIPE, text=True)
     told = "slipwave: the result cannot be written to stdout: no space left on device"

@@ -17,12 +17,12 @@ import slipwave
 import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
 from tests.one_port_by_hand import pair_impedance
-from validation.cli import main
-from validation.compute.curve import Curve
-from validation.compute.models import families
-from validation.compute.parameter import Over
-from validation.compute.points import CurvePoint
-from validation.results.curve import CurveOptions, CurveResult
+from validation.commands.cli import main
+from validation.commands.curve import CurveOptions, CurveResult
+from validation.models.by_name import families
+from validation.models.curve import Curve
+from validation.models.parameter import Over
+from validation.models.points import CurvePoint
 
 UNTIL = 4000.0
 THICKNESS = 0.0805
@@ -124,7 +124,7 @@ def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_pa
 def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
     chosen = [family for family in families() if family.name in ("delay", "fd")]
-    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
+    monkeypatch.setattr("validation.commands.bench.honouring", lambda _: chosen)
     found = answer("bench", "paper", "--until", "2000")
     tight = answer("run", "paper", "--until", "2000", "--model", "delay", "--tol", "1e-11")
     assert found["reference"] == "delay"
@@ -214,7 +214,7 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare():
 
 def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch):
     chosen = [family for family in families() if family.name in ("block8", "kelvin-voigt", "delay")]
-    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
+    monkeypatch.setattr("validation.commands.bench.honouring", lambda _: chosen)
     found = sw.bench("paper", until=200, **{"drive.velocity": 2000})
     rows = found.summary["models"]
     assert_table(found, rows)
@@ -241,11 +241,11 @@ TIMES = ("wall_s", "wall_low_s", "wall_high_s")
 def test_bench_times_all_runs_in_turn_and_gives_medians_with_quartiles(monkeypatch):
     """Runs take 1, 2, 4, ... s by a clock of their own; a round that takes longer than is worth repeating is the last."""
     chosen = [family for family in families() if family.name in ("block8", "delay")]
-    monkeypatch.setattr("validation.results.bench.honouring", lambda _: chosen)
+    monkeypatch.setattr("validation.commands.bench.honouring", lambda _: chosen)
     for enough, rounds in ((1e9, 3), (0.5, 1)):
-        monkeypatch.setattr("validation.results.bench._ENOUGH", enough)
+        monkeypatch.setattr("validation.commands.bench._ENOUGH", enough)
         readings = itertools.accumulate(2.0 ** (n // 2) if n % 2 else 0.0 for n in itertools.count())
-        monkeypatch.setattr("validation.results.bench.time", SimpleNamespace(perf_counter=partial(next, readings)))
+        monkeypatch.setattr("validation.commands.bench.time", SimpleNamespace(perf_counter=partial(next, readings)))
         rows = sw.bench("paper", until=200, **{"drive.velocity": 2000}).summary["models"]
         taken = [[2.0 ** (number + len(rows) * k) for k in range(rounds)] for number in range(len(rows))]
         assert [row["wall_s"] for row in rows] == [np.median(one) for one in taken]

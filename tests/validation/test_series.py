@@ -10,10 +10,10 @@ from slipwave import SceneError, read_scene
 from slipwave.observe import HistoryObserver
 from slipwave.observe.history import named_columns
 from slipwave.solve import follow
-from validation.compute.build import build
 from validation.data.quantities import heading
 from validation.data.series import Series, read_series
-from validation.results.quantities import stored_name
+from validation.data.variables import stored_name
+from validation.models.build import build
 
 TIME, MOVED, FRICTION = [0.0, 0.5, 1.25], [0.0, 5e-6, 1.25e-5], [0.6, 0.61, 0.605]
 ROWS = [[0, 0, 0.6], [500, 5, 0.61], [1250, 12.5, 0.605]]  # ms, um, 1
@@ -242,7 +242,7 @@ def test_even_samples_are_those_of_the_solver(rate: float | str, step: float, tm
 
 
 def test_a_record_is_thinned_unless_its_samples_are_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("validation.results.run.MOST_LINES", 100)
+    monkeypatch.setattr("validation.commands.run.MOST_LINES", 100)
     result, whole = (sw.run("paper", "block8", until=80, interface=True, every=every) for every in (None, 1))
     for one in (result, whole):
         one.write_series(tmp_path / f"{one is whole}.csv")

@@ -7,11 +7,11 @@ import pytest
 from shown import outcomes
 
 import slipwave
+from validation.measure.over_r import RANGE, branch_of, unaccounted
+from validation.report import Outcome
 from validation.studies import bifurcation as claims
 from validation.studies.bifurcation.doubling import doubled
 from validation.studies.snaking.measured import sides
-from validation.study import Outcome
-from validation.study.over_r import RANGE, branch_of, unaccounted
 
 
 def test_the_branch_of_the_studies_is_that_of_the_command():

@@ -11,9 +11,9 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input.source import to_toml
 from tests.copies import killed
-from validation.cli import main
+from validation.commands.cli import main
+from validation.commands.fit import FitResult
 from validation.data.series import read_series
-from validation.fit.command import FitResult
 from validation.fit.kept import KeptBest
 from validation.fit.records import experiment_of, followed
 

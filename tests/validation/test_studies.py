@@ -7,9 +7,9 @@ from shown import outcomes
 from test_quick_studies import held
 
 from validation.measure.grids.limits import stops_beyond
+from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict
 from validation.studies.stability_attacks import CELLS as ATTACKED
 from validation.studies.stability_attacks import AttackOutcome, advised, attack, attack_verdict
-from validation.study.grid_verdicts import limit_verdict, medium_verdict, noise_verdict
 
 
 def test_every_claim_of_the_paper_is_settled_or_said_to_be_left_out():

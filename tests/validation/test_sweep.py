@@ -19,7 +19,7 @@ import xarray
 import slipwave as sw
 from reduced.delay import alike
 from slipwave.errors import SceneError
-from validation.cli import main
+from validation.commands.cli import main
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.engine import Engine, compute
 from validation.sweep.executors import processes

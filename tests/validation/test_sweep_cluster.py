@@ -58,7 +58,8 @@ def test_a_cluster_gives_equal_arrays(tmp_path, cluster):
 @pytest.mark.slow
 def test_a_scheduler_killed_half_way_costs_nothing(tmp_path, cluster):
     address, scheduler = cluster
-    command = [sys.executable, "-m", "validation.cli", "sweep", "paper", "--measure", UNTIL_FREED, "--scheduler", address]
+    module = [sys.executable, "-m", "validation.commands.cli"]
+    command = [*module, "sweep", "paper", "--measure", UNTIL_FREED, "--scheduler", address]
     command += ["--vary", "a=0.001:0.019:20", "b=0.011:0.029:10", "--out", str(tmp_path / "out")]
     running = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     while running.poll() is None and not list((tmp_path / "out" / "parts").glob("[0-9]*.npz")):

@@ -9,8 +9,8 @@ import pytest
 
 import slipwave as sw
 from tests.validation.twice import FASTER, SIZES, TRANSIT, numbers_of, write_all
-from validation.cli import COMMANDS
-from validation.results.options import options_of
+from validation.commands.cli import COMMANDS
+from validation.commands.options import options_of
 
 WITHOUT_NUMBERS = {"report", "scenes", "schema", "show"}
 """Commands that compute nothing on a scene of a user's."""

@@ -8,7 +8,7 @@ import pytest
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.sources import ROOT
-from validation.cli import NUMERICS_FAILED, main
+from validation.commands.cli import NUMERICS_FAILED, main
 
 RIGHT = """
 from dataclasses import replace

@@ -8,14 +8,14 @@ from llvmlite.binding import get_host_cpu_name
 from test_quick_studies import held
 
 import slipwave
-from validation.cli import main
+from validation.commands.cli import main
+from validation.report import Outcome
 from validation.report.answer import read_table
+from validation.report.compared import EXACT_MODEL, critical_r
+from validation.report.model_table import words_of
 from validation.studies import which_model as study
 from validation.studies.which_model import judged, laws, scenes
 from validation.studies.which_model.means import RECORD
-from validation.study import Outcome
-from validation.study.compared import EXACT_MODEL, critical_r
-from validation.study.model_table import words_of
 
 
 @pytest.mark.studies

@@ -19,8 +19,8 @@ from slipwave.input.source import to_toml
 from slipwave.scene.drive import Drive
 from tests.granite import GRANITE
 from tests.validation.pairs import KNOTS, LENGTH, NAMES, PACE, SIGMA, R, scene_of, slab
-from validation import command_line
-from validation.cli import main
+from validation.commands import command_line
+from validation.commands.cli import main
 from validation.sweep import executors
 
 TRANSIT = R * LENGTH / PACE

@@ -14,10 +14,10 @@ from functools import partial
 from llvmlite.binding import get_host_cpu_name
 
 from slipwave.files import whole_or_absent
+from validation.measure.regimes import Regime
+from validation.report.advice import JUDGED
 from validation.studies import which_model
 from validation.studies.which_model.means import RECORD, paper_at
-from validation.study.advice import JUDGED
-from validation.study.regimes import Regime
 
 HOW = "python -m tests.verification.means; digits of irregular motions are those of this processor"
 _FIRST, _LONGER, _MOST = 20000.0, 1.2, 16.0

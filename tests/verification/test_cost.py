@@ -16,8 +16,8 @@ from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from tests.compiled_work import count_calls
 from tests.granite import GRANITE
-from validation.compute.build import build
-from validation.compute.models import explicit_time
+from validation.models.build import build
+from validation.models.by_name import explicit_time
 
 PAPER = slipwave.read("paper")
 GRIDS = {"fd": 128, "sbp:4": 64, "fem:4": 16, "dg:7": 8}

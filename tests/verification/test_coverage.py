@@ -12,7 +12,7 @@ from slipwave.observe.statistics import margin_of_mean
 from tests.verification.stated_errors import measured, record
 from tests.verification.stated_errors.held import SLABS, Held, coverage_of, random_scene
 from tests.verification.stated_errors.record import KINDS, SUMMARY, agree, chosen, computation, known_computations, summary
-from validation.compute.orbits import find_orbit
+from validation.models.orbits import find_orbit
 
 
 def test_coverage_by_hand():

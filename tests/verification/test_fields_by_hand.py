@@ -16,8 +16,8 @@ import slipwave
 from fullwave.fields.record import record_field
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, Slab, StandardLinearViscosity
-from validation.compute.build import build
-from validation.compute.models import explicit_time
+from validation.models.build import build
+from validation.models.by_name import explicit_time
 
 PAPER = slipwave.read("paper")
 E, R = PAPER.upper.epsilon, PAPER.upper.round_trip

@@ -17,8 +17,8 @@ from slipwave.solve import follow
 from tests.one_port_by_hand import friction_impedance, leading_root, pair_impedance
 from tests.reduced.one_port_scenes import EPSILON, EVERY, scene_of
 from tests.reduced.one_port_scenes import ROUND_TRIP as R
-from validation.compute.build import build
 from validation.measure.growth import measured_root, nudged
+from validation.models.build import build
 
 FAMILIES = {"fd": 32, "sbp:6": 16, "fem:6": 2, "dg:5": 3}
 SOLID = KelvinVoigtViscosity(0.1 * R)

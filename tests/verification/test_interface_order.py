@@ -26,10 +26,10 @@ from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
 from slipwave.scene.drive import Start, StartKind
 from slipwave.solve import follow
-from validation.compute.build import build, prepare
-from validation.compute.models import explicit_time
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH
 from validation.measure.orders import QUANTITIES, climb, errors, measure
+from validation.models.build import build, prepare
+from validation.models.by_name import explicit_time
 
 FINE = {"dg:12": 12, "fem:11": 14}
 """Galerkin and elements of high degree: the first refers the elements and differences, the second refers Galerkin."""

@@ -9,9 +9,9 @@ from exact_waves import LOCKED, fields, impose, rate_scene, squared
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from validation.compute.build import build
-from validation.compute.models import explicit_time
 from validation.measure.grids.limits import CELLS, MEDIA, around_the_limit, growth, rubbing, state_reach
+from validation.models.build import build
+from validation.models.by_name import explicit_time
 
 
 def explicit_step(model, scene):

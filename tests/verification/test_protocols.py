@@ -12,7 +12,7 @@ import pytest
 import slipwave
 from slipwave.observe.protocol import ProtocolObserver
 from slipwave.solve import follow
-from validation.compute.build import prepare
+from validation.models.build import prepare
 
 A, B, X = 0.01, 0.015, 10.0
 HOLD = 30.0

@@ -20,7 +20,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import steady_drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, MachineFace, ReflectingFace, Slab, StandardLinearViscosity
 from tests.one_port_by_hand import friction_impedance, pair_impedance
-from validation.compute.models import one_port_of
+from validation.models.by_name import one_port_of
 
 MODELS = ["delay"] * 6 + ["quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:2", "fitted:3"]
 KINDS = ["plain", "plain", "unlike", "irrational", "layers", "grip", "machine", "reflection", "kelvin-voigt", "zener", "si"]

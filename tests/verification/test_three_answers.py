@@ -27,9 +27,9 @@ import slipwave
 from reduced.stability import analyse, characteristic, unstable_count
 from slipwave.errors import NumericsError, SceneError
 from slipwave.solve.lyapunov import largest_exponent
-from validation.compute.build import build
-from validation.compute.models import one_port_of
-from validation.compute.run import Run, UntilSettled, reconsidered, simulate
+from validation.models.build import build
+from validation.models.by_name import one_port_of
+from validation.models.run import Run, UntilSettled, reconsidered, simulate
 
 KINDS = ("plain", "unlike", "nearly alike", "leaking", "thick", "SI")
 MODELS = ("delay", "delay", "delay", "modal:2", "kelvin-voigt")

@@ -12,7 +12,7 @@ from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
 from validation.fit.least_squares import Best, Solution, minimise
 from validation.fit.orbits import SHIFT, Anchor, CycleOfOrbit
-from validation.results.options import log
+from validation.models.progress import log
 
 _AWAY = 2.0  # transits to which the period may differ from the record's, and the date of an event
 _ALIKE, _LAGS = 0.15, 50  # correlation of what is left, and up to how many samples

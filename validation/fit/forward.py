@@ -17,9 +17,9 @@ from slipwave.scene import Scene
 from slipwave.solve.solver import Leaping
 from slipwave.step.collocation import radau
 from slipwave.step.sensitivity import port_sensitivity
-from validation.compute.build import build
-from validation.compute.models import GRIDS
 from validation.fit.parameters import Variants, sizes
+from validation.models.build import build
+from validation.models.by_name import GRIDS
 
 _MOST_STEPS = 400_000
 _SAME_TIME = 1e-6  # transits; a sample so far beyond the end of a piece is at its end

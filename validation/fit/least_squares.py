@@ -11,7 +11,7 @@ from scipy import optimize, stats
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
-from validation.compute.progress import News
+from validation.models.progress import News
 
 CONFIDENCE = 0.95
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative

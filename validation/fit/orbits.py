@@ -17,13 +17,13 @@ from reduced.orbit.closing import Closed, by_parameter, close, close_family
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.step.flow import Flow
-from validation.compute.orbits import moving
-from validation.compute.progress import News
 from validation.data.events import falls
 from validation.fit.cycles import model_date, slope_of
 from validation.fit.folded import FoldedRecord
 from validation.fit.forward import Forward, sampled
 from validation.fit.parameters import Variants, sizes
+from validation.models.orbits import moving
+from validation.models.progress import News
 
 SHIFT = np.array([2e-3, 2e-4])
 """Steps of differences of orbits: transits of period, logarithms of parameters."""

@@ -11,7 +11,6 @@ from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.compute.models import requested
 from validation.fit.by_orbits import fitted_orbit
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.folded import folded
@@ -21,6 +20,7 @@ from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import NUISANCES, Free, Variants, sizes
 from validation.fit.records import FINEST, Experiment
 from validation.fit.starts import other_starts, sticking_starts, unstable_starts
+from validation.models.by_name import requested
 
 RINGING = ("kelvin-voigt", "modal")
 """Reductions that oscillate during stick."""

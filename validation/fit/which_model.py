@@ -2,8 +2,8 @@
 
 from slipwave.family import features_of
 from slipwave.scene import Scene
-from validation.compute.models import family_of
 from validation.fit.orbits import MOST_TRANSITS
+from validation.models.by_name import family_of
 
 CHEAP = "quasidynamic"
 _BLOCK = "fitted:0"

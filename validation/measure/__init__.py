@@ -1,1 +1,1 @@
-"""Measurements on runs: cycles, settled orbits, ripples, orders of convergence."""
+"""What studies measure: orbits and settled runs, regimes, branches over r, orders of convergence, limits and noise of grids."""

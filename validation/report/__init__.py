@@ -1,1 +1,201 @@
-"""The report: runs the studies whose scene, code or settings changed, stores their results, writes one HTML page."""
+"""What a study is: one question, answered with tables, figures, verdicts and numbers. A study's file offers
+
+    NAME      words joined by hyphens, as in `slipwave report --only NAME`
+    QUESTION  one sentence
+    SCENES    gallery names of the scenes it runs; their contents are part of the key under which its result is stored
+    FILES     optional: files and folders of the checkout that it reads; part of that key too
+    SECONDS   (quick, full) rough wall time, for the order (the longest begin first) and the time left
+    TIMED     optional: True if it measures run times; such studies run alone, after all others
+    run(budget) -> StudyResult
+
+Texts may hold the small markup of `validation.report.text`: x_{sub}, 10^{-9}, *emphasis*, `code`.
+"""
+
+import math
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol, TypeVar
+
+from validation.report.model_table import ModelTable
+from validation.report.text import Cell as Cell
+from validation.report.verdict import *  # noqa: F403
+from validation.report.verdict import ROUNDING, RUN_TIMES, Outcome, Verdict
+
+if TYPE_CHECKING:
+    from validation.chart import Chart
+
+Item = TypeVar("Item")
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Budget of a study: `quick` selects the cheap version; `report(share)` is called with the share done, 0 to 1."""
+
+    quick: bool = False
+    report: Callable[[float], None] = field(default=lambda share: None, compare=False)
+
+    def each(self, items: Collection[Item], end: float = 1.0, begin: float = 0.0) -> Iterator[Item]:
+        """Yield the items of the part of the study from the share `begin` to `end`, reporting after each."""
+        for count, item in enumerate(items, 1):
+            yield item
+            self.report(begin + (end - begin) * count / len(items))
+
+
+@dataclass(frozen=True)
+class Column:
+    """Heading, unit and number format (a format spec such as ".7g"; empty for text) of a table's column."""
+
+    title: str
+    unit: str = ""
+    format: str = ""
+
+    @property
+    def timed(self) -> bool:
+        """Whether it holds run times or their ratios (by its unit), which differ between reports."""
+        return self.unit in RUN_TIMES
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows under columns; the caption explains every symbol and the clock. `emphasis` lists rows printed bold."""
+
+    name: str
+    caption: str
+    columns: tuple[Column, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+    emphasis: tuple[int, ...] = ()
+
+
+_COLUMN = re.compile(r"(?P<title>.*?)(?: \[(?P<unit>[^]]*)\])?(?: (?P<format>\.\d+[efg%]))?")
+
+
+def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]], emphasis: Iterable[int] = ()) -> Table:
+    """A Table whose columns stand in one line: title, unit in brackets and format, the last two only where there is one.
+
+    "model | T [transits] .7g" has a column of text, and one of numbers with the unit "transits" and the format ".7g".
+    """
+    found = (_COLUMN.fullmatch(text) for text in heading.split(" | "))
+    columns = tuple(Column(**match.groupdict(default="")) for match in found if match)
+    return Table(name, caption, columns, tuple(tuple(row) for row in rows), tuple(emphasis))
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A chart made on demand, stored as SVG, PNG and CSV. A `lead` figure is shown at the top of the page; a
+    `timed` one shows run times; `paper` names the figure of the paper that it redraws ("Fig 5"), and `carries` the beginnings of
+    the claims that it shows; a reader may `zoom` into its curves; `beside` names another figure, with curves called "T = ...,
+    log10 r = ...", of which the one nearest to the pointed orbit is shown."""
+
+    name: str
+    caption: str
+    draw: "Callable[[], Chart]"
+    lead: bool = False
+    timed: bool = False
+    paper: str = ""
+    carries: tuple[str, ...] = ()
+    zoom: bool = False
+    beside: str = ""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A value in the committed baseline; it has changed if it moves by more than `tolerance`, relative. `known` is the true
+    value, if it is known, within `known_within`: a change is then for the better or for the worse (0 for an error of a
+    computation). For a value with its own error, `stated` derives the tolerance."""
+
+    value: float
+    tolerance: float = 1e-6
+    known: float | None = None
+    known_within: float = 0.0
+
+    def differs(self, other: float) -> bool:
+        """True if `other` is further away than the tolerance; two NaN are equal, and so are two equal infinities."""
+        if math.isfinite(self.value) and math.isfinite(other):
+            return abs(self.value - other) > self.tolerance * max(abs(self.value), abs(other))
+        return self.value != other and not (math.isnan(self.value) and math.isnan(other))
+
+
+def stated(value: float, error: float, known: float | None = None, known_within: float = 0.0) -> Number:
+    """A number that states its own `error`: two results, each within its error of the truth, are at most two errors apart."""
+    own = 2.0 * error / abs(value) if value else math.inf
+    return Number(value, max(ROUNDING, own), known, known_within)
+
+
+@dataclass(frozen=True)
+class Omission:
+    """Something that a reader might expect and does not find, with the reason. `claims`: beginnings of the titles of the
+    verdicts, of any study, that check it; required for a reason with numbers."""
+
+    what: str
+    why: str
+    claims: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class StudyAnswer:
+    """A sentence or two that answer a study's question, true if no verdict fails that they rest on. `rests_on`: beginnings of the
+    claims of these verdicts, of the same study."""
+
+    text: str
+    rests_on: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """Result of a study. The first of its `answers` is the one to the page's question. `model_tables` compare all models at
+    several values of a parameter (`validation.report.model_table`). Raises ValueError for an answer that rests on no verdict,
+    though there are verdicts, or on a claim that none has; and for a verdict that no answer cites."""
+
+    answers: tuple[StudyAnswer, ...]
+    tables: tuple[Table, ...] = ()
+    figures: tuple[Figure, ...] = ()
+    verdicts: tuple[Verdict, ...] = ()
+    notes: tuple[str, ...] = ()
+    numbers: dict[str, Number] = field(default_factory=dict)
+    omissions: tuple[Omission, ...] = ()
+    model_tables: tuple[ModelTable, ...] = ()
+
+    def __post_init__(self) -> None:
+        claims = dict.fromkeys(verdict.claim for verdict in self.verdicts)
+        for answer in self.answers if claims else ():
+            unknown = [name for name in answer.rests_on if not any(title.startswith(name) for title in claims)]
+            if unknown or not answer.rests_on:
+                raise ValueError(f"the answer {answer.text!r} rests on {unknown or 'nothing'}; the claims are {[*claims]}")
+        beginnings = tuple(name for answer in self.answers for name in answer.rests_on)
+        if uncited := [name for name in claims if not name.startswith(beginnings)]:
+            raise ValueError(f"no answer cites {uncited}")
+
+    def proofs(self, answer: StudyAnswer) -> tuple[Verdict, ...]:
+        """The verdicts that the answer rests on."""
+        return tuple(verdict for verdict in self.verdicts if verdict.claim.startswith(answer.rests_on))
+
+    def conclusion_of(self, answer: StudyAnswer) -> str:
+        """The answer, or the claims that fail of those that it rests on."""
+        proofs = [case for verdict in self.proofs(answer) for case in verdict.rows]
+        failed = [case.claim for case in proofs if case.outcome is Outcome.FAIL]
+        if not failed:
+            return answer.text
+        return f"Not shown: {len(failed)} of {len(proofs)} checks fail ({'; '.join(dict.fromkeys(failed))})."
+
+    @property
+    def headline(self) -> str:
+        """The first answer, or the claims that fail."""
+        return self.conclusion_of(self.answers[0])
+
+    @property
+    def conclusion(self) -> str:
+        """All answers, or the claims that fail."""
+        return " ".join(map(self.conclusion_of, self.answers))
+
+
+class Study(Protocol):
+    """The shape of a study's module."""
+
+    NAME: str
+    QUESTION: str
+    SCENES: tuple[str, ...]
+    SECONDS: tuple[float, float]
+
+    def run(self, budget: Budget) -> StudyResult:
+        """StudyAnswer the question within the budget."""

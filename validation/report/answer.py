@@ -13,8 +13,8 @@ from pydantic import TypeAdapter
 
 from slipwave.files import whole_or_absent
 from slipwave.sources import ROOT
-from validation.study.model_table import ModelCell, ModelTable, words_of
-from validation.study.text import markup
+from validation.report.model_table import ModelCell, ModelTable, words_of
+from validation.report.text import markup
 
 TABLE = ROOT / "reports" / "baseline" / "models" / "which-model.json"
 PAGES = (ROOT / "README.md", ROOT / "docs" / "index.md")

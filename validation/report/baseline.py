@@ -12,10 +12,10 @@ from typing import Any
 
 from slipwave.errors import NumericsError
 from slipwave.sources import ROOT
+from validation.report import Number, Outcome
 from validation.report.record import Change, NumberRecord, Record, VerdictRecord, Word
 from validation.report.recorded import read_report
-from validation.study import Number, Outcome
-from validation.study.text import bare
+from validation.report.text import bare
 
 FOLDER = ROOT / "reports" / "baseline"
 LEFT = (Word.GONE, Word.MOVED, Word.BETTER, Word.WORSE)

@@ -12,9 +12,9 @@ from typing import NamedTuple, cast
 
 from slipwave.files import alone_in
 from slipwave.sources import commit
-from validation.compute.progress import progress
-from validation.measure.stopwatch import cores
-from validation.report import baseline, store
+from validation.models.progress import progress
+from validation.models.stopwatch import cores
+from validation.report import Budget, Study, baseline, store
 from validation.report.baseline import RedReport, red_lines
 from validation.report.changes import changes_since
 from validation.report.files import write_files
@@ -22,9 +22,8 @@ from validation.report.page import write_page
 from validation.report.provenance import machine_facts
 from validation.report.record import Record, Word
 from validation.report.recorded import record_of
+from validation.report.registered import choose, study_called
 from validation.report.side_by_side import share_out
-from validation.studies import choose, study_called
-from validation.study import Budget, Study
 
 _DIED = "a process of the report died, killed or short of memory, before this study was done"
 

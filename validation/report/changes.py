@@ -4,10 +4,10 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Literal, TypeVar
 
+from validation.commands.result import aligned, rounded
+from validation.report import RUN_TIMES, Number, Outcome
 from validation.report.record import Change, Changes, NumberRecord, Record, VerdictRecord, Word
-from validation.results.result import aligned, rounded
-from validation.study import RUN_TIMES, Number, Outcome
-from validation.study.text import bare
+from validation.report.text import bare
 
 One = TypeVar("One", NumberRecord, VerdictRecord)
 

@@ -10,12 +10,12 @@ from pathlib import Path
 from xml.etree import ElementTree as xml
 
 from slipwave.files import whole_or_absent
+from validation.report import Cell, Outcome
 from validation.report.baseline import line_of, reason
+from validation.report.model_table import cell_records
 from validation.report.record import Change, ColumnRecord, Record, Word
 from validation.report.recorded import NAME, text_of
-from validation.study import Cell, Outcome
-from validation.study.model_table import cell_records
-from validation.study.text import bare
+from validation.report.text import bare
 
 _CONTROL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML cannot hold."""

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
+from validation.report import Verdict
+from validation.report.model_table import ModelCell, ModelColumn, ModelRow, ModelTable, shade_of, words_of
 from validation.report.questions import verdicts_of
 from validation.report.store import Stored
-from validation.study import Verdict
-from validation.study.model_table import ModelCell, ModelColumn, ModelRow, ModelTable, shade_of, words_of
 
 
 def models_of(studies: Sequence[Stored]) -> list[ModelTable]:

@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from slipwave.files import whole_or_absent
-from validation.report import first_screen
+from validation.report import Evidence, Outcome, Verdict, first_screen, text
+from validation.report.advice import JUDGED, advice_on
 from validation.report.figures import with_figures
 from validation.report.questions import ask, left_out, verdicts_of
 from validation.report.record import Changes, Record, Word
 from validation.report.store import Stored
-from validation.study import Evidence, Outcome, Verdict, text
-from validation.study.advice import JUDGED, advice_on
 
 if TYPE_CHECKING:
     from jinja2 import Environment

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import slipwave
 from slipwave.sources import commit, source_digest
-from validation.measure.stopwatch import cores
+from validation.models.stopwatch import cores
 
 
 def machine_facts() -> dict[str, str]:

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from validation.report import Evidence, Omission, Outcome, Verdict
+from validation.report.registered import STUDIES
 from validation.report.store import Stored
-from validation.studies import STUDIES
-from validation.study import Evidence, Omission, Outcome, Verdict
 
 
 class Question(NamedTuple):
-    """A question: its anchor, which its studies name (`validation.studies.STUDIES`), and its text."""
+    """A question: its anchor, which its studies name (`validation.report.registered.STUDIES`), and its text."""
 
     name: str
     title: str

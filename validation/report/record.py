@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, WithJsonSchema
 from pydantic.json_schema import GenerateJsonSchema
 
-from validation.study import Evidence, Omission, Outcome
-from validation.study.model_table import ModelTable
+from validation.report import Evidence, Omission, Outcome
+from validation.report.model_table import ModelTable
 
 FORMAT: Literal[1] = 1
 

@@ -7,6 +7,8 @@ from pathlib import Path
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.files import reason_of
+from validation.report import Outcome, StudyAnswer, StudyResult, Table, Verdict
+from validation.report.model_table import ModelTable
 from validation.report.record import (
     FORMAT,
     AnswerRecord,
@@ -21,10 +23,8 @@ from validation.report.record import (
     Times,
     VerdictRecord,
 )
+from validation.report.registered import STUDIES, study_called
 from validation.report.store import Picture, Stored
-from validation.studies import STUDIES, study_called
-from validation.study import Outcome, StudyAnswer, StudyResult, Table, Verdict
-from validation.study.model_table import ModelTable
 
 NAME = "report.json"
 _DIGESTS = ("commit", "solver sources", "scene paper")

@@ -11,16 +11,16 @@ from pathlib import Path
 import validation
 from slipwave.sources import ROOT, import_closure, imported_names, program
 from validation.chart import render
-from validation.compute import models
-from validation.study import Study
+from validation.models import by_name
+from validation.report import Study
 
 _PACKAGE = Path(validation.__file__).parent
 _GALLERY = _PACKAGE.parent / "slipwave" / "gallery"
-_MODELS = Path(models.__file__)
+_MODELS = Path(by_name.__file__)
 _DRAWN_BY = Path(render.__file__)
 """The file that renders every study's figures."""
-_SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in models.FAMILIES]
-"""Files that `compute.models` imports by name: only its facts mention them, no import statement does."""
+_SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in by_name.FAMILIES]
+"""Files that `models.by_name` imports by name: only its facts mention them, no import statement does."""
 
 _READ = (".py", ".toml", ".json")
 
@@ -39,7 +39,7 @@ def sources_of(study: Study) -> list[Path]:
     """The study's own file and its optional `FILES` (folders stand for their contents), all that these import from our packages,
     the data of this package, and the gallery's scenes named in `SCENES` or in any of these programs of this package.
 
-    A package's `__init__.py` counts where the package itself is imported: `validation.study.text` does not need all that the
+    A package's `__init__.py` counts where the package itself is imported: `validation.report.text` does not need all that the
     report's own entrance imports."""
     read = list(_read(getattr(study, "FILES", ())))
     own = Path(str(getattr(study, "__file__", __file__)))

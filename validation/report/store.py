@@ -13,9 +13,9 @@ from pydantic import TypeAdapter
 
 from slipwave.files import is_running
 from validation.chart.render import SUFFIXES, render
+from validation.report import Study, StudyResult
+from validation.report.names import by_claim
 from validation.report.sources import sources_digest
-from validation.study import Study, StudyResult
-from validation.study.names import by_claim
 
 _FORMAT = 5
 _PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}

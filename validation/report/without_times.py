@@ -9,8 +9,8 @@ import re
 import sys
 from pathlib import Path
 
+from validation.report import RUN_TIMES
 from validation.report.recorded import NAME
-from validation.study import RUN_TIMES
 
 _WORDS = re.compile(r"~\{(?:[^{}]|\{[^{}]*\})*\}")
 _MARKED = re.compile(r'<(\w+)[^>]*\bclass="(?:[^"]* )?time(?: [^"]*)?"[^>]*>.*?</\1>', re.DOTALL)

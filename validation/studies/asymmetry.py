@@ -10,14 +10,14 @@ from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from validation.compute.build import build
-from validation.compute.models import explicit_time, one_port_of
+from validation.data.datasets import Dataset
 from validation.measure.order_fit import WITHIN
-from validation.results.result import Dataset
-from validation.study import Budget, Figure, StudyAnswer, StudyResult, Table, stated, table
-from validation.study.regimes import regime_areas
-from validation.study.text import places, plain
-from validation.study.verdict import ROUNDING, WITNESS, Verdict, claim, every, in_range
+from validation.models.build import build
+from validation.models.by_name import explicit_time, one_port_of
+from validation.report import Budget, Figure, StudyAnswer, StudyResult, Table, stated, table
+from validation.report.numbers import regime_areas
+from validation.report.text import places, plain
+from validation.report.verdict import ROUNDING, WITNESS, Verdict, claim, every, in_range
 from validation.sweep.axes import axis_of, changed
 from validation.sweep.difference import difference, difference_rows, model_regimes
 from validation.sweep.map_figures import chart_of_sweep

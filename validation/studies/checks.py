@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 from scipy.stats import binomtest
 
 from slipwave.sources import ROOT
-from validation.study import EXACT, Budget, Evidence, Number, Omission, StudyAnswer, StudyResult, Table, Verdict, every, holding
-from validation.study import table as made
+from validation.report import EXACT, Budget, Evidence, Number, Omission, StudyAnswer, StudyResult, Table, Verdict, every, holding
+from validation.report import table as made
 
 NAME = "checks"
 QUESTION = "Would the checks see a mistake?"

@@ -16,15 +16,16 @@ from slipwave.observe.statistics import Orbit
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
-from validation.compute.build import build
-from validation.compute.looks import model_line
-from validation.measure.cycle import OneCycle, one_cycle, ripple_period, watch
+from validation.measure import memo
+from validation.models.build import build
+from validation.models.cycle import OneCycle, one_cycle, ripple_period, watch
+from validation.models.looks import model_line
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
-from validation.study import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
-from validation.study.known import as_known, as_printed, error_of, order_of_periods, range_of_r, rounding
-from validation.study.text import minus
-from validation.study.verdict import ASYMPTOTIC, EXACT, PAPER, Outcome, Verdict, at_least, claim, holding, in_range, of_paper
+from validation.report import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
+from validation.report.known import as_known, as_printed, error_of, order_of_periods, range_of_r, rounding
+from validation.report.text import minus
+from validation.report.verdict import ASYMPTOTIC, EXACT, PAPER, Outcome, Verdict, at_least, claim, holding, in_range, of_paper
 
 NAME = "claims"
 QUESTION = "Which of the paper’s claims hold?"

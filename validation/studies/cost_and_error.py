@@ -7,14 +7,14 @@ from typing import NamedTuple
 import slipwave
 from slipwave.observe.statistics import Estimate, Orbit
 from validation.chart import Chart, Panel, Scale, Trace
-from validation.compute.build import build
-from validation.compute.looks import model_look, style_of
-from validation.compute.settle import estimate, settle
-from validation.measure.cycle import watch
-from validation.study import ROUNDING, WITNESS, Budget, Figure, StudyAnswer, StudyResult, Table, Verdict, claim, table
-from validation.study.known import as_known, error_after, error_of
-from validation.study.text import places, plain, power, run_time
-from validation.timing import Setting, Work, in_turn, quartiles, solver_of
+from validation.models.build import build
+from validation.models.cycle import watch
+from validation.models.looks import model_look, style_of
+from validation.models.settle import estimate, settle
+from validation.models.timing import Setting, Work, in_turn, quartiles, solver_of
+from validation.report import ROUNDING, WITNESS, Budget, Figure, StudyAnswer, StudyResult, Table, Verdict, claim, table
+from validation.report.known import as_known, error_after, error_of
+from validation.report.text import places, plain, power, run_time
 
 NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"

@@ -9,11 +9,11 @@ import slipwave as sw
 from slipwave.observe.pieces import Array
 from slipwave.solve import FieldSolver
 from validation.chart import Chart, Look, Panel, Scale, Trace
-from validation.compute.looks import grid_styles
 from validation.measure.order_fit import Fit, fit_order
-from validation.study import EXACT, Budget, Cell, Figure, StudyAnswer, StudyResult, Verdict, claim, stated, table
-from validation.study.known import of_order, rounding
-from validation.study.text import plain
+from validation.models.looks import grid_styles
+from validation.report import EXACT, Budget, Cell, Figure, StudyAnswer, StudyResult, Verdict, claim, stated, table
+from validation.report.known import of_order, rounding
+from validation.report.text import plain
 
 NAME = "energy"
 QUESTION = "Where does the work of the drive go, and is any of it lost on the way?"

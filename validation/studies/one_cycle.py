@@ -12,14 +12,15 @@ from reduced.orbit.periodic import relative_error
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Orbit
 from validation.chart import PALE, Chart, Look, Panel, Scale, Trace, outline
-from validation.compute.looks import model_line, style_of
-from validation.compute.settle import WINDOW
-from validation.measure.cycle import SYMBOLS, OneCycle, one_cycle
+from validation.measure import memo
+from validation.models.cycle import SYMBOLS, OneCycle, one_cycle
+from validation.models.looks import model_line, style_of
+from validation.models.settle import WINDOW
 from validation.references.published import half_digit, reference, reference_orbit
-from validation.study import Budget, Figure, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
-from validation.study.known import as_known
-from validation.study.text import minus, places, plain
-from validation.study.verdict import WITNESS, Verdict, claim
+from validation.report import Budget, Figure, Omission, StudyAnswer, StudyResult, Table, stated, table
+from validation.report.known import as_known
+from validation.report.text import minus, places, plain
+from validation.report.verdict import WITNESS, Verdict, claim
 
 NAME = "one-cycle"
 QUESTION = "Do the simplified models run through the same cycle as the wave?"

@@ -18,8 +18,8 @@ from reduced.stability.spectrum import follow_root, unstable_count
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import DASHED, GUIDE, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
-from validation.compute.looks import model_line, model_marks
-from validation.study import (
+from validation.models.looks import model_line, model_marks
+from validation.report import (
     ASYMPTOTIC,
     EXACT,
     WITNESS,
@@ -33,7 +33,7 @@ from validation.study import (
     holding,
     of_paper,
 )
-from validation.study.text import plain
+from validation.report.text import plain
 
 NAME = "onset"
 QUESTION = "Where does steady sliding give way to stick-slip, and how far off is each reduction there?"

@@ -12,12 +12,13 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.chart import BLUE, DASHED, DOTTED, GUIDE, Chart, Look, Panel, Scale, Trace
-from validation.compute.build import build
-from validation.compute.models import explicit_time
-from validation.compute.settle import NoCycle
-from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, memo
-from validation.study.text import plain
-from validation.study.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding
+from validation.measure import memo
+from validation.models.build import build
+from validation.models.by_name import explicit_time
+from validation.models.settle import NoCycle
+from validation.report import Budget, Figure, Number, StudyAnswer, StudyResult
+from validation.report.text import plain
+from validation.report.verdict import ASYMPTOTIC, EXACT, WITNESS, Verdict, claim, every, holding
 
 NAME = "partial-reflection"
 QUESTION = "What do outer faces that reflect only a part of each wave do to stick-slip?"

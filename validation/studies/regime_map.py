@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 import slipwave
-from validation.results.result import Dataset
-from validation.study import WITNESS, Budget, Figure, StudyAnswer, StudyResult, Verdict, every
-from validation.study.regimes import regime_areas
-from validation.study.text import places
+from validation.data.datasets import Dataset
+from validation.report import WITNESS, Budget, Figure, StudyAnswer, StudyResult, Verdict, every
+from validation.report.numbers import regime_areas
+from validation.report.text import places
 from validation.sweep.axes import axis_of
 from validation.sweep.boundaries import onset_lines
 from validation.sweep.difference import difference, difference_rows, model_regimes

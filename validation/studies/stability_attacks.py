@@ -12,13 +12,13 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, RunStatistics, summarise
 from slipwave.solve import Solver, follow
-from validation.compute.build import build
-from validation.compute.models import explicit_time
 from validation.measure.grids.limits import ATTACKED, BEYOND, MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
 from validation.measure.grids.noise import locked_noise
-from validation.study import WITNESS, Budget, StudyAnswer, StudyResult, Verdict, claim, every
-from validation.study.advice import GOOD
-from validation.study.grid_verdicts import limit_verdict, medium_verdict, noise_verdict, state_verdict, stop_verdict
+from validation.models.build import build
+from validation.models.by_name import explicit_time
+from validation.report import WITNESS, Budget, StudyAnswer, StudyResult, Verdict, claim, every
+from validation.report.advice import GOOD
+from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict, state_verdict, stop_verdict
 
 NAME = "stability-attacks"
 QUESTION = "Can extreme inputs make the full-wave solvers fail without a message?"

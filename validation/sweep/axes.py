@@ -15,7 +15,7 @@ from slipwave.errors import SceneError
 from slipwave.input.overrides import full_key
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
-from validation.compute.parameter import has_key
+from validation.models.parameter import has_key
 
 LONGEST = 100_000
 """Most values of an axis."""

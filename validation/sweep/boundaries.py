@@ -11,9 +11,9 @@ import slipwave
 from reduced.parameters import PARAMETERS
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
-from validation.compute.models import one_port_of
-from validation.compute.parameter import SHORT
-from validation.results.result import Dataset, load_dataset
+from validation.data.datasets import Dataset, load_dataset
+from validation.models.by_name import one_port_of
+from validation.models.parameter import SHORT
 from validation.sweep.map_figures import Line, is_logarithmic
 
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from slipwave.errors import SceneError
-from validation.results.result import Dataset
+from validation.data.datasets import Dataset
 from validation.sweep.measures import VERDICTS
 
 _KINDS = {"steady": 0, "decaying": 0, "periodic": 1, "torus": 2, "irregular": 3, "growing": 4}

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from validation.results.quantities import twins_in_si
+from validation.data.variables import twins_in_si
 from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
 from validation.sweep.store import STATUS, Columns, Store

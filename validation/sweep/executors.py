@@ -15,7 +15,7 @@ from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
-from validation.compute.own import load_families, own_files
+from validation.models.own import load_families, own_files
 from validation.sweep.workers import starting
 
 _ENVIRONMENT = threading.Lock()

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from validation.results.provenance import provenance
-from validation.results.quantities import Meaning, attributes
-from validation.results.result import Dataset, new_dataset
+from validation.data.datasets import Dataset, new_dataset
+from validation.data.variables import Meaning, attributes
+from validation.models.provenance import provenance
 from validation.sweep.measures import Measure, measure_of
 from validation.sweep.plan import Plan
 from validation.sweep.refine import fill, regime_numbers

@@ -13,7 +13,7 @@ from reduced.parameters import LABELS
 from slipwave.errors import SceneError
 from slipwave.input.overrides import label_of
 from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, color_number
-from validation.results.result import DataArray, Dataset
+from validation.data.datasets import DataArray, Dataset
 from validation.sweep.axes import changed
 
 _COLOURS = {

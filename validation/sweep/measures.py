@@ -15,10 +15,10 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.verdict import Kind
 from slipwave.packages import no_exit
 from slipwave.scene import Scene
-from validation.compute.build import prepare
-from validation.compute.models import one_port_of
-from validation.compute.run import Length, Run, UntilSettled, needed, reconsidered, simulate
-from validation.results.quantities import Meaning
+from validation.data.variables import Meaning
+from validation.models.build import prepare
+from validation.models.by_name import one_port_of
+from validation.models.run import Length, Run, UntilSettled, needed, reconsidered, simulate
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
 """The words of a verdict, in the order of their numbers in files."""

@@ -22,11 +22,11 @@ from slipwave.input.source import parse_toml, to_toml
 from slipwave.scene import Scene
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
-from validation.compute.models import parse, resolve
-from validation.compute.own import digests
-from validation.compute.progress import progress
-from validation.measure.stopwatch import cores
-from validation.results.result import Dataset
+from validation.data.datasets import Dataset
+from validation.models.by_name import parse, resolve
+from validation.models.own import digests
+from validation.models.progress import progress
+from validation.models.stopwatch import cores
 from validation.sweep import executors
 from validation.sweep.axes import Axis, axis_of, whole_key
 from validation.sweep.engine import Engine, compute

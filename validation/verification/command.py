@@ -14,15 +14,16 @@ from slipwave.friction.check import LawError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource
 from validation.chart import Chart
-from validation.compute.models import GRIDS, grid_of, parse, resolve
-from validation.compute.own import load_families
-from validation.compute.progress import progress
-from validation.results.command import command
-from validation.results.options import ModelOptions, log
-from validation.results.result import Dataset, Output, Result, aligned
-from validation.study import EXACT, Outcome, Verdict, holding
-from validation.study.names import with_names
-from validation.study.text import bare
+from validation.commands.command import command
+from validation.commands.options import ModelOptions
+from validation.commands.result import Output, Result, aligned
+from validation.data.datasets import Dataset
+from validation.models.by_name import GRIDS, grid_of, parse, resolve
+from validation.models.own import load_families
+from validation.models.progress import log, progress
+from validation.report import EXACT, Outcome, Verdict, holding
+from validation.report.names import with_names
+from validation.report.text import bare
 from validation.verification.of_family import rows_of_family, rows_on_scene, starts_smoothly
 from validation.verification.of_law import rows_of_law
 

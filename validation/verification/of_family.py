@@ -10,17 +10,17 @@ import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from slipwave.solve import follow
-from validation.compute.build import build, build_full_wave
-from validation.compute.models import DELAY, explicit_time, grid_of
 from validation.measure.grid_ladders import ladder_of
 from validation.measure.grids.in_space import climb_of
 from validation.measure.grids.limits import AROUND, BEYOND, growth_at, limit_at, rubbing, state_reach, stops_beyond
 from validation.measure.grids.noise import locked_noise
 from validation.measure.order_fit import fit_order, shortfall
-from validation.study import EXACT, SELF, WITNESS, Outcome, Verdict, claim, holding
-from validation.study.grid_verdicts import calm_verdict, limit_verdict, noise_verdict, order_verdict, state_verdict, stop_verdict
-from validation.study.known import rounding
-from validation.study.verdict import judge
+from validation.models.build import build, build_full_wave
+from validation.models.by_name import DELAY, explicit_time, grid_of
+from validation.report import EXACT, SELF, WITNESS, Outcome, Verdict, claim, holding
+from validation.report.grid_verdicts import calm_verdict, limit_verdict, noise_verdict, order_verdict, state_verdict, stop_verdict
+from validation.report.known import rounding
+from validation.report.verdict import judge
 
 _DECADES = (-4, 0, 4)
 _MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")

@@ -13,10 +13,10 @@ from slipwave.errors import NumericsError
 from slipwave.friction import LAWS
 from slipwave.friction.check import derivative_error, sample_of
 from slipwave.scene import Scene
-from validation.compute.build import build
-from validation.compute.models import DELAY
 from validation.measure.growth import measured_root, nudged
-from validation.study import EXACT, WITNESS, Verdict, claim, holding
+from validation.models.build import build
+from validation.models.by_name import DELAY
+from validation.report import EXACT, WITNESS, Verdict, claim, holding
 from validation.verification.of_family import rows_on_scene
 
 _RATES = np.logspace(-3.0, 4.0, 15)

@@ -8,7 +8,7 @@ import sys
 
 from tests.verification.stated_errors.held import coverage_of
 from tests.verification.stated_errors.record import KINDS, SUMMARY, computation, known_computations, make_record, summary
-from validation.results.result import aligned
+from validation.commands.result import aligned
 
 
 def main(words: list[str]) -> None:

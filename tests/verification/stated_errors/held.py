@@ -11,7 +11,7 @@ import slipwave
 from reduced.parameters import scaled
 from reduced.stability.critical import critical_round_trip
 from slipwave.scene import Scene
-from validation.compute.models import one_port_of
+from validation.models.by_name import one_port_of
 
 _CHANCE = 1e-15  # rounding error of what is taken for the truth, relative
 

@@ -18,11 +18,11 @@ from slipwave.solve import Solver, follow
 from slipwave.solve.lyapunov import INTERVALS, largest_exponent
 from tests.verification.order import richardson
 from tests.verification.stated_errors.held import SLABS, Held, random_scene
-from validation.compute.build import build, build_full_wave, prepare
-from validation.compute.default_grid import judged_grid
-from validation.compute.orbits import find_orbit
-from validation.compute.settle import settle
-from validation.measure.cycle import watch
+from validation.models.build import build, build_full_wave, prepare
+from validation.models.cycle import watch
+from validation.models.default_grid import judged_grid
+from validation.models.orbits import find_orbit
+from validation.models.settle import settle
 
 WITNESS = "dg:9"
 """The reference model for viscous slabs."""

@@ -23,8 +23,8 @@ from tests.verification.stated_errors.measured import (
     limits_of_grids,
     steps,
 )
-from validation.compute.settle import NoCycle
-from validation.study import SELF, WITNESS, Evidence
+from validation.models.settle import NoCycle
+from validation.report import SELF, WITNESS, Evidence
 
 RECORD = ROOT / "reports" / "baseline" / "coverage-computations.json"
 SUMMARY = RECORD.with_name("coverage-record.json")

@@ -6,10 +6,10 @@ from typing import Any
 from reduced.delay.alike import Delay
 from slipwave.scene import Scene
 from slipwave.solve import Solver
-from validation.compute.build import build
-from validation.compute.models import explicit_time, grid_of
 from validation.measure.grid_ladders import LadderRun, in_space, ladder_of
 from validation.measure.orders import Climb, Measured, climb, measure
+from validation.models.build import build
+from validation.models.by_name import explicit_time, grid_of
 
 RESOLUTION = 1e-13
 _STEPS = 32

@@ -19,8 +19,8 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 from slipwave.solve import FieldSolver, follow
-from validation.compute.build import build_full_wave
-from validation.compute.models import GRIDS, grid_of
+from validation.models.build import build_full_wave
+from validation.models.by_name import GRIDS, grid_of
 
 ATTACKED = {family.called(number): cells for family in GRIDS for number, cells in family.attacks.items()}
 """The tested models, with their coarse and fine grids."""

@@ -9,8 +9,8 @@ from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from slipwave.solve import FieldSolver, follow
-from validation.compute.build import build_full_wave
 from validation.measure.grids.limits import few_cells
+from validation.models.build import build_full_wave
 
 
 def locked() -> Scene:

@@ -4,16 +4,17 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from reduced.orbit.figures import figures_of
+from validation.measure import memo
+from validation.measure.over_r import COMPARED, FAR, Branch, branch_of, scene_at, unaccounted
+from validation.models.points import NAMES
 from validation.references.published import half_digit, reference
+from validation.report import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
+from validation.report.known import JUST_BELOW
+from validation.report.text import minus, plain
+from validation.report.verdict import EXACT, WITNESS, Verdict, claim, holding, of_paper
 from validation.studies.bifurcation.charts import CAPTION, PLANES, diagram, orbits_in_planes
 from validation.studies.bifurcation.doubling import PAIRS, Doubled, bubble, doubled, doubling_verdicts
 from validation.studies.bifurcation.folds import fold_at, fold_verdicts, folds_over_drive
-from validation.study import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, memo, stated, table
-from validation.study.branch_drawing import NAMES
-from validation.study.known import JUST_BELOW
-from validation.study.over_r import COMPARED, FAR, Branch, branch_of, scene_at, unaccounted
-from validation.study.text import minus, plain
-from validation.study.verdict import EXACT, WITNESS, Verdict, claim, holding, of_paper
 
 NAME = "bifurcation"
 QUESTION = "How do the periodic orbits of the exact system and of the paper’s ODE depend on r, and where do they lose stability?"

@@ -5,10 +5,11 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
-from validation.compute.looks import model_line, model_look
+from validation.measure.over_r import COMPARED, Branch
+from validation.models.looks import model_line, model_look
+from validation.models.points import NAMES
+from validation.report.branch_drawing import branch_keys, branch_traces
 from validation.studies.bifurcation.doubling import ODE, Bubble, Doubled, between_doublings
-from validation.study.branch_drawing import NAMES, branch_keys, branch_traces
-from validation.study.over_r import COMPARED, Branch
 
 _LABELS = {"period": "$T$ (transits)", "stress_drop": r"$\Delta\mu$", "elastic_stress_drop": r"$\Delta y$"}
 _OVER_R = r"$\log_{10} r$"

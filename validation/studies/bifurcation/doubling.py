@@ -9,18 +9,19 @@ import numpy as np
 from reduced.continuation.start import difference_of_halves
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
-from validation.compute.branch import FollowedBranch
-from validation.compute.followed import ends_of
-from validation.compute.orbits import moving
-from validation.compute.parameter import over_range
-from validation.compute.points import BranchPoint, StopAt
-from validation.measure.cycle import watch
+from validation.measure import memo
+from validation.measure.over_r import Branch, scene_at
+from validation.models.branch import FollowedBranch
+from validation.models.cycle import watch
+from validation.models.followed import ends_of
+from validation.models.orbits import moving
+from validation.models.parameter import over_range
+from validation.models.points import BranchPoint, StopAt
 from validation.references.published import half_digit, reference
-from validation.study import EXACT, WITNESS, Verdict, claim, memo
-from validation.study.known import error_of
-from validation.study.over_r import Branch, scene_at
-from validation.study.text import minus
-from validation.study.verdict import of_paper
+from validation.report import EXACT, WITNESS, Verdict, claim
+from validation.report.known import error_of
+from validation.report.text import minus
+from validation.report.verdict import of_paper
 
 ODE = "kelvin-voigt"
 AT = -2.590007

@@ -5,10 +5,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import slipwave as sw
 from validation.references.onset import onset_of
-from validation.study import EXACT, PAPER, Verdict, claim, in_range
-from validation.study.known import JUST_BELOW
-from validation.study.text import plain
-from validation.study.verdict import ROUNDING
+from validation.report import EXACT, PAPER, Verdict, claim, in_range
+from validation.report.known import JUST_BELOW
+from validation.report.text import plain
+from validation.report.verdict import ROUNDING
 
 Fold = tuple[float, float]  # log10 r and V
 _TOLERANCE = 1e-6

@@ -10,6 +10,7 @@ import numpy as np
 from validation.chart import BLUE, ORANGE, POINTS, Chart, Look, Panel, Scale, Trace, outline, with_gaps
 from validation.references import published
 from validation.references.published import laboratory
+from validation.report import WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, claim, every, of_paper
 from validation.studies.laboratory.measured import (
     FrictionFit,
     MeasuredCycle,
@@ -24,7 +25,6 @@ from validation.studies.laboratory.measured import (
     steel_blocks,
 )
 from validation.studies.laboratory.programs import fitted_to, on_programs, printed_rows
-from validation.study import WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, claim, every, of_paper
 
 NAME = "laboratory"
 QUESTION = "Do the models meet experiments that nobody here made?"

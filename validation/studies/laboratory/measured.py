@@ -10,8 +10,8 @@ from slipwave.input import read_scene
 from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.compute.build import build
-from validation.measure.cycle import cut, watch
+from validation.models.build import build
+from validation.models.cycle import cut, watch
 from validation.references.published import laboratory
 
 DENSITY, SHEAR_MODULUS, THICKNESS = 7850.0, 79e9, 0.05  # of the steel forcing blocks

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import slipwave as sw
 from validation.references.published import laboratory
+from validation.report import WITNESS, Verdict, claim
 from validation.studies.laboratory.measured import FrictionFit, plain_block
-from validation.study import WITNESS, Verdict, claim
 
 _BEFORE = 1.0  # s of steady sliding
 _FAR = (1.5, 1.2, 3.0)  # times the printed values: where a fit begins

@@ -6,15 +6,15 @@ from typing import TypeAlias
 
 from slipwave.observe.pieces import Array
 from validation.chart import Chart, Look, Panel, Scale, Trace
-from validation.compute.looks import style_of
 from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, ROUGH, STEEP, LadderRun
 from validation.measure.grids.in_space import climb_of
 from validation.measure.manufactured import BEGIN, UNTIL
 from validation.measure.orders import RESOLVED
+from validation.models.looks import style_of
+from validation.report import Budget, Figure, Number, StudyAnswer, StudyResult, stated
+from validation.report.grid_verdicts import ORDER, order_verdict
+from validation.report.text import plain
 from validation.studies.orders import given_motion, in_space, in_time, own_orbits, slip_event
-from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, stated
-from validation.study.grid_verdicts import ORDER, order_verdict
-from validation.study.text import plain
 
 NAME = "orders"
 QUESTION = "Do four discretisations of the wave agree with the delay system, at the orders that they declare?"

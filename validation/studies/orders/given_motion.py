@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.observe.pieces import Array
-from validation.compute.build import build
-from validation.compute.models import grid_of
 from validation.measure.manufactured import error_of_motion, given_scene
 from validation.measure.order_fit import Fit, fit_order
-from validation.study import EXACT, Verdict, claim
-from validation.study.known import of_order
+from validation.models.build import build
+from validation.models.by_name import grid_of
+from validation.report import EXACT, Verdict, claim
+from validation.report.known import of_order
 
 _SECOND, _THIRD, _FOURTH = (32, 48, 64, 96, 128), (12, 16, 20, 24, 32), (10, 12, 14, 16, 18, 20)
 GRIDS = {

@@ -10,14 +10,14 @@ import slipwave as sw
 from slipwave.observe.pieces import Array
 from slipwave.solve import follow
 from slipwave.sources import ROOT, import_closure
-from validation.compute.build import build
-from validation.compute.models import FAMILIES, GRIDS, grid_of
 from validation.measure.grid_ladders import LADDERS, in_space
 from validation.measure.grids.in_space import delay_reference, without_error_in_time
 from validation.measure.order_fit import fit_order
 from validation.measure.orders import Climb, climb
-from validation.study import EXACT, SELF, WITNESS, Evidence, Verdict, every
-from validation.study.known import of_order
+from validation.models.build import build
+from validation.models.by_name import FAMILIES, GRIDS, grid_of
+from validation.report import EXACT, SELF, WITNESS, Evidence, Verdict, every
+from validation.report.known import of_order
 
 JUMP = "From a jump, which returns every transit, the leapfrog is of order 1"
 INDEPENDENT = "The delay system shares no module of a solver with any full wave"

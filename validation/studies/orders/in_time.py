@@ -8,14 +8,14 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from slipwave.solve import Solver
-from validation.compute.build import build
-from validation.compute.models import grid_of
 from validation.measure.grid_ladders import GENTLE
 from validation.measure.grids.in_space import without_error_in_time
 from validation.measure.order_fit import fit_dense
 from validation.measure.orders import errors, measure
-from validation.study import WITNESS, Verdict, claim
-from validation.study.known import of_order
+from validation.models.build import build
+from validation.models.by_name import grid_of
+from validation.report import WITNESS, Verdict, claim
+from validation.report.known import of_order
 
 COURANT = tuple(2.0 ** (-k / 4) for k in range(1, 9))
 REQUESTS = tuple(10.0**-k for k in range(4, 12))

@@ -5,9 +5,9 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import slipwave as sw
-from validation.compute.models import grid_of
-from validation.study import WITNESS, Verdict, at_least, claim
-from validation.study.known import error_after
+from validation.models.by_name import grid_of
+from validation.report import WITNESS, Verdict, at_least, claim
+from validation.report.known import error_after
 
 APPROACHES = "The grid’s own orbit approaches the delay system’s at the declared order or faster"
 AGREES = "Discretisations of the wave agree with the delay system on the orbit’s period and stress drop"

@@ -8,8 +8,8 @@ from scipy.interpolate import CubicSpline
 
 import slipwave as sw
 from fullwave.fields.record import Field, record_field
-from validation.compute.build import build_full_wave
-from validation.study import EXACT, Verdict, claim
+from validation.models.build import build_full_wave
+from validation.report import EXACT, Verdict, claim
 
 STRAIGHT = "Waves cross the slabs on straight characteristics, unchanged"
 ENDED = "The wave of the fastest slip, back from the outer face after one transit, ends the event"

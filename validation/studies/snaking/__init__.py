@@ -11,14 +11,16 @@ from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
 from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.chart.thin import staying
-from validation.compute.looks import model_look
-from validation.compute.points import BranchPoint
+from validation.measure import memo
+from validation.measure.over_r import COMPARED, Branch, branch_of, parts
+from validation.models.looks import model_look
+from validation.models.points import BranchPoint
+from validation.report import Budget, Cell, Figure, StudyAnswer, StudyResult, Table, table
+from validation.report.branch_drawing import branch_keys, branch_traces
+from validation.report.numbers import numbered_period
+from validation.report.text import minus, plain
 from validation.studies.snaking import measured
 from validation.studies.snaking.measured import DirectRun, coexisting, grows, settles, sides
-from validation.study import Budget, Cell, Figure, StudyAnswer, StudyResult, Table, memo, table
-from validation.study.branch_drawing import branch_keys, branch_traces
-from validation.study.over_r import COMPARED, Branch, branch_of, numbered_period, parts
-from validation.study.text import minus, plain
 
 NAME = "snaking"
 QUESTION = "How many orbits does the exact system have at one r, and which of them are stable?"

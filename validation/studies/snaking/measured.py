@@ -21,12 +21,13 @@ from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate
 from slipwave.solve import follow
-from validation.compute.build import build
-from validation.compute.orbit_start import BEGIN, state_on
+from validation.measure import memo
+from validation.measure.over_r import Branch, scene_at
+from validation.models.build import build
+from validation.models.orbit_start import BEGIN, state_on
 from validation.references.published import reference
-from validation.study import ASYMPTOTIC, SELF, WITNESS, Verdict, claim, every, holding, memo
-from validation.study.over_r import Branch, scene_at
-from validation.study.text import minus
+from validation.report import ASYMPTOTIC, SELF, WITNESS, Verdict, claim, every, holding
+from validation.report.text import minus
 
 _MOST = 9000.0
 _LAST = 0.7  # share of a run after which its cycles are judged

@@ -4,17 +4,17 @@ import math
 from collections.abc import Iterator, Mapping
 
 from validation.chart import WIDTH, Chart, Panel, Scale, Trace
-from validation.compute.looks import model_marks
+from validation.measure.over_r import scene_at
+from validation.measure.regimes import Regime, regime_of
+from validation.models.looks import model_marks
+from validation.report import Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, stated
+from validation.report.advice import GOOD
+from validation.report.compared import EXACT_MODEL, compared_table, critical_r, onset, relative_costs
+from validation.report.model_table import ModelColumn, ModelTable
+from validation.report.text import places, power
 from validation.studies.which_model import judged, laws, periods, scenes
 from validation.studies.which_model.judged import WAVE, ByModel
 from validation.studies.which_model.means import on_record, paper_at, record_verdicts
-from validation.study import Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, stated
-from validation.study.advice import GOOD
-from validation.study.compared import EXACT_MODEL, compared_table, critical_r, onset, relative_costs
-from validation.study.model_table import ModelColumn, ModelTable
-from validation.study.over_r import scene_at
-from validation.study.regimes import Regime, regime_of
-from validation.study.text import places, power
 
 NAME = "which-model"
 QUESTION = "Which model may I use, at what error, at what cost?"

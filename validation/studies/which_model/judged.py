@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import slipwave
-from validation.study import EXACT, PAPER, SELF, WITNESS, Outcome, Verdict, claim, every, holding
-from validation.study.advice import AS_CHEAP, GOOD, JUDGED, costs_of_good_reductions, is_good
-from validation.study.compared import EXACT_MODEL, critical_r
-from validation.study.known import ERRORS, error_after, error_of
-from validation.study.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
-from validation.study.regimes import AWAY, STEADY, UNKNOWN, UNTRIED, Regime
-from validation.study.text import places, plain
+from validation.measure.regimes import AWAY, STEADY, UNKNOWN, UNTRIED, Regime
+from validation.report import EXACT, PAPER, SELF, WITNESS, Outcome, Verdict, claim, every, holding
+from validation.report.advice import AS_CHEAP, GOOD, JUDGED, costs_of_good_reductions, is_good
+from validation.report.compared import EXACT_MODEL, critical_r
+from validation.report.known import ERRORS, error_after, error_of
+from validation.report.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
+from validation.report.text import places, plain
 
 WAVE = "dg:7"
 ADVISED = ("modal:8", "modal:4", "fitted:4")

@@ -10,13 +10,13 @@ from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import Chart, Panel, Scale, Trace
-from validation.compute.build import build
-from validation.compute.looks import model_line, model_marks, style_of
-from validation.compute.settle import settle
-from validation.study import ASYMPTOTIC, Budget, Number, Verdict, claim, of_paper, stated
-from validation.study.compared import against
-from validation.study.model_table import Compared
-from validation.study.text import plain
+from validation.models.build import build
+from validation.models.looks import model_line, model_marks, style_of
+from validation.models.settle import settle
+from validation.report import ASYMPTOTIC, Budget, Number, Verdict, claim, of_paper, stated
+from validation.report.compared import against
+from validation.report.model_table import Compared
+from validation.report.text import plain
 
 MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:2", "modal:8")
 _CYCLING = ("block8", "block12", "kelvin-voigt", "modal:1", "modal:2")

@@ -9,12 +9,12 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
+from validation.measure.regimes import TOLERANCE, Regime
 from validation.references import published
-from validation.study import SELF, Verdict, claim, every
-from validation.study.advice import JUDGED
-from validation.study.known import ERRORS
-from validation.study.regimes import TOLERANCE, Regime
-from validation.study.text import places
+from validation.report import SELF, Verdict, claim, every
+from validation.report.advice import JUDGED
+from validation.report.known import ERRORS
+from validation.report.text import places
 
 RECORD = Path(published.__file__).with_name("means.json")
 _AGAIN = (-2.65, -2.5)

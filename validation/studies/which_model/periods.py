@@ -5,14 +5,15 @@ from typing import NamedTuple
 
 from slipwave.observe.statistics import Estimate
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
-from validation.compute.looks import model_line, model_look
+from validation.measure.over_r import FAR, Branch, branch_of
+from validation.measure.regimes import Regime
+from validation.models.looks import model_line, model_look
 from validation.references.published import reference
-from validation.study import Number, Verdict, stated
-from validation.study.branch_drawing import orbit_traces
-from validation.study.known import as_known, order_of_periods
-from validation.study.over_r import FAR, Branch, branch_of, numbered_period
-from validation.study.regimes import Regime
-from validation.study.text import minus
+from validation.report import Number, Verdict, stated
+from validation.report.branch_drawing import orbit_traces
+from validation.report.known import as_known, order_of_periods
+from validation.report.numbers import numbered_period
+from validation.report.text import minus
 
 WAVES, BLOCKS = ("kelvin-voigt", "delay"), ("block8", "block12")
 """Models with reverberations, whose orbits lose stability; blocks, whose orbits are all stable."""

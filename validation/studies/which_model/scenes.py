@@ -7,12 +7,12 @@ import numpy as np
 
 import slipwave
 from slipwave.scene import Scene
-from validation.compute.models import family_of
-from validation.study import Cell, Number, Table, table
-from validation.study.compared import EXACT_MODEL, compared_table, critical_r
-from validation.study.model_table import Compared, ModelColumn, ModelRow, ModelTable
-from validation.study.regimes import UNTRIED, Regime, regime_of
-from validation.study.text import minus
+from validation.measure.regimes import UNTRIED, Regime, regime_of
+from validation.models.by_name import family_of
+from validation.report import Cell, Number, Table, table
+from validation.report.compared import EXACT_MODEL, compared_table, critical_r
+from validation.report.model_table import Compared, ModelColumn, ModelRow, ModelTable
+from validation.report.text import minus
 
 SCENES = {
     "unlike": "slabs that differ, the lower one with twice the round trip and three times the impedance",

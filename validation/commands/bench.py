@@ -1,0 +1,146 @@
+"""`slipwave.bench`: run time against error of every model that can compute the scene, at several settings each."""
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, ClassVar, NamedTuple
+
+from slipwave.errors import SceneError
+from slipwave.family import Family
+from slipwave.input import SceneSource
+from slipwave.scene import Scene
+from validation.chart import Chart, Panel, Scale
+from validation.commands.command import command
+from validation.commands.comparison import Comparison, errors_of, nothing, remarks, row_of
+from validation.commands.options import RunsOptions
+from validation.commands.result import aligned, rounded
+from validation.models.by_name import honouring, one_port_of
+from validation.models.looks import model_line, style_of
+from validation.models.progress import progress
+from validation.models.run import Length, Run, length_of, simulate
+from validation.models.timing import Setting, alternating, quartiles, solver_of, warm_up
+
+_TOLERANCES = (1e-5, 1e-7, 1e-9)
+_REFERENCE_TOLERANCE = 1e-11
+_ROUNDS, _ENOUGH = 3, 10.0
+"""Rounds in which all runs are timed, and the seconds in all after which there is no further one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchOptions(RunsOptions):
+    """Options of `slipwave.bench`."""
+
+    EXAMPLES: ClassVar = ("slipwave bench paper --until 1000",)
+
+
+class TimedRun(NamedTuple):
+    """A run, whose `wall_s` is the median over rounds, its numerical setting, and the quartiles of the time (s)."""
+
+    run: Run
+    setting: dict[str, Any]
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BenchResult(Comparison):
+    """The timed `runs` of the scene; the reference is the delay system at a tight tolerance."""
+
+    DIMENSION: ClassVar = "trial"
+    COMMAND: ClassVar = "bench"
+
+    runs: list[TimedRun]
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One for each run, with errors without sign."""
+        rows = [row_of(one.run, {"setting": one.setting}, self.reference) for one in self.runs]
+        for row, one in zip(rows, self.runs, strict=True):
+            row |= {"wall_low_s": one.low, "wall_high_s": one.high}
+            row["error"] = {name: None if error is None else abs(error) for name, error in row["error"].items()}
+        return rows
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """One row per run, and the conclusion."""
+        rows = [
+            [
+                row["model"],
+                ", ".join(f"{name} {value:g}" for name, value in row["setting"].items()) or "-",
+                rounded(row["wall_s"], 3),
+                f"{rounded(row['wall_low_s'], 3)} to {rounded(row['wall_high_s'], 3)}",
+                *errors_of(row),
+            ]
+            for row in summary["models"]
+        ]
+        yield from aligned(["model", "setting", "wall s", "quartiles", "error T", "error drop"], rows)
+        against = f"relative errors of the second half's mean against {summary['reference']} (tight)"
+        yield f"\n{summary['until']:g} transits; {against}"
+        yield from remarks(summary)
+
+    def chart(self) -> Chart:
+        """Error of the period against wall time, a line for each model; runs without cycles are left out."""
+        lines = []
+        for model in dict.fromkeys(one.run.solver.model for one in self.runs):
+            rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
+            pairs = [row["wall_s"] for row in rows], [row["error"]["period"] for row in rows]
+            lines += [model_line(model, *pairs, model, marker=style_of(model).marker)] if rows else []
+        panel = Panel("", Scale("wall time / s", "log"), Scale("relative error of the period", "log"), lines, "best")
+        return Chart([panel], 4.8, title=f"{self.scene.name}: run time against error")
+
+
+@command
+def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
+    """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
+
+    Times are medians over three rounds in which all run in turn; there is one round where that takes longer than ten seconds.
+    A model that fails on the scene (quasistatic runs away) still has a row. Raises SceneError for wrong input and where the
+    reference has no cycles; NumericsError, with all of them as its `result`, if solves of the interface failed.
+    """
+    scene = options.scene_of(source, options.until)
+    tolerances = [{"tolerance": tolerance} for tolerance in _TOLERANCES]
+    settings = {family.name: [{"cells": cells} for cells in family.grids] or tolerances for family in honouring(scene)}
+    trials = [(family, setting) for family in honouring(scene) for setting in settings[family.name]]
+    if not trials:
+        raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
+    reference = _reference(scene, trials, options.most_seconds)
+    if nothing(reference):
+        raise SceneError(f"until = {reference.until:g}: {nothing(reference)}")
+    length = Length(until=reference.until)
+    works = {number: partial(_prepared, scene, *trial, length, options.most_seconds) for number, trial in enumerate(trials)}
+    found: list[tuple[Run, list[float]]] = []
+    stopped, spent = "", 0.0
+    with progress("bench", _ROUNDS * len(trials)) as report:
+        for done, (number, seconds, run) in enumerate(alternating(works, _ROUNDS, time.perf_counter)):
+            if run.stopped:
+                stopped = f"after {done} of {_ROUNDS * len(trials)} runs"
+                break
+            if done < len(trials):
+                found.append((run, []))
+            found[number][1].append(seconds)
+            spent += seconds
+            report(done + 1)
+            if number == len(trials) - 1 and spent > _ENOUGH:
+                break
+    runs = []
+    for (run, times), (_, setting) in zip(found, trials, strict=False):
+        low, median, high = quartiles(times)
+        runs.append(TimedRun(replace(run, wall_s=median), setting, low, high))
+    failed = [reference.failed] if reference.failed else [one.run.failed for one in runs if one.run.solver.failures]
+    failed = ["interrupted", *failed, stopped] if stopped else failed
+    return BenchResult(scene, reference, options.stored, runs, failed="; ".join(failed), stopped=bool(stopped))
+
+
+def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: float) -> Run:
+    """The delay system at a tight tolerance; for scenes it cannot compute, the last full-wave family at its finest setting. All
+    other runs last as long as it does."""
+    delay = next((family for family, _ in trials if family.name == "delay"), None)
+    family, setting = (delay, {"tolerance": _REFERENCE_TOLERANCE}) if delay is not None else trials[-1]
+    return _prepared(scene, family, setting, length_of(scene, one_port_of(family.example)), most)()
+
+
+def _prepared(scene: Scene, family: Family, setting: dict[str, Any], length: Length, most: float) -> Callable[[], Run]:
+    """The run, with its code loaded."""
+    chosen = Setting(family.example, **setting)
+    warm_up(chosen, scene)
+    return partial(simulate, solver_of(chosen, scene), length, most_seconds=most)

@@ -1,0 +1,317 @@
+"""`slipwave.branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
+
+import math
+from abc import abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from reduced.orbit.closing import Closed
+from slipwave.errors import SceneError
+from slipwave.extras import require
+from slipwave.files import FIGURES
+from slipwave.input import SceneSource
+from slipwave.input.wording import shorten
+from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
+from validation.chart import Chart
+from validation.commands.branch_figures import chart_of_branch
+from validation.commands.command import command
+from validation.commands.options import ModelOptions, announced, option
+from validation.commands.result import Output, PointOfBranch, Result, aligned, finite, rounded, thinned
+from validation.commands.wording import header
+from validation.data.datasets import Dataset, new_dataset
+from validation.data.variables import EVENTS, variables
+from validation.models.branch import FollowedBranch
+from validation.models.followed import End, Followed, pursue, write_followed
+from validation.models.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
+from validation.models.parameter import Values, over_range, range_text, scene_along
+from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
+from validation.models.provenance import provenance
+
+BRANCH_TOLERANCE, BRANCH_POINTS = 1e-6, 2000
+"""Defaults of the options."""
+
+_LISTED = 12  # points in the table
+
+
+def tolerance_option(default: float) -> Any:
+    """The option `tol` of orbits."""
+    return option(
+        f"requested relative error of period, drops and slip rates (default 1e{math.log10(default):.0f})",
+        stored=True,
+        least=LEAST_TOLERANCE,
+        most=LARGEST_TOLERANCE,
+        must=f"lie in [{LEAST_TOLERANCE:g}, {LARGEST_TOLERANCE:g}] for an orbit",
+    )
+
+
+def points_option(default: int) -> Any:
+    """The option `most_points` of what is followed."""
+    return option(f"stop after so many points (default {default})", stored=True, least=1, must="be at least 1")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowedOptions(ModelOptions):
+    """Options of `slipwave.branch` and `slipwave.curve`."""
+
+    tol: float | None = tolerance_option(BRANCH_TOLERANCE)
+    out: Path | None = option("write each point here as it is computed", metavar="FILE.nc", suffixes=(".nc",))
+    resume: Path | None = option(
+        "go on from the last point in this file, and write the further ones to it", metavar="FILE.nc", suffixes=(".nc",)
+    )
+
+    @property
+    def file(self) -> Path | None:
+        """Path of the output file; that of `resume` by default."""
+        return self.out or self.resume
+
+    def completed(self, source: SceneSource, what: str, **defaults: Any) -> Self:
+        """The options completed by those of a file of results, and by the `defaults`."""
+        if self.file is not None:
+            require("files", f"the file of a {what}")
+        known = self.recalled(source, what)
+        return replace(known, **{name: value for name, value in defaults.items() if getattr(known, name) is None})
+
+
+@dataclass(frozen=True, kw_only=True)
+class BranchOptions(FollowedOptions):
+    """Options of `slipwave.branch`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave branch paper --model kelvin-voigt --over log10_r=-2.72:-2.60 --plot branch.png",
+        "slipwave branch branch.nc",
+    )
+    DETAILS: ClassVar = (
+        "Special points: HB Hopf, LP fold, PD period doubling, NS torus. Where the range holds no Hopf point, the branch begins "
+        "with the orbit that a run at an unstable end leads to. A file of an earlier branch as SCENE is computed again."
+    )
+
+    over: Values | None = option(
+        "the parameter: log10_r, epsilon, V, a, b, or any key of the scene, as upper.epsilon; in Python also "
+        '("log10_r", -2.72, -2.30)',
+        metavar="KEY=FROM:TO",
+        positional=True,
+        stored=True,
+    )
+    cells: int | None = option("full wave: cells per slab", stored=True)
+    stop_at: str | None = option("stop at the first special point of this kind", metavar="|".join(SPECIAL_KINDS), stored=True)
+    switch: str | None = option(
+        "PD: follow the orbits of twice the period from the first period doubling on", metavar="HB|PD", stored=True
+    )
+    longest_period: float | None = option("stop at this period", metavar="TRANSITS", stored=True)
+    most_points: int | None = points_option(BRANCH_POINTS)
+
+    @property
+    def limits(self) -> StopAt:
+        """Where the branch ends. Raises SceneError naming an option that makes no sense."""
+        if self.stop_at is not None and self.stop_at not in SPECIAL_KINDS:
+            raise SceneError(f"--stop-at {shorten(self.stop_at)}: must be one of {', '.join(SPECIAL_KINDS)}")
+        if self.longest_period is not None and not self.longest_period > 0.0:
+            raise SceneError(f"--longest-period = {self.longest_period:g}: must be above 0")
+        if self.switch not in (None, "HB", "PD"):
+            raise SceneError(f"--switch {shorten(self.switch)}: must be HB or PD")
+        return StopAt(self.longest_period or StopAt().period, self.most_points or BRANCH_POINTS, self.stop_at or "")
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FollowedResult(Result):
+    """The branch or curve `found`, the options of the call, run time (s), and the `end` from which it can be continued, if
+    any."""
+
+    found: Followed
+    options: FollowedOptions
+    wall_s: float
+    end: End | None = None
+
+    OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw it: .png, .pdf or .svg"),)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As `Result`."""
+        found = self.found
+        return {
+            "scene": found.over.base.name,
+            "model": found.model,
+            "clock": "transit",
+            **self._rows,
+            "wall_s": self.wall_s,
+            "notes": [*doubts(found.over.base), *found.notes],
+        }
+
+    @property
+    @abstractmethod
+    def _rows(self) -> dict[str, Any]:
+        """The entries that differ between branches and curves."""
+
+    @property
+    def origin(self) -> dict[str, Any]:
+        """The attributes of its file."""
+        return origin_of(self.found, self.options)
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether it has no points."""
+        return not any(rows for _, rows in self.found.tables.values())
+
+    def to_go_on(self, options: FollowedOptions) -> str:
+        """How to continue from the file, for a message."""
+        kept = f"--resume {options.file} goes on from there"
+        return kept if options.file else "no file was kept: --out FILE.nc keeps one to go on from"
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the points and, if any, the end from which they can be continued. Raises SceneError if the file cannot be
+        written."""
+        if self.end is None:
+            super().to_netcdf(path)
+        else:
+            write_followed(Path(path), self.found, self.end, not self.failed, self.origin)
+
+    def _table(self, first: str, columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
+        """Lines of the scene, the line `first`, the columns, and the run time."""
+        yield from header(self.found.over.base)
+        yield from (f"note: {note}" for note in self.found.notes)
+        yield f"model {self.found.model}: {first}"
+        yield ""
+        yield from self._special_lines()
+        yield from aligned(list(columns), list(zip(*columns.values(), strict=True)))
+        yield f"\nperiods in transits; wall time {self.wall_s:.3g} s"
+
+    def _special_lines(self) -> Iterator[str]:
+        yield from ()
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class BranchResult(FollowedResult):
+    """A branch."""
+
+    found: FollowedBranch
+
+    @property
+    def _rows(self) -> dict[str, Any]:
+        found = self.found
+        points, special = ([self._at(row) for row in rows] for rows in (found.shown, found.shown_special))
+        return {"parameter": found.over.name, "points": points, "special": special}
+
+    def _at(self, row: BranchPoint | SpecialPoint) -> dict[str, Any]:
+        """A point as a dictionary; the parameter's value has the parameter's name."""
+        name, facts = self.found.over.name, row._asdict()
+        kind = {"type": facts.pop("kind")} if "kind" in facts else {}
+        facts.pop("place", None)
+        value = facts.pop("value")
+        named = {name: value} if name == "log10_r" else {name: value, "parameter": name, "value": value}
+        return kind | named | facts
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """The points by `point` and the special points by `special`, at their values of the parameter. The figures of points also
+        have their plain names, indexed by the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
+        from validation.models.along import along
+
+        found, scene = self.found, self.found.over.base
+        values = _columns("point", BranchPoint._fields, found.shown, scene)
+        plain = {name.removeprefix("point_"): value for name, value in values.items()}
+        plain |= {found.over.column: plain.pop("value")}
+        values |= plain | _columns("special", SpecialPoint._fields, found.shown_special, scene)
+        data = new_dataset(values, attrs=self.origin).set_coords(["point_value", "special_value"])
+        return along(data, found.over.column)
+
+    @property
+    def points(self) -> list[PointOfBranch]:
+        """The points of the JSON; each can be given to `slipwave.orbit` as a scene."""
+        return [self._point_at(point, None) for point in self.found.shown]
+
+    @property
+    def special(self) -> list[PointOfBranch]:
+        """The special points, likewise."""
+        found = self.found
+        return [self._point_at(one, found.closed.get(k)) for k, one in enumerate(found.special) if found.over.holds(one.value)]
+
+    def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
+        found = self.found
+        return PointOfBranch(finite(self._at(point)), scene_along(found.over, point.value), found.model, closed, found.tolerance)
+
+    def chart(self) -> Chart:
+        """Period and stress drops against the parameter."""
+        return chart_of_branch(self.found)
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The special points, and some of the others."""
+        found, scene, listed = self.found, self.found.over.base, thinned(self.found.shown, _LISTED)
+        (low, high), digits = found.over.ends, _telling([point.value for point in listed])
+        words = {True: "yes", None: "not decided"}
+        columns = {found.over.name: [rounded(one.value, digits) for one in listed], "period": printed_column(listed, "period")}
+        if scene.units:
+            seconds = [one.period * found.over.scene_at(one.value).transit * scene.units.time for one in listed]
+            columns["period [s]"] = [rounded(one, 7) for one in seconds]
+        rest = {"stress drop": "stress_drop", "elastic stress drop": "elastic_stress_drop", "v_max": "v_max", "v_min": "v_min"}
+        columns |= {heading: printed_column(listed, name) for heading, name in rest.items()}
+        columns["stable"] = [words.get(one.stable, f"no ({one.unstable})") for one in listed]
+        return self._table(f"{len(found.shown)} orbits over {found.over.name} from {low:g} to {high:g}", columns)
+
+    def _special_lines(self) -> Iterator[str]:
+        found, special = self.found, self.found.shown_special
+        columns = {
+            "special points": [f"{one.kind} {SPECIAL_KINDS[one.kind]}" for one in special],
+            found.over.name: printed_column(special, "value", 11),
+            "bracket": printed_column(special, "bracket", 2),
+            "period": printed_column(special, "period", 9),
+            "stress drop": printed_column(special, "stress_drop"),
+            "unstable multipliers": [
+                "not counted" if one.unstable_before is None else f"{one.unstable_before} -> {one.unstable_after}"
+                for one in special
+            ],
+        }
+        yield from [*aligned(list(columns), list(zip(*columns.values(), strict=True))), ""] if special else []
+
+
+def origin_of(found: Followed, options: FollowedOptions) -> dict[str, Any]:
+    """The attributes of the file of a branch or a curve."""
+    return provenance(found.what, found.over.base, found.model, options.stored) | {"parameter": found.over.name}
+
+
+def printed_column(rows: Sequence[Any], name: str, digits: int = 7) -> list[str]:
+    """A column of a printed table."""
+    return [rounded(getattr(row, name), digits) for row in rows]
+
+
+def _telling(values: list[float]) -> int:
+    """Digits that distinguish neighbours that differ."""
+    pairs = [pair for pair in pairwise(values) if pair[0] != pair[1]]
+    enough = (n for n in range(8, 17) if all(rounded(one, n) != rounded(other, n) for one, other in pairs))
+    return next(enough, 17)
+
+
+def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], scene: Scene) -> dict[str, Any]:
+    """Columns of points as variables; `stable` is -1 where undecided."""
+    found: dict[str, Any] = {}
+    for name, values in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
+        if name in EVENTS:
+            twins = variables(kind, {name: list(values)}, EVENTS, scene)
+            found |= {f"{kind}_{label}": variable for label, variable in twins.items()}
+        else:
+            numbers = [-1 if value is None else value for value in values]
+            found[f"{kind}_{name}"] = (kind, numbers, {"long_name": name.replace("_", " ")})
+    return found
+
+
+@command
+def branch(source: SceneSource, options: BranchOptions) -> BranchResult:
+    """Follow periodic orbits from where steady sliding loses stability, stable or not, through folds.
+
+    If `source` is a netCDF file of a branch, it is computed again: its model, range and options hold where none are given.
+    Raises SceneError for wrong input; NumericsError where the branch cannot be followed, with the part before as its `result`.
+    """
+    options = replace(options, over=range_text(options.over))
+    options = options.completed(source, "branch", tol=BRANCH_TOLERANCE, most_points=BRANCH_POINTS)
+    limits = options.limits
+    if options.over is None:
+        raise SceneError("--over: missing; must be KEY=FROM:TO, as in log10_r=-2.72:-2.60")
+    parameter = over_range(str(options.over), options.scene_of(source))
+    name = announced(*flowing(options.model, parameter.base))
+    found = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
+    ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
+    return BranchResult(found, options, **ended._asdict())

@@ -1,0 +1,62 @@
+"""Charts of a branch, period and both stress drops with stable and unstable parts, and of a curve of special points."""
+
+from collections.abc import Iterator
+from itertools import groupby
+
+from validation.chart import BLUE, GREY, INK, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
+from validation.models.branch import FollowedBranch
+from validation.models.curve import Curve
+from validation.models.points import NAMES, SPECIAL_KINDS
+
+_QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
+_MARKS = {"HB": (INK, "o"), "LP": (BLUE, "s"), "PD": (ORANGE, "^"), "NS": ("#009e73", "D")}
+_LOOKS = {
+    True: ("stable", Look(width=1.9)),
+    False: ("unstable", Look(GREY, (0, (4, 1.5)), width=0.8)),
+    None: ("stability not decided", Look(GREY, width=0.9)),
+}
+
+
+def chart_of_branch(branch: FollowedBranch) -> Chart:
+    """One panel per quantity."""
+    panels = [
+        Panel("", Scale(branch.over.name), Scale(label), [*_pieces(branch, name), *_special(branch, name)])
+        for name, label in _QUANTITIES.items()
+    ]
+    title = f"{branch.over.base.name}, {branch.model}: periodic orbits"
+    return Chart(panels, 8.5, legend="outside lower left", legend_columns=4, title=title)
+
+
+def _pieces(branch: FollowedBranch, name: str) -> Iterator[Trace]:
+    """The branch in pieces of one stability, which meet at the special points between them."""
+    ends = {special.place: special for special in branch.special}
+    for stable, (label, look) in _LOOKS.items():
+        pieces = []
+        for own, group in groupby(enumerate(branch.points), key=lambda numbered: numbered[1].stable):
+            piece = list(group)
+            first, last = ends.get(piece[0][0]), ends.get(piece[-1][0] + 1)
+            run = [one for one in (first, *(point for _, point in piece), last) if one and branch.over.holds(one.value)]
+            pieces += [([one.value for one in run], [getattr(one, name) for one in run])] if own is stable and run else []
+        if pieces:
+            yield Trace(label, *with_gaps(pieces), look)
+
+
+def _special(branch: FollowedBranch, name: str) -> Iterator[Trace]:
+    for kind, (color, marker) in _MARKS.items():
+        found = [special for special in branch.shown_special if special.kind == kind]
+        if found:
+            positions = [special.value for special in found], [getattr(special, name) for special in found]
+            yield Trace(NAMES[kind], *positions, Look(color, "", marker, size=4.0, hollow=kind == "HB"))
+
+
+def chart_of_curve(curve: Curve) -> Chart:
+    """Left: the second parameter over the first. Right: the second over the period."""
+
+    def along(name: str) -> Trace:
+        return Trace("", [getattr(one, name) for one in curve.points], [one.second for one in curve.points], Look(marker="."))
+
+    panels = [
+        Panel("", Scale(label), Scale(curve.second.name), [along(name)], grid=True)
+        for name, label in (("first", curve.over.name), ("period", "period $T$ / transits"))
+    ]
+    return Chart(panels, 4.0, 2, title=f"{curve.over.base.name}, {curve.model}: {SPECIAL_KINDS[curve.kind]}")

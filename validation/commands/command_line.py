@@ -1,0 +1,160 @@
+"""A command on the command line, generated from its declarations: options, output files and table of its result."""
+
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import replace
+from functools import partial
+from inspect import Parameter, Signature, signature
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
+
+import typer
+
+import slipwave
+from slipwave.errors import Interrupted, NumericsError, SceneError
+from slipwave.files import reason_of, require_writable
+from slipwave.input.source import gallery_names
+from slipwave.packages import ended
+from validation.commands.options import Option, SceneOptions, options_of
+from validation.commands.result import Output, Result
+
+Files: TypeAlias = Mapping[Output, Path | None]
+Act: TypeAlias = Callable[[Any, Any, Files, bool], None]
+
+
+class Parsed(NamedTuple):
+    """A function of the command line's words, its parameters, the details of its help, and examples."""
+
+    call: Callable[..., None]
+    parameters: list[Parameter]
+    details: str
+    examples: tuple[str, ...]
+
+    @property
+    def function(self) -> Callable[..., None]:
+        """The function with its signature."""
+        self.call.__signature__ = Signature(self.parameters)  # type: ignore[attr-defined]
+        self.call.__annotations__ = {one.name: one.annotation for one in self.parameters}
+        return self.call
+
+
+SCENE = typer.Argument(
+    metavar="SCENE",
+    help="a gallery name (see `slipwave scenes`), a TOML file, or a netCDF file of results",
+    autocompletion=gallery_names,
+)
+_JSON = typer.Option("--json", help="print JSON instead of a table")
+
+
+def command_line(name: str) -> Parsed:
+    """A command that gives a result."""
+    compute = getattr(slipwave, name).__wrapped__
+    made: type[Result] = compute.__annotations__["return"]
+
+    def act(source: str | None, options: SceneOptions, files: Files, json: bool) -> None:
+        """Compute, print, write."""
+        needed = made.wanted_for({one.name: path for one, path in files.items()})
+        options = replace(options, **needed)
+        _finish(compute(source, options), options, files, json)
+
+    optional = signature(compute).parameters["source"].default is None
+    parsed = on_a_scene(compute.__annotations__["options"], act, made.OUTPUTS, optional)
+    return parsed._replace(parameters=[*parsed.parameters, _parameter("json", Annotated[bool, _JSON], False)])
+
+
+def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] = (), optional: bool = False) -> Parsed:
+    """A command that calls `act` with a scene, which may be `optional`, its options and its output files."""
+    known = {one.name: one for one in options_of(kind).values() if one.is_in("command line")}
+
+    def call(source: str | None = None, json: bool = False, **words: Any) -> None:
+        """Take the words of the command line."""
+        files = {one: _path_of(one, words.pop(one.name), json) for one in outputs}
+        given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
+        try:
+            act(source, kind(**given).load_own(), files, json)
+        except SystemExit as end:
+            raise ended(end) from end
+
+    parameters = [
+        _parameter("source", *((Annotated[str | None, SCENE], None) if optional else (Annotated[str, SCENE], Parameter.empty))),
+        *(_parameter(one.name, *_in_words(one)) for one in known.values()),
+        *(
+            _parameter(one.name, Annotated[Path | None, typer.Option(one.flag, metavar=one.metavar, help=one.help)], None)
+            for one in outputs
+        ),
+    ]
+    return Parsed(call, parameters, kind.DETAILS, kind.EXAMPLES)
+
+
+def _parameter(name: str, hint: Any, default: Any) -> Parameter:
+    return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=hint)
+
+
+def _in_words(one: Option) -> tuple[Any, Any]:
+    """Type and default of an option on the command line: text where Python takes several types."""
+    notes = typer.Option(one.flag, metavar=one.more.get("metavar"), help=one.help, autocompletion=one.more.get("words"))
+    parts = {one.hint, *get_args(one.hint)}
+    if bool in parts or "stands_for" in one.more:
+        return Annotated[bool | None, notes], None
+    word: Any = next((kind for kind in (Path, str, float, int) if kind in parts), str)
+    if one.is_required or isinstance(one.default, str):
+        return Annotated[word, notes], Parameter.empty if one.is_required else one.default
+    return Annotated[list[str] if one.default == () else word | None, notes], None
+
+
+def _value(one: Option, word: Any) -> Any:
+    """A value given on the command line as its Python equivalent."""
+    if "stands_for" in one.more:
+        word = one.more["stands_for"] if word else one.default
+    path = one.checked(word)
+    if "suffixes" in one.more and path is not None:
+        require_writable(path, one.more["suffixes"], one.flag)
+    return path
+
+
+def _path_of(one: Output, path: Path | None, json: bool) -> Path | None:
+    """Path of the output file, None if not written. Raises SceneError, before anything is computed, if it cannot be written."""
+    if path is None and one.default and not json:
+        path = Path(one.default)
+    if path is not None:
+        require_writable(path, one.suffixes, one.flag)
+    return path
+
+
+def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> None:
+    """Print the result, then write its files, each even if another fails (full disk). Raises one error, in one line, for all
+    failures: Interrupted if the user stopped it, NumericsError if the numerics failed, else SceneError."""
+    problems = [result.failed, result.to_go_on(options) if result.stopped else ""]
+    with closing(result):
+        summary = (
+            {} if result.is_empty else result.summary | {one.key: str(path) for one, path in files.items() if one.key and path}
+        )
+        show = partial(print_json, summary) if json else lambda: print("\n".join(result.lines(summary)))
+        writers = [partial(getattr(result, one.method), path) for one, path in files.items() if path]
+        for write in (partial(printed, show), *writers) if summary else ():
+            try:
+                write()
+            except SceneError as error:
+                problems.append(str(error))
+    if any(problems):
+        kind = Interrupted if result.stopped else NumericsError if result.failed else SceneError
+        raise kind("; ".join(filter(None, problems)))
+
+
+def printed(show: Callable[[], None]) -> None:
+    """Call `show` and check that its output reached stdout. Raises SceneError if stdout cannot be written (a full disk)."""
+    try:
+        show()
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has closed the pipe
+        return
+    except OSError as error:
+        raise SceneError(f"the result cannot be written to stdout: {reason_of(error)}") from None
+
+
+def print_json(result: Mapping[str, Any]) -> None:
+    """`result` as JSON on stdout."""
+    import json  # imported here to keep start-up fast
+
+    print(json.dumps(result, indent=2, allow_nan=False))

@@ -1,0 +1,130 @@
+"""`slipwave.curve`: a special point of branches of orbits followed in two parameters."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+from slipwave.errors import SceneError
+from slipwave.input import SceneSource
+from validation.chart import Chart
+from validation.commands.branch import BRANCH_TOLERANCE, FollowedOptions, FollowedResult, origin_of, points_option, printed_column
+from validation.commands.branch_figures import chart_of_curve
+from validation.commands.command import command
+from validation.commands.options import announced, option
+from validation.commands.result import thinned
+from validation.data.datasets import Dataset
+from validation.data.variables import table_of
+from validation.models.curve import Curve, require_curve
+from validation.models.followed import pursue
+from validation.models.orbits import flowing
+from validation.models.parameter import Values, over_range, range_text
+from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt
+
+CURVE_POINTS = 100
+"""Default of `most_points`."""
+
+_LISTED = 24  # points in the table
+_NEEDED = {"of": ("--of", "LP"), "over": ("--over", "log10_r=-2.72:-2.68"), "along": ("--and", "V=100:120")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurveOptions(FollowedOptions):
+    """Options of `slipwave.curve`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:120 --plot fold.png",
+        "slipwave curve curve.nc",
+    )
+    DETAILS: ClassVar = (
+        "The curve begins with the first point of its kind on the branch at the second parameter's first value. A netCDF file of "
+        "a curve is computed again, with what it holds where nothing is given."
+    )
+
+    of: str | None = option("the kind of special point", metavar="|".join(SPECIAL_KINDS), positional=True, stored=True)
+    over: Values | None = option(
+        "the branch's parameter: log10_r, epsilon, V, a, b ...", metavar="KEY=FROM:TO", positional=True, stored=True
+    )
+    along: Values | None = option(
+        "the second parameter; the curve begins at FROM and leads towards TO",
+        flag="--and",
+        metavar="KEY=FROM:TO",
+        positional=True,
+        stored=True,
+    )
+    most_points: int | None = points_option(CURVE_POINTS)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class CurveResult(FollowedResult):
+    """A curve of special points."""
+
+    found: Curve
+
+    @property
+    def _rows(self) -> dict[str, Any]:
+        found = self.found
+        points = [self._at(point) | {"multiplier": point.multiplier} for point in found.points]
+        return {"type": found.kind, "parameters": [found.over.name, found.second.name], "points": points}
+
+    def _at(self, point: CurvePoint) -> dict[str, Any]:
+        """A point as a dictionary; the values of both parameters have their names."""
+        facts = {name: value for name, value in point._asdict().items() if not name.startswith("multiplier")}
+        return {self.found.over.name: facts.pop("first"), self.found.second.name: facts.pop("second")} | facts
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """The points by `point`."""
+        found = self.found
+        rows = [self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in found.points]
+        data = table_of(rows, "point", found.over.base).assign_attrs(self.origin)
+        from validation.models.along import along
+
+        return along(data.set_coords(found.second.column), found.over.column)
+
+    def chart(self) -> Chart:
+        """The plane of both parameters, and the period."""
+        return chart_of_curve(self.found)
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """Some of the points."""
+        found, listed = self.found, thinned(self.found.points, _LISTED)
+        columns = {
+            found.over.name: printed_column(listed, "first", 11),
+            found.second.name: printed_column(listed, "second", 8),
+            "period": printed_column(listed, "period", 9),
+            "stress drop": printed_column(listed, "stress_drop"),
+            "bracket": printed_column(listed, "bracket", 2),
+            "multiplier": [f"{one.multiplier_re:.6f} +- {abs(one.multiplier_im):.6f} i" for one in listed],
+        }
+        return self._table(f"{found.kind} {SPECIAL_KINDS[found.kind]}, {len(found.points)} points", columns)
+
+
+@command
+def curve(source: SceneSource, options: CurveOptions) -> CurveResult:
+    """Follow the first special point of the kind `of` (HB, LP, PD, NS) on the branch of orbits in two parameters.
+
+    The curve begins on the branch over `over` at the first value of `along` and is followed in this direction until it leaves one
+    of the ranges; it may turn back in both parameters. If `source` is a netCDF file of a curve, it is computed again: what it
+    holds is taken where nothing is given.
+
+    Raises SceneError for wrong input; NumericsError where there is no such point or the curve cannot be followed, with the part
+    before as its `result`.
+    """
+    options = replace(options, over=range_text(options.over), along=range_text(options.along))
+    options = options.completed(source, "curve", tol=BRANCH_TOLERANCE, most_points=CURVE_POINTS)
+    for name, (flag, example) in _NEEDED.items():
+        if getattr(options, name) is None:
+            raise SceneError(f"{flag}: missing; must be given, as in {flag} {example}")
+    kind, scene = str(options.of), options.scene_of(source)
+    if options.resume is not None and kind == "HB":
+        raise SceneError("--resume: a curve of Hopf points is computed at once; leave it out")
+    parameters = over_range(str(options.over), scene), over_range(str(options.along), scene, "--and")
+    require_curve(kind, *parameters)
+    found = Curve(kind, *parameters, announced(*flowing(options.model, scene)), options.tol or BRANCH_TOLERANCE)
+    limits = StopAt(points=options.most_points or CURVE_POINTS)
+    ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
+    result = CurveResult(found, options, **ended._asdict())
+    if options.out is not None and result.end is None and found.points:
+        result.to_netcdf(options.out)
+    return result

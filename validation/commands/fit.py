@@ -1,0 +1,340 @@
+"""`slipwave.fit`: parameters of a scene from measured friction, with their intervals."""
+
+import math
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import chain
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from slipwave.errors import NumericsError, SceneError
+from slipwave.extras import require
+from slipwave.files import FIGURES
+from slipwave.friction.law import name_of
+from slipwave.input import SceneSource, read
+from slipwave.input.source import is_stored, read_stored
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from validation.chart import Chart
+from validation.commands.command import command
+from validation.commands.fit_figures import chart_of_fit
+from validation.commands.options import ModelOptions, RecordOptions, option
+from validation.commands.result import Output, Result, aligned, rounded
+from validation.commands.wording import header
+from validation.data.datasets import Dataset
+from validation.data.series import read_series
+from validation.fit.kept import facts_of_fit, recalled_best
+from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
+from validation.fit.orbits import CycleOfOrbit
+from validation.fit.parameters import NUISANCES, free_parameters, sizes
+from validation.fit.problem import FrictionProblem, problem_of
+from validation.fit.records import Experiment, experiment_of
+from validation.fit.which_model import CHEAP, default_model, missing_in, next_model
+from validation.models.own import digests
+from validation.models.progress import log
+from validation.models.provenance import provenance
+
+_TOLERANCE = 1e-7
+_ASTRAY, _UNEXPLAINED = 1.3, 3.0  # times the noise: a residual that needs a word, and that fails
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitOptions(RecordOptions, ModelOptions):
+    """Options of `slipwave.fit`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave fit granite.toml --data steps.csv --free interface.a,interface.b,interface.memory_length",
+        "slipwave fit granite.toml --data a.csv --data b.csv --free a,b,memory_length,level --model delay --out fit.nc",
+    )
+
+    data: Iterable[str] = option(
+        "a record, CSV or columns of text: time and friction (or shear stress), perhaps the load point's displacement; may be "
+        "repeated",
+        (),
+        metavar="FILE ...",
+        stored=True,
+    )
+    free: Iterable[str] = option(
+        "what is fitted: keys of the scene, with commas; level and drift: of the friction of each record",
+        (),
+        metavar="KEY,KEY",
+        stored=True,
+    )
+    window: str | None = option(
+        "only the samples from BEGIN to END of the files' own time count; the load before moves the model all the same",
+        metavar="BEGIN:END",
+        stored=True,
+    )
+    checkpoint: Path | None = option(
+        "keep the best values here during the fit, and go on from them if FILE exists", metavar="FILE.json"
+    )
+    tol: float | None = option("relative error of the model's motion", stored=True)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class FitResult(Result):
+    """The best values of a `problem` so far."""
+
+    OUTPUTS: ClassVar = (
+        Output("--out", (".nc",), "to_netcdf", "keep records, fitted friction and parameters: .nc"),
+        Output("--plot", FIGURES, "save_plot", "draw friction and residual: .png, .pdf or .svg"),
+    )
+
+    scene: Scene
+    model: str
+    problem: FrictionProblem
+    found: Solution
+    spread: Intervals
+    wall_s: float
+    options: Mapping[str, Any] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def parameters(self) -> dict[str, dict[str, Any]]:
+        """Key -> value, ends of the 95 % interval, unit, whether the data determine it, and start value."""
+        found = {}
+        free = dict(enumerate(self.problem.free))
+        for k, name in enumerate(self.problem.names):
+            one = free.get(k)
+            numbers = [self.found.inner[k], self.spread.low[k], self.spread.high[k]]
+            with np.errstate(over="ignore"):
+                value, low, high = (float(np.exp(x) if one and one.is_positive else x) for x in numbers)
+            row = {"value": value, "low": low, "high": high, "unit": one.unit if one else ""}
+            found[name] = row | {"determined": bool(self.spread.determined[k]), "start": one.start if one else 0.0}
+        return found
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As `Result`."""
+        names, parameters, residual = self.problem.names, self.parameters, self._residual
+        rows = zip(names, self.spread.correlation.tolist(), strict=True)
+        return {
+            "scene": self.scene.name,
+            "model": self.model,
+            "data": [*map(_facts_of, self.problem.records, self._friction)],
+            "parameters": parameters,
+            "determined": {name: row["determined"] for name, row in parameters.items()},
+            "correlation": {name: dict(zip(names, row, strict=True)) for name, row in rows},
+            "residual": {
+                "rms": float(np.sqrt(np.mean(residual**2))),
+                "largest": float(np.abs(residual).max()),
+                "over_noise": self.spread.noise,
+                "together": self.spread.together,
+                "samples": residual.size,
+            },
+            "evaluations": self.found.evaluations,
+            "wall_s": self.wall_s,
+            "notes": self.notes,
+        }
+
+    @property
+    def notes(self) -> list[str]:
+        """Remarks on the numbers."""
+        notes = ["the values are the best so far; no interval is stated, because they are no minimum"]
+        notes = [*(notes if np.isnan(self.spread.low).all() else []), *self.remarks]
+        for one in self.problem.records:
+            notes += [f"{one.name}: {line}" for line in one.notes]
+        notes += [f"not determined: {line}" for line in self.spread.singular]
+        if self.spread.profiled:
+            notes.append(f"the interval of {' and '.join(self.spread.profiled)} is by profile: the derivative's is another")
+        if self.spread.noise > _ASTRAY and self.problem.noise and not self.failed:
+            cause = "a part of the record (--window) or the model is not what the other is, or the fit ended off its best values"
+            notes.append(f"the residual is {self.spread.noise:.1f} times the noise, and the intervals do not know why: {cause}")
+        together = self.spread.together
+        if together > 2.0:
+            wider = f"the intervals are {together**0.5:.1f} times as wide as those of white noise"
+            notes.append(f"{together:.0f} neighbouring residuals fluctuate together: {wider}")
+        return notes
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The parameters with their intervals, and the residual."""
+        yield from header(self.scene)
+        residual = summary["residual"]
+        size = f"{residual['samples']} samples, residual {residual['rms']:.4g} (root mean square)"
+        yield f"model {self.model}: {size}, {self.wall_s:.3g} s"
+        yield ""
+        rows = [
+            [key, *(rounded(row[name], 6) for name in ("value", "low", "high")), row["unit"], "" if row["determined"] else "no"]
+            for key, row in summary["parameters"].items()
+        ]
+        yield from aligned(["parameter", "value", "95 % from", "to", "unit", "determined"], rows)
+        for note in summary["notes"]:
+            yield f"note: {note}"
+
+    def to_go_on(self, options: Any) -> str:
+        """As `Result`."""
+        return "with --checkpoint FILE.json the same command goes on; with --out FILE.nc, slipwave fit FILE.nc does"
+
+    @cached_property
+    def _friction(self) -> list[Array]:
+        return self.problem.friction(self.found.inner)
+
+    @cached_property
+    def _residual(self) -> Array:
+        """Residual of the friction, measured minus fitted."""
+        pairs = zip(self.problem.records, self._friction, strict=True)
+        return np.concatenate([(one.friction - fitted)[one.shown] for one, fitted in pairs])
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """Parameters with intervals and correlation, and every record with the fitted friction."""
+        require("files", "a dataset")
+        import xarray
+
+        names = list(self.problem.names)
+        rows = self.parameters
+        columns: dict[str, Any] = {
+            name: ("parameter", [rows[key][name] for key in names], {"long_name": words, "units": "1"})
+            for name, words in {
+                "value": "best value, in `unit`",
+                "low": "lower end of the 95 % interval",
+                "high": "upper end",
+            }.items()
+        }
+        columns["unit"] = ("parameter", np.array([rows[key]["unit"] for key in names], dtype=object), {"long_name": "unit"})
+        columns["correlation"] = (("parameter", "other"), self.spread.correlation, {"long_name": "correlation", "units": "1"})
+        records = self.problem.records
+        whose = [np.full(one.times[one.shown].size, k) for k, one in enumerate(records)]
+        fitted = [values[one.shown] for one, values in zip(records, self._friction, strict=True)]
+        unit = "s" if self.scene.units else "1"
+        for name, values, words, own in (
+            ("record", whose, "number of the record", "1"),
+            ("record_time", [one.times[one.shown] for one in records], "time since the start of the scene, or the event", unit),
+            ("measured", [one.friction[one.shown] for one in records], "measured friction", "1"),
+            ("fitted", fitted, "friction of the fitted model", "1"),
+        ):
+            columns[name] = ("sample", np.concatenate(values), {"long_name": words, "units": own})
+        attributes = provenance("fit", self.scene, self.model, self.options)
+        return xarray.Dataset(columns, {"parameter": names, "other": names}, attributes)
+
+    def chart(self) -> Chart:
+        """Friction and residual of each record, and the values with their intervals."""
+        return chart_of_fit(self.problem.records, self._friction, self.model, self.parameters, self.scene.units is not None)
+
+
+@command
+def fit(source: SceneSource, options: FitOptions) -> FitResult:
+    """Parameters of a scene from measured friction, by least squares, with 95 % intervals and a list of what the data do not
+    determine.
+
+    Raises SceneError for wrong input; NumericsError, with the best values as its `result`, if there is no minimum, a parameter
+    ends at a bound, or the data do not determine one.
+    """
+    began = time.perf_counter()
+    options = _going_on(source, options)
+    files, texts, model = _listed(options.data), _listed(options.free), options.model
+    scene = options.scene_of(source)
+    model = default_model(scene) if model == "auto" else model
+    words = [word.strip() for text in texts for word in text.split(",") if word.strip()]
+    if not files:
+        raise SceneError("--data: missing; must be a file of measured friction")
+    if not set(words).difference(NUISANCES):
+        raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
+    free = free_parameters(scene, words)
+    series = [read_series(file, **options.reading) for file in files]
+    records = [experiment_of(one, scene, options.window) for one in series]
+    tolerance = options.tol or _TOLERANCE
+    problem = problem_of(scene, free, words, records, model, tolerance)
+    settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
+    best = recalled_best(options.checkpoint, next(problem.starts()), facts_of_fit(scene.digest, files, settings))
+    stopped, waves = False, next((one for one in problem.models if isinstance(one, CycleOfOrbit)), None)
+    try:
+        starts, is_cheap = problem.starts(), all(one.is_cheap for one in problem.models)
+        if best.evaluations:
+            log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
+            starts = chain([best.inner], starts if is_cheap or waves else [])
+        elif not is_cheap and not waves:
+            starts = _nearby(problem_of(scene, free, words, records, CHEAP, tolerance), starts)
+        found = problem.by_orbits(waves, starts, best) if waves else minimise(problem, starts, best, problem.noise)
+    except KeyboardInterrupt:
+        if not np.isfinite(best.cost):
+            raise
+        stopped = True
+        found = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
+    spread = intervals(problem, found)
+    if not found.failed and is_cheap:
+        spread = profiled(problem, found, spread)
+    fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})
+    failed = "; ".join(filter(None, [found.failed or _unexplained(problem, found, model), *_complaints(problem, found, spread)]))
+    if found.failed or at_bounds(problem, found.inner):
+        spread = without_ends(spread)
+    return FitResult(
+        fitted,
+        model,
+        problem,
+        found,
+        spread,
+        time.perf_counter() - began,
+        options.stored,
+        remarks=missing_in(model, scene),
+        failed=f"fit: {failed}" if failed else "",
+        stopped=stopped,
+    )
+
+
+def _going_on(source: SceneSource, options: FitOptions) -> FitOptions:
+    """The options completed by those of a file of results."""
+    if not is_stored(source):
+        return options
+    stored, names = read_stored(str(source)), ("data", "free", "window", *options.reading)
+    known: dict[str, Any] = {name: getattr(options, name) or stored.options.get(name) for name in names}
+    return replace(
+        options,
+        **{name: value for name, value in known.items() if value},
+        model=stored.model if options.model == "auto" else options.model,
+    )
+
+
+def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
+    """Starts of an expensive model: the best values of a cheap one, or its own starts where there are none."""
+    try:
+        found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
+    except NumericsError as error:
+        log.info("%s: %s", CHEAP, error)
+        yield from others
+        return
+    log.info(
+        "%s fits with a residual of %.3g times the noise: the start of the fit",
+        CHEAP,
+        math.sqrt(found.cost / found.residual.size),
+    )
+    yield found.inner
+
+
+def _facts_of(one: Experiment, fitted: Array) -> dict[str, Any]:
+    """JSON of a record; for stick-slip the period, measured and fitted."""
+    facts: dict[str, Any] = {"file": one.name, "samples": one.times[one.shown].size}
+    if one.cycle is None:
+        return facts
+    error = float(np.hypot(one.cycle.period_error, np.linalg.norm(one.cycle.together[0])))
+    period = {"measured": one.cycle.period, "error": error, "fitted": float(fitted[0])}
+    return facts | {"events": one.cycle.events, "drop": one.cycle.drop, "period": period}
+
+
+def _unexplained(problem: FrictionProblem, found: Solution, model: str) -> str:
+    """What to try next, if the residual is far above the noise."""
+    if (far := problem.far(found.residual)) <= _UNEXPLAINED:
+        return ""
+    one, scene = problem.records[0], problem.models[0].scene(found.inner[: len(problem.free)])
+    length = (one.cycle.period if one.cycle else 1e-3 * float(one.times[-1])) / sizes(scene)[0]
+    other = next_model(model, scene, length)
+    more = ", ".join([*([f"--model {other}"] if other else []), "another law (interface.law)", "a part of the record (--window)"])
+    return f"the residual is {far:.3g} times the noise, which {model} does not explain; to be tried next: {more}"
+
+
+def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) -> Iterator[str]:
+    bounds = at_bounds(problem, found.inner)
+    if bounds:
+        yield f"{' and '.join(bounds)} ended at a bound"
+    wide = [name for name, known in zip(problem.names, spread.determined, strict=True) if not known and name not in bounds]
+    together = [line for line in spread.singular if line not in wide]
+    if wide:
+        yield f"the data do not determine {' and '.join(wide)}" + (f" ({'; '.join(together)})" if together else "")
+
+
+def _listed(given: Iterable[str]) -> list[str]:
+    return [given] if isinstance(given, str | Path) else [str(one) for one in given]

@@ -1,0 +1,111 @@
+"""`slipwave.map`: figures of a sweep: regimes with theoretical boundaries, figures, and differences of models."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+from slipwave.errors import SceneError
+from slipwave.extras import require
+from slipwave.files import FIGURES
+from slipwave.input import SceneSource
+from validation.chart import Chart
+from validation.commands.command import command
+from validation.commands.options import SceneOptions, option
+from validation.commands.result import Output, Result, aligned, rounded
+from validation.data.datasets import Dataset, load_dataset
+from validation.sweep.boundaries import lines_of_curve, onset_lines
+from validation.sweep.difference import difference, difference_rows
+from validation.sweep.gather import dataset_of, filled_arrays
+from validation.sweep.map_figures import Line, chart_of_sweep
+from validation.sweep.store import Store
+from validation.sweep.sweep import stored_plan
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapOptions(SceneOptions):
+    """Options of `slipwave.map`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave map map --plot map.png",
+        "slipwave map map/sweep.nc --show period --plot period.svg",
+        "slipwave map both --against kelvin-voigt --plot difference.png",
+    )
+    DETAILS: ClassVar = "SCENE is the folder of a sweep or the netCDF file gathered from it."
+
+    show: str | None = option("the column to be drawn (default: regime, period and stress drop)", metavar="COLUMN")
+    model: str | None = option("one of the models (default: all)", positional=True)
+    against: str | None = option("draw where this model has another regime, and by how much its period and stress drop differ")
+    curve: Iterable[str] = option("netCDF files of `slipwave curve` to be drawn over the map", (), metavar="FILE.nc ...")
+    plain: bool = option("without the boundary on which steady sliding loses its stability", False)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class MapResult(Result):
+    """A gathered sweep `data`, `differences` of its models from one of them, and the `boundaries` over it."""
+
+    OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw it: .png, .pdf or .svg", default="map.png", key="figure"),)
+
+    data: Dataset
+    differences: Dataset | None
+    boundaries: tuple[Line, ...]
+    shown: str | None
+
+    @property
+    def dataset(self) -> Dataset:
+        """The drawn data: the sweep, or the differences."""
+        return self.data if self.differences is None else self.differences
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The axes; of a difference the share of the area with another regime, in per cent, and the
+        largest relative differences where both motions are periodic."""
+        data = self.dataset
+        found: dict[str, Any] = {"scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
+        if self.differences is not None:
+            found["differences"] = difference_rows(self.differences)
+        return found | {"boundaries": [line.name for line in self.boundaries]}
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """A line on the figure, and the differences as a table."""
+        yield f"scene {summary['scene']} over {', '.join(summary['axes'])}"
+        yield from (f"boundary: {line.name}" for line in self.boundaries)
+        rows = [
+            [row["model"], *(rounded(row[name], 4) for name in ("other_regime_percent", "period", "stress_drop"))]
+            for row in summary.get("differences", [])
+        ]
+        if rows:
+            yield ""
+            yield from aligned(["model", "other regime [%]", "largest error of T", "of the stress drop"], rows)
+
+    def chart(self) -> Chart:
+        """The map."""
+        return chart_of_sweep(self.dataset, self.shown, self.boundaries)
+
+
+@command
+def map(source: SceneSource, options: MapOptions) -> MapResult:
+    """Figures of a sweep over one or two axes. Raises SceneError for a file or folder without a sweep."""
+    data = gathered(source)
+    if options.against is not None:
+        return MapResult(data, difference(data, options.against), (), options.show)
+    if options.model is not None and "model" in data.dims:
+        names = [str(name) for name in data["model"].values]
+        if options.model not in names:
+            raise SceneError(f"model = {options.model!r}: must be one of the sweep's, {', '.join(names)}")
+        data = data.sel(model=options.model)
+    boundaries = () if options.plain else onset_lines(data)
+    return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show)
+
+
+def gathered(source: SceneSource) -> Dataset:
+    """The dataset of a sweep's folder or file. Raises SceneError if there is none."""
+    path = Path(source) if isinstance(source, str | Path) else Path()
+    if path.is_dir():
+        plan = stored_plan(path)
+        return dataset_of(plan, filled_arrays(plan, Store(path)))
+    require("files", "a map")
+    data = load_dataset(path, f"SCENE = {str(source)!r}: neither a folder nor a netCDF file")
+    if "manifest" not in data.attrs:
+        raise SceneError(f"SCENE = {str(source)!r}: holds no sweep; slipwave sweep DIR --gather writes one")
+    return data

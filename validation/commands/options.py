@@ -1,0 +1,294 @@
+"""The options of a command, each declared once, as a field of a dataclass: type, default, help, and allowed values.
+
+The Python function (`validation.commands.command`), the command line (`validation.commands.cli`), the attribute `options` of
+files and the refusal of wrong values follow from the field.
+"""
+
+import math
+import numbers
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
+from functools import cache
+from inspect import get_annotations
+from pathlib import Path
+from types import FunctionType, NoneType
+from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict, Unpack, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.friction.own import load_laws
+from slipwave.input import SceneSource, read, read_scene
+from slipwave.input.source import is_stored, read_stored, recall
+from slipwave.input.wording import listed, nearest, shorten
+from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
+from slipwave.solve.follow import DAY
+from validation.commands.result import PointOfBranch
+from validation.models.by_name import FAMILIES, GRIDS, Options
+from validation.models.own import load_families, require_same_family
+from validation.models.progress import log
+
+_WORDS = {bool: "True or False", int: "a whole number", float: "a number", str: "a text", NoneType: "None"}
+_WORDS |= {Path: "a text, a path", FunctionType: "a function", object: "values"}
+_KINDS: dict[Any, Any] = {bool: bool, int: numbers.Integral, float: numbers.Real, Path: (str, Path)}
+
+
+class Declaration(TypedDict, total=False):
+    """Further properties of an option, where they are not the usual:
+
+    `flag` on the command line (`--name`) and `metavar`; `positional` in Python; `only` in one of the two; `stored`: files of
+    results store it, for a call that computes such a file again; `least` and `most`, and the text of what a value `must` be;
+    `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a flag `stands_for`."""
+
+    flag: str
+    metavar: str
+    positional: bool
+    only: Literal["python", "command line"]
+    stored: bool
+    least: float
+    most: float
+    must: str
+    suffixes: tuple[str, ...]
+    words: Callable[[], list[str]]
+    stands_for: Any
+
+
+def option(help: str, default: Any = None, /, **more: Unpack[Declaration]) -> Any:
+    """A field of a class of options; `default` `...` if it must be given."""
+    return field(default=MISSING if default is ... else default, metadata={"help": help, "more": more})
+
+
+class Option(NamedTuple):
+    """A declared option, with the Python type of its value."""
+
+    name: str
+    hint: Any
+    default: Any
+    help: str
+    more: Declaration
+
+    @property
+    def flag(self) -> str:
+        """Its flag on the command line."""
+        return self.more.get("flag") or f"--{self.name.replace('_', '-')}"
+
+    @property
+    def stored_as(self) -> str:
+        """Its name in files."""
+        return self.flag.removeprefix("--").replace("-", "_")
+
+    @property
+    def is_required(self) -> bool:
+        """Whether it must be given."""
+        return self.default is MISSING
+
+    def is_in(self, where: Literal["python", "command line"]) -> bool:
+        """Whether it can be given in Python, or on the command line."""
+        return self.more.get("only", where) == where
+
+    def checked(self, value: Any) -> Any:
+        """`value` converted from numpy, text to a path where declared. Raises SceneError for a wrong type and a value out of
+        range."""
+        value = _plain(value, self.hint)
+        if not _fits(value, self.hint):
+            raise SceneError(f"{self.name} = {shorten(value)}: must be {listed(dict.fromkeys(_words(self.hint)))}")
+        least, most = self.more.get("least", -math.inf), self.more.get("most", math.inf)
+        if value is not None and {"least", "most"} & self.more.keys() and not least <= value <= most:
+            shown = f"{value:g}" if isinstance(value, float) else value
+            raise SceneError(f"{self.name} = {shown}: must {self.more['must']}")
+        return Path(value) if value is not None and Path in get_args(self.hint) else value
+
+
+_STEPS = dict.fromkeys(
+    f"{family.step} ({', '.join(other.name for other in GRIDS if other.step == family.step)})" for family in GRIDS
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneOptions:
+    """Options of every command on a scene. `EXAMPLES` and `DETAILS` are for its help on the command line."""
+
+    EXAMPLES: ClassVar[tuple[str, ...]] = ()
+    DETAILS: ClassVar[str] = ""
+
+    settings: Iterable[str] = option(
+        "change one key of the scene, as in slab.log10_r=-2.3; may be repeated", (), flag="--set", metavar="KEY=VALUE ..."
+    )
+    law: Path | None = option("run this Python file, which registers a friction law", metavar="FILE.py")
+    family: Path | None = option("run this Python file, which declares a family of models", metavar="FILE.py")
+    changes: Mapping[str, Any] = field(default_factory=dict)
+
+    def load_own(self) -> Self:
+        """Load the user's own law and family; returns itself. Raises SceneError for a file that cannot be run or declares
+        none."""
+        if self.law is not None:
+            load_laws(self.law)
+        if self.family is not None:
+            load_families(self.family)
+        return self
+
+    def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
+        """The scene of a call: `source` with `settings` and `changes` and, if given, another length. Doubts about it are
+        logged."""
+        from slipwave.input.overrides import endings
+        from slipwave.input.schema import SceneTable
+
+        length = [] if until is None else [f"run.until={until}"]
+        settings = [self.settings] if isinstance(self.settings, str) else self.settings
+        given = read(source.scene if isinstance(source, PointOfBranch) else source, [*settings, *length])
+        for key, value in self.changes.items():
+            if not endings(key.split("."), given.tables or {}):
+                guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])
+                hint = f"; did you mean {guess}?" if guess else ""
+                raise SceneError(f"{shorten(key)[1:-1]} = {shorten(value)}: neither an option nor a key of a scene{hint}")
+        scene = read_scene(given, **self.changes)
+        for line in doubts(scene):
+            log.warning("note: %s", line)
+        return scene
+
+    @property
+    def stored(self) -> dict[str, Any]:
+        """Name in files -> value, of the options that a file of results stores."""
+        return {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.more.get("stored")}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModelOptions(SceneOptions):
+    """Options of every command that computes with a model."""
+
+    model: str = option(
+        f"{', '.join(family.pattern for family in FAMILIES)} (without P, it is chosen by --tol), or auto: the cheapest that is "
+        "exact for the scene",
+        "auto",
+        positional=True,
+        words=lambda: ["auto", *(family.example for family in FAMILIES)],
+    )
+
+    def recalled(self, source: SceneSource, command: str, without: Sequence[str] = ()) -> Self:
+        """The options completed by the model and the options (except `without`) of a file of results of the same `command`.
+        Raises SceneError for a file of another command."""
+        if not is_stored(source):
+            return self
+        known = {one.stored_as: one for one in options_of(type(self)).values() if one.more.get("stored")}
+        model, found = recall(source, command, self.model, {name: getattr(self, one.name) for name, one in known.items()})
+        require_same_family(model, read_stored(Path(str(source))).facts, f"SCENE = {shorten(str(source))}")
+        new = {one.name: one.checked(found[name]) for name, one in known.items() if one.name not in without}
+        return replace(self, model=model, **new)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunsOptions(SceneOptions):
+    """Options of every command that runs models."""
+
+    until: float | str | None = option(
+        "length of the run, in transits or, in scenes with SI units, as 60s (default: the scene's, else until the motion is "
+        "settled)",
+        metavar="TRANSITS|TIME",
+    )
+    most_seconds: float = option("run it even if it is expected to take more than a day", DAY, flag="--yes", stands_for=math.inf)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NumericalOptions(SceneOptions):
+    """Numerical options of a model: cells, step and march of a full wave, and the relative error."""
+
+    cells: int | None = option("full wave: cells per slab", stored=True)
+    cfl: float | None = option(f"full wave: time step, above 0 to 1, in units of {' or '.join(_STEPS)}", stored=True)
+    time: str | None = option(
+        "full wave: propagate the slabs exactly in time, in steps that resolve friction, or by explicit steps; by default "
+        "exactly, but explicitly with --cfl, after a jump and on large grids",
+        metavar="exact|explicit",
+        stored=True,
+    )
+    tol: float | None = option(
+        "requested relative error; a full wave chooses cells and steps for it and estimates the error that it reached; with "
+        "--cells it is for the steps of the exact march only",
+        stored=True,
+    )
+
+    @property
+    def numerical(self) -> Options:
+        """The options for `validation.models.build`."""
+        return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordOptions(SceneOptions):
+    """Options for reading a measured record."""
+
+    columns: str | None = option("the record's columns in their order (_: not read)", metavar="time,disp,friction,_", stored=True)
+    units: str | None = option("the units of these columns, in order or by name", metavar="s,um,1|time=ms", stored=True)
+    missing: str | None = option("what stands for a missing value: lines with it are left out", metavar="nan,-999", stored=True)
+
+    area: str | None = option("the area on which a column of forces acts", metavar='"25 cm2"', stored=True)
+    scale: str | None = option(
+        "what one unit of a column's numbers stands for, or a factor of the column",
+        metavar="disp=0.02mm,friction=1.1",
+        stored=True,
+    )
+
+    @property
+    def reading(self) -> dict[str, str | None]:
+        """The options for `validation.data.series.read_series`."""
+        return {name: getattr(self, name) for name in ("columns", "units", "missing", "area", "scale")}
+
+
+def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
+    """The options that a class declares, by name: those that are positional in Python first, then its own, then inherited
+    ones."""
+    declared: Any = kind
+    return _options_of(declared)
+
+
+@cache
+def _options_of(kind: Any) -> Mapping[str, Option]:
+    hints, known = get_type_hints(kind), {one.name: one for one in fields(kind)}
+    names = [name for base in kind.__mro__ for name in get_annotations(base) if name in known and known[name].metadata]
+    found = [Option(name, hints[name], known[name].default, **known[name].metadata) for name in dict.fromkeys(names)]
+    return {one.name: one for one in sorted(found, key=lambda one: not one.more.get("positional"))}
+
+
+def announced(model: str, why: str) -> str:
+    """`model`; logs why `auto` chose it, if it did."""
+    if why:
+        log.info("model auto: %s (%s)", model, why)
+    return model
+
+
+def _plain(value: Any, hint: Any) -> Any:
+    """Convert numpy numbers to Python's, and iterators to lists."""
+    if get_origin(hint) is Iterable and isinstance(value, Iterable) and not isinstance(value, str | Mapping):
+        return list(value)
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Whether `value` is of the annotated type."""
+    kind, parts = get_origin(hint), get_args(hint)
+    if kind is tuple:
+        pairs = isinstance(value, tuple | list) and len(value) == len(parts)
+        return pairs and all(map(_fits, value, parts))
+    if kind is Mapping:
+        return isinstance(value, Mapping) and all(_fits(item, parts[1]) for item in value.values())
+    if kind in (Iterable, Sequence):
+        return isinstance(value, kind) and not isinstance(value, Mapping) and all(_fits(one, parts[0]) for one in value)
+    if parts:
+        return any(_fits(value, part) for part in parts)
+    return isinstance(value, _KINDS.get(hint, hint)) and (hint is bool or not isinstance(value, bool))
+
+
+def _words(hint: Any) -> Iterable[str]:
+    """The types of an annotation in words."""
+    kind, parts = get_origin(hint), get_args(hint)
+    if kind is tuple:
+        yield f"({', '.join(' or '.join(_words(part)) for part in parts)})"
+    elif kind is Mapping:
+        yield f"{{a text: {next(iter(_words(parts[1])))}}}"
+    elif kind in (Iterable, Sequence):
+        yield f"a list of {next(iter(_words(parts[0])))}s".replace("a list of a ", "a list of ")
+    elif parts:
+        for part in parts:
+            yield from _words(part)
+    else:
+        yield _WORDS.get(hint) or f"of the class {hint.__name__}"

@@ -1,0 +1,207 @@
+"""`slipwave.orbit`: the periodic orbit of a scene with its errors and its stability."""
+
+import time
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from slipwave.errors import SceneError
+from slipwave.files import FIGURES, TIME
+from slipwave.input import SceneSource
+from slipwave.input.assemble import moment
+from slipwave.input.wording import shorten
+from slipwave.observe.history import named_columns
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.doubts import doubts
+from validation.chart import Chart
+from validation.commands.branch import tolerance_option
+from validation.commands.command import command
+from validation.commands.figures import motion_chart
+from validation.commands.options import ModelOptions, announced, option
+from validation.commands.result import Output, PointOfBranch, Result, aligned, rounded
+from validation.commands.wording import header, orbit_rows
+from validation.data.datasets import Dataset, new_dataset
+from validation.data.variables import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
+from validation.models.at_scene import orbit_at_scene
+from validation.models.orbits import OrbitFound, flowing, neutral_orbit
+from validation.models.provenance import provenance
+
+if TYPE_CHECKING:
+    from reduced.stability.idle import IdleMode
+
+ORBIT_TOLERANCE = 1e-8
+"""Relative error of an orbit's figures if none is requested."""
+
+_SHOWN = 6  # multipliers in the table
+_ROUNDING = 1e-12  # those below are noise
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrbitOptions(ModelOptions):
+    """Options of `slipwave.orbit`."""
+
+    EXAMPLES: ClassVar = ("slipwave orbit paper --set slab.log10_r=-2.65 --out orbit.nc",)
+    DETAILS: ClassVar = (
+        "Where several orbits coexist, a run leads to one at most: --others names the rest, --near-period finds them. A full "
+        "wave marches exactly in time; its orbit is that of its grid."
+    )
+
+    tol: float | None = tolerance_option(ORBIT_TOLERANCE)
+    near_period: float | str | None = option(
+        "where orbits coexist: the one with the period nearest to this, in transits or as 60s", metavar="TIME", stored=True
+    )
+    others: bool | None = option("name the orbits that coexist with it, along the branch from the onset on", stored=True)
+    cells: int | None = option("full wave: cells per slab", stored=True)
+
+    @property
+    def is_default(self) -> bool:
+        """Whether no option is given."""
+        return not (self.tol or self.near_period or self.others or self.cells or self.settings or self.changes)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class OrbitResult(Result):
+    """The orbit that was `found`, the options of the call, and run time in seconds."""
+
+    found: OrbitFound
+    options: Mapping[str, Any]
+    wall_s: float
+
+    OUTPUTS: ClassVar = (
+        Output("--out", (".nc",), "to_netcdf", "write the motion over one period and the multipliers", "FILE.nc"),
+        Output("--plot", FIGURES, "save_plot", "draw the motion over one period: .png, .pdf or .svg"),
+    )
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """The motion over a period by `time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
+        orbit, scene, columns = self.found.found.orbit, self.found.scene, self._motion()
+        coordinate = variables(TIME, {TIME: columns.pop(TIME)}, INTERFACE, scene)
+        values = variables(TIME, columns, INTERFACE, scene)
+        for name, value in orbit.values().items():
+            values |= variables((), {name: value}, EVENTS, scene)
+            notes = {"long_name": f"estimated error of {name}", "units": "1"}
+            values[f"{name}_error"] = ((), getattr(orbit, name).error, notes)
+        for part, numbers in (("real", self.multipliers.real), ("imaginary", self.multipliers.imag)):
+            values[f"multiplier_{part}"] = ("multiplier", numbers, {"long_name": f"{part} part of the multiplier", "units": "1"})
+        return new_dataset(values, coordinate, provenance("orbit", scene, self.found.flow.model, self.options))
+
+    def chart(self) -> Chart:
+        """Stress and slip rate over one period."""
+        found, scene, columns = self.found.found, self.found.scene, self._motion()
+        title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {found.orbit.period.value:.6g} transits"
+        stress, rate = columns[stored_name("stress")], columns[stored_name("slip_rate")]
+        return motion_chart(scene, title, columns[TIME], (stress, stress), (rate, rate))
+
+    def _motion(self) -> dict[str, Array]:
+        """The interface's motion at the nodes of the pieces, without repeated times."""
+        closed = self.found.found.closed
+        pieces = closed.cycle.pieces
+        times = pieces.time[:, None] + pieces.length[:, None] * closed.flow.nodes
+        rows = np.stack([values.ravel() for values in (times, *pieces[2:])])
+        rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
+        return {stored_name(name): values for name, values in named_columns(self.found.scene.law, rows).items()}
+
+    @property
+    def multipliers(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
+        """The Floquet multipliers, largest modulus first, without the trivial one."""
+        return self.found.found.multipliers.values
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As `Result`; `si` exists only for scenes in SI."""
+        done = self.found
+        orbit, multipliers, scene = done.found.orbit, done.found.multipliers, done.scene
+        result: dict[str, Any] = {
+            "scene": scene.name,
+            "model": done.flow.model,
+            "clock": "transit",
+            **orbit.values(),
+            "period_time": orbit.period.value * scene.transit,
+            "stable": multipliers.stable,
+            "multipliers": [[value.real, value.imag] for value in multipliers.values.tolist()],
+            "trivial_defect": multipliers.trivial_defect,
+            "residual": done.found.closed.residual,
+            "error_estimate": {name: getattr(orbit, name).error for name in ("period", "stress_drop")},
+            "essential_radius": multipliers.essential_radius,
+            "idle_modes": [_idle(mode, orbit.period.value) for mode in multipliers.idle],
+            "wall_s": self.wall_s,
+            "notes": [*doubts(scene), *done.notes],
+        }
+        return result | cycle_in_si(orbit.values(), scene)
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The scene, whether the orbit is stable, its figures with errors, and the largest multipliers."""
+        done, multipliers = self.found, self.found.found.multipliers
+        yield from header(done.scene)
+        yield from (f"note: {note}" for note in done.notes)
+        verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
+        yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {rounded(done.found.closed.residual, 2)}"
+        yield ""
+        yield from aligned(*orbit_rows(done.found.orbit, done.scene))
+        yield ""
+        shown = [value for value in multipliers.values.tolist() if value.imag >= 0.0 and abs(value) > _ROUNDING]
+        rows = [
+            [rounded(value.real, 8) + (f" +- {value.imag:.8g} i" if value.imag else ""), rounded(abs(value), 8)]
+            for value in shown[:_SHOWN]
+        ]
+        none = ["no multiplier lies outside the essential radius"]
+        yield from aligned(["largest multipliers", "modulus"], rows) if rows else none
+        more = f"; {len(shown) - _SHOWN} more" if len(shown) > _SHOWN else ""
+        radius = f"; essential radius {rounded(multipliers.essential_radius, 4)}" if multipliers.essential_radius else ""
+        yield f"the trivial one is 1 within {rounded(multipliers.trivial_defect, 2)}{radius}{more}"
+        yield f"wall time {self.wall_s:.3g} s"
+
+
+@command
+def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
+    """The periodic orbit that a run of the scene leads to, stable or not, and its Floquet multipliers.
+
+    Where several coexist, `others` names those of the branch of orbits that begins where steady sliding loses its stability, and
+    `near_period` asks for the one with the period nearest to it; a run that leads to none gives way to that branch. A netCDF file
+    of an orbit is computed again; of a point of a branch it is the orbit there. A full wave marches exactly in time.
+
+    Raises SceneError for wrong input, NumericsError if there is no orbit.
+    """
+    began = time.perf_counter()
+    if isinstance(source, PointOfBranch):
+        if source.closed is not None and options.is_default:
+            known = {"tol": source.tolerance, "near_period": source["period"]}
+            return OrbitResult(neutral_orbit(source.closed, source.tolerance), known, time.perf_counter() - began)
+        near = _period_there(source) if options.near_period is None else options.near_period
+        options = replace(options, near_period=near, model=source.model if options.model == "auto" else options.model)
+    options = options.recalled(source, "orbit")
+    options = replace(options, tol=options.tol or ORBIT_TOLERANCE)
+    scene = options.scene_of(source)
+    name = announced(*flowing(options.model, scene))
+    period = _period(options.near_period, scene)
+    found = orbit_at_scene(name, scene, options.tol or ORBIT_TOLERANCE, options.cells, period, bool(options.others))
+    return OrbitResult(found, options.stored, time.perf_counter() - began)
+
+
+def _period_there(point: PointOfBranch) -> float:
+    """The period of a point of a branch. Raises SceneError for a Hopf point."""
+    if point.get("type") == "HB":
+        raise SceneError(
+            "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
+        )
+    return float(point["period"])
+
+
+def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
+    """A mode that friction hardly damps, with its multiplier on an orbit of this `period` (transits)."""
+    value = mode.multiplier(period)
+    facts = {"quarter_waves": [mode.upper, mode.lower], "frequency": mode.frequency, "decay": mode.decay}
+    return facts | {"multiplier": [value.real, value.imag]}
+
+
+def _period(given: float | str | None, scene: Scene) -> float | None:
+    """The period in transits. Raises SceneError unless it is a positive time."""
+    period = None if given is None else moment("near_period", given, scene)
+    if period is None or period > 0.0:
+        return period
+    raise SceneError(f"near_period = {shorten(given)}: must be above 0, in transits or with a unit of time")

@@ -1,0 +1,393 @@
+"""`slipwave.run`: one model on one scene; its options and its result."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from fullwave.fields.files import write_field
+from slipwave.errors import NumericsError, SceneError
+from slipwave.files import FIGURES, part_of
+from slipwave.input import SceneSource
+from slipwave.observe.stages import StageFigures
+from slipwave.scene.doubts import doubts
+from slipwave.scene.drive import StartKind
+from slipwave.solve import Leaping, has_fields
+from slipwave.solve.lyapunov import Exponent
+from validation.chart import Chart
+from validation.chart.draw import Drawing, draw
+from validation.commands.command import command
+from validation.commands.figures import return_map, run_chart
+from validation.commands.options import ModelOptions, NumericalOptions, RunsOptions, announced, option
+from validation.commands.result import Output, Result, aligned, rounded, save_chart
+from validation.commands.run_dataset import run_dataset, write_events, write_run
+from validation.commands.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
+from validation.commands.wording import (
+    ENDED,
+    events_in_words,
+    exponent_in_words,
+    header,
+    longer_in_words,
+    margins_in_words,
+    spreads_in_words,
+    statistics_rows,
+)
+from validation.data.datasets import Dataset
+from validation.data.variables import cycle_in_si
+from validation.data.writing import MOST_LINES, write_series
+from validation.models.build import on_its_orbit
+from validation.models.by_name import made, one_port_of
+from validation.models.default_grid import grid_in_words, judged_grid, note_on, note_on_given
+from validation.models.exponent import exponent_of, require_constant
+from validation.models.history_file import ALL
+from validation.models.outlook import amplified_rounding, costly_steps
+from validation.models.progress import log
+from validation.models.provenance import provenance
+from validation.models.recording import FIELD_FILES, Window, how_to_resume, kept_of, time_between
+from validation.models.run import (
+    MOST_CYCLES,
+    Records,
+    Run,
+    Wanted,
+    length_of,
+    needed,
+    reconsidered,
+    records_of,
+    require_counted,
+    simulate,
+)
+
+if TYPE_CHECKING:
+    from fullwave.adapt import Choice
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
+    """Options of `slipwave.run`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave run paper --model modal:2 --set slab.log10_r=-2.6 --plot run.png",
+        "slipwave run paper --out run.nc --every 10",
+        "slipwave run run.nc",
+    )
+
+    cycles: int | None = option(
+        "end when the second half of the run has N complete cycles, not --until",
+        metavar="N",
+        stored=True,
+        least=1,
+        most=MOST_CYCLES,
+        must=f"be a whole number from 1 to {MOST_CYCLES}",
+    )
+    interface: bool | None = option(
+        "keep the interface's history, or not; a history that would not fit on the disk, or into a quarter of the memory, is "
+        "refused (default: as the scene records)",
+        only="python",
+        stored=True,
+    )
+    fields: bool | None = option(
+        "keep the last 100 transits of a full wave, or not (default: as the scene records)", only="python"
+    )
+    samples: Path | None = option("file of the history during the run (default: a temporary one)", only="python")
+    checkpoint: Path | None = option("save checkpoints here during the run, and go on from FILE if it exists", metavar="FILE")
+    checkpoint_every: float | str | None = option(
+        "time between checkpoints, in transits or as 10s (default 1000)", metavar="TRANSITS|TIME"
+    )
+    every: int | None = option(
+        "keep one in N samples of the interface's history",
+        metavar="N",
+        stored=True,
+        least=1,
+        must="be 1 or more: one in so many samples is kept",
+    )
+    rate: float | str | None = option(
+        "keep even samples of the history, at so many per transit or as 1kHz, not the solver's own", metavar="RATE", stored=True
+    )
+    window: Window | None = option(
+        "keep only the history from A to B, in transits or as 10s:60s; in Python also a pair of them", metavar="A:B", stored=True
+    )
+    lyapunov: bool = option("largest Lyapunov exponent (second, perturbed run)", False)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class RunResult(Result):
+    """The run `done` and its `records`. `choice`: the grid chosen for a full wave; `notes` on the numbers; `options` of the call;
+    `exponent`: the largest Lyapunov exponent of the motion after the run, if requested."""
+
+    done: Run
+    records: Records
+    choice: "Choice | None"
+    notes: list[str]
+    options: Mapping[str, Any]
+    exponent: Exponent | None = None
+
+    OUTPUTS: ClassVar = (
+        Output("--out", (".nc",), "to_netcdf", "write events, and the interface and fields if recorded", "FILE.nc"),
+        Output(
+            "--fields",
+            FIELD_FILES,
+            "write_fields",
+            "full wave: write velocity and stress of the last 100 transits, .vtu, .xdmf or .nc",
+        ),
+        Output("--events", (".csv",), "write_events", "write the slip events, in s and Pa for scenes in SI", "FILE.csv"),
+        Output("--series", (".csv",), "write_series", "write the interface's motion as a record, with units", "FILE.csv"),
+        Output("--plot", FIGURES, "save_plot", "draw stress and slip rate over time: .png, .pdf or .svg"),
+        Output("--return-map", FIGURES, "save_return_map", "draw the period of each cycle over that of the one before"),
+    )
+
+    @classmethod
+    def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
+        """The history for a record, and for a netCDF file if its scene records it; the fields for their files."""
+        out, record = files["out"], {"interface": True} if files["series"] else {}
+        if out is None:
+            return {"interface": False, "fields": files["fields"] is not None} | record
+        return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {}) | record
+
+    def to_go_on(self, options: Any) -> str:
+        """How to continue from its checkpoint, for a message."""
+        return how_to_resume(options.checkpoint)
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy balance."""
+        done, choice, scene = self.done, self.choice, self.done.solver.scene
+        yield from header(scene)
+        if choice is not None:  # the default grid tried no others
+            yield f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {grid_in_words(choice)}"
+        yield from (f"note: {note}" for note in self.notes)
+        march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
+        words = f": {stages_in_words(self.stages)}" if done.kind == "protocol" else ""
+        longer = longer_in_words(self.needed, scene) if done.kind == "too short" else ""
+        judged = f"{events_in_words(done.starts, done.verdict, longer)}{words}"
+        yield f"model {done.solver.model}{march}, {done.until:g} transits: {judged}"
+        yield from self.reasons
+        if done.ended in ENDED:
+            yield ENDED[done.ended]
+        if done.verdict and done.verdict.repeats:
+            yield ""
+            yield from aligned(*statistics_rows(done.statistics, scene))
+            yield from margins_in_words(done.statistics, scene)
+        if self.exponent is not None:
+            yield exponent_in_words(self.exponent)
+        if self.stages:
+            yield ""
+            yield from aligned(*stage_rows(self.stages, scene))
+            yield from missing_in_words(self.stages)
+        if done.final:
+            rate = {"v": done.final.v} if done.final.v <= 0.0 else {"ln v": done.final.ln_v}
+            state = rate | {"psi": done.final.psi, "mu": done.final.mu}
+            yield "\nat the end: " + ", ".join(f"{name} = {rounded(value, 12)}" for name, value in state.items())
+        for label, one in self.records.named.items():
+            yield f"{label}: " + ", ".join(f"{name} = {rounded(value, 6)}" for name, value in one.figures().items())
+        if self.energy:
+            yield "energy: " + ", ".join(f"{name} {rounded(value, 6)}" for name, value in self.energy.items())
+        if done.solver.failures:
+            yield f"interface solves that did not converge: {done.solver.failures}"
+        yield f"wall time {done.wall_s:.3g} s"
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As `Result`. `grid` exists only if the user did not choose its cells, `protocol`, the stages, only if the drive
+        changes, `lyapunov` only if requested, `observed` only if the scene records observers by name."""
+        done, found = self.done, self.done.statistics
+        result: dict[str, Any] = {
+            "scene": done.solver.scene.name,
+            "model": done.solver.model,
+            "until": done.until,
+            "events": done.starts,
+            "verdict": done.kind,
+            "multiplicity": done.verdict.multiplicity if done.verdict else None,
+            "rotation_number": done.verdict.rotation if done.verdict else None,
+            "rate": done.verdict.rate if done.verdict else None,
+            **{name: asdict(one) for name, one in found.spreads.items()},
+            "v_max": found.v_max,
+            "v_min": found.v_min,
+            "v_max_median": found.v_max_median,
+            "margins": asdict(found.margins) if done.verdict and done.verdict.wanders else None,
+            "final": asdict(done.final) if done.final else None,
+            "energy": self.energy,
+            "ended": done.ended,
+            "reasons": self.reasons,
+            "failures": done.solver.failures,
+            "wall_s": done.wall_s,
+        }
+        if done.solver.scene.units:
+            result |= cycle_in_si(found.values() | self._spreads, done.solver.scene)
+        if "time" in done.solver.settings:
+            result["time"] = done.solver.settings["time"]
+        if isinstance(done.solver, Leaping) and done.solver.skipped:
+            result["left_out"] = done.solver.skipped
+        if self.choice:
+            result["grid"] = {name: getattr(self.choice, name) for name in ("cells", "step", "quantity", "error_estimate")}
+        more = {
+            "protocol": stage_results(self.stages, done.solver.scene) if self.stages else [],
+            "lyapunov": self.exponent._asdict() if self.exponent else None,
+            "observed": {name: one.figures() for name, one in self.records.named.items()},
+            "notes": [*doubts(done.solver.scene), *self.notes],
+        }
+        return result | {name: value for name, value in more.items() if value}
+
+    @property
+    def _spreads(self) -> dict[str, float]:
+        """Standard deviations of the cycles' figures and, for motion that never repeats, margins of their means."""
+        found, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
+        margins = {f"{name}_margin": getattr(found.margins, name) for name in found.spreads} if wanders else {}
+        return {f"{name}_std": one.std for name, one in found.spreads.items()} | margins
+
+    @property
+    def stages(self) -> list[StageFigures]:
+        """The stages of a protocol with their figures; none if V never changes."""
+        return self.records.protocol.figures if self.records.protocol else []
+
+    @cached_property
+    def reasons(self) -> list[str]:
+        """Text on why the motion is what it is, and on what would change it."""
+        if self.done.failed or self.done.verdict is None:
+            return []
+        if self.done.verdict.repeats:
+            return spreads_in_words(self.done.statistics)
+        from validation.commands.reasons import reasons  # it analyses stability
+
+        return reasons(self.done, one_port_of(self.done.solver.model))
+
+    @property
+    def needed(self) -> float:
+        """Length (transits) of a run with enough cycles, if this one is too short."""
+        return needed(self.done.verdict, self.done.solver.scene, one_port_of(self.done.solver.model))
+
+    @property
+    def energy(self) -> dict[str, float] | None:
+        """Name -> entry of the energy balance since t = 0; None for models without one and for a failed run."""
+        ledger = self.done.energy
+        if ledger is None:
+            return None
+        viscous = ["viscous"] * any(slab.viscosity for slab in self.done.solver.scene.slabs)
+        return {name: getattr(ledger, name) for name in ("input", "friction", "radiated", "stored", "residual", *viscous)}
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """Cycles by `event`, stages of a protocol by `stage`, and the interface's history by `time`, if it was kept; all
+        of it is in memory."""
+        return run_dataset(self.done, self._facts(), self.stages, self.records.history)
+
+    def to_netcdf(self, path: str | Path) -> None:
+        """Write the dataset, block by block, and the fields as a group if the scene records them. Raises SceneError if the file
+        cannot be written."""
+        record = self.records.fields if "fields" in self.done.solver.scene.record else None
+        field = record.field if record is not None and self.done.final is not None else None
+        write_run(Path(path), self.done, self._facts(), self.stages, self.records.history, field)
+
+    def chart(self) -> Chart:
+        """Stress and slip rate over time, or for a protocol friction over time and slip; in the window, if given. Some thousand
+        ranges are drawn, whatever the length of the run."""
+        return run_chart(self.done, self.records.envelope, self.stages if self.records.protocol else None)
+
+    def plot_return_map(self) -> Drawing:
+        """The period of each cycle of the run's second half over that of the one before. Raises SceneError for fewer than two
+        cycles."""
+        return draw(return_map(self.done))
+
+    def save_return_map(self, path: str | Path) -> None:
+        """Write the return map as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
+        save_chart(path, lambda: return_map(self.done))
+
+    def _facts(self) -> dict[str, Any]:
+        facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
+        return facts | {"ended": self.done.ended or "failed", "reasons": "; ".join(self.reasons)}
+
+    def write_events(self, path: str | Path) -> None:
+        """Write one line for each complete cycle to a .csv file, in SI if the scene has units."""
+        write_events(Path(path), self.done.events, self.done.solver.scene)
+
+    def write_series(self, path: str | Path) -> None:
+        """Write the interface's motion as a record that `validation.data.series.read_series` reads, in SI if the scene has units:
+        one in so many samples that there are MOST_LINES at most, unless `every`, `rate` or `window` chose them. Raises SceneError
+        if the run kept no history (`interface`), or if it cannot be written."""
+        history = self.records.history
+        if history is None or history.problem:
+            raise SceneError(history.problem if history else "a record needs the interface's history: run with interface=True")
+        chosen = any(self.options[name] is not None for name in ("every", "rate", "window"))
+        every = 1 if chosen else max(1, math.ceil(len(history) / MOST_LINES))
+        if every > 1:
+            log.info("series: one in %d of %d samples; --every 1 writes all, --rate even ones", every, len(history))
+        write_series(Path(path), history.parts(), self.done.solver.scene, every)
+
+    def write_fields(self, path: str | Path) -> None:
+        """Write velocity and stress of the last transits to a .vtu, .xdmf or .nc file; nothing if the run kept none."""
+        if self.records.fields is not None and self.done.final is not None:
+            write_field(Path(path), self.records.fields.field)
+
+    def close(self) -> None:
+        """Remove the temporary file that holds the interface's history."""
+        self.records.close()
+
+
+@command
+def run(source: SceneSource, options: RunOptions) -> RunResult:
+    """Run one model on a scene.
+
+    Without `until` and `cycles` the scene gives the length, or the run ends when its motion is settled
+    (`validation.models.run`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options
+    apply where none are given.
+
+    Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the
+    numerics fail, with the result so far as its `result`.
+    """
+    until, checkpoint = options.until, options.checkpoint
+    if until is not None and options.cycles is not None:
+        raise SceneError(f"cycles = {options.cycles}: must not be given together with until = {until}")
+    if options.interface is None and (options.every, options.window, options.rate) != (None, None, None):
+        options = replace(options, interface=True)
+    options = options.recalled(source, "run", without=["cycles"] if until is not None else [])
+    scene = options.scene_of(source, until)
+    require_counted(scene, options.cycles)
+    if options.lyapunov:
+        require_constant(scene)
+    asks = checkpoint is not None or options.checkpoint_every is not None
+    every = time_between(checkpoint, options.checkpoint_every, scene) if asks else None
+    chosen = (options.every, options.window, options.rate) != (None, None, None)
+    kept = kept_of(options.every, options.window, scene, options.rate) if chosen else ALL
+    built = made(options.model, scene, **options.numerical)
+    if scene.start.kind is StartKind.ORBIT:
+        built = on_its_orbit(built, checkpoint is not None and checkpoint.exists())
+    if built.choice is not None:
+        log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
+    announced(built.solver.model, built.why)
+    if has_fields(built.solver):
+        built.solver.keep_ledger()
+    start = built.solver.state()
+    one_port = one_port_of(built.solver.model)
+    length = length_of(scene, one_port, options.cycles)
+    shortest = next(length.ends(0.0), math.inf)
+    wanted = Wanted(options.interface, options.fields, kept, options.samples, shortest, checkpoint, every)
+    amplified = amplified_rounding(built.solver.scene, one_port_of(built.solver.model), length.until, options.tol)
+    given = note_on_given(options.cells, options.tol) if has_fields(built.solver) else []
+    notes = [*([amplified.note] if amplified else []), *given, *costly_steps(built.solver)]
+    records = records_of(built.solver, length.until, wanted)
+    try:
+        done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
+        done = done if done.stopped else reconsidered(done, one_port)
+        is_default = options.cells is None and options.tol is None and not done.failed and has_fields(built.solver)
+        default = judged_grid(built.solver, start, options.cfl, options.time) if is_default else None
+        exponent, failed, stopped = None, done.failed, done.stopped
+        if options.lyapunov and not (failed or stopped):
+            exponent, failed, stopped = _exponent(done, options)
+    except BaseException:
+        records.close()
+        raise
+    notes += note_on(default) if default else []
+    for note in notes:
+        log.info("note: %s", note)
+    parts = done, records, built.choice or default, notes, options.stored, exponent
+    return RunResult(*parts, failed=failed, stopped=stopped)
+
+
+def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, bool]:
+    """The exponent of a run, or why there is none, and whether the user stopped it."""
+    try:
+        return exponent_of(done, options.numerical, options.most_seconds), "", False
+    except NumericsError as error:
+        return None, str(error), False
+    except KeyboardInterrupt:
+        return None, f"interrupted at t = {done.solver.time:.6g} transits, before the Lyapunov exponent was known", True

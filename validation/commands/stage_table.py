@@ -1,0 +1,79 @@
+"""The stages of a protocol as results: dictionaries for the JSON, with SI where the scene has units, and rows for a table."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+from itertools import pairwise
+from typing import Any
+
+from slipwave.observe.stages import StageFigures
+from slipwave.scene import Scene
+from validation.commands.result import rounded
+from validation.data.variables import STAGE_QUANTITIES, shown_in, twins_in_si
+
+
+def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:
+    """One dictionary for each stage, times in transits, stresses in units of the normal stress, slip in L; `si` exists only for
+    scenes with units."""
+    return [asdict(stage) | _in_si(stage, scene) for stage in stages]
+
+
+def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
+    if scene.units is None:
+        return {}
+    found = {}
+    for name, quantity in STAGE_QUANTITIES.items():
+        value = getattr(stage, name.removeprefix("stage_"))
+        for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items():
+            found[twin.removeprefix("stage_")] = None if value is None else float(size)
+    return {"si": found}
+
+
+def stages_in_words(stages: Sequence[StageFigures]) -> str:
+    """Text on the number and state of the stages: "3 stages, all settled"."""
+    states = [_state(stage) for stage in stages]
+    counts = [f"{states.count(state)} {state}" for state in dict.fromkeys(states)]
+    words = f"all {states[0]}" if len(counts) == 1 and len(states) > 1 else ", ".join(counts)
+    return f"{len(stages)} stage{'s' * (len(stages) != 1)}, {words}"
+
+
+def _state(stage: StageFigures) -> str:
+    if stage.kind in ("hold", "ramp"):
+        return stage.kind
+    return "settled" if stage.steady_stress is not None else "in stick-slip" if stage.stick_slips else "not settled"
+
+
+def missing_in_words(stages: Sequence[StageFigures]) -> list[str]:
+    """One line for each hold without relaxation, or slide after it without healing, with the reason."""
+    lines = []
+    for before, stage in pairwise(stages):
+        name = {"hold": "relaxation", "slide": "healing"}.get(stage.kind, "")
+        if name and getattr(stage, name) is None:
+            lines.append(f"no {name} of the {stage.kind} from {rounded(stage.start, 6)} transits on: {_why(before)}")
+    return lines
+
+
+def _why(before: StageFigures) -> str:
+    if before.relaxation is not None or before.steady_stress is not None:
+        return "no time step of the model lies within it"
+    if before.kind == "hold":
+        return "its hold has no relaxation"
+    return f"the {before.kind} before it is {_state(before)}, so there is no steady stress to compare with"
+
+
+def stage_rows(stages: Sequence[StageFigures], scene: Scene) -> tuple[list[str], list[list[str]]]:
+    """Heading and rows of a table: in seconds and metres if the scene has units, stresses always over the normal stress."""
+    (second, clock), (metre, length), (rate, speed) = (shown_in(unit, scene) for unit in ("transit", "L", "V*"))
+    heading = ["stage", f"from [{clock}]", f"V [{speed}]", "steady", "direct", "evolution", f"slip to 1/e [{length}]"]
+    rows = [
+        [
+            f"{stage.kind}, stick-slip" if stage.stick_slips else stage.kind,
+            rounded(stage.start * second, 6),
+            rounded(stage.velocity * rate, 6),
+            *(rounded(value, 6) for value in (stage.steady_stress, stage.direct_effect, stage.evolution)),
+            rounded(None if stage.slip_to_recovery is None else stage.slip_to_recovery * metre, 6),
+            *(rounded(value, 6) for value in (stage.relaxation, stage.healing)),
+        ]
+        for stage in stages
+    ]
+    return [*heading, "relaxation", "healing"], rows

@@ -1,0 +1,273 @@
+"""`slipwave.sweep`: one measure of many scenes, on all cores or on a cluster, resumed after any interruption."""
+
+import csv
+import io
+import shutil
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from types import FunctionType
+from typing import Any, ClassVar
+
+import numpy as np
+
+from slipwave.errors import NumericsError, SceneError
+from slipwave.files import FIGURES, content_of
+from slipwave.input import SceneSource
+from slipwave.input.wording import sentence
+from slipwave.packages import no_exit
+from validation.chart import Chart
+from validation.commands.command import command
+from validation.commands.options import RunsOptions, option
+from validation.commands.result import Output, Result, aligned, rounded
+from validation.data.datasets import Dataset
+from validation.sweep.axes import Axis, axis_of
+from validation.sweep.gather import dataset_of, filled_arrays
+from validation.sweep.map_figures import chart_of_sweep
+from validation.sweep.measures import MEASURES, measure_name, measure_of
+from validation.sweep.plan import Plan
+from validation.sweep.store import STATUS, Store
+from validation.sweep.sweep import Forecast, Swept, Where, forecast, perform_sweep, plan_of, stored_plan
+
+_SHOWN = 5  # reasons why points have no figures
+GATHERED = "sweep.nc"
+"""The file that `--gather` writes into the folder of a sweep."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepOptions(RunsOptions):
+    """Options of `slipwave.sweep`."""
+
+    EXAMPLES: ClassVar = (
+        "slipwave sweep paper --vary log10_r=-2.75:-2.2:33 --vary V=10:1000:17:log --out map",
+        "slipwave sweep map",
+        "slipwave sweep map --gather --plot map.png",
+    )
+    DETAILS: ClassVar = (
+        "SCENE may be the folder of a sweep, which is then gone on with. A point that cannot be computed has a status and a "
+        "reason; it stops nothing."
+    )
+
+    vary: Iterable[str] | Mapping[str, object] = option(
+        "an axis: a key of the scene with FROM:TO:COUNT, FROM:TO:COUNT:log or A,B,C; may be repeated",
+        (),
+        metavar="KEY=VALUES ...",
+    )
+    models: str = option("the models, with commas", "delay", metavar="M1,M2")
+    measure: str | FunctionType = option(
+        f"what is computed at each point: {', '.join(MEASURES)}, or module:function of a scene that returns numbers by name",
+        "verdict",
+    )
+    rows: Path | None = option("instead of axes, a table of scenes: the columns are keys", metavar="FILE.csv")
+    out: Path | None = option("folder of the sweep (default in Python: none is kept)", metavar="DIR")
+    until: float | str | None = option(
+        "longest run, in transits or as 60s (default: the scene's, else 4000)", metavar="TRANSITS|TIME"
+    )
+    tol: float | None = option("requested relative error of each run")
+    cells: int | None = option("full wave: cells per slab")
+    refine: int = option("begin with every 2^LEVELS-th point, and divide cells in which the regime changes", 0, metavar="LEVELS")
+    workers: int | None = option("processes (default: one per core)", least=1, most=4096, must="be from 1 to 4096")
+    scheduler: str | None = option("compute on the dask cluster with this scheduler", metavar="tcp://HOST:PORT")
+    executor: Executor | None = option("compute on this executor", only="python")
+    part: str = option("this job's share of the points, for job arrays: the I-th of N", "1/1", metavar="I/N")
+    gather: bool = option(f"compute nothing; write what is there to {GATHERED} in the folder", False)
+    dry: bool = option("compute nothing; say how long it would take, from a few points", False)
+    anew: bool = option("begin again in a folder that holds another sweep, or one of another version", False)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class SweepResult(Result):
+    """The present state of a sweep: points computed and missing; with `dry` the `expected` time only."""
+
+    OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw the map, or a line over one axis: .png, .pdf or .svg"),)
+
+    swept: Swept
+    expected: Forecast | None = None
+    temporary: bool = False
+
+    @property
+    def plan(self) -> Plan:
+        """The axes, models and measure of the sweep."""
+        return self.swept.plan
+
+    @cached_property
+    def dataset(self) -> Dataset:
+        """The figures computed so far over the axes (and `model`, if there are several)."""
+        return dataset_of(self.plan, self._arrays)
+
+    @cached_property
+    def _arrays(self) -> dict[str, Any]:
+        return filled_arrays(self.plan, self.swept.store)
+
+    @cached_property
+    def _counts(self) -> dict[str, Any]:
+        status = [STATUS[number] for number in self._arrays["status"] if number >= 0]
+        reasons = Counter(str(reason) for reason in self._arrays["reason"] if reason)
+        shown = [{"reason": reason, "points": count} for reason, count in reasons.most_common(_SHOWN)]
+        return {"points": self.plan.size, **{name: status.count(name) for name in STATUS}, "reasons": shown}
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As `Result`."""
+        plan, audit = self.plan, self.swept.audit
+        axes = [
+            {"key": axis.key, "from": axis.values[0], "to": axis.values[-1], "count": len(axis.values), "unit": axis.unit or None}
+            for axis in plan.axes
+        ]
+        found: dict[str, Any] = {"scene": plan.base.name, "measure": plan.measure, "models": list(plan.models)}
+        found |= {"axes": axes, "folder": None if self.temporary else str(self.swept.store.folder)}
+        if self.expected is not None:
+            return found | {"expected": self.expected._asdict()}
+        found |= self._counts | {"regimes": self._regimes(), "wall_s": self.swept.wall_s, "computed_now": self.swept.computed}
+        if audit is not None:
+            found["audit"] = {
+                "cells_divided": audit.divided,
+                "hidden": audit.hidden,
+                "share": audit.hidden / max(audit.divided, 1),
+            }
+        return found
+
+    def _regimes(self) -> list[dict[str, Any]]:
+        """Number of points by model and verdict."""
+        found = []
+        for name, words in measure_of(self.plan.measure).words.items():
+            values = np.reshape(self._arrays[name], (len(self.plan.models), -1))
+            for model, row in zip(self.plan.models, values, strict=True):
+                counts = {word: int((row == number).sum()) for number, word in enumerate(words)}
+                found.append({"model": model, **{word: count for word, count in counts.items() if count}})
+        return found
+
+    def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
+        """The axes, numbers of points by status, and reasons for points without figures."""
+        plan = self.plan
+        yield f"scene {plan.base.name}, {plan.measure} of {', '.join(plan.models)} at {plan.size} points"
+        for axis in summary["axes"]:
+            unit = f" {axis['unit']}" if axis["unit"] else ""
+            yield f"{axis['key']} from {axis['from']:g} to {axis['to']:g}{unit}, {axis['count']} values"
+        if self.expected is not None:
+            yield (
+                f"{rounded(self.expected.seconds_per_point * 1e3, 3)} ms per point: about {rounded(self.expected.seconds, 3)} s "
+                f"with {self.expected.workers} workers, {self.expected.size / 1e6:.1f} MB"
+            )
+            return
+        now = f"{summary['computed_now']} of them now, in {self.swept.wall_s:.3g} s"
+        yield f"done {summary['done']} of {summary['points']}, {now}"
+        for row in summary["reasons"]:
+            yield f"{row['points']} without figures: {row['reason']}"
+        if self.swept.audit is not None:
+            audit = self.swept.audit
+            yield f"of {audit.divided} cells divided at random {audit.hidden} held another regime than their corners"
+        if summary["regimes"]:
+            yield ""
+            words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
+            yield from aligned(words, [[str(row.get(word, "-")) for word in words] for row in summary["regimes"]])
+        if "needed" in self._arrays:
+            ratio = self._arrays["needed"] / self._arrays["until"]
+            longer = ratio.max(initial=0.0, where=ratio < np.inf)
+            if longer > 1.0:
+                yield f"runs that are too short have enough cycles if they are up to {longer:.2g} times as long"
+
+    def chart(self) -> Chart:
+        """The map over two axes, or the figures over one."""
+        return chart_of_sweep(self.dataset)
+
+    def to_go_on(self, options: SweepOptions) -> str:
+        """As `Result`."""
+        again = "" if self.plan.measure in MEASURES else f" --measure {self.plan.measure}"
+        return f"slipwave sweep {self.swept.store.folder}{again} goes on"
+
+    def close(self) -> None:
+        """Remove the temporary folder of a sweep without `out`."""
+        if self.temporary:
+            shutil.rmtree(self.swept.store.folder, ignore_errors=True)
+
+
+@command
+def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
+    """Compute one measure at all points of axes over a scene, each finished part kept in a folder.
+
+    `vary` may be {"log10_r": (-2.75, -2.2, 33)} or {"V": [10, 20, 50]} too, and `measure` a function (of a scene, in a module)
+    that returns numbers by name. If `source` is the folder of a sweep, that sweep is continued. Raises SceneError for wrong
+    input; NumericsError if the scheduler disappears; finished parts are kept.
+    """
+    began = time.perf_counter()
+    folder = Path(source) if isinstance(source, str | Path) and Path(source).is_dir() else None
+    plan = stored_plan(folder) if folder is not None else _plan(source, options)
+    folder = folder or options.out
+    is_own = plan.measure not in MEASURES
+    if not options.gather and is_own and plan.measure != measure_name(options.measure):
+        needs = f"--measure {sentence(plan.measure)}, which is a function of your own: no folder says what is run"
+        raise SceneError(f"SCENE = {str(folder)!r}: going on needs {needs}")
+    label = f"--measure = {plan.measure!r}" if is_own else ""
+    if options.dry:
+        with no_exit(label):
+            return SweepResult(Swept(plan, Store(folder or Path())), forecast(plan, _where(options)))
+    store = Store(folder or Path(tempfile.mkdtemp(prefix="slipwave-sweep-")))
+    if options.gather:
+        result = SweepResult(Swept(plan, store))
+        result.to_netcdf(store.folder / GATHERED)
+        return result
+    failed, stopped, swept = "", False, Swept(plan, store)
+    try:
+        with no_exit(label):
+            swept = perform_sweep(plan, store, _where(options), options.anew)
+    except NumericsError as error:
+        failed = str(error)
+    except KeyboardInterrupt:
+        failed, stopped = f"interrupted after {int(store.done(plan).sum())} of {plan.size} points", True
+        swept = Swept(plan, store, None, time.perf_counter() - began)
+    return SweepResult(swept, None, folder is None, failed=failed, stopped=stopped)
+
+
+def _where(options: SweepOptions) -> Where:
+    number, slash, count = options.part.partition("/")
+    if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
+        raise SceneError(f"--part = {options.part!r}: must be I/N with I from 1 to N, as 3/16")
+    if int(count) > 1 and options.refine:
+        raise SceneError(f"--part = {options.part!r}: must not be given together with --refine, whose levels wait for each other")
+    if int(count) > 1 and options.anew:
+        raise SceneError(f"--part = {options.part!r}: must not be given together with --anew, which removes what others computed")
+    return Where(options.workers or 0, options.scheduler, options.executor, (int(number), int(count)), options.most_seconds)
+
+
+def _plan(source: SceneSource, options: SweepOptions) -> Plan:
+    scene = options.scene_of(source, options.until)
+    rows = _rows(options.rows) if options.rows else ()
+    if rows and options.vary:
+        raise SceneError(f"--rows = {str(options.rows)!r}: must not be given together with --vary")
+    numerical = {"tol": options.tol, "cells": options.cells, "refine": options.refine}
+    return plan_of(scene, _axes(options.vary), options.models.split(","), measure_name(options.measure), rows=rows, **numerical)
+
+
+def _axes(vary: Iterable[str] | Mapping[str, Any]) -> list[Axis]:
+    if isinstance(vary, Mapping):
+        return [axis_of(str(key), values) for key, values in vary.items()]
+    pairs = [text.partition("=") for text in ([vary] if isinstance(vary, str) else vary)]
+    for key, sign, values in pairs:
+        if not sign:
+            raise SceneError(f"--vary {key + values!r}: must be KEY=FROM:TO:COUNT, as in log10_r=-2.75:-2.2:33")
+    return [axis_of(key.strip(), values) for key, _, values in pairs]
+
+
+def _rows(path: Path) -> tuple[dict[str, float | str], ...]:
+    """The rows of a table of scenes. Raises SceneError for any other file."""
+    content = content_of(path, f"--rows = {str(path)!r}")
+    try:
+        rows = list(csv.DictReader(io.StringIO(content.decode(), newline=""), restkey="", strict=True))
+    except (ValueError, csv.Error) as error:
+        raise SceneError(f"--rows = {str(path)!r}: cannot be read: {error}") from None
+    if not rows or any("" in row or None in row.values() for row in rows):
+        raise SceneError(f"--rows = {str(path)!r}: must be a CSV file with keys of the scene above and one scene a row")
+    return tuple({key.strip(): _plain(value) for key, value in row.items() if value.strip()} for row in rows)
+
+
+def _plain(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text.strip()

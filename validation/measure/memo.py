@@ -1,0 +1,79 @@
+"""Measurements of a model on a scene, shared by studies: its own orbit and its settled run. Each is computed once per process and
+cached by model, digest of the scene and settings.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from inspect import signature
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+
+from reduced.orbit import PeriodicOrbit
+from reduced.orbit.closing import Closed
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import lagrange_basis
+from slipwave.scene import Scene
+from validation.models.build import build
+from validation.models.cycle import OneCycle, cut
+from validation.models.orbit_start import first_event
+from validation.models.orbits import find_orbit
+from validation.models.settle import MOST_TRANSITS, Settled, settle
+
+_PER_PIECE = 12  # samples
+_TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
+
+Settings = ParamSpec("Settings")
+Measured = TypeVar("Measured")
+
+
+def kept(measure: Callable[Settings, Measured]) -> Callable[Settings, Measured]:
+    """`measure`, cached by its arguments, a scene by its digest. Errors are not cached."""
+    known: dict[tuple[Any, ...], Measured] = {}
+
+    @wraps(measure)
+    def recalled(*args: Settings.args, **options: Settings.kwargs) -> Measured:
+        given = signature(measure).bind(*args, **options)
+        given.apply_defaults()
+        key = tuple(one.digest if isinstance(one, Scene) else one for one in given.arguments.values())
+        if key not in known:
+            known[key] = measure(*args, **options)
+        return known[key]
+
+    return recalled
+
+
+@kept
+def own_orbit(model: str, scene: Scene, tolerance: float = 1e-10, cells: int | None = None) -> PeriodicOrbit:
+    """The orbit of `model` that its run from the start of `scene` comes near to, by Newton's method, with relative errors of the
+    figures below `tolerance`. Raises NumericsError if there is none."""
+    return find_orbit(model, scene, tolerance, cells).found
+
+
+@kept
+def settled(
+    model: str,
+    scene: Scene,
+    tolerance: float | None = 1e-9,
+    to: float = 1e-8,
+    most: float = MOST_TRANSITS,
+    cells: int | None = None,
+    cfl: float | None = None,
+) -> Settled:
+    """The settled run of `model` at this `tolerance`: its cycles agree `to` this relative accuracy (`settle`). Do not move its
+    solver, which is shared. Raises NoCycle and NumericsError as `settle`."""
+    return settle(build(model, scene, tolerance=tolerance, cells=cells, cfl=cfl), to, most)
+
+
+def cycle_of(closed: Closed, before: float, after: float) -> OneCycle:
+    """A closed orbit as the cycle of its first slip event, with `before` transits ahead of it and `after` transits past its end;
+    its elastic stress is known up to a constant."""
+    period, pieces = closed.cycle.period, closed.cycle.pieces
+    points = (np.arange(_PER_PIECE) + 0.5) / _PER_PIECE
+    once = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
+    once = once[once < period]
+    times = np.concatenate([once + turn * period for turn in _TURNS])
+    law = closed.flow.scene.law
+    values = values_at(pieces, lagrange_basis(closed.flow.nodes), np.mod(times, period), law)
+    samples = np.stack([times, *values])
+    return cut(law, samples, first_event(closed), period, before, after)

@@ -1,0 +1,161 @@
+"""The periodic orbits of one scene, several of which may coexist: the one that a run leads to, and those of the primary branch,
+which begins where steady sliding loses stability as r grows."""
+
+import math
+from contextlib import suppress
+from dataclasses import replace
+from typing import NamedTuple
+
+from reduced.continuation.point import OrbitPoint
+from reduced.continuation.start import orbits_at
+from reduced.orbit.approach import Guess
+from reduced.orbit.closing import Closed
+from reduced.orbit.multipliers import count_unstable, is_decided
+from reduced.parameters import with_parameter
+from reduced.stability.critical import critical_round_trip
+from slipwave.errors import NumericsError, SceneError
+from slipwave.scene import Scene
+from validation.models.branch import FollowedBranch
+from validation.models.by_name import one_port_of
+from validation.models.followed import ends_of
+from validation.models.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined_orbit
+from validation.models.parameter import Over
+from validation.models.points import StopAt
+
+_LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
+_SAME = 1e-5  # relative difference of periods, to which the orbits of a branch are known, that count as one orbit's
+_SEVERAL = 1.5  # ratio of periods from which a motion of several cycles is meant
+_FROM_BRANCH = "found on the branch of orbits that begins where steady sliding loses its stability as r grows"
+_FROM_RUN = "found where a run of the scene comes back near to its own state"
+_MAY_BE = "other orbits may coexist with this one: --others looks for them"  # a `source` says so too
+
+_NAME = "log10_r"
+_BEYOND = 0.03  # in log10 r: how far a branch is followed beyond the scene's r, from which it may fold back
+_BACK = 0.002  # how far back beyond the onset, where orbits of smaller r than the onset's were left behind
+_MOST = 400  # points
+_LONGEST = 600.0  # transits; one orbit of 22,444 takes 6 s, a branch hundreds of orbits
+_TOLERANCE = 1e-6
+
+
+class Primary(NamedTuple):
+    """The `orbits` of the primary branch at the scene, in order along the branch; `searched`: a text on how far it was
+    followed."""
+
+    orbits: list[Closed]
+    searched: str
+
+    @property
+    def extent(self) -> str:
+        """Note on how far others were searched for."""
+        start = "others were looked for along the branch of orbits that begins where stability is lost: "
+        return f"{start}{self.searched}" if self.searched else ""
+
+
+def orbit_at_scene(
+    model: str, scene: Scene, tolerance: float, cells: int | None = None, near: float | None = None, others: bool = False
+) -> OrbitFound:
+    """The orbit with the period nearest to `near` (transits), if given; else the orbit that the scene's own start leads to or
+    comes near to, with the `others` of the primary branch if requested; else one of the primary branch, a stable one if there is
+    any.
+
+    Raises NumericsError if none is found, SceneError for wrong input."""
+    if near is not None:
+        return _nearest(model, scene, tolerance, cells, near)
+    try:
+        found = find_orbit(model, scene, tolerance, cells)
+    except NumericsError as reason:
+        known = primary(model, scene, cells, math.inf, str(reason))
+        return _chosen(min(known.orbits, key=count_unstable), known.orbits, scene, tolerance, _FROM_BRANCH, known.extent)
+    return _with_others(found, model, cells) if others else found if found.source else replace(found, searched=_MAY_BE)
+
+
+def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound:
+    """`found` with the other orbits of the primary branch."""
+    try:
+        known = primary(model, found.scene, cells, math.inf)
+    except NumericsError as reason:
+        return replace(found, searched=f"no other orbit was found: {reason}")
+    others = [one for one in known.orbits if not _same(one, found.found.closed)]
+    return replace(found, others=tuple(map(_other, others)), searched=known.extent)
+
+
+def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
+    """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none
+    with this number of cycles, or does not reach so far, also among the close returns of the scene's own motion."""
+    known, own, failed = Primary([], ""), None, None
+    with suppress(NumericsError, SceneError):  # the run may lead to none in reasonable time
+        own = find_orbit(model, scene, tolerance, cells)
+    with suppress(NumericsError):
+        known = primary(model, scene, cells, near + _LONGER)
+    candidates = [(one, _FROM_BRANCH) for one in known.orbits]
+    if not candidates or near > _SEVERAL * max(one.cycle.period for one, _ in candidates):
+        try:
+            candidates += [(one, _FROM_RUN) for one in orbits_near(moving(model, scene, cells), tolerance, near)]
+        except NumericsError as reason:
+            failed = reason
+    # the run's own as it was found by the search for others, if it was
+    if own is not None and not any(_same(one, own.found.closed) for one, _ in candidates):
+        candidates.append((own.found.closed, own.source))
+    if failed is not None and not candidates:
+        raise failed
+    nearest, source = min(candidates, key=lambda known: abs(known[0].cycle.period - near))
+    return _chosen(nearest, [one for one, _ in candidates], scene, tolerance, source, known.extent)
+
+
+def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> OrbitFound:
+    """The orbit `one` of those `known`, refined to the tolerance; the others are listed with it."""
+    found = refined_orbit(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
+    return OrbitFound(found, tolerance, source, tuple(_other(orbit) for orbit in known if orbit is not one), searched)
+
+
+def _same(one: Closed, other: Closed) -> bool:
+    return abs(one.cycle.period / other.cycle.period - 1.0) < _SAME
+
+
+def _other(closed: Closed) -> Other:
+    return Other(closed.cycle.period, count_unstable(closed) if is_decided(closed) else None)
+
+
+def primary(model: str, scene: Scene, cells: int | None, longest: float, reason: str = "") -> Primary:
+    """All orbits of the primary branch at the scene up to the period `longest` (transits).
+
+    Raises NumericsError if there is none; its message begins with `reason`, why none was found before."""
+    here = math.log10(scene.transit)
+    said = f"{reason}; " if reason else ""
+    points, ended = _points(model, scene, cells, here, longest, said)
+    orbits = orbits_at(points, here, scene)
+    if not orbits:
+        raise NumericsError(
+            f"{said}the branch of orbits that begins where steady sliding loses its stability has none here: {ended}"
+        )
+    return Primary(orbits, ended)
+
+
+def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[OrbitPoint], str]:
+    """The points of the primary branch, and a text on how far it was followed."""
+    critical, omega = critical_round_trip(scene, one_port_of(model))
+    if not critical > 0.0:
+        raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")
+    period = 2.0 * math.pi / (omega * critical)
+    if period > _LONGEST:
+        tried = f"a run of {most_transits(scene, model):g} transits leads to no orbit, and " if said else ""
+        raise NumericsError(
+            f"{model}: {tried}the branch of orbits that begins where steady sliding loses its stability is not followed: their "
+            f"periods are {period:.3g} transits there, over {_LONGEST:g}, and for each of up to {_MOST} orbits Newton's method "
+            "marches a dense derivative through every transit, in time proportional to the period; slipwave run, which leaps "
+            f"over long sticks, gives period and drops at single values of the parameters (scene {scene.name!r})"
+        )
+    onset = math.log10(critical)
+    first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
+    over = Over(scene, _NAME, first, last, lambda value: with_parameter(scene, _NAME, value))
+    points: list[OrbitPoint] = []
+    try:
+        for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST)):
+            points.append(end.point)
+    except NumericsError as error:
+        if not points:
+            raise NumericsError(f"{said}no branch of orbits can be followed to it: {error}") from None
+        # what is known of it will do
+    low, high = (f"{end(point.parameter for point in points):.7g}" for end in (min, max))
+    reached = f"{low} to {high}, to a period of {points[-1].closed.cycle.period:.4g}"
+    return points, f"it was followed from log10_r = {onset:.7g} over {reached}"

@@ -1,0 +1,242 @@
+"""A branch of periodic orbits, from a Hopf point or from an orbit that a run leads to, followed through folds."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from reduced.continuation.branch import Control, Step, follow_branch
+from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
+from reduced.continuation.special import Special
+from reduced.continuation.start import (
+    ONSET_WIDTH,
+    Onset,
+    difference_of_halves,
+    from_doubling,
+    from_hopf,
+    from_orbit,
+    from_stored,
+    metric_for,
+    onsets,
+    stored,
+)
+from reduced.orbit.closing import Closed
+from reduced.orbit.figures import amplitude
+from reduced.stability.characteristic import characteristic
+from reduced.stability.spectrum import unstable_count
+from slipwave.errors import NumericsError, SceneError
+from slipwave.friction.law import name_of
+from slipwave.solve import State
+from slipwave.sources import source_digest
+from validation.models.by_name import one_port_of
+from validation.models.orbits import find_orbit, moving
+from validation.models.own import digests
+from validation.models.parameter import Over
+from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt, point_of, special_of
+
+_FORMAT = 2
+_SMALL = 0.1  # amplitude of ln v
+_BESIDE = 1e-6  # of the range, from its end: the first orbit, if states at the end itself have another size
+_MOST_OUTSIDE = 200  # points of a branch that begins just outside of its range before it is given up
+_SAME = 0.03  # difference of ln v and psi between two halves
+
+_UNDECIDED = (
+    "stability is not decided where the essential radius is 1: some motion of the slabs is never damped by friction there, and "
+    "multipliers cannot tell; "
+)
+_UNCOUNTED = "they accumulate at the unit circle and are not counted, so of the special points only HB and LP are found"
+_WITHOUT_IDLE = (
+    "numbers of unstable multipliers, and PD and NS found by them, leave out idle modes, in which both slabs swing alike without "
+    "slip or stress at the interface: slipwave orbit names them"
+)
+
+
+class BranchEnd(NamedTuple):
+    """The last `point` of a branch and the length of the next `step`, from which it continues."""
+
+    point: OrbitPoint
+    step: float
+    metric: Metric
+
+
+@dataclass(frozen=True)
+class FollowedBranch:
+    """The branch of `model` over a parameter, to the relative error `tolerance` of all figures. `cells` is for full waves.
+    `closed`: index of a special point -> its orbit, if computed in this process. `doubled`: the branch of orbits of twice the
+    period from the first period doubling of the scene's own branch."""
+
+    what: ClassVar[str] = "branch"
+    over: Over
+    model: str
+    tolerance: float
+    cells: int | None = None
+    doubled: bool = False
+    points: list[BranchPoint] = field(default_factory=list)
+    special: list[SpecialPoint] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    closed: dict[int, Closed] = field(default_factory=dict)
+
+    @property
+    def shown(self) -> list[BranchPoint]:
+        """The points within the range; the last of all may lie beyond."""
+        return [point for point in self.points if self.over.holds(point.value)]
+
+    @property
+    def shown_special(self) -> list[SpecialPoint]:
+        """The special points within the range."""
+        return [special for special in self.special if self.over.holds(special.value)]
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """Facts in which a file and a branch that continues it must agree; tolerance and range may differ."""
+        own = {"model": self.model, "cells": self.cells, "doubled": self.doubled, "parameter": self.over.name}
+        own |= digests([name_of(self.over.base.law)], [self.model])
+        return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
+
+    @property
+    def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
+        """Dimension of the file -> class of its rows, and the rows."""
+        return {"point": (BranchPoint, self.points), "special": (SpecialPoint, self.special)}
+
+    def saved(self, end: BranchEnd) -> dict[str, State]:
+        """Arrays, by group and name, from which the branch continues."""
+        return {"resume": stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}}
+
+    def restored(self, saved: Mapping[str, State]) -> BranchEnd:
+        """The inverse of `saved`."""
+        state = saved["resume"]
+        period, parameter = state["unknowns"][-2:].tolist()
+        _, point, step = from_stored(self.family_at(parameter, period), state)
+        return BranchEnd(point, step, Metric(*state["metric"].tolist()))
+
+    def begin(self) -> BranchEnd:
+        """Record the Hopf point in the range nearest to its first end, or else an orbit at an end where steady sliding is
+        unstable.
+
+        Raises SceneError if steady sliding is stable in the whole range, NumericsError if no orbit is found.
+        """
+        over, port = self.over, one_port_of(self.model)
+        if self.doubled:
+            return self._from_doubling()
+        found = sorted(onsets(over.scene_at, *over.ends, port), key=lambda onset: abs(onset.parameter - over.first))
+        if not found:
+            return self._from_orbit(port)
+        own, *others = found
+        self.special.append(self._hopf(own))
+        self.notes.extend(
+            f"another Hopf point lies at {over.name} = {other.parameter:.10g}, period {other.period:.6g}; this branch is that of "
+            f"{own.parameter:.10g}"
+            for other in others
+        )
+        metric = metric_for(*over.ends)
+        return self._first(from_hopf(self.family_at(own.parameter, own.period), own.parameter, own.period, metric), metric)
+
+    def follow(self, end: BranchEnd, limits: StopAt) -> Iterator[BranchEnd]:
+        """Record point after point, yielding the end after each. Stops at the limits, where the branch leaves the range, and
+        where the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
+        steps = self.steps(end, lambda _: True, Control(first=end.step))
+        while True:
+            reason = self._why_to_stop(end, limits)
+            if reason is not None:
+                self.notes.extend([reason] if reason else [])
+                return
+            step = next(steps)
+            if self.doubled and difference_of_halves(step.point) < min(_SAME, difference_of_halves(end.point)):
+                self.notes.append("the branch ends at a period doubling, where both halves of its orbits become the same")
+                return
+            if amplitude(step.point.closed.cycle) < min(_SMALL, amplitude(end.point.closed.cycle)):  # nearly singular beyond
+                near = onsets(self.over.scene_at, *self.over.ends, one_port_of(self.model))
+                if near:
+                    self.special.append(self._hopf(min(near, key=lambda onset: abs(onset.parameter - end.point.parameter))))
+                self.notes.append("the branch ends where its orbits shrink to steady sliding")
+                return
+            for special in step.special:
+                self.closed[len(self.special)] = special.point.closed
+                self.special.append(special_of(special, len(self.points)))
+            self._record(step.point)
+            end = BranchEnd(step.point, step.next_step, end.metric)
+            yield end
+
+    def steps(self, end: BranchEnd, inside: Callable[[OrbitPoint], bool], control: Control) -> Iterator[Step]:
+        """The points after `end`, with their orbits, up to the first that is not `inside`. Raises NumericsError as `follow`."""
+        family = FlowFamily(end.point.closed.flow, self.over.scene_at)
+        return follow_branch(family, end.point, end.metric, inside, self.tolerance, control)
+
+    def family_at(self, parameter: float, period: float) -> FlowFamily:
+        """The model's flows, on a mesh that resolves steady sliding and its slow oscillations with `period` (transits)."""
+        solver = moving(self.model, self.over.scene_at(parameter), self.cells)
+        return FlowFamily(solver.flow(period, self.tolerance)[0], self.over.scene_at)
+
+    def first_special(self, end: BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
+        """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there
+        is none."""
+        over, last = self.over, end.point
+        for step in self.steps(end, lambda point: over.holds(point.parameter), Control()):
+            for special in step.special:
+                if special.kind == kind:
+                    return special, FlowFamily(special.point.closed.flow, over.scene_at)
+            last = step.point
+        ended = f"it was followed to {over.name} = {last.parameter:.7g} and a period of {last.closed.cycle.period:.5g} transits"
+        raise NumericsError(
+            f"no {SPECIAL_KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}: {ended}"
+        )
+
+    def _first(self, point: OrbitPoint, metric: Metric) -> BranchEnd:
+        self._record(point)
+        return BranchEnd(point, Control.first, metric)
+
+    def _record(self, point: OrbitPoint) -> None:
+        self.points.append(point_of(point))
+        if self.points[-1].stable is None:
+            note = _UNDECIDED + (_UNCOUNTED if point.closed.flow.undecided else _WITHOUT_IDLE)
+            self.notes.extend([] if note in self.notes else [note])
+
+    def _from_orbit(self, port: str) -> BranchEnd:
+        over = self.over
+        unstable = [value for value in (over.first, over.last) if unstable_count(characteristic(over.scene_at(value), port))]
+        if not unstable:
+            raise SceneError(
+                f"--over {over.name}={over.first:g}:{over.last:g}: steady sliding of {self.model} is stable at both ends, so no "
+                "branch of orbits begins between them"
+            )
+        value, metric = unstable[0], metric_for(*over.ends)
+        other = sum(over.ends) - value
+        beside = value + _BESIDE * (other - value)
+        flow_at = self.family_at(value, 1.0)
+        if flow_at(value).size != flow_at(beside).size:  # at the value alone slabs are one pair, or round trips have a divisor
+            value = beside
+        found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
+        return self._first(from_orbit(FlowFamily(found.flow, over.scene_at), found, value, other, metric), metric)
+
+    def _from_doubling(self) -> BranchEnd:
+        """The first orbit of twice the period, at the first period doubling of the scene's own branch in the range."""
+        own = replace(self, doubled=False, points=[], special=[], notes=[])
+        end = own.begin()
+        special, family = own.first_special(end, "PD")
+        born = special_of(special, 0)
+        self.special.append(born._replace(period=2.0 * born.period))
+        return self._first(from_doubling(family, special, end.metric)[1], end.metric)
+
+    def _why_to_stop(self, end: BranchEnd, limits: StopAt) -> str | None:
+        """Reason to stop, empty if that needs no remark; None to continue."""
+        point = end.point
+        if limits.kind and any(special.kind == limits.kind for special in self.special):
+            return ""
+        if not self.over.holds(point.parameter) and not self._enters():
+            low, high = self.over.ends
+            return f"the branch leaves the range at {self.over.name} = {low if point.parameter < low else high:g}"
+        if point.closed.cycle.period > limits.period:
+            return f"stopped at the period {limits.period:g}: --longest-period goes further"
+        if len(self.points) >= limits.points:
+            return f"stopped after {len(self.points)} points: --most-points goes further"
+        return None
+
+    def _enters(self) -> bool:
+        """Whether the branch, from a Hopf point at the edge of the range or slightly outside, may still enter it."""
+        return [special.kind for special in self.special[:1]] == ["HB"] and len(self.points) < _MOST_OUTSIDE and not self.shown
+
+    def _hopf(self, onset: Onset) -> SpecialPoint:
+        rate = self.over.scene_at(onset.parameter).velocity
+        figures = (onset.parameter, onset.period, 0.0, 0.0, rate, rate)
+        return SpecialPoint("HB", *figures, ONSET_WIDTH, onset.unstable_below, onset.unstable_above, len(self.points))

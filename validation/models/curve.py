@@ -1,0 +1,158 @@
+"""A curve of special points of branches in two parameters, followed where it turns back too."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+import numpy as np
+
+import slipwave
+from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follow_curve
+from reduced.continuation.point import FlowFamily
+from reduced.continuation.special import Special
+from reduced.continuation.start import from_stored, stored
+from reduced.parameters import PARAMETERS, with_parameter
+from reduced.stability.boundary import boundary
+from slipwave.errors import NumericsError, SceneError
+from slipwave.friction.law import name_of
+from slipwave.input.wording import shorten
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.solve import State
+from slipwave.sources import source_digest
+from validation.models.branch import FollowedBranch
+from validation.models.by_name import one_port_of
+from validation.models.own import digests
+from validation.models.parameter import Over
+from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt, curve_point_of
+
+_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`."""
+
+    what: ClassVar[str] = "curve"
+    kind: str
+    over: Over
+    second: Over
+    model: str
+    tolerance: float
+    points: list[CurvePoint] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """As `FollowedBranch`."""
+        ends = [[one.name, one.first, one.last] for one in (self.over, self.second)]
+        own = {"model": self.model, "type": self.kind, "rectangle": ends}
+        own |= digests([name_of(self.over.base.law)], [self.model])
+        return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
+
+    @property
+    def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:
+        """As `FollowedBranch`."""
+        return {"point": (CurvePoint, self.points)}
+
+    @property
+    def plane(self) -> Plane:
+        """Scenes over both parameters, and their scales."""
+        (low, high), (least, most) = self.over.ends, self.second.ends
+        return Plane(self._scene_at, (high - low, most - least))
+
+    def begin(self) -> Reached | None:
+        """Record the first point, on the branch at the second parameter's first value, or all Hopf points, which lie on the
+        boundary of stability of steady sliding. Raises NumericsError if there is none."""
+        if self.kind == "HB":
+            names, port = (self.over.name, self.second.name), one_port_of(self.model)
+            for found in boundary(self.over.base, port, names, (self.over.ends, self.second.ends)):
+                for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
+                    if self._holds(first, second):
+                        scene = self._scene_at(first, second)
+                        period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
+                        # the multiplier of the oscillation of steady sliding is 1 there
+                        self.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, 1.0, 0.0))
+            if not self.points:
+                raise NumericsError(f"{self.model}: steady sliding does not lose stability in this rectangle")
+            return None
+        branch = self._branch()
+        special, _ = branch.first_special(branch.begin(), self.kind)
+        towards = (0.0, math.copysign(1.0, self.second.last - self.second.first))
+        reached = beginning(OnCurve((special.point.parameter, self.second.first), special), towards)
+        self.points.append(curve_point_of(reached.last, 1.0))
+        return reached
+
+    def follow(self, end: Reached, limits: StopAt) -> Iterator[Reached]:
+        """Record point after point, yielding the end after each, up to the number in `limits` or until the curve leaves the
+        rectangle. Raises NumericsError where the curve cannot be followed."""
+        steps = follow_curve(self.plane, end, self.tolerance)
+        while len(self.points) < limits.points:
+            further = next(steps)
+            if not self._holds(*further.last.parameters):
+                self.notes.append("the curve leaves the rectangle of both ranges")
+                return
+            self.points.append(curve_point_of(further.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
+            yield further
+        self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
+
+    def saved(self, end: Reached) -> dict[str, State]:
+        """As `FollowedBranch`."""
+        ends = {name: _saved(point, end.length) for name, point in (("before", end.before), ("last", end.last))}
+        return ends | {"resume": {"direction": np.array(end.direction)}}
+
+    def restored(self, saved: Mapping[str, State]) -> Reached:
+        """As `FollowedBranch`."""
+        last, length = self._on_curve(saved["last"])
+        along, across = saved["resume"]["direction"].tolist()
+        before = last if len(self.points) < 2 else self._on_curve(saved["before"])[0]
+        return Reached(before, last, (along, across), length)
+
+    def _scene_at(self, first: float, second: float) -> Scene:
+        """The scene at both values: a key is read, a short name is set in a scene read before, in a hundredth of the time."""
+        given = ((self.over, first), (self.second, second))
+        keyed = {over.name: over.written(value) for over, value in given if over.name not in PARAMETERS}
+        scene = slipwave.read(self.over.base, keyed) if keyed else self.over.base
+        for over, value in given:
+            scene = with_parameter(scene, over.name, value) if over.name in PARAMETERS else scene
+        return scene
+
+    def _holds(self, first: float, second: float) -> bool:
+        return self.over.holds(first) and self.second.holds(second)
+
+    def _branch(self) -> FollowedBranch:
+        """The branch at the second parameter's first value."""
+        over, value = self.over, self.second.first
+        scene = self._scene_at(over.first, value)
+        across = Over(scene, over.name, over.first, over.last, lambda one: self._scene_at(one, value))
+        return FollowedBranch(across, self.model, self.tolerance)
+
+    def _on_curve(self, state: State) -> tuple[OnCurve, float]:
+        """The inverse of `_saved`."""
+        first, second = state["place"].tolist()
+        bracket, before, after, real, imaginary = state["special"].tolist()
+        scene, period = self._scene_at(first, second), float(state["unknowns"][-2])
+        flow = self._branch().family_at(first, period)(first)
+        _, point, length = from_stored(FlowFamily(flow, lambda _: scene), state)
+        special = Special(self.kind, point, bracket, round(before), round(after), complex(real, imaginary))
+        return OnCurve((first, second), special), length
+
+
+def _saved(one: OnCurve, length: float) -> dict[str, Array]:
+    """A point of the curve, and the length of the next step, as arrays."""
+    special = one.special
+    numbers = (special.bracket, special.unstable_before, special.unstable_after, special.multiplier.real, special.multiplier.imag)
+    return stored(special.point, length) | {"place": np.array(one.parameters), "special": np.array(numbers)}
+
+
+def require_curve(kind: str, over: Over, second: Over) -> None:
+    """Raises SceneError for an unknown kind, for two equal parameters, and, for Hopf points, for a parameter without a short
+    name."""
+    if kind not in SPECIAL_KINDS:
+        raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(SPECIAL_KINDS)}")
+    for option, name in (("--over", over.name), ("--and", second.name)):
+        if kind == "HB" and name not in PARAMETERS:
+            raise SceneError(f"{option} {shorten(name)}: a curve of Hopf points needs one of {', '.join(PARAMETERS)}")
+    if over.name == second.name:
+        raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")

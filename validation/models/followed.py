@@ -1,0 +1,153 @@
+"""The loop that follows branches and curves, and their netCDF file, written whole after each point, from which a killed process
+can be continued."""
+
+import hashlib
+import json
+import time
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from slipwave.errors import NumericsError, SceneError
+from slipwave.files import reason_of, whole_or_absent
+from slipwave.solve import State
+from validation.models.branch import FollowedBranch
+from validation.models.curve import Curve
+from validation.models.points import StopAt
+from validation.models.progress import progress
+
+if TYPE_CHECKING:
+    from netCDF4 import Dataset
+
+_UNCOUNTED = -1  # stands for None in a column of numbers
+_KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"), int) | {"stable": bool}
+End: TypeAlias = Any
+"""The end of a branch or a curve, from which it continues."""
+
+Followed: TypeAlias = FollowedBranch | Curve
+"""A branch or a curve; its `points` and `notes` grow."""
+
+
+class Ended(NamedTuple):
+    """Run time (s); the `end` from which it continues, or None; `failed`, the reason of an early end, or empty; whether the user
+    `stopped` it."""
+
+    wall_s: float
+    end: End | None
+    failed: str
+    stopped: bool
+
+
+def pursue(found: Followed, limits: StopAt, file: Path | None, resume: Path | None, origin: Mapping[str, Any]) -> Ended:
+    """Fill an empty `found`, from its beginning or from a file to `resume`, within the limits; write `file`, if given, after each
+    point. Raises SceneError as `read_followed` and `write_followed` do."""
+    began, end, failed, stopped = time.perf_counter(), None, "", False
+    try:
+        for end in ends_of(found, limits, resume):
+            if file is not None:
+                write_followed(file, found, end, False, origin)
+        if file is not None and end is not None:
+            write_followed(file, found, end, True, origin)
+    except NumericsError as error:
+        failed = str(error)
+    except KeyboardInterrupt:
+        failed, stopped = f"interrupted after {len(found.points)} points", True
+    return Ended(time.perf_counter() - began, end, failed, stopped)
+
+
+def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:
+    """Fill `found` with progress, yielding its end after each point. Raises NumericsError where it cannot be followed."""
+    try:
+        end: End = found.begin() if resume is None else read_followed(resume, found)
+        if end is not None:
+            yield end
+            with progress(f"{found.over.base.name}, {found.model}, points of the {found.what}", limits.points) as report:
+                for later in found.follow(end, limits):
+                    yield later
+                    report(len(found.points))
+    except NumericsError as error:  # the continuation knows no name of its parameter
+        raise NumericsError(str(error).replace("parameter = ", f"{found.over.name} = ")) from None
+
+
+def write_followed(path: Path, found: Followed, end: End, complete: bool, origin: Mapping[str, Any]) -> None:
+    """Write `found` and its `end`, with the attributes `origin`. Raises SceneError if the file cannot be written."""
+    from netCDF4 import Dataset
+
+    facts = json.dumps(found.facts | {"tolerance": found.tolerance})
+    with whole_or_absent(path) as temporary, Dataset(temporary, "w") as file:
+        file.setncatts({**origin, "complete": int(complete), "facts": facts, "notes": json.dumps(found.notes)})
+        for kind, (record, rows) in found.tables.items():
+            _write_table(file, kind, record._fields, rows, found.over.name)
+        for name, state in found.saved(end).items():
+            _write_arrays(file.createGroup(name), state)
+        file.setncattr("contents", _digest(file))
+
+
+def read_followed(path: Path, found: Followed) -> End:
+    """Fill an empty `found` from the file, without notes on its end; returns its end. The tolerance may differ: the mesh is
+    refined at the next point if necessary. Raises SceneError if the file cannot be read, or has other `facts`."""
+    from netCDF4 import Dataset
+
+    try:
+        with Dataset(path) as file:
+            facts = json.loads(file.getncattr("facts"))
+            for name, value in json.loads(json.dumps(found.facts)).items():
+                if facts.get(name) != value:
+                    differs = f"{name} is {facts.get(name)!r}; this {found.what} has {value!r}"
+                    raise SceneError(f"--resume {str(path)!r}: {differs}; without --resume it begins anew")
+            if file.getncattr("contents") != _digest(file):
+                raise ValueError("its contents have changed since it was written")
+            for kind, (record, rows) in found.tables.items():
+                rows.extend(record._make(row) for row in _read_table(file, kind, record._fields))
+            notes = json.loads(file.getncattr("notes"))
+            saved = {name: {key: np.asarray(v[:]) for key, v in group.variables.items()} for name, group in file.groups.items()}
+            before, last = float(facts["tolerance"]), float(found.points[-1][0])
+    except SceneError:
+        raise
+    except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:
+        raise SceneError(f"--resume {str(path)!r}: is no file of a {found.what}, or damaged: {reason_of(error)}") from None
+    found.notes.extend(note for note in notes if not note.startswith(("stopped ", f"the {found.what} leaves ")))
+    if before != found.tolerance:
+        until = f"up to {found.over.name} = {last:.10g}, {len(found.points)} in all"
+        found.notes.append(f"points {until}, were computed with tol = {before:g}, those after it with {found.tolerance:g}")
+    return found.restored(saved)
+
+
+def _digest(file: "Dataset") -> str:
+    """Hash of all variables, also of the groups."""
+    digest = hashlib.sha256()
+    for group in (file, *(file.groups[name] for name in sorted(file.groups))):
+        for name in sorted(group.variables):
+            values = np.asarray(group[name][:])
+            content = str(values.tolist()).encode() if values.dtype == object else values.tobytes()
+            digest.update(f"{group.path} {name} {values.shape}".encode() + content)
+    return digest.hexdigest()
+
+
+def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], parameter: str) -> None:
+    """One variable of the dimension `kind` for each column."""
+    file.createDimension(kind, len(rows))
+    for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
+        text = name == "kind"
+        variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
+        variable[:] = np.array([_UNCOUNTED if one is None else one for one in column], dtype=object if text else float)
+        notes = {"long_name": parameter if name == "value" else name.replace("_", " ")}
+        variable.setncatts(notes if text else notes | {"units": "1"})
+
+
+def _read_table(file: "Dataset", kind: str, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:
+    """The rows that `_write_table` wrote, with whole numbers, truth values and None restored."""
+    columns = [(file[f"{kind}_{name}"][:].tolist(), _KINDS.get(name)) for name in names]
+    whole = ([None if one == _UNCOUNTED else kind(one) for one in column] if kind else column for column, kind in columns)
+    return zip(*whole, strict=True)
+
+
+def _write_arrays(group: "Dataset", arrays: State) -> None:
+    """Write arrays with dimensions of their own."""
+    for name, array in arrays.items():
+        dimensions = [f"{name}_{axis}" for axis in range(array.ndim)]
+        for dimension, size in zip(dimensions, array.shape, strict=True):
+            group.createDimension(dimension, size)
+        group.createVariable(name, "f8", dimensions)[:] = array

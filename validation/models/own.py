@@ -1,0 +1,93 @@
+"""Families of models that a user declares in a Python file."""
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from fullwave.families import FullWave
+from reduced.families import REDUCTIONS
+from slipwave.errors import SceneError
+from slipwave.family import Family
+from slipwave.friction.own import own_law
+from slipwave.packages import OwnFile, own_file, run_file
+from slipwave.solve import FieldSolver
+from validation.models.by_name import FAMILIES, GRIDS, add_family, family_of
+
+_OWN: dict[Path, list[Family]] = {}
+_HOUSE = ("fullwave", "reduced")
+
+
+def own_files() -> list[Path]:
+    """The loaded files of families; processes that are started later load them too."""
+    return list(_OWN)
+
+
+def load_families(path: Path) -> list[Family]:
+    """Run the Python file `path` and register every `Family` that it declares as a variable (docs/extending.md); returns them. A
+    file that is loaded again replaces its families.
+
+    Raises SceneError if the file cannot be run or declares none, for a name that is taken, and as `require_members`."""
+    path, label = path.resolve(), f"--family = {str(path)!r}"
+    module = run_file(path, f"own_family_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}", label)
+    before = _OWN.pop(path, [])
+    lists: tuple[list[Any], ...] = (FAMILIES, GRIDS, REDUCTIONS)
+    for known in lists:
+        known[:] = [one for one in known if one not in before]
+    of_others = {id(one) for one in FAMILIES}
+    declared = [one for one in vars(module).values() if isinstance(one, Family) and id(one) not in of_others]
+    if not declared:
+        raise SceneError(
+            f'{label}: declares no family of models: NAME = FullWave("name", f"{{__name__}}:Class", ...), see docs/extending.md'
+        )
+    for family in declared:
+        require_members(family, label)
+        add_family(family, label)
+    own_file(module)  # its digest is that of the text that was run
+    _OWN[path] = declared
+    return declared
+
+
+def own_family(model: str) -> OwnFile | None:
+    """The file of the family of `model`, if that is a user's own."""
+    family = family_of(model)
+    return None if family is None or family.module.partition(".")[0] in _HOUSE else own_file(import_module(family.module))
+
+
+def digests(laws: Iterable[str], models: Iterable[str], measure: Callable[..., Any] | None = None) -> dict[str, str]:
+    """Role and name -> digest, of the user's files among those of these laws, models and this measure: what they compute must not
+    be mixed with what was computed before a change."""
+    roles = [("law", own_law(name)) for name in laws] + [("family", own_family(name)) for name in models]
+    roles.append(("measure", own_file(measure) if measure else None))
+    return {f"{role} {own.path.name}": own.digest for role, own in roles if own}
+
+
+def require_same_family(model: str, facts: Mapping[str, Any], label: str) -> None:
+    """Raises SceneError if a file of results with the attributes `facts` was computed with another family of that name."""
+    ours, theirs = own_family(model), facts.get("family_digest")
+    if ours and theirs and ours.digest != theirs:
+        other = f"digest {theirs}; that of --family is {ours.digest}"
+        raise SceneError(f"{label}: was computed with another family of {model!r}: {other}")
+
+
+def require_members(family: Family, label: str) -> None:
+    """Raises SceneError, in one line, if the class or function that makes the members of `family` is missing or lacks a
+    method."""
+    text = f"{label}: family {family.name!r}"
+    try:
+        made = family.maker()
+    except (ImportError, AttributeError, ValueError):
+        hint = 'no such class or function; write f"{__name__}:Class"'
+        raise SceneError(f"{text}: made_by = {family.made_by!r}: {hint}") from None
+    if not isinstance(family, FullWave):
+        return
+    needed = {name for base in FieldSolver.__mro__ for name in vars(base) if not name.startswith("_")}
+    needed = {name for name in needed if callable(getattr(FieldSolver, name))}  # others may be set when a member is made
+    needed |= {name for base in getattr(made, "__mro__", ()) for name in getattr(base, "__abstractmethods__", ())}
+    unfinished = getattr(made, "__abstractmethods__", ())
+    absent = [name for name in sorted(needed) if name in unfinished or not callable(getattr(made, name, None))]
+    if absent:
+        raise SceneError(f"{text}: class {made.__name__} lacks the methods {', '.join(absent)}")
+    if getattr(made, "family", family) is not family:
+        raise SceneError(f"{text}: {made.__name__}.family is another one: it must be the variable that declares the family")

@@ -1,0 +1,108 @@
+"""Records of followed orbits: points of a branch, its special points, and points of a curve in two parameters."""
+
+from typing import Any, NamedTuple
+
+from reduced.continuation.curve import OnCurve
+from reduced.continuation.point import OrbitPoint
+from reduced.continuation.special import Special
+from reduced.orbit.closing import CLOSES_TO
+from reduced.orbit.figures import figures_of
+from reduced.orbit.multipliers import is_decided
+
+SPECIAL_KINDS = {"HB": "Hopf", "LP": "fold", "PD": "period doubling", "NS": "torus"}
+"""Kinds of special points, and their names."""
+
+NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}
+"""The same in figures."""
+
+
+class StopAt(NamedTuple):
+    """Limits: stop beyond a `period` (transits), after a number of `points`, at the first special point of a `kind` (if
+    given)."""
+
+    period: float = float("inf")
+    points: int = 2000
+    kind: str = ""
+
+
+class BranchPoint(NamedTuple):
+    """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, None
+    where they cannot be counted, and whether it is `stable`, None if multipliers do not decide."""
+
+    value: float
+    period: float
+    stress_drop: float
+    elastic_stress_drop: float
+    v_max: float
+    v_min: float
+    unstable: int | None
+    stable: bool | None
+
+
+class SpecialPoint(NamedTuple):
+    """A point of `kind` HB, LP, PD or NS with the figures of its orbit; `bracket`, the width in the parameter of the interval
+    that contains it; numbers of unstable multipliers (HB: of growing roots of steady sliding) before and after, None where they
+    cannot be counted; `place`, the number of points of the branch before it."""
+
+    kind: str
+    value: float
+    period: float
+    stress_drop: float
+    elastic_stress_drop: float
+    v_max: float
+    v_min: float
+    bracket: float
+    unstable_before: int | None
+    unstable_after: int | None
+    place: int
+
+
+class CurvePoint(NamedTuple):
+    """A special point at the values `first` and `second` of both parameters: figures of its orbit, the width of its `bracket` in
+    the first parameter, numbers of unstable multipliers on both sides, None where they cannot be counted, and the multiplier that
+    crosses the unit circle."""
+
+    first: float
+    second: float
+    period: float
+    stress_drop: float
+    elastic_stress_drop: float
+    v_max: float
+    v_min: float
+    bracket: float
+    unstable_before: int | None
+    unstable_after: int | None
+    multiplier_re: float
+    multiplier_im: float
+
+    @property
+    def multiplier(self) -> tuple[float, float]:
+        """Its real and imaginary part."""
+        return self.multiplier_re, self.multiplier_im
+
+
+def point_of(point: OrbitPoint) -> BranchPoint:
+    """The record of an orbit."""
+    closed = point.closed
+    unstable = None if closed.flow.undecided else point.unstable
+    stable = False if unstable else True if is_decided(closed) else None
+    return BranchPoint(point.parameter, **figures_of(closed), unstable=unstable, stable=stable)
+
+
+def special_of(found: Special, place: int) -> SpecialPoint:
+    """The record of a special point after `place` points of the branch."""
+    return SpecialPoint(found.kind, found.point.parameter, bracket=found.bracket, place=place, **_sides(found))
+
+
+def curve_point_of(one: OnCurve, share: float) -> CurvePoint:
+    """The record of a point of a curve; `share`: unit of its bracket in the first parameter."""
+    passing, bracket = one.special.multiplier, max(share * one.special.bracket, CLOSES_TO)
+    sides = _sides(one.special)
+    return CurvePoint(*one.parameters, bracket=bracket, multiplier_re=passing.real, multiplier_im=passing.imag, **sides)
+
+
+def _sides(found: Special) -> dict[str, Any]:
+    """Figures of its orbit, and the numbers of unstable multipliers on both sides."""
+    uncounted = found.point.closed.flow.undecided
+    counts = {"unstable_before": found.unstable_before, "unstable_after": found.unstable_after}
+    return figures_of(found.point.closed) | {name: None if uncounted else count for name, count in counts.items()}

@@ -1,0 +1,168 @@
+"""Progress of anything that lasts longer than two seconds: on a terminal a bar with the time left, else lines for the logger
+"slipwave", which the command line prints on stderr and a Python program leaves silent; and which
+model is cheaper for a long run."""
+
+import logging
+import math
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from slipwave.friction import respond, steady_state, unknown_of
+from slipwave.scene import Scene
+from slipwave.scene.drive import Drive
+from slipwave.solve import Solver
+
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
+
+log = logging.getLogger("slipwave")
+"""Automatic choices and the progress of long work, at level INFO; the command line prints it on stderr."""
+
+PATIENCE = 2.0
+"""Seconds without news before progress is shown."""
+
+_LINE_INTERVAL = 10.0
+
+LONG = 60.0
+"""Predicted rest of a run (s) from which a cheaper model is recommended."""
+
+_TENTH = 0.1 - 1e-9  # share of the work, less rounding, before which nothing is predicted, and of its last stretch
+_MARK = 0.1  # of that share: between two times that are remembered
+_UNSURE = 2.0  # ratio of two predictions from which both are told
+_DEAR = {"delay", "fd", "sbp", "fem", "dg"}
+
+
+class Remaining:
+    """The seconds that a work still needs, by the `share` of it that is done. Nothing is predicted before a tenth of it is done;
+    from then on once at its mean speed so far and once at that of its last tenth. What came before the first news may have been
+    compilation and does not count."""
+
+    def __init__(self) -> None:
+        self._marks: list[tuple[float, float]] = []
+
+    def __call__(self, share: float, now: float) -> tuple[float, float] | None:
+        """The smaller and the larger prediction when the `share` (0 to 1) is done at the time `now` (s); None without one."""
+        tenth = _TENTH * (1.0 - (self._marks[0][0] if self._marks else share))
+        if not self._marks or share >= self._marks[-1][0] + _MARK * tenth:
+            self._marks.append((share, now))
+        if share - self._marks[0][0] < tenth or tenth <= 0.0:
+            return None
+        last = next(mark for mark in reversed(self._marks) if share - mark[0] >= tenth)
+        low, high = sorted((now - when) * max(1.0 - share, 0.0) / (share - then) for then, when in (self._marks[0], last))
+        return low, high
+
+
+def share_of_run(drive: Drive, until: float) -> Callable[[float], float]:
+    """The share of a run to `until` (transits) that is done at a time: the mean of the shares of time and of the distance that
+    the `drive` has travelled, since steps follow the motion, which a hold stops."""
+    start, whole = drive.travel(np.array([0.0, until]))
+    if not (min(drive.velocities) >= 0.0 and whole > start):
+        return lambda time: time / until
+    return lambda time: 0.5 * (time / until + float(drive.travel(np.array([time]))[0] - start) / (whole - start))
+
+
+class _Meter:
+    """Shows nothing until PATIENCE has passed; then a bar on a terminal, else a line every ten seconds for the logger."""
+
+    def __init__(self, label: str, total: float, share: Callable[[float], float] | None) -> None:
+        self._label, self._total = label, total
+        self._share = share or (lambda done: done / total)
+        self._began = self._printed = time.monotonic()
+        self._remaining = Remaining()
+        self._bar: Progress | None = None
+        self._task: TaskID | None = None
+
+    def __call__(self, done: float) -> None:
+        now = time.monotonic()
+        left = self._remaining(self._share(done), now)
+        if now - self._began < PATIENCE:
+            return
+        if sys.stderr.isatty():
+            if self._bar is None:
+                from rich.console import Console
+                from rich.markup import escape
+                from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+
+                columns = ("{task.description}", BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[left]}"))
+                self._bar = Progress(*columns, console=Console(stderr=True), transient=True)
+                self._task = self._bar.add_task(escape(self._label), total=self._total, left="")
+                self._bar.start()
+            assert self._task is not None
+            self._bar.update(self._task, completed=done, left=_in_words(left))
+        elif now - self._printed >= _LINE_INTERVAL:
+            self._printed = now
+            news = [f"{100.0 * done / self._total:.0f}%", *([_in_words(left)] if left else [])]
+            log.info("%s: %s", self._label, ", ".join(news))
+
+    def close(self) -> None:
+        """Remove the bar from the screen."""
+        if self._bar is not None:
+            self._bar.stop()
+
+
+def _in_words(left: tuple[float, float] | None) -> str:
+    """The time `left` (s), as a range where its two predictions disagree."""
+    if left is None:
+        return ""
+    low, high = left
+    return f"{low:.0f} to {high:.0f} s left" if high > _UNSURE * low else f"{math.sqrt(low * high):.0f} s left"
+
+
+@contextmanager
+def progress(label: str, total: float, share: Callable[[float], float] | None = None) -> Iterator[Callable[[float], None]]:
+    """Context with a function that is called with the part of `total` that is done. The time left is predicted from the `share`
+    of the work that this is, as a rule done / total. The bar is removed at the end."""
+    meter = _Meter(label, total, share)
+    try:
+        yield meter
+    finally:
+        meter.close()
+
+
+class News:
+    """Lines for the logger on work of unknown length, at most one every ten seconds."""
+
+    def __init__(self) -> None:
+        self._printed = time.monotonic()
+
+    def __call__(self, text: str, *values: object) -> None:
+        """Log the `text` with its `values`, if it is time."""
+        if (now := time.monotonic()) - self._printed >= _LINE_INTERVAL:
+            self._printed = now
+            log.info(text, *values)
+
+
+def error_without_echoes(scene: Scene) -> float:
+    """Largest relative change of v by one echo of a change of V, which quasidynamic leaves out: 2 Z v_z/F_z at the largest V."""
+    velocity = max(scene.drive.velocities)
+    slopes = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
+    return float(2.0 * scene.impedance * slopes[1] / slopes[3])
+
+
+class LongRunAdvice:
+    """Progress of a run of `solver`, passed on to `report`; logs once, if the rest of the run is long, the cheaper model with
+    its estimated error. `share`: that of the run that is done at a time (transits)."""
+
+    def __init__(self, solver: Solver, share: Callable[[float], float], report: Callable[[float], None]) -> None:
+        self._solver, self._share, self._report, self._remaining = solver, share, report, Remaining()
+        elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
+        self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
+
+    def __call__(self, done: float) -> None:
+        """Report the time `done` (transits)."""
+        self._report(done)
+        left = None if self._silent else self._remaining(self._share(done), time.monotonic())
+        if left is None or math.sqrt(left[0] * left[1]) < LONG:
+            return
+        self._silent = True
+        log.info(
+            "%s of this run; --model quasidynamic is cheaper and leaves out the echoes of waves, each of which changes v by up "
+            "to %.1g of itself (estimated; more where the motion stick-slips)",
+            _in_words(left),
+            error_without_echoes(self._solver.scene),
+        )

@@ -1,0 +1,110 @@
+"""The timer of all comparisons of run times: works that alternate in one process, so that a slower machine slows all of them.
+
+A time is the median over rounds, with its quartiles, taken after the compiled code is loaded. Processor time hardly depends on
+other work of the machine.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+
+from slipwave.errors import NumericsError
+from slipwave.observe import EventObserver
+from slipwave.scene import Scene
+from slipwave.solve import Final, Solver, follow
+from validation.models import stopwatch
+from validation.models.build import build
+from validation.models.cycle import watch
+
+_WARM_UP = 2.0  # transits
+
+Name = TypeVar("Name")
+Answer = TypeVar("Answer")
+Work: TypeAlias = Callable[[], Callable[[], Answer]]
+"""Prepares, untimed, and returns the function to be timed."""
+
+
+def alternating(
+    works: Mapping[Name, Work[Answer]], rounds: int, clock: Callable[[], float] | None = None
+) -> Iterator[tuple[Name, float, Answer]]:
+    """(name, seconds, answer) of each work, in each of the `rounds`; processor seconds, unless there is another `clock`."""
+    clock = clock or stopwatch.processor_seconds
+    for _ in range(rounds):
+        for name, prepare in works.items():
+            work = prepare()
+            began = clock()
+            answer = work()
+            yield name, clock() - began, answer
+
+
+def in_turn(works: Mapping[Name, Work[Any]], rounds: int) -> list[dict[Name, float]]:
+    """Processor seconds of each work in each round."""
+    found = [(name, seconds) for name, seconds, _ in alternating(works, rounds)]
+    return [dict(found[k : k + len(works)]) for k in range(0, len(found), len(works))]
+
+
+def quartiles(values: Iterable[float]) -> tuple[float, float, float]:
+    """Lower quartile, median, upper quartile."""
+    low, median, high = np.quantile(list(values), (0.25, 0.5, 0.75)).tolist()
+    return low, median, high
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A model with its numerical options; `None` leaves one to the model."""
+
+    model: str
+    tolerance: float | None = None
+    cells: int | None = None
+    cfl: float | None = None
+    time: str | None = None
+
+    @property
+    def words(self) -> str:
+        """The options as text in the report's markup."""
+        words = [f"{self.cells} cells"] if self.cells else []
+        words += [f"CFL {self.cfl:g}"] if self.cfl else []
+        words += [f"{self.time} in time"] if self.time else []
+        words += [f"tolerance 10^{{{math.log10(self.tolerance):.2g}}}"] if self.tolerance else []
+        return ", ".join(words)
+
+
+@dataclass(frozen=True)
+class March:
+    """The work of `transits` of march and event detection by a solver that has been marched to `begin`."""
+
+    setting: Setting
+    scene: Scene
+    transits: float
+    begin: float = 0.0
+
+    def __call__(self) -> Callable[[], Final]:
+        """Prepare the march, untimed."""
+        solver = solver_of(self.setting, self.scene)
+        if self.begin:
+            follow(solver, self.begin)
+        return partial(follow, solver, self.begin + self.transits, [EventObserver(self.scene, solver.nodes)])
+
+
+def solver_of(setting: Setting, scene: Scene) -> Solver:
+    """The solver of `setting`, at the start of `scene`."""
+    return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance, time=setting.time)
+
+
+def warm(solver: Solver) -> None:
+    """Load or compile the code for a march of `solver`, which is not changed, before timing."""
+    before = solver.state()
+    with suppress(NumericsError):
+        EventObserver(solver.scene, solver.nodes).scan(solver.advance(solver.time + _WARM_UP))
+    solver.restore(before)
+
+
+def warm_up(setting: Setting, scene: Scene) -> None:
+    """Load or compile the code for `setting`, before timing."""
+    with suppress(NumericsError):  # a run that fails reports it itself
+        watch(solver_of(setting, scene), _WARM_UP if scene.until is None else min(_WARM_UP, scene.until))

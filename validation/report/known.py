@@ -1,0 +1,92 @@
+"""Claims of several studies: periods known from other programs, the order of periods (P7)."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from slipwave.observe.statistics import Estimate
+from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
+from validation.models.by_name import grid_of
+from validation.models.cycle import SYMBOLS
+from validation.references.published import half_digit, reference_orbit
+from validation.report import PAPER, WITNESS, Evidence, Verdict, claim, every, holding
+from validation.report.text import minus, places
+
+ERRORS = 4.0
+"""Number of its stated errors by which a figure may deviate."""
+
+OTHERS = 9e-11
+"""How far periods of other programs may be off beyond half of the last digit that is known, relative: those of `block8` are."""
+
+JUST_BELOW = 0.01
+"""Largest relative distance below the onset of a fold that is "just below" it."""
+
+
+def error_of(*figures: Estimate) -> float:
+    """Allowed relative difference of figures: `ERRORS` times their stated errors."""
+    return ERRORS * sum(figure.error / abs(figure.value) for figure in figures)
+
+
+def rounding(operations: float) -> float:
+    """How far the rounding errors of so many operations may add up, relative: they are as if drawn at random, so that their sum
+    grows with the square root of their number (Higham and Mary, SIAM J. Sci. Comput. 41, 2019), each at most half of eps."""
+    return ERRORS * 0.5 * float(np.finfo(float).eps) * math.sqrt(operations)
+
+
+def error_after(model: str, error: float, coarse: int, fine: int) -> float:
+    """How far the orbit of a grid of `fine` cells may be off after that `error` on `coarse` ones: twice what the declared order
+    leaves of it."""
+    family, number = grid_of(model)
+    return 2.0 * abs(error) * (coarse / fine) ** family.order_interface(number)
+
+
+def as_known(title: str, model: str, log10_r: float, ours: Mapping[str, float], others: float = OTHERS) -> Iterator[Verdict]:
+    """Verdict, if anything is known, on figures (names of `Orbit`) of a model's orbit at one r: half of the last known digit is
+    allowed, and what the `others` or we may be off by beyond it, relative; shown is the worst."""
+    known = {name: value for name, value in reference_orbit(model, log10_r).items() if name in ours}
+    off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
+    allowed = {name: half_digit(value) / abs(value) + others for name, value in known.items()}
+    if known:
+        worst = max(known, key=lambda name: off[name] / allowed[name])
+        symbols = ", ".join(map(SYMBOLS.__getitem__, known))
+        where = f"`{model}` at {places([log10_r])}: {symbols}" + (f"; shown: {SYMBOLS[worst]}" if len(known) > 1 else "")
+        yield claim(title, WITNESS, off[worst], allowed[worst], where)
+
+
+def as_printed(title: str, printed: float, ours: float) -> Verdict:
+    """Verdict on a number of the paper: half of its last digit is allowed."""
+    off, half = abs(ours - printed), half_digit(printed)
+    return holding(title, PAPER, f"{printed:g} ± {half:g}", f"{ours:.5f}", off <= half).with_margin(off, half)
+
+
+def of_order(
+    title: str,
+    evidence: Evidence,
+    found: Fit,
+    declared: float,
+    remark: str = "",
+    within: float = WITHIN,
+    above: bool = False,
+    widest: float = WIDEST,
+) -> Verdict:
+    """Verdict on an order of convergence, by `shortfall`: `within` this distance of the declared one, or its own interval; with
+    `above` it may be larger."""
+    allowed, holds = max(within, found.half_width), not shortfall(found, declared, within, above, widest)
+    expected, off = asked(found.order, declared, allowed, above)
+    return holding(title, evidence, expected, found.rounded, holds, remark).with_margin(off, allowed)
+
+
+def range_of_r(grid: Sequence[float]) -> str:
+    """The range of r in a claim's title."""
+    return minus(f"log_{{10}} r from {grid[0]:g} to {grid[-1]:g}")
+
+
+def order_of_periods(listed: Mapping[float, Mapping[str, Sequence[float]]], remark: str) -> Verdict:
+    """Verdict on P7 at every r; by r and model, all its periods there."""
+    held = sum(
+        max(one["kelvin-voigt"]) < min(one["delay"]) and max(one["delay"]) < min(*one["block8"], *one["block12"])
+        for one in listed.values()
+    )
+    title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([*listed])}"
+    return every(title, PAPER, held, len(listed), remark, "r")

@@ -1,0 +1,154 @@
+"""Verdicts: one claim, one kind of evidence, what was expected, what was found, and the outcome."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from validation.report.text import around, minus
+
+ROUNDING = 1e-11
+"""Least relative tolerance of a number that states its error: the rounding errors of an orbit, which differ between processors;
+2e-12 occurs (`reduced.orbit.periodic`)."""
+
+
+class Outcome(StrEnum):
+    """Outcome of a claim. A failing claim of the paper is a finding, and so is a promised speed that was not reached; any other
+    failing promise of ours is a failure. `OPEN`: what was measured is too uncertain to tell (`verify` alone)."""
+
+    PASS = "pass"
+    FINDING = "finding"
+    FAIL = "fail"
+    OPEN = "not decided"
+
+
+class Evidence(StrEnum):
+    """Five kinds of evidence, never mixed: what a claim was compared with."""
+
+    EXACT = "exact"
+    SELF = "self-convergence"
+    WITNESS = "independent witness"
+    PAPER = "paper"
+    ASYMPTOTIC = "asymptotics"
+
+
+EXACT, SELF, WITNESS, PAPER, ASYMPTOTIC = Evidence
+
+RUN_TIMES = ("s", "ms", "μs", "of times")
+"""Units of columns that hold run times, or ratios of run times; in sentences these stand between ~{ and }."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One claim and one kind of evidence: what was expected, what was found (the same quantity), and the outcome.
+
+    `size` and `limit`, in `unit` (none: a pure number), are the measured and the allowed value of one quantity: distance of a
+    number from another (`claim`) or from the middle of a range (`in_range`), ratio of required to found (`at_least`), number of
+    misses (`every`). Without them the claim is one of yes or no. `id` is the verdict's name on the page and in files
+    (`validation.report.names`). `cases`: the verdicts on one claim for several grids, models or scenes, each named by its remark;
+    the verdict itself is then the worst of them. Raises ValueError for a pass beyond the limit: then `size` and `limit` are
+    different quantities.
+    """
+
+    claim: str
+    evidence: Evidence
+    expected: str
+    ours: str
+    outcome: Outcome
+    remark: str = ""
+    size: float | None = None
+    limit: float | None = None
+    unit: str = ""
+    id: str = ""
+    cases: tuple["Verdict", ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.outcome is Outcome.PASS and self.margin is not None and not self.margin <= 1.0 + ROUNDING:
+            raise ValueError(f"{self.claim}: holds, though {self.size:g} is more than {self.limit:g}")
+
+    @property
+    def margin(self) -> float | None:
+        """Ratio of `size` to `limit`; None for a claim of yes or no."""
+        return self.size / self.limit if self.size is not None and self.limit else None
+
+    def with_margin(self, size: float, limit: float, unit: str = "") -> "Verdict":
+        """The verdict with measured `size` and allowed `limit`."""
+        return replace(self, size=size if math.isfinite(size) else None, limit=limit, unit=unit)
+
+    @property
+    def rows(self) -> tuple["Verdict", ...]:
+        """Its cases; of a claim with a single case the verdict itself."""
+        return self.cases or (self,)
+
+    @property
+    def timed(self) -> bool:
+        """Whether a run time was judged (by its unit)."""
+        return self.unit in RUN_TIMES
+
+
+def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
+    """PASS if the claim holds, else `otherwise`."""
+    return Outcome.PASS if holds else otherwise
+
+
+def _otherwise(evidence: Evidence) -> Outcome:
+    return Outcome.FINDING if evidence is PAPER else Outcome.FAIL
+
+
+def claim(
+    title: str,
+    evidence: Evidence,
+    ours: float,
+    within: float,
+    remark: str = "",
+    shown: str = "",
+    near: float = 0.0,
+    unit: str = "",
+) -> Verdict:
+    """PASS if `ours` lies `within` this distance of `near`: 0 for an error, 1 for a ratio. NaN fails, and so does an independent
+    check that agrees to the last bit, which was compared with itself. A claim of the paper that does not hold is a finding, no
+    failure of this program. `shown`: text appended to the remark."""
+    size = abs(ours - near)
+    holds = size < within and not (evidence is WITNESS and size == 0.0)
+    outcome, known = judge(holds, _otherwise(evidence)), size if math.isfinite(size) else None
+    expected, found = (f"{words} {unit}".strip() for words in around(near, ours, within))
+    remark = "; ".join(filter(None, (remark, shown)))
+    return Verdict(title, evidence, expected, found, outcome, remark, known, within, unit)
+
+
+def at_least(title: str, evidence: Evidence, ours: float, least: float, remark: str = "", unit: str = "") -> Verdict:
+    """PASS if `ours` >= `least` > 0. A claim of the paper that does not hold is a finding."""
+    expected, found = around(0.0, ours, least)
+    asked, shown = f"{expected.removeprefix('below ')} {unit}".strip() + " or more", f"{'−' * (ours < 0.0)}{found} {unit}".strip()
+    share = least / ours if ours > 0.0 else math.inf
+    return holding(title, evidence, asked, shown, share <= 1.0, remark, _otherwise(evidence)).with_margin(share, 1.0)
+
+
+def in_range(
+    title: str, evidence: Evidence, ends: tuple[float, float], ours: Sequence[float], remark: str = "", form: str = ".3g"
+) -> Verdict:
+    """PASS if all of `ours` lie between the `ends`; shown are the ends, the least and the largest in this `form`. A claim of the
+    paper's that does not hold is a finding."""
+    found, (middle, half) = (min(ours), max(ours)), (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]))
+    words = (" to ".join(dict.fromkeys(format(one, form) for one in pair)) for pair in (ends, found))
+    expected, shown = (minus(one).replace("%", " %") for one in words)
+    off = max((abs(one - middle) for one in ours), key=lambda one: (math.isnan(one), one))
+    return holding(title, evidence, expected, shown, off < half, remark, _otherwise(evidence)).with_margin(off, half)
+
+
+def every(title: str, evidence: Evidence, held: int, of: int, remark: str = "", what: str = "") -> Verdict:
+    """PASS if `held` equals `of` > 0; `what`: the name of the cases. A claim of the paper that does not hold is a finding."""
+    expected, ours = (f"{count} of {of} {what}".strip() for count in (of, held))
+    return holding(title, evidence, expected, ours, held == of > 0, remark, _otherwise(evidence)).with_margin(of - held, 1.0)
+
+
+def holding(
+    title: str, evidence: Evidence, expected: str, ours: str, holds: bool, remark: str = "", otherwise: Outcome = Outcome.FAIL
+) -> Verdict:
+    """The verdict on a claim in words: PASS if it `holds`."""
+    return Verdict(title, evidence, expected, ours, judge(holds, otherwise), remark)
+
+
+def of_paper(title: str, expected: str, ours: str, holds: bool, remark: str = "", evidence: Evidence = PAPER) -> Verdict:
+    """The verdict on a claim of the paper's in words: one that does not hold is a finding."""
+    return holding(title, evidence, expected, ours, holds, remark, Outcome.FINDING)
