@@ -2,12 +2,12 @@
 
 import math
 from bisect import bisect_right
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.friction import rates, resampled, respond, steady_state, unknown_of
+from slipwave.friction import rates, respond, steady_state, unknown_of
 from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis, slack
 from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, stage_figures, stages_of
 from slipwave.scene import Scene
@@ -23,7 +23,7 @@ _NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie bet
 
 
 class Sampling(NamedTuple):
-    """`points` of a piece; `rows` that evaluate its polynomial there; `sums` that integrate it from 0 to each point and to 1."""
+    """`points` of a piece; `rows` that evaluate its polynomial there; `sums` that integrate it from 0 to each point."""
 
     points: Array
     rows: Array
@@ -39,9 +39,9 @@ class ProtocolObserver:
         self._seen = [Seen() for _ in self.stages]
         self._slip, self._last, self._now = 0.0, math.nan, 0  # `_now`: the first stage that is not over
         # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
-        self._cut = nodes[0] > 0.0
+        self._nodes, self._cut = nodes, nodes[0] > 0.0
         own = tuple(nodes.tolist())
-        self._coarse = _sampling(own, (0.0, *own) if self._cut else own)
+        self._own, self._whole = _sampling(own, own), _sampling(own, (1.0,)).sums[0]
         self._fine, self._finer = (_sampling(own, tuple(np.linspace(0.0, 1.0, n).tolist())) for n in (_POINTS, _MORE_POINTS))
 
     @property
@@ -61,36 +61,41 @@ class ProtocolObserver:
         """Take the next pieces of the run, in order. Figures are the same to the bit, however many come at once."""
         if not self.stages or not pieces.time.size:
             return
-        samples, begun = self._sampled(self._coarse, pieces, self._slip)
+        count = self._nodes.size
+        time, mu = (pieces.time[:, None] + pieces.length[:, None] * self._nodes).ravel(), pieces.mu.ravel()
         middle = pieces.time + 0.5 * pieces.length
         now = float(pieces.time[-1] + pieces.length[-1])
         begun_by_now = bisect_right(self.stages, now, key=lambda stage: stage.start)
         for k, stage in enumerate(self.stages[self._now : begun_by_now], self._now):
-            first, end = np.searchsorted(np.repeat(middle, samples.shape[2]) if self._cut else samples[0].ravel(), stage[1:3])
-            inside = samples.reshape(len(samples), -1)[:, first:end]
-            inside = inside[:, inside[0] <= stage.end + slack(stage.end)]
-            if not inside.size and self._seen[k].reached > -math.inf:
+            first, end = count * np.searchsorted(middle, stage[1:3]) if self._cut else np.searchsorted(time, stage[1:3])
+            inside = slice(first, min(end, np.searchsorted(time, stage.end + slack(stage.end), "right")))
+            if first < inside.stop:
+                self._take(k, stage, time[inside], mu[inside], pieces.z.ravel()[inside], min(now, stage.end))
+                if stage.kind in ("step", "slide"):
+                    self._follow(k, stage, pieces, inside)
+            elif self._seen[k].reached > -math.inf:
                 self._seen[k] = self._seen[k]._replace(reached=min(now, stage.end))
-            if inside.size:
-                self._take(k, stage, inside, min(now, stage.end))
-                if self._cut and stage.kind in ("step", "slide"):
-                    first, end = np.searchsorted(middle, stage[1:3])
-                    self._look_for_peaks(k, stage, pieces.part(slice(first, end)), begun[first:])
-                else:
-                    self._seen[k] = _peak(self._seen[k], stage.sign, self._steady(stage), inside[1], inside[3])
-        self._slip = float(begun[-1])
         while self._now < len(self.stages) and self.stages[self._now].end <= now:
             self._now += 1
 
-    def _sampled(self, sampling: Sampling, pieces: Pieces, slip: float | Array) -> tuple[Array, Array]:
-        """Time, mu, slip rate and slip at the points of each piece, (4, k, p), and the slip at the k beginnings and the end of
-        the pieces. `slip`: that at the first beginning, or (k,) at all of them."""
-        law, (points, rows, sums) = self._scene.law, sampling
-        gained = self._scene.transit * pieces.length[:, None] * _at(sums, rates(law, pieces.z))
-        begun = np.cumsum(np.append(slip, gained[:, -1])) if np.ndim(slip) == 0 else np.asarray(slip)
-        time = pieces.time[:, None] + pieces.length[:, None] * points
-        rate = rates(law, resampled(law, pieces.z, pieces.psi, partial(_at, rows)))
-        return np.stack([time, _at(rows, pieces.mu), rate, gained[:, :-1] + begun[: len(gained), None]]), begun
+    def _follow(self, k: int, stage: Stage, pieces: Pieces, inside: slice) -> None:
+        """Add the slip in a stage, whose nodes are those `inside` the `pieces`, and look for its peak and the recovery."""
+        count = self._nodes.size
+        pieces = pieces.part(slice(inside.start // count, -(-inside.stop // count)))
+        gained = self._scene.transit * pieces.length * np.add.reduce(self._whole * rates(self._scene.law, pieces.z), axis=1)
+        begun = np.cumsum(np.append(self._slip, gained))
+        if self._cut:
+            self._look_for_peaks(k, stage, pieces, begun)
+        else:
+            stress, slip = (values.ravel()[inside.start % count :] for values in self._sampled(self._own, pieces, begun[:-1]))
+            taken = slice(inside.stop - inside.start)
+            self._seen[k] = _peak(self._seen[k], stage.sign, self._steady(stage), stress[taken], slip[taken])
+        self._slip = float(begun[-1])
+
+    def _sampled(self, sampling: Sampling, pieces: Pieces, begun: Array) -> tuple[Array, Array]:
+        """Friction stress and slip at the points of each piece, (k, p); `begun` (k,): the slip at its beginning."""
+        gained = self._scene.transit * pieces.length[:, None] * _at(sampling.sums, rates(self._scene.law, pieces.z))
+        return _at(sampling.rows, pieces.mu), gained + begun[:, None]
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:
         """Find the peak of a stage and the recovery after it, in those of its `pieces` in which they may lie."""
@@ -111,28 +116,33 @@ class ProtocolObserver:
                     slice(first, first + min(many, int(np.argmax(alike)))),
                     self._finer if long[first] else self._fine,
                 )
-                fine, _ = self._sampled(sampling, pieces.part(these), begun[these])
-                mu, slip, points = fine[1].ravel(), fine[3].ravel(), sampling.points.size
+                mu, slip = (values.ravel() for values in self._sampled(sampling, pieces.part(these), begun[these]))
+                points = sampling.points.size
                 used = _until_recovered(seen, stage.sign, steady, mu) // points + 1
                 self._seen[k] = _peak(seen, stage.sign, steady, mu[: used * points], slip[: used * points], points)
                 first += used
 
-    def _take(self, k: int, stage: Stage, samples: Array, reached: float) -> None:
-        time, mu, rate, _ = samples
+    def _take(self, k: int, stage: Stage, time: Array, mu: Array, z: Array, reached: float) -> None:
+        """Take the samples of a stage: its last stress, and the ranges of ln v in its later parts."""
         seen = self._seen[k]
         if math.isnan(seen.before):  # the stage begins
-            seen = seen._replace(before=mu[0] if math.isnan(self._last) else self._last)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ln_v = np.log(rate)
-        half, last, late = (time >= stage.end - share * (stage.end - stage.start) for share in (0.5, 0.25, LATE))
+            seen, self._slip = seen._replace(before=mu[0] if math.isnan(self._last) else self._last), 0.0
+        half, last, late = np.searchsorted(time, [stage.end - share * (stage.end - stage.start) for share in (0.5, 0.25, LATE)])
         self._seen[k] = seen._replace(
             last=float(mu[-1]),
-            third=seen.third.with_values(ln_v[half & ~last]),
-            fourth=seen.fourth.with_values(ln_v[last]),
-            late=seen.late.with_values(ln_v[late]),
+            third=self._extended(seen.third, z[half:last]),
+            fourth=self._extended(seen.fourth, z[last:]),
+            late=self._extended(seen.late, z[late:]),
             reached=reached,
         )
         self._last = float(mu[-1])
+
+    def _extended(self, extent: Extent, z: Array) -> Extent:
+        """A range of ln v, extended to the rate unknowns `z`, with which v rises."""
+        if not z.size:
+            return extent
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return extent.with_values(np.log(rates(self._scene.law, np.array([z.min(), z.max()]))))
 
     def _steady(self, stage: Stage) -> float:
         """Steady stress at the velocity of a stage; NaN in a hold."""
@@ -160,11 +170,8 @@ class ProtocolObserver:
 
 
 def _at(rows: Array, values: Array) -> Array:
-    """values @ rows.T, term by term: the same to the bit, however many `values` (k, s) come at once."""
-    total = values[:, :1] * rows[:, 0]
-    for j in range(1, rows.shape[1]):
-        total += values[:, j : j + 1] * rows[:, j]
-    return total
+    """values @ rows.T, piece by piece: the same to the bit, however many `values` (k, s) come at once."""
+    return np.asarray((rows @ values[..., None])[..., 0])
 
 
 def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
@@ -229,5 +236,5 @@ def _sampling(nodes: tuple[float, ...], points: tuple[float, ...]) -> Sampling:
     basis, abscissae = lagrange_basis(np.array(nodes)), np.array(points)
     gauss, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
     inner = 0.5 * (1.0 + gauss)
-    sums = np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in (*points, 1.0)])
+    sums = np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in points])
     return Sampling(abscissae, interpolation_matrix(basis, abscissae), sums)
