@@ -17,7 +17,7 @@ credited with more than the scheme's order p, i.e. the estimate is at least the 
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
@@ -34,6 +34,8 @@ from slipwave.solve import FieldSolver, Solver, follow
 from slipwave.solve.follow import require_time
 
 Solved = TypeVar("Solved")
+Probed: TypeAlias = tuple[str, Array]
+"""What a probe compares: "cycles" with their periods and stress drops, in order, or "final state", ln v and psi at its end."""
 
 MOST_TRIED_CELLS = 400
 PROBE = 400.0
@@ -61,14 +63,6 @@ class Choice:
     error_estimate: float
     tried: tuple[tuple[int, float], ...]
     adapts: bool = False
-
-
-@dataclass(frozen=True)
-class _Outcome:
-    """The result of a probe: periods and stress drops of its cycles, in order, else ln v and psi at its end."""
-
-    quantity: str
-    values: Array
 
 
 def to_tolerance(
@@ -113,12 +107,13 @@ def to_tolerance(
             estimate = max(estimate, last / _RATIO**credited)
         estimate *= _MARGIN if credited <= _IRREGULAR else 1.0
         if _kinked(scene) and gain > 1.0:
-            gain = max(gain, _RATIO ** (1 if _jumps(scene) else credited))
+            steps = 0.0 in np.diff(scene.drive.times)  # after a step of V grids are of order 1
+            gain = max(gain, _RATIO ** (1 if steps else credited))
         estimate += _STEPS_ERROR * solver.settings.get("resolution", 0.0)
         tried.append((cells, estimate))
         if now is not None and estimate <= tolerance:
             fresh = kind(scene, cells=cells, **options)
-            return fresh, Choice(cells, fresh.step, now.quantity, estimate, tuple(tried), _adapts(fresh))
+            return fresh, Choice(cells, fresh.step, now[0], estimate, tuple(tried), math.isnan(fresh.transits_per_piece))
         needed = _needed(cells, estimate / tolerance, gain) if cells >= _SETTLED else 0.0
         before, cells = now, math.ceil(_RATIO * cells)
     if needed > MOST_TRIED_CELLS:
@@ -143,11 +138,7 @@ def judge_grid(cells: int, judged: FieldSolver, other: FieldSolver) -> Choice:
     """
     theirs, ours = probe(other), probe(judged)
     estimate = _MARGIN * difference_of(theirs, ours) + _STEPS_ERROR * judged.settings.get("resolution", 0.0)
-    return Choice(cells, judged.step, ours.quantity if ours else "final state", estimate, (), _adapts(judged))
-
-
-def _adapts(solver: FieldSolver) -> bool:
-    return solver.settings.get("time") == "exact"
+    return Choice(cells, judged.step, ours[0] if ours else "final state", estimate, (), math.isnan(judged.transits_per_piece))
 
 
 def _needed(cells: int, factor: float, gain: float) -> float:
@@ -178,12 +169,7 @@ def _kinked(scene: Scene) -> bool:
     return not scene.drive.is_constant and scene.drive.times[-1] > 0.0
 
 
-def _jumps(scene: Scene) -> bool:
-    """Whether the drive has a step, after which grids are of order 1."""
-    return 0.0 in np.diff(scene.drive.times)
-
-
-def probe(solver: Solver) -> _Outcome | None:
+def probe(solver: Solver) -> Probed | None:
     """The result of a probe with a fresh `solver`; None if the grid is too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
     require_time(solver, _probed_until(solver.scene))
@@ -193,13 +179,14 @@ def probe(solver: Solver) -> _Outcome | None:
         return None
     cycles = events.events()
     if cycles.period.size:
-        return _Outcome("cycles", np.concatenate((cycles.period, cycles.stress_drop)))
-    return _Outcome("final state", np.array([final.ln_v if final.v > 0.0 else final.mu, final.psi]))
+        return "cycles", np.concatenate((cycles.period, cycles.stress_drop))
+    return "final state", np.array([final.ln_v if final.v > 0.0 else final.mu, final.psi])
 
 
-def difference_of(before: _Outcome | None, now: _Outcome | None) -> float:
+def difference_of(before: Probed | None, now: Probed | None) -> float:
     """Largest relative difference of two probes, infinite unless both have the same cycles."""
-    if before is None or now is None or before.quantity != now.quantity or before.values.size != now.values.size:
+    if before is None or now is None or before[0] != now[0] or before[1].size != now[1].size:
         return math.inf
-    worst = float((np.abs(now.values - before.values) / np.maximum(np.abs(now.values), 1e-3)).max())
+    (_, values), (_, earlier) = now, before
+    worst = float((np.abs(values - earlier) / np.maximum(np.abs(values), 1e-3)).max())
     return worst if math.isfinite(worst) else math.inf

@@ -37,27 +37,6 @@ class Elements(NamedTuple):
     scale: Array
 
 
-def element_grid(sections: Sequence[Section], degree: int) -> BlockGrid:
-    """Every cell of every section as one block."""
-    nodes, weights = gauss_lobatto(degree)
-    total = sum(section.cells for section in sections)
-    width = LANES * -(-total // _ABREAST)
-    scale = np.zeros(width)
-    rows = width * np.arange(degree + 1)
-    blocks: list[Block] = []
-    for section in sections:
-        length = section.length / section.cells
-        lift = 2.0 / (length * weights[0])
-        for cell in range(section.cells):
-            column = LANES * (len(blocks) // _ABREAST) + len(blocks) % _ABREAST
-            scale[[column, column + _ABREAST]] = 2.0 / length
-            depth = section.start + length * (cell + 0.5 * (nodes + 1.0))
-            norm = 0.5 * length * weights
-            blocks.append(Block(section, rows + column, rows + column + _ABREAST, depth, norm, (lift, lift)))
-    elements = Elements(degree + 1, lagrange_basis(nodes).derivative.ravel(), scale)
-    return BlockGrid(elements, width * (degree + 1), tuple(blocks))
-
-
 @apply.register(Elements)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     width = operator.scale.size
@@ -85,8 +64,24 @@ class DiscontinuousGalerkin(MethodOfLines):
     family = GALERKIN
 
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
-        """As `MethodOfLines`."""
-        return element_grid(sections, self.number)
+        """As `MethodOfLines`: every cell of every section is one block."""
+        nodes, weights = gauss_lobatto(self.number)
+        total = sum(section.cells for section in sections)
+        width = LANES * -(-total // _ABREAST)
+        scale = np.zeros(width)
+        rows = width * np.arange(nodes.size)
+        blocks: list[Block] = []
+        for section in sections:
+            length = section.length / section.cells
+            lift = 2.0 / (length * weights[0])
+            for cell in range(section.cells):
+                column = LANES * (len(blocks) // _ABREAST) + len(blocks) % _ABREAST
+                scale[[column, column + _ABREAST]] = 2.0 / length
+                depth = section.start + length * (cell + 0.5 * (nodes + 1.0))
+                norm = 0.5 * length * weights
+                blocks.append(Block(section, rows + column, rows + column + _ABREAST, depth, norm, (lift, lift)))
+        elements = Elements(nodes.size, lagrange_basis(nodes).derivative.ravel(), scale)
+        return BlockGrid(elements, width * nodes.size, tuple(blocks))
 
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""

@@ -40,11 +40,6 @@ class Assembled(NamedTuple):
     half: int
 
 
-def element_of(degree: int) -> Any:
-    """The scikit-fem element of `degree`."""
-    return {1: skfem.ElementLineP1, 2: skfem.ElementLineP2}.get(degree, lambda: ElementLineGLL(degree))()
-
-
 @skfem.BilinearForm  # type: ignore[untyped-decorator]
 def _mass(u: Any, v: Any, _: Any) -> Any:
     return u * v
@@ -60,8 +55,9 @@ def assemble_layer(cells: int, degree: int) -> tuple[Array, Array, Any]:
     mesh = skfem.MeshLine(np.linspace(0.0, 1.0, cells + 1))
     points, weights = gauss_lobatto(degree)
     in_nodes = (0.5 * (points + 1.0)[None, :], 0.5 * weights)
-    exact = skfem.Basis(mesh, element_of(degree), intorder=2 * degree)
-    lumped = skfem.Basis(mesh, element_of(degree), quadrature=in_nodes)
+    element = {1: skfem.ElementLineP1, 2: skfem.ElementLineP2}.get(degree, lambda: ElementLineGLL(degree))
+    exact = skfem.Basis(mesh, element(), intorder=2 * degree)
+    lumped = skfem.Basis(mesh, element(), quadrature=in_nodes)
     order = np.argsort(exact.doflocs[0])
     mass = _mass.assemble(lumped).diagonal()[order]
     return exact.doflocs[0][order], mass, _slope.assemble(exact).tocsr()[order][:, order]
@@ -78,11 +74,6 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
             force += value[k] * state[half + column[k]]
         rates[at + i] = force
         rates[at + half + i] = strain
-
-
-def sample_cells(degree: int, cells: int) -> int:
-    """Cells of the line that represents a layer of `cells`: with more, the limit changes by less than the margin."""
-    return min(cells, max(6, _SAMPLE_NODES // degree))
 
 
 @cache
@@ -120,4 +111,5 @@ class FiniteElement(MethodOfLines):
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""
         degree = self.number
-        return min(_courant_limit(degree, sample_cells(degree, s.cells)) * s.length / s.cells for s in self.sections)
+        most = max(6, _SAMPLE_NODES // degree)  # with more cells the limit changes by less than the margin
+        return min(_courant_limit(degree, min(s.cells, most)) * s.length / s.cells for s in self.sections)

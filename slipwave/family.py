@@ -125,15 +125,13 @@ def in_words(features: frozenset[str]) -> str:
 
 
 def _slab_features(slab: "Slab") -> set[str]:
-    from slipwave.scene.slab import KelvinVoigtViscosity, StandardLinearViscosity
-
-    held = slab.termination
+    held, solid = slab.termination, slab.rheology
     kinds = {
         "grip": held.spring > 0.0,
         "reflection": held.has_dead_load,
         "mass": held.mass > 0.0,
         "layers": len(slab.layers) > 1,
-        "kelvin-voigt": isinstance(slab.viscosity, KelvinVoigtViscosity),
-        "standard-linear": isinstance(slab.viscosity, StandardLinearViscosity),
+        "kelvin-voigt": solid.blocks_fast_waves,
+        "standard-linear": solid.relaxation > 0.0,
     }
     return {kind for kind, present in kinds.items() if present}

@@ -70,7 +70,7 @@ def imported_names(path: Path) -> tuple[str, ...]:
 
 
 class _Read(NamedTuple):
-    """A file's `program` and `imported_names`."""
+    """A file's `program` and `imported_names`; as pickled on disk, which other versions read too."""
 
     program: str
     imports: tuple[str, ...]
@@ -125,7 +125,10 @@ def _parsed(content: bytes) -> _Read:
     """Both from one parse and one walk: it delays every start of the program."""
     tree = ast.parse(content)
     names: list[str] = []
-    for node in _statements(tree):
+    waiting: list[ast.AST] = [tree]
+    while waiting:  # only through statements: the nodes that hold docstrings and imports, an eighth of all
+        node = waiting.pop()
+        waiting += [inner for name in _BLOCKS for inner in getattr(node, name, ())]
         if isinstance(node, _DOCUMENTED) and ast.get_docstring(node, clean=False) is not None:
             node.body = node.body[1:]
         elif isinstance(node, ast.ImportFrom):
@@ -134,16 +137,6 @@ def _parsed(content: bytes) -> _Read:
         elif isinstance(node, ast.Import):
             names += [name.name for name in node.names]
     return _Read(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(names))
-
-
-def _statements(tree: ast.Module) -> Iterator[ast.AST]:
-    """The tree and all statements within: the nodes that hold docstrings and imports, an eighth of all."""
-    waiting: list[ast.AST] = [tree]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        for name in _BLOCKS:
-            waiting += getattr(node, name, ())
 
 
 @cache

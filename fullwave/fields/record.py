@@ -148,20 +148,17 @@ class FieldRecord:
         now = self._solver.snapshot()
         sizes = [values.size for values in _values(now)]
         rows = tables(state, {"samples": (-1, 1 + sum(sizes))}, self._solver.model)["samples"]
-        self._shots = [_shot(row, sizes, now) for row in rows[rows[:, 0] >= self._start - SAME]]
+        self._shots = []
+        for row in rows[rows[:, 0] >= self._start - SAME]:
+            time, *values = np.split(row, np.cumsum([1, *sizes])[:-1])
+            slabs = SlabSnapshot(now.upper.depth, *values[:2]), SlabSnapshot(now.lower.depth, *values[2:])
+            self._shots.append(Snapshot(float(time[0]), *slabs))
         if self._shots:
             self._solver.keep_frames(self._interval)
 
 
 def _values(shot: Snapshot) -> tuple[Array, Array, Array, Array]:
     return shot.upper.velocity, shot.upper.stress, shot.lower.velocity, shot.lower.stress
-
-
-def _shot(row: Array, sizes: Sequence[int], like: Snapshot) -> Snapshot:
-    """The sample of one row of a state, at the depths of the snapshot `like`."""
-    values = np.split(row[1:], np.cumsum(sizes)[:-1])
-    slabs = SlabSnapshot(like.upper.depth, *values[:2]), SlabSnapshot(like.lower.depth, *values[2:])
-    return Snapshot(float(row[0]), *slabs)
 
 
 def record_field(

@@ -45,7 +45,7 @@ def steady_memory(scene: Scene) -> Array:
 
 
 @inlined
-def take_step(
+def _take_step(
     law: Law, dt: float, forcing: Forcing, drive: Constant | Ramps, upper: Side, lower: Side | None, memory: Array, n: int
 ) -> bool:
     """March to sample `n` (time n dt, in transits). Returns False if the friction solve did not converge or the step was too long
@@ -116,14 +116,14 @@ def march_leapfrog(
     pieces: Pieces,
 ) -> tuple[int, int]:
     """Fill `pieces` with the steps after sample `first` (-1: no sample was taken yet, so begin with sample 0). Returns how many
-    of these steps failed (`take_step`), and the sample of the first failed one (-1 if none). Neighbouring pieces both hold the
+    of these steps failed (`_take_step`), and the sample of the first failed one (-1 if none). Neighbouring pieces both hold the
     sample that they share."""
     failures, failed = 0, -1
     start = max(first, 0)
     if first >= 0:
         _record(memory, pieces, 0, 0)
     for n in range(first + 1, start + STEPS_PER_PIECE * pieces.time.size + 1):
-        if not take_step(law, dt, forcing, drive, upper, lower, memory, n):
+        if not _take_step(law, dt, forcing, drive, upper, lower, memory, n):
             failures += 1
             failed = n if failed < 0 else failed
         k = (n - start) // STEPS_PER_PIECE

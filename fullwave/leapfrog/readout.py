@@ -22,7 +22,7 @@ from slipwave.solve import Energy, SlabSnapshot, Snapshot
 
 def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]]) -> Energy:
     """Energy balance of `sides`; an only one, which stands for both, counts twice."""
-    sums = [side_energy(side, grid, scene.steady_stress, 0.5 * scene.velocity) for side, grid in sides]
+    sums = [_side_energy(side, grid, scene.steady_stress, 0.5 * scene.velocity) for side, grid in sides]
     copies = 3 - len(sides)
     stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
     unit = scene.transit
@@ -36,7 +36,7 @@ def energy_of(scene: Scene, memory: Array, sides: list[tuple[Side, LeapfrogGrid]
     )
 
 
-def side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
+def _side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
     """(change of stored energy, radiated energy, energy lost to viscosity) of a slab, in units of sigma L / transit."""
     medium, face = side
     stretch = np.diff(medium.velocity)

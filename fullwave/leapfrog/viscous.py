@@ -20,7 +20,7 @@ from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.media import Side, accelerate, elastic_medium, layered_medium, load, strain
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.scene.slab import Slab
 
 
 class StandardLinear(NamedTuple):
@@ -55,14 +55,7 @@ class KelvinVoigt(NamedTuple):
     lost: Array
 
 
-def standard_linear_medium(grid: LeapfrogGrid, velocity: float, time: float, ratio: float) -> StandardLinear:
-    """A slab that moves steadily at `velocity`; relaxation `time` in transits."""
-    elastic, share, n = layered_medium(grid, velocity), ratio / (1.0 + ratio), grid.width.size
-    weight = grid.width / (share * grid.impedance * time)
-    return StandardLinear(*elastic, np.zeros(n), share * grid.stiffness, 0.5 * grid.step / time, weight, np.zeros(1))
-
-
-def kelvin_voigt_medium(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
+def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
     """A slab that moves steadily at `velocity`, with prepared elimination; viscous `time` in transits."""
     n, inertia = grid.width.size, grid.inertia
     damping = grid.impedance * time / grid.width
@@ -78,13 +71,16 @@ def kelvin_voigt_medium(grid: LeapfrogGrid, velocity: float, time: float, face: 
 def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
     """A slab in steady sliding at the scene's initial velocity."""
     face = compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
-    velocity = 0.5 * scene.velocity
-    match slab.viscosity:
-        case KelvinVoigtViscosity(time) if time > 0.0:
-            return Side(kelvin_voigt_medium(grid, velocity, time / scene.transit, face), face)
-        case StandardLinearViscosity(time, ratio) if ratio > 0.0:
-            return Side(standard_linear_medium(grid, velocity, time / scene.transit, ratio), face)
-    return Side(elastic_medium(grid, velocity), face)
+    velocity, solid = 0.5 * scene.velocity, slab.rheology
+    if solid.blocks_fast_waves:
+        return Side(_kelvin_voigt(grid, velocity, solid.retardation / scene.transit, face), face)
+    if solid.ratio == 0.0:
+        return Side(elastic_medium(grid, velocity), face)
+    time, share = solid.relaxation / scene.transit, solid.ratio / (1.0 + solid.ratio)
+    branch, decay = share * grid.stiffness, 0.5 * grid.step / time
+    weight = grid.width / (share * grid.impedance * time)
+    elastic = layered_medium(grid, velocity)
+    return Side(StandardLinear(*elastic, np.zeros(grid.width.size), branch, decay, weight, np.zeros(1)), face)
 
 
 @strain.register(StandardLinear)

@@ -15,7 +15,6 @@ from fullwave.options import MOST_CELLS, require_whole
 from fullwave.slabs import marched_slabs
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.slab import KelvinVoigtViscosity, StandardLinearViscosity
 
 
 class Section(NamedTuple):
@@ -54,9 +53,14 @@ class BlockGrid:
 
     @cached_property
     def chains(self) -> tuple["Chain", ...]:
-        """The marched slabs, the upper first."""
-        slabs = sorted({block.section.slab for block in self.blocks})
-        return tuple(chain_of([block for block in self.blocks if block.section.slab == slab]) for slab in slabs)
+        """The marched slabs, the upper first. Values within 1e-12 of the thickness belong to one node."""
+        chains = []
+        for slab in sorted({block.section.slab for block in self.blocks}):
+            blocks = tuple(block for block in self.blocks if block.section.slab == slab)
+            depth = np.concatenate([block.depth for block in blocks])
+            depths, node, values = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
+            chains.append(Chain(blocks, depths, node, values))
+        return tuple(chains)
 
 
 Builder: TypeAlias = Callable[[Sequence[Section]], BlockGrid]
@@ -71,13 +75,6 @@ class Chain(NamedTuple):
     depth: Array
     node: NDArray[np.int64]
     values: NDArray[np.int64]
-
-
-def chain_of(blocks: list[Block]) -> Chain:
-    """`blocks` joined: values within 1e-12 of the thickness belong to one node."""
-    depth = np.concatenate([block.depth for block in blocks])
-    depths, node, values = np.unique(np.round(depth / depth[-1], 12), return_inverse=True, return_counts=True)
-    return Chain(tuple(blocks), depths, node, values)
 
 
 def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
@@ -163,33 +160,26 @@ def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], traces: Traces) -> 
     return Tops(*np.array(columns, dtype=float).T.copy())
 
 
-def energy_weight(grid: BlockGrid) -> Array:
-    """eps h per slot of the grid (size,): its product with half of w^2 or s^2, summed, is energy over one transit.
-
-    A norm that is not diagonal is replaced by its row sums. These integrate to the order of the scheme but may be negative, which
-    is sufficient for the balance of heat; stored energy is summed with the norm itself (`readout`)."""
-    weight = np.zeros(grid.size)
-    for block in grid.blocks:
-        norm = block.norm if isinstance(block.norm, np.ndarray) else np.asarray(block.norm.sum(axis=1)).ravel()
-        weight[block.velocity] = weight[block.stress] = block.section.impedance * norm
-    return weight
-
-
 def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:
+    """What viscosity adds. The weight eps h per slot times half of w^2 or s^2, summed, is energy over one transit. A norm that is
+    not diagonal is replaced by its row sums: these integrate to the order of the scheme but may be negative, which is sufficient
+    for the balance of heat; stored energy is summed with the norm itself (`readout`)."""
     slabs = marched_slabs(scene)
     if all(slab.viscosity is None for slab in slabs):
         return Elastic()
-    rate, fraction, delay, total, spare = (np.zeros(grid.size) for _ in range(5))
+    weight, rate, fraction, delay, total, spare = (np.zeros(grid.size) for _ in range(6))
     is_velocity = np.zeros(grid.size, dtype=np.bool_)
     for block in grid.blocks:
+        norm = block.norm if isinstance(block.norm, np.ndarray) else np.asarray(block.norm.sum(axis=1)).ravel()
+        weight[block.velocity] = weight[block.stress] = block.section.impedance * norm
         is_velocity[block.velocity] = True
-        match slabs[block.section.slab].viscosity:
-            case StandardLinearViscosity(time, ratio):
-                rate[block.stress] = scene.transit / time
-                fraction[block.stress] = ratio / (1.0 + ratio)
-            case KelvinVoigtViscosity(time):
-                delay[block.stress] = time / scene.transit
-    return Viscous(energy_weight(grid), rate, fraction, delay, is_velocity, total, spare)
+        solid = slabs[block.section.slab].rheology
+        if solid.blocks_fast_waves:
+            delay[block.stress] = solid.retardation / scene.transit
+        elif solid.relaxation > 0.0:
+            rate[block.stress] = scene.transit / solid.relaxation
+            fraction[block.stress] = solid.ratio / (1.0 + solid.ratio)
+    return Viscous(weight, rate, fraction, delay, is_velocity, total, spare)
 
 
 def _interface(scene: Scene, traces: Traces, size: int, viscous: bool) -> GridInterface:

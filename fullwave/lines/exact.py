@@ -131,11 +131,11 @@ class ExactMarch(PortMarch):
 
     def _between(self, values: Array, pieces: Pieces) -> list[tuple[float, Array]]:
         """States at times at most `_frame` apart: the known slip rate drives steps of finer levels."""
-        known = self.slabs.known(self.longest)
+        maps, _ = self.slabs.tables(self.longest)
         frames = []
         for time, length, z in zip(pieces.time, pieces.length, pieces.z, strict=True):
             depth = max(0, math.ceil(math.log2(length / self._frame) - 1e-9))
-            fine = known.maps.find(round(math.log2(self.longest / length)) + depth)
+            fine = maps.find(round(math.log2(self.longest / length)) + depth)
             for k, part in enumerate(self._parts(float(time), float(length), z, depth)):
                 values = values + fine.change @ values + fine.forced @ part
                 shown = self._layout.copy()

@@ -15,18 +15,10 @@ from slipwave.step.port import Port, propagate, record
 INPUT, FRICTION, RADIATED, VISCOUS = range(4)  # entries of `GridLedger.entries`
 
 
-class Power(NamedTuple):
-    """Factors from the moments of a step to work: `copies` of each marched slab; `sides`, their number; the `dashpots`."""
-
-    copies: float
-    sides: int
-    dashpots: Array
-
-
 class GridLedger(NamedTuple):
     """If `is_kept` (1,), the `entries` (4,) are summed. Per level, from (x, u, c) of the `Port`: `moments` (L, n + 2 s, m), and
-    as a quadratic form viscous `heat` (L, n + 2 s, n + 2 s), empty in elastic slabs. `taken` (m,) and `spare` (n + 2 s,) are
-    scratch.
+    as a quadratic form viscous `heat` (L, n + 2 s, n + 2 s), empty in elastic slabs. `copies` of each marched slab; `sides`,
+    their number; the `dashpots`. `taken` (m,) and `spare` (n + 2 s,) are scratch.
 
     The moments: of all tractions (two), of the slip at faces under a dead load, then those of each dashpot's slip (s each)."""
 
@@ -35,7 +27,9 @@ class GridLedger(NamedTuple):
     moments: Array
     heat: Array
     forcing: Forcing
-    power: Power
+    copies: float
+    sides: int
+    dashpots: Array
     taken: Array
     spare: Array
 
@@ -44,7 +38,7 @@ class GridLedger(NamedTuple):
 def _record_step(ledger, port, nodes, level, rows, integral, nodal):  # type: ignore[no-untyped-def]
     _add_work(ledger, port, nodes, level, rows, integral, nodal)
     if ledger.heat.size:
-        scale = ledger.power.copies * port.length[level] * ledger.forcing.transit
+        scale = ledger.copies * port.length[level] * ledger.forcing.transit
         ledger.entries[VISCOUS] += scale * _heat(ledger.heat, level, rows, port.vector, ledger.spare)
 
 
@@ -64,7 +58,7 @@ def _heat(heat: Array, level: int, rows: int, vector: Array, spare: Array) -> fl
 def _add_work(ledger: GridLedger, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, nodal: Nodal) -> None:
     """Add the step's work of the drive, heat of friction and radiation. Friction's stress and slip rate are polynomials, and the
     drive is linear, so that their moments give their work exactly; a dashpot's slip is represented by its projection."""
-    s, forcing, power, entries = len(nodes), ledger.forcing, ledger.power, ledger.entries
+    s, forcing, entries, dashpots = len(nodes), ledger.forcing, ledger.entries, ledger.dashpots
     length, moments, taken, vector = port.length[level], ledger.moments, ledger.taken, port.vector
     for k in range(taken.size):
         taken[k] = 0.0
@@ -80,12 +74,12 @@ def _add_work(ledger: GridLedger, port: Port, nodes: Nodes, level: int, rows: in
     entries[FRICTION] += length * forcing.transit * heat
     slope = (nodal.drive[s - 1] - nodal.drive[0]) / (nodes[s - 1] - nodes[0])
     middle = nodal.drive[s - 1] - 0.5 * slope
-    done = 0.5 * (middle * (power.sides * forcing.steady_stress + taken[0]) + 0.5 * slope * taken[1])
-    scale = power.copies * length * forcing.transit
+    done = 0.5 * (middle * (ledger.sides * forcing.steady_stress + taken[0]) + 0.5 * slope * taken[1])
+    scale = ledger.copies * length * forcing.transit
     entries[INPUT] += scale * (done - forcing.steady_stress * taken[2])
     lost = 0.0
-    for side in range(power.dashpots.size):
+    for side in range(dashpots.size):
         for k in range(s):
             moment = taken[3 + side * s + k]
-            lost += power.dashpots[side] * (2 * k + 1) * moment * moment
+            lost += dashpots[side] * (2 * k + 1) * moment * moment
     entries[RADIATED] += scale * lost

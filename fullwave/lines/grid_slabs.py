@@ -2,14 +2,13 @@
 by doubling shorter steps."""
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 
 from fullwave.lines.blocks import state_size
 from fullwave.lines.budget import MOST_BYTES
-from fullwave.lines.grid_ledger import GridLedger, Power
+from fullwave.lines.grid_ledger import GridLedger
 from fullwave.lines.matrix import motion_of
 from fullwave.lines.propagator import LinearSlabs, StepMap, grid_impedance_at, to_legendre
 from fullwave.lines.step_maps import StepMaps, at_nodes, dissipation_of
@@ -23,13 +22,6 @@ from slipwave.threads import one_thread
 
 _MOST_KNOWN, _FEWEST_KNOWN = 64, 2
 _HELD = 80  # numbers held for one longest length, over the square of the unknowns (33 measured; with viscosity 74)
-
-
-class Known(NamedTuple):
-    """Tables for steps of one longest length and its halves: their `maps` and the `port`."""
-
-    maps: StepMaps
-    port: Port
 
 
 class GridSlabs:
@@ -62,10 +54,10 @@ class GridSlabs:
             (stages, 2, 1, *[stages] * damped.size),
         )
         self._dissipation = dissipation_of(system, motion, self.slots)
-        self._power = Power(system.interface.copies, system.interface.sides, dashpot[damped])
+        self._power = system.interface.copies, system.interface.sides, dashpot[damped]
         self.entries, self.is_kept = np.zeros(4), np.zeros(1, dtype=np.bool_)
         self.to_legendre = to_legendre(radau(stages).nodes)
-        self._known: dict[str, Known] = {}
+        self._known: dict[str, tuple[StepMaps, Port]] = {}
         self._most_known = max(_FEWEST_KNOWN, min(most_known, int(MOST_BYTES / (8.0 * _HELD * self.remembered**2))))
 
     def of(self, scene: Scene) -> "GridSlabs":
@@ -75,19 +67,18 @@ class GridSlabs:
     def keep_ledger(self) -> None:
         """Start to keep the energy balance."""
         if self._dissipation and not self.is_kept[0]:
-            for key, known in self._known.items():
-                known.port.ready[:] = False  # their maps lack the heat
-                longest = float(known.port.length[0])
-                self._known[key] = known._replace(maps=StepMaps(self.slabs, self._dissipation, longest))
+            for key, (_, port) in self._known.items():
+                port.ready[:] = False  # their maps lack the heat
+                self._known[key] = StepMaps(self.slabs, self._dissipation, float(port.length[0])), port
         self.is_kept[0] = True
 
-    def known(self, longest: float) -> Known:
-        """Tables for steps of `longest` (transits) and its halves. Lengths that differ by rounding share tables of one length
-        that does not depend on their order: a run that continues from a checkpoint sees only the later ones."""
+    def tables(self, longest: float) -> tuple[StepMaps, Port]:
+        """Maps and port of steps of `longest` (transits) and its halves. Lengths that differ by rounding share tables of one
+        length that does not depend on their order: a run that continues from a checkpoint sees only the later ones."""
         key = f"{longest:.12e}"
         longest = float(key)
         dissipation = self._dissipation if self.is_kept[0] else None
-        known = self._known.pop(key, None) or Known(StepMaps(self.slabs, dissipation, longest), self._blank(longest))
+        known = self._known.pop(key, None) or (StepMaps(self.slabs, dissipation, longest), self._blank(longest))
         self._known[key] = known  # the least recently used is dropped first
         if len(self._known) > self._most_known:
             del self._known[next(iter(self._known))]
@@ -95,7 +86,7 @@ class GridSlabs:
 
     def port(self, longest: float, levels: int = LEVELS) -> Port:
         """As `Slabs`: with exactly this length, the tables of a length that differs by rounding, and all `LEVELS`."""
-        port = self.known(longest).port
+        _, port = self.tables(longest)
         values = line_aligned(port.values.size)
         return port._replace(length=np.ldexp(longest, -np.arange(port.length.size)), values=values)
 
@@ -104,15 +95,15 @@ class GridSlabs:
         rows, m = port.vector.size, sum(self.slabs.output_terms) - self.stages
         heat = line_aligned(LEVELS, rows, rows) if self._dissipation else np.empty((0, 0, 0))
         moments = np.zeros((LEVELS, rows, m))
-        ledger = (self.is_kept, self.entries, moments, heat, self.scene.forcing, self._power, np.zeros(m), np.zeros(rows))
+        ledger = (self.is_kept, self.entries, moments, heat, self.scene.forcing, *self._power, np.zeros(m), np.zeros(rows))
         return port._replace(ledger=GridLedger(*ledger))
 
     def prepare(self, port: Port, level: int) -> None:
         """As `Slabs`."""
-        known = self.known(float(port.length[0]))
+        maps, _ = self.tables(float(port.length[0]))
         with one_thread():
-            step = known.maps.find(level)
-            self._tabulate(port, level, step, known.maps.heats.get(level))
+            step = maps.find(level)
+            self._tabulate(port, level, step, maps.heats.get(level))
 
     def _tabulate(self, port: Port, level: int, step: StepMap, heat: Array | None) -> None:
         s, n, begin, scale = self.stages, self.remembered, padded(self.remembered), self.scale

@@ -6,7 +6,7 @@ for each step length; that of a step twice as long follows as for the step's map
 """
 
 import math
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 import scipy.linalg
@@ -24,11 +24,8 @@ from slipwave.threads import one_thread
 _TERMS = 16
 
 
-class Dissipation(NamedTuple):
-    """Power = sum over k of weight_k (rows_k . (x, u, c))^2: `rows` (k, n + i), `weight` (k,)."""
-
-    rows: Array
-    weight: Array
+Dissipation: TypeAlias = tuple[Array, Array]
+"""Power = sum over k of weight_k (rows_k . (x, u, c))^2: rows (k, n + i), weight (k,)."""
 
 
 def dissipation_of(system: System, motion: LinearMotion, slots: NDArray[np.int64]) -> Dissipation | None:
@@ -42,10 +39,10 @@ def dissipation_of(system: System, motion: LinearMotion, slots: NDArray[np.int64
     rows = np.vstack([motion.rates[retarded], memory])[:, columns]
     weights = medium.weight[retarded] * medium.retardation[retarded]
     relaxed = medium.weight[relaxing] * medium.rate[relaxing] / medium.fraction[relaxing]
-    return Dissipation(rows, np.concatenate([weights, relaxed]))
+    return rows, np.concatenate([weights, relaxed])
 
 
-def short_heat(slabs: LinearSlabs, power: Dissipation, length: float) -> Array:
+def _short_heat(slabs: LinearSlabs, power: Dissipation, length: float) -> Array:
     """G of a step so short that a Taylor series holds (`propagator.short_step`), by Gauss quadrature in time."""
     n, terms = slabs.rates.shape[0], slabs.input_terms
     points, weights = legendre.leggauss(_TERMS // 2 + max(terms))
@@ -62,12 +59,12 @@ def short_heat(slabs: LinearSlabs, power: Dissipation, length: float) -> Array:
         left = np.tensordot(np.vander(point - past, _TERMS, increasing=True), driven, axes=1)
         moved = np.tensordot(point * weights, left @ _values(terms, past), axes=1)
         now = np.block([[np.tensordot(powers, series, axes=1), moved], [np.zeros((len(terms), n)), _values(terms, point)]])
-        rows = power.rows @ now
-        form += weight * rows.T @ (power.weight[:, None] * rows)
+        rows = power[0] @ now
+        form += weight * rows.T @ (power[1][:, None] * rows)
     return form
 
 
-def doubled_heat(slabs: LinearSlabs, half: StepMap, heat: Array) -> Array:
+def _doubled_heat(slabs: LinearSlabs, half: StepMap, heat: Array) -> Array:
     """G of a step twice as long as that of `half`, whose own is `heat`."""
     n = slabs.rates.shape[0]
     first, second = halves(slabs.input_terms)
@@ -107,7 +104,7 @@ class StepMaps:
                 if k - 1 not in self._maps:
                     self._maps[k - 1] = doubled_map(self._slabs, self._maps[k])
                     if self._dissipation:
-                        self.heats[k - 1] = doubled_heat(self._slabs, self._maps[k], self.heats[k])
+                        self.heats[k - 1] = _doubled_heat(self._slabs, self._maps[k], self.heats[k])
         return self._maps[level]
 
     def _begin(self, level: int) -> None:
@@ -116,9 +113,9 @@ class StepMaps:
         extra = shortest_halving(self._slabs, length)
         first = math.ldexp(length, -extra)
         step = short_step(self._slabs, first)
-        heat = short_heat(self._slabs, self._dissipation, first) if self._dissipation else None
+        heat = _short_heat(self._slabs, self._dissipation, first) if self._dissipation else None
         for _ in range(extra):
-            heat = doubled_heat(self._slabs, step, heat) if heat is not None else None
+            heat = _doubled_heat(self._slabs, step, heat) if heat is not None else None
             step = doubled_map(self._slabs, step)
         self._maps[level] = step
         if heat is not None:

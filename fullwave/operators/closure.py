@@ -13,7 +13,7 @@ but Q stays skew and the conditions hold to rounding (tests/fullwave/test_operat
 """
 
 from functools import cache
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 from numpy.polynomial import Legendre
@@ -21,14 +21,10 @@ from numpy.typing import NDArray
 
 from slipwave.observe.pieces import Array
 
+_Pairs: TypeAlias = tuple[NDArray[np.intp], NDArray[np.intp]]
+"""Index pairs (i, j) of the unknown entries: i <= j in H, i < j in Q."""
+
 _DEPENDENT = 1e-12  # singular values below this share of the largest belong to conditions that follow from others
-
-
-class _Unknowns(NamedTuple):
-    """Index pairs (i, j), i <= j, of the unknown entries of H and (i < j) of Q."""
-
-    norm: tuple[NDArray[np.intp], NDArray[np.intp]]
-    skew: tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 def central_coefficients(order: int) -> Array:
@@ -52,17 +48,17 @@ def boundary_closure(order: int) -> tuple[Array, Array]:
     rows = closure_rows(order)
     upper = np.triu_indices(rows)
     alone = (upper[0] > 0) | (upper[1] == 0)
-    unknowns = _Unknowns((upper[0][alone], upper[1][alone]), np.triu_indices(rows, 1))
-    exact = [_condition(order, unknowns, degree) for degree in range(order)]
+    of_norm, of_skew = (upper[0][alone], upper[1][alone]), np.triu_indices(rows, 1)
+    exact = [_condition(order, of_norm, of_skew, degree) for degree in range(order)]
     matrix, known = (np.concatenate(parts) for parts in zip(*exact, strict=True))
     solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=_DEPENDENT)
     free = np.linalg.svd(matrix)[2][rank:].T
-    beyond, wanted = _condition(order, unknowns, order)
+    beyond, wanted = _condition(order, of_norm, of_skew, order)
     solution = solution + free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
     norm, skew = np.zeros((rows, rows)), np.zeros((rows, rows))
-    count = unknowns.norm[0].size
-    norm[unknowns.norm] = norm.T[unknowns.norm] = solution[:count]
-    skew[unknowns.skew] = solution[count:]
+    count = of_norm[0].size
+    norm[of_norm] = norm.T[of_norm] = solution[:count]
+    skew[of_skew] = solution[count:]
     skew -= skew.T
     skew[0, 0] = -0.5
     closure = np.linalg.solve(norm, np.hstack((skew, _known_part(order, rows))))
@@ -80,7 +76,7 @@ def _known_part(order: int, rows: int) -> Array:
     return part
 
 
-def _condition(order: int, unknowns: _Unknowns, degree: int) -> tuple[Array, Array]:
+def _condition(order: int, of_norm: _Pairs, of_skew: _Pairs, degree: int) -> tuple[Array, Array]:
     """The linear system, one row per end node, that makes D exact for a polynomial of `degree`; columns: entries of H, then of Q.
 
     It uses Legendre polynomials over these nodes; powers of x would be equivalent but twenty times more sensitive to rounding."""
@@ -88,15 +84,14 @@ def _condition(order: int, unknowns: _Unknowns, degree: int) -> tuple[Array, Arr
     points = np.arange(rows + order // 2, dtype=float)
     polynomial = Legendre.basis(degree, domain=[points[0], points[-1]])
     values, slopes = polynomial(points), polynomial.deriv()(points)
-    matrix = np.zeros((rows, unknowns.norm[0].size + unknowns.skew[0].size))
-    columns = np.arange(matrix.shape[1])
-    of_norm, of_skew = columns[: unknowns.norm[0].size], columns[unknowns.norm[0].size :]
-    i, j = unknowns.norm
-    matrix[j, of_norm] = -slopes[i]
-    matrix[i, of_norm] = -slopes[j]
-    i, j = unknowns.skew
-    matrix[i, of_skew] = values[j]
-    matrix[j, of_skew] = -values[i]
+    count, columns = of_norm[0].size, np.arange(of_norm[0].size + of_skew[0].size)
+    matrix = np.zeros((rows, columns.size))
+    i, j = of_norm
+    matrix[j, columns[:count]] = -slopes[i]
+    matrix[i, columns[:count]] = -slopes[j]
+    i, j = of_skew
+    matrix[i, columns[count:]] = values[j]
+    matrix[j, columns[count:]] = -values[i]
     known = -_known_part(order, rows) @ values[rows:]
     known[0] += 0.5 * values[0]
     return matrix, known

@@ -27,10 +27,6 @@ _WATCHED = 4  # moduli
 _NARROWEST = 2e-4  # interval, in the branch's metric, that is not searched for a pair of points of one kind
 
 
-class Unaccounted(NumericsError):
-    """The number of unstable multipliers changes otherwise than by the special points that were found."""
-
-
 @dataclass(frozen=True)
 class Special:
     """A special point of `kind` LP, PD or NS, as the `point` found nearest to it; `bracket`, the width in the parameter of the
@@ -49,7 +45,7 @@ def specials_between(
     flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, trend: Array | None = None
 ) -> tuple[Special, ...]:
     """The special points between two neighbours of a branch, in order. `trend`, up to `left`, reveals a pair of points that the
-    counts miss. Raises Unaccounted if they do not explain the change of the number of unstable multipliers."""
+    counts miss. Raises NumericsError if they do not explain the change of the number of unstable multipliers."""
 
     def halves(middle: OrbitPoint) -> tuple[Special, ...]:
         beyond = trend_of(left, middle, metric.length(middle.unknowns - left.unknowns))
@@ -67,7 +63,7 @@ def specials_between(
         return (_locate(flow_at, left, right, metric, tests[0]),)
     if metric.length(right.unknowns - left.unknowns) < 1e-7:
         changes = f"changes from {left.unstable} to {right.unstable} near parameter = {left.parameter:.10g}"
-        raise Unaccounted(f"the number of unstable multipliers {changes}, and no single special point explains it")
+        raise NumericsError(f"the number of unstable multipliers {changes}, and no single special point explains it")
     return halves(_middle(flow_at, left, right, metric))
 
 
@@ -165,7 +161,7 @@ def _locate(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric
             passing = complex(critical(kind, point(at).multipliers))
             return Special(kind, point(at), width, left.unstable, right.unstable, passing)
         gap *= 4.0
-    raise Unaccounted(f"a point of kind {kind} near parameter = {left.parameter:.10g} cannot be located")
+    raise NumericsError(f"a point of kind {kind} near parameter = {left.parameter:.10g} cannot be located")
 
 
 def _zero(value: Callable[[float], float], is_beyond: Callable[[float], bool], within: float) -> float:

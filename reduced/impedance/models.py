@@ -6,18 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from reduced.families import DELAY
-from reduced.impedance.of_reduction import (
-    poles_and_residues,
-    real_part_on_axis,
-    reduction_ratio,
-    sign_frequencies,
-    taylor_poles,
-    taylor_ratio,
-)
-from reduced.impedance.reduce import reduction_of
+from reduced.impedance.of_reduction import poles_and_residues, real_part_on_axis, reduction_ratio, sign_frequencies
+from reduced.impedance.reduce import analysed
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio
-from slipwave.errors import SceneError
 from slipwave.scene import Scene
 
 _POLE_TOLERANCE = 1e-9
@@ -32,16 +24,11 @@ def is_exact(model: str) -> bool:
 def ratio_of(scene: Scene, model: str | Reduction = "delay") -> Callable[[Jet], Ratio]:
     """Function s -> (p, q) with Y = p/q and Z = q/p of a scene's slab pair under a model.
 
-    `model` is any reduction, or its name, `delay`, or `taylor` (the next truncation, which is unusable). Raises SceneError as
-    `reduction_of` does.
+    `model` is any reduction, or a name: `delay`, or one of `analysed`, which raises SceneError.
     """
     if isinstance(model, str) and is_exact(model):
         return lambda s: pair_ratio(scene, s)
-    if model == "taylor":
-        if not (scene.alike and scene.upper.is_plain):
-            raise SceneError("model = 'taylor' is built for alike homogeneous slabs behind rigid faces only")
-        return lambda s: taylor_ratio(scene.upper.epsilon, scene.transit, s)
-    reduced = reduction_of(scene, model) if isinstance(model, str) else model
+    reduced = analysed(scene, model) if isinstance(model, str) else model
     return lambda s: reduction_ratio(reduced, scene.upper.epsilon, scene.transit, s)
 
 
@@ -67,8 +54,8 @@ def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
     may change sign (`of_reduction`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, _HIGHEST, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
-    if not (is_exact(model) or model == "taylor"):
-        s = np.append(s, 1j * np.maximum(sign_frequencies(reduction_of(scene, model)), 1e-6))
+    if not is_exact(model):
+        s = np.append(s, 1j * np.maximum(sign_frequencies(analysed(scene, model)), 1e-6))
     real = real_part_on_axis(ratio_of(scene, model)(Jet.variable(s / scene.transit)))
     lowest = int(np.argmin(real))
     bad = _unstable_poles(scene, model)
@@ -79,9 +66,7 @@ def _unstable_poles(scene: Scene, model: str) -> tuple[complex, ...]:
     """Poles (1/transit) that contradict passivity; none of the exact one-port, a chain of passive sections."""
     if is_exact(model):
         return ()
-    if model == "taylor":
-        return tuple(complex(pole) for pole in taylor_poles() if pole.real > _POLE_TOLERANCE)
-    poles, residues = poles_and_residues(reduction_of(scene, model))
+    poles, residues = poles_and_residues(analysed(scene, model))
     on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
     wrong = (poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))
     return tuple(complex(pole) for pole in poles[wrong])

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reduced.impedance.reduction import Reduction
+from reduced.impedance.reduction import TAYLOR, Reduction
 from reduced.impedance.transmission_line import Complex, Jet, Ratio
 from slipwave.observe.pieces import Array
 
@@ -47,15 +47,6 @@ def _terms(model: Reduction, t: Jet) -> list[Ratio]:
     return terms
 
 
-def taylor_ratio(epsilon: float, transit: float, s: Jet) -> Ratio:
-    """(p, q) of the next Taylor truncation after the paper's, Z = (eps/s)(1 + s^2/8 + s^4/384)/(1 + s^2/24 + s^4/1920). It is
-    unusable because it has poles in the right half plane; it is analysed but never integrated."""
-    square = (s * transit) * (s * transit)
-    return s * transit * (1.0 + square * (1.0 / 24.0 + square * (1.0 / 1920.0))), (
-        1.0 + square * (1.0 / 8.0 + square * (1.0 / 384.0))
-    ) * epsilon
-
-
 def poles_and_residues(model: Reduction) -> tuple[Complex, Complex]:
     """Poles (in 1/transit) of Z/epsilon and the residues there, including conjugates; the spring's pole 0 comes first.
 
@@ -76,7 +67,7 @@ def poles_and_residues(model: Reduction) -> tuple[Complex, Complex]:
 
 def taylor_poles() -> Complex:
     """Poles (in 1/transit) of the next Taylor truncation: 0 and four more, two of them in the right half plane."""
-    return np.concatenate([[0.0], np.roots([1.0 / 1920.0, 0.0, 1.0 / 24.0, 0.0, 1.0])]).astype(complex)
+    return poles_and_residues(TAYLOR)[0]
 
 
 def real_part_on_axis(ratio: Ratio) -> Array:

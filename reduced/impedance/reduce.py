@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from reduced.families import REDUCTIONS
-from reduced.impedance.reduction import TABULATED, Reduction, mode_count, reduction
+from reduced.impedance.reduction import TABULATED, TAYLOR, Reduction, mode_count, reduction
 from reduced.impedance.transmission_line import Jet, drive_ratio, pair_ratio
 from slipwave.errors import SceneError
 from slipwave.scene import Scene
@@ -60,7 +60,7 @@ def _mode(scene: Scene, number: int, longest: float) -> float:
             high = middle
 
 
-def locked_modes(scene: Scene, count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _locked_modes(scene: Scene, count: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """(frequencies, residues) of the `count` lowest modes, relative to the upper slab's epsilon and transit.
 
     Near such a mode Z/epsilon = residue s/(s^2 + omega^2) + ..., residue = 2/(epsilon dY/ds) at s = i omega. Modes in which both
@@ -81,7 +81,7 @@ def locked_modes(scene: Scene, count: int) -> tuple[tuple[float, ...], tuple[flo
     return tuple(frequencies), tuple(residues)
 
 
-def low_frequency(slab: Slab) -> tuple[float, float, float]:
+def _low_frequency(slab: Slab) -> tuple[float, float, float]:
     """(c_1, c_2, c_3) of Y = c_1 s + c_2 s^2 + c_3 s^3 + ... of an elastic slab, s on the friction clock, to first order in the
     dashpot of its face.
 
@@ -104,7 +104,7 @@ def low_frequency(slab: Slab) -> tuple[float, float, float]:
 def spring_damping_mass(scene: Scene) -> tuple[float, float, float]:
     """(spring, damping, mass) of Z/epsilon = spring/s + damping + mass s + ... of an elastic pair, transit clock; (1, 0, 1/12)
     for the plain one. They are those of the pair's quasi-static motion, and so never negative."""
-    first, second, third = np.add(low_frequency(scene.upper), low_frequency(scene.lower))
+    first, second, third = np.add(_low_frequency(scene.upper), _low_frequency(scene.lower))
     epsilon, transit = scene.upper.epsilon, scene.transit
     found = transit / (first * epsilon), -second / (first**2 * epsilon), -third / (first**2 * epsilon * transit)
     return float(found[0]), float(found[1]), float(found[2])
@@ -119,7 +119,7 @@ def reduction_of(scene: Scene, name: str) -> Reduction:
     kind = name.partition(":")[0]
     if scene.alike and scene.upper.is_plain and (kind in TABULATED or kind == "modal"):
         return reduction(name)
-    family = next((family for family in REDUCTIONS if family.name == name.partition(":")[0]), None)
+    family = next((family for family in REDUCTIONS if family.name == kind), None)
     if family is None:
         return reduction(name)  # raises the SceneError for an unknown name
     refusal = family.refusal(scene)
@@ -129,7 +129,16 @@ def reduction_of(scene: Scene, name: str) -> Reduction:
     return made
 
 
-def relaxed_spring(scene: Scene) -> float:
+def analysed(scene: Scene, name: str) -> Reduction:
+    """As `reduction_of`, and for alike plain slabs also `TAYLOR`, which cannot be integrated."""
+    if name != TAYLOR.name:
+        return reduction_of(scene, name)
+    if not (scene.alike and scene.upper.is_plain):
+        raise SceneError("model = 'taylor' is built for alike homogeneous slabs behind rigid faces only")
+    return TAYLOR
+
+
+def _relaxed_spring(scene: Scene) -> float:
     """Quasi-static stiffness of the pair over the upper slab's epsilon, per transit; a standard linear solid is relaxed."""
     if any(slab.termination.has_dead_load for slab in scene.slabs):
         return 0.0
@@ -138,12 +147,12 @@ def relaxed_spring(scene: Scene) -> float:
 
 def quasistatic(scene: Scene, name: str) -> Reduction:
     """The spring alone."""
-    return Reduction(name, spring=relaxed_spring(scene))
+    return Reduction(name, spring=_relaxed_spring(scene))
 
 
 def quasidynamic(scene: Scene, name: str) -> Reduction:
     """The spring, and the radiation damping of waves that never return."""
-    return Reduction(name, spring=relaxed_spring(scene), damping=scene.impedance / scene.upper.epsilon)
+    return Reduction(name, spring=_relaxed_spring(scene), damping=scene.impedance / scene.upper.epsilon)
 
 
 def block12(scene: Scene, name: str) -> Reduction:
@@ -162,7 +171,7 @@ def modal(scene: Scene, name: str) -> Reduction:
     """The lowest modes of the pair with its interface locked; the low-frequency mass of all other modes is kept."""
     count = mode_count(name)
     spring, _, mass = spring_damping_mass(scene)
-    frequencies, residues = locked_modes(scene, count)
+    frequencies, residues = _locked_modes(scene, count)
     remainder = mass - sum(residue / omega**2 for residue, omega in zip(residues, frequencies, strict=True))
     found = Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
     at_modes = Jet.variable(1j * np.array(frequencies) / scene.transit)
@@ -200,7 +209,7 @@ def fitted(scene: Scene, name: str) -> Reduction:
         return block12(scene, name)
     from reduced.impedance.fit import fit_scene
 
-    return fit_scene(scene, name, mode_count(name), relaxed_spring(scene))
+    return fit_scene(scene, name, mode_count(name), _relaxed_spring(scene))
 
 
 def _slab_slope(x: float, rho: float) -> float:

@@ -18,6 +18,7 @@ in the equations of tau, which the transfer's terms drive by V. In the others V 
 `reduced.families` lists the reductions.
 """
 
+import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -68,6 +69,11 @@ class Reduction:
         return self.damping == 0.0 and not any(self.decays) and not any(self.offsets) and not self.relaxations
 
     @property
+    def is_active(self) -> bool:
+        """Whether a mode grows by itself, so that no run is bounded."""
+        return any(decay < 0.0 for decay in self.decays)
+
+    @property
     def is_algebraic(self) -> bool:
         """Whether there is no mass: v follows from the stress by the interface condition. With mass, v is a state."""
         return self.mass == 0.0
@@ -96,6 +102,19 @@ TABULATED: dict[str, Callable[[], Reduction]] = {
 """Reductions of the alike pair in closed form, except modal:N (`_modal`)."""
 
 
+def _taylor() -> Reduction:
+    pole = cmath.sqrt(complex(-40.0, math.sqrt(320.0)))  # 1 + s^2/24 + s^4/1920 = 0; the others are its mirror images
+    square = pole * pole
+    at_pole = (1.0 + square / 8.0 + square * square / 384.0) / (square / 12.0 + square * square / 480.0)
+    residue, offset = 2.0 * at_pole.real, 2.0 * (at_pole * pole.conjugate()).real
+    return Reduction("taylor", 0.0, 0.0, (abs(pole),) * 2, (residue,) * 2, (-pole.real, pole.real), (-offset, offset))
+
+
+TAYLOR = _taylor()
+"""The next Taylor truncation after the paper's, Z = (eps/s)(1 + s^2/8 + s^4/384)/(1 + s^2/24 + s^4/1920). It is unusable because
+it has poles in the right half plane; it is analysed but never integrated."""
+
+
 def reduction(name: str) -> Reduction:
     """The reduction `name` of an alike pair of homogeneous elastic slabs behind rigid faces.
 
@@ -104,7 +123,7 @@ def reduction(name: str) -> Reduction:
     """
     if name in TABULATED:
         return TABULATED[name]()
-    if name == "taylor":
+    if name == TAYLOR.name:
         raise SceneError(
             "model = 'taylor': its impedance has poles in the right half plane, every run of it blows up; use modal:N"
         )

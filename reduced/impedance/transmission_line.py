@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.scene import Scene
-from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.scene.slab import Slab
 
 Complex: TypeAlias = NDArray[np.complex128]
 
@@ -89,14 +89,13 @@ Ratio: TypeAlias = tuple[Jet, Jet]
 """(p, q) with Y = p/q and Z = q/p."""
 
 
-def modulus(slab: Slab, s: Jet) -> Jet:
-    """G(s)/G with the (unrelaxed) modulus G to which epsilon and the round trip refer; 1 for an elastic slab."""
-    match slab.viscosity:
-        case KelvinVoigtViscosity(time):
-            return 1.0 + s * time
-        case StandardLinearViscosity(time, ratio):
-            return (1.0 + s * (time * (1.0 + ratio))) / ((1.0 + s * time) * (1.0 + ratio))
-    return s.constant(1.0)
+def _root_of_modulus(slab: Slab, s: Jet) -> Jet | float:
+    """sqrt(G(s)/G), the factor of wave speed and impedance, with the (unrelaxed) modulus G to which epsilon and the round trip
+    refer; 1 for an elastic slab."""
+    if slab.viscosity is None:
+        return 1.0
+    solid = slab.rheology
+    return ((1.0 + s * solid.retardation) / ((1.0 + s * solid.relaxation) * (1.0 + solid.ratio))).sqrt()
 
 
 def _outer_face(slab: Slab, s: Jet) -> Ratio:
@@ -110,23 +109,13 @@ def _outer_face(slab: Slab, s: Jet) -> Ratio:
     return s * (1.0 / slab.epsilon), s * resistance + held.spring / slab.epsilon
 
 
-def _drive_on_face(slab: Slab, s: Jet) -> Jet:
-    """The part of q of `_outer_face` that couples the face to the drive: all but its mass."""
-    held = slab.termination
-    if held.is_rigid:
-        return s.constant(1.0)
-    if held.has_dead_load:
-        return s.constant(held.dashpot / slab.epsilon)
-    return (s * held.dashpot + held.spring) * (1.0 / slab.epsilon)
-
-
 def slab_ratio(slab: Slab, s: Jet) -> Ratio:
     """(p, q) of one slab at the interface: velocity w of its inner face per stress on it, Y = p/q.
 
     A rigid face gives Y = tanh(s r/2)/epsilon; layers are chained from the outer face inwards.
     """
     p, q = _outer_face(slab, s)
-    root = modulus(slab, s).sqrt() if slab.viscosity else 1.0
+    root = _root_of_modulus(slab, s)
     echoes: dict[float, Jet] = {}  # 1 - E of layers with this fraction
     for layer in reversed(slab.layers):
         admittance = 1.0 / (root * (slab.epsilon * layer.impedance))
@@ -162,8 +151,15 @@ def drive_ratio(scene: Scene, s: Jet) -> Ratio:
 
 
 def _passed(slab: Slab, s: Jet) -> Jet:
-    """H q of a slab, with the factors 1 + E of `slab_ratio`: the drive's part of q at the face, delayed by all layers."""
-    passed, root = _drive_on_face(slab, s), modulus(slab, s).sqrt() if slab.viscosity else 1.0
+    """H q of a slab, with the factors 1 + E of `slab_ratio`: the part of q of `_outer_face` that couples the face to the drive,
+    all but its mass, delayed by all layers."""
+    held, root = slab.termination, _root_of_modulus(slab, s)
+    if held.is_rigid:
+        passed = s.constant(1.0)
+    elif held.has_dead_load:
+        passed = s.constant(held.dashpot / slab.epsilon)
+    else:
+        passed = (s * held.dashpot + held.spring) * (1.0 / slab.epsilon)
     for layer in slab.layers:
         passed = passed * ((s * (-0.5 * slab.round_trip * layer.fraction) / root).expm1() + 1.0) * 2.0
     return passed

@@ -3,7 +3,7 @@
 import numpy as np
 
 from reduced.orbit.closing import Closed
-from slipwave.friction import Law, allows_rest, rate_of, resampled
+from slipwave.friction import allows_rest, rate_of, resampled
 from slipwave.observe.extrema import extrema
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import Array, lagrange_basis
@@ -18,19 +18,14 @@ _NAMES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
 
 
 def figures_of(closed: Closed) -> dict[str, float]:
-    """The `figures` of a closed cycle."""
-    return cycle_figures(closed.flow.scene.law, closed.cycle, closed.flow.nodes)
-
-
-def cycle_figures(law: Law, cycle: Cycle, nodes: Array) -> dict[str, float]:
-    """Name -> period (transits), stress_drop and elastic_stress_drop (maximum minus minimum over the cycle, in units of the
-    normal stress), v_max and v_min (V*)."""
-    basis, pieces = lagrange_basis(nodes), cycle.pieces
+    """The figures of a closed cycle: name -> period (transits), stress_drop and elastic_stress_drop (maximum minus minimum over
+    the cycle, in units of the normal stress), v_max and v_min (V*)."""
+    law, basis, pieces = closed.flow.scene.law, lagrange_basis(closed.flow.nodes), closed.cycle.pieces
     (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (extrema(basis, rows) for rows in (pieces.mu, pieces.y, pieces.z))
     if allows_rest(law):
         each = resampled(law, pieces.z, pieces.psi, lambda z: np.array([extrema(basis, row[None]) for row in z]))
         z_max, z_min = float(each[:, 0].max()), float(each[:, 1].min())
-    values = cycle.period, mu_max - mu_min, y_max - y_min, rate_of(law, z_max), rate_of(law, z_min)
+    values = closed.cycle.period, mu_max - mu_min, y_max - y_min, rate_of(law, z_max), rate_of(law, z_min)
     return dict(zip(_NAMES, values, strict=True))
 
 

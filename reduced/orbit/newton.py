@@ -79,17 +79,15 @@ def solve_by_newton(
         new = _shortened(evaluate, now, np.asarray(step), fresh)
         if not new.size < _STALLED * now.size and now.size < _ROUNDING:
             return finished(iteration)
-        matrix = _corrected(matrix, now, new) if new.size < _SERVES * now.size else None
+        if new.size < _SERVES * now.size:  # Broyden: the nearest matrix that gives the change of the residual along the step
+            along = new.unknowns - now.unknowns
+            matrix = matrix + np.outer(new.residual - now.residual - matrix @ along, along / (along @ along))
+        else:
+            matrix = None
         if fresh or new.size < now.size:  # otherwise once more from here, with a derivative of its own
             away += float(np.abs(new.unknowns - now.unknowns).max())
             now = new
     raise NumericsError(f"no convergence in {_MOST_ITERATIONS} iterations: a residual of {now.size:.2g} is left")
-
-
-def _corrected(matrix: Array, before: Evaluated[_Motion], after: Evaluated[_Motion]) -> Array:
-    """Broyden's update: the nearest matrix that gives the change of the residual along the step."""
-    step, change = after.unknowns - before.unknowns, after.residual - before.residual
-    return matrix + np.outer(change - matrix @ step, step / (step @ step))
 
 
 def _shortened(

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from reduced.impedance import is_exact
+from reduced.stability.characteristic import characteristic
 from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.crossing import critical_factor
 from reduced.stability.essential import essential_abscissa
@@ -69,31 +70,31 @@ def analyse(scene: Scene, model: str = "delay") -> Stability:
     Raises SceneError if the model cannot compute the scene, NumericsError if the roots that grow cannot be counted or located;
     other failures are listed in `missing`.
     """
-    found = spectrum(scene, model)
+    roots, is_active = spectrum(scene, model), characteristic(scene, model).is_active
     missing: list[str] = []
     nothing = math.nan, math.nan
     r_c, omega_c = (
-        found_or(nothing, "the critical r", lambda: critical_round_trip(scene, model), missing) if model != "taylor" else nothing
+        nothing if is_active else _value_or(nothing, "the critical r", lambda: critical_round_trip(scene, model), missing)
     )
     return Stability(
         model=model,
         velocity=scene.velocity,
-        stable=found.stable,
-        unstable_roots=found.growing,
+        stable=roots.stable,
+        unstable_roots=roots.growing,
         omega_c=omega_c,
         log10_r_c=math.log10(r_c) if r_c > 0.0 else math.nan,
-        epsilon_c=found_or(math.nan, "the critical epsilon", lambda: critical_epsilon(scene, model), missing)
-        if model != "taylor"
-        else math.nan,
-        leading_roots=found.leading,
-        essential_abscissa=found_or(math.nan, "the limit of the fast roots", lambda: essential_abscissa(scene), missing)
+        epsilon_c=math.nan
+        if is_active
+        else _value_or(math.nan, "the critical epsilon", lambda: critical_epsilon(scene, model), missing),
+        leading_roots=roots.leading,
+        essential_abscissa=_value_or(math.nan, "the limit of the fast roots", lambda: essential_abscissa(scene), missing)
         if is_exact(model)
         else math.nan,
         missing=tuple(missing),
     )
 
 
-def found_or(otherwise: Value, name: str, find: Callable[[], Value], missing: list[str]) -> Value:
+def _value_or(otherwise: Value, name: str, find: Callable[[], Value], missing: list[str]) -> Value:
     """Result of `find`; `otherwise`, with a line about `name` in `missing`, if it raises NumericsError."""
     try:
         return find()
@@ -126,7 +127,7 @@ def stability_in_si(scene: Scene, found: Stability) -> PhysicalStability | None:
     if units is None:
         return None
     missing: list[str] = []
-    factor = found_or(math.nan, "the critical thickness", lambda: _critical_factor(scene, found), missing)
+    factor = _value_or(math.nan, "the critical thickness", lambda: _critical_factor(scene, found), missing)
     time = units.time / abs(found.rate) if found.rate and found.stable is not None else math.nan
     material = scene.upper.material
     thickness = 0.5 * scene.transit * units.time * material.wave_speed if material else math.nan

@@ -43,7 +43,8 @@ def boundary(
     plane = _Plane(scene, model, over, np.array(ranges, dtype=float))
     curves: list[Array] = []
     for start in _seeds(plane):
-        if all(_distance(curve, start) > 2.0 * _STEP for curve in curves):
+        apart = (np.linalg.norm(curve[:, 1:] - start[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - start[0]) for curve in curves)
+        if all(distances.min() > 2.0 * _STEP for distances in apart):
             curves.append(_trace(plane, start))
     points = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0])) for curve in curves]
     return [Boundary(over, values[:, 0], values[:, 1], omega) for values, omega in points]
@@ -162,10 +163,6 @@ def _tangent(jacobian: Array, before: Array | None) -> Array:
     vector = np.cross(jacobian[0], jacobian[1])
     vector = vector / np.linalg.norm(vector)
     return np.asarray(-vector if before is not None and vector @ before < 0.0 else vector)
-
-
-def _distance(curve: Array, point: Array) -> float:
-    return float(np.min(np.linalg.norm(curve[:, 1:] - point[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - point[0])))
 
 
 def _central_differences(residual: Callable[[Array], Array], x: Array) -> Array:

@@ -13,13 +13,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.impedance import Complex, Jet, Ratio, is_exact, ratio_of, reduction_of
+from reduced.impedance import Complex, Jet, Ratio, is_exact, ratio_of
 from reduced.impedance.of_reduction import state_space
+from reduced.impedance.reduce import analysed
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import slab_ratio
 from slipwave.friction.law import FrictionSlopes, friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.scene.slab import Slab
 
 _SHARED = 1e-6
 
@@ -82,6 +83,11 @@ class Characteristic:
         return np.asarray(np.linalg.eigvals(with_rate) / transit, dtype=complex)
 
     @property
+    def is_active(self) -> bool:
+        """Whether the slabs have unstable poles."""
+        return self.reduction is not None and self.reduction.is_active
+
+    @property
     def longest(self) -> float:
         """The longer of both round trips (L/V*)."""
         return max(self.scene.upper.round_trip, self.scene.lower.round_trip)
@@ -92,13 +98,9 @@ class Characteristic:
         and the relaxation rates of the outer faces alone."""
         found: set[complex] = {0.0, -self.slopes.healing}
         for slab in (self.scene.upper, self.scene.lower):
-            held = slab.termination
+            held, solid = slab.termination, slab.rheology
             rates = [] if held.is_rigid else [complex(root) for root in np.roots([held.mass, held.dashpot, held.spring])]
-            if slab.viscosity:
-                rates.append(-retardation_rate(slab))
-            if isinstance(slab.viscosity, StandardLinearViscosity):
-                rates.append(-1.0 / slab.viscosity.time)
-            found.update(rates)
+            found.update(rates, (-1.0 / time for time in (solid.retardation, solid.relaxation) if time > 0.0))
         return tuple(found)
 
     @property
@@ -110,17 +112,13 @@ class Characteristic:
 def retardation_rate(slab: Slab) -> float:
     """Creep rate, in 1/(L/V*), at which strain relaxes under constant stress: minus a zero of the modulus; infinite if
     elastic."""
-    match slab.viscosity:
-        case KelvinVoigtViscosity(time):
-            return 1.0 / time
-        case StandardLinearViscosity(time, ratio):
-            return 1.0 / (time * (1.0 + ratio))
-    return float("inf")
+    time = slab.rheology.retardation
+    return 1.0 / time if time > 0.0 else float("inf")
 
 
 @lru_cache(maxsize=8)
 def characteristic(scene: Scene, model: str = "delay") -> Characteristic:
     """D(s) for steady sliding at the scene's drive velocity. Raises SceneError if the model cannot compute the scene."""
-    reduced = None if is_exact(model) or model == "taylor" else reduction_of(scene, model)
+    reduced = None if is_exact(model) else analysed(scene, model)
     one_port = ratio_of(scene, model if reduced is None else reduced)
     return Characteristic(scene, friction_slopes(scene.law, scene.velocity), one_port, scene.transit, reduced)

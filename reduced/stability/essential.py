@@ -18,7 +18,7 @@ from reduced.stability.characteristic import retardation_rate
 from slipwave.errors import NumericsError
 from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.slab import KelvinVoigtViscosity, Slab, StandardLinearViscosity
+from slipwave.scene.slab import Slab
 
 Echo: TypeAlias = NDArray[Any]
 _MOST_PARTS, _HIGHEST_DEGREE, _MOST_TIMES = 200, 800, 12
@@ -35,7 +35,7 @@ def essential_abscissa(scene: Scene) -> float:
     """
     slabs = scene.slabs
     accumulation = max(-retardation_rate(slab) for slab in slabs)
-    if any(isinstance(slab.viscosity, KelvinVoigtViscosity) for slab in slabs):
+    if any(slab.rheology.blocks_fast_waves for slab in slabs):
         return accumulation
     times = [layer.fraction * slab.round_trip for slab in slabs for layer in slab.layers]
     grid = _common_grid(times)
@@ -47,13 +47,13 @@ def fast_pattern(scene: Scene) -> float:
     """Im s (1/(L/V*)) after which the fast roots of the exact system repeat, nearly; 0 if their travel times are incommensurate,
     or no fast wave is transmitted."""
     slabs = scene.slabs
-    if any(isinstance(slab.viscosity, KelvinVoigtViscosity) for slab in slabs):
+    if any(slab.rheology.blocks_fast_waves for slab in slabs):
         return 0.0
     grid = _common_grid([layer.fraction * slab.round_trip for slab in slabs for layer in slab.layers])
     return 2.0 * math.pi / grid[0] if grid else 0.0
 
 
-def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> Echo:
+def _fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> Echo:
     """F_v p + q of the chain of layers at high frequency; `echoes`: the factor e^(-s T_j) of every layer, upper slab first."""
     direct = friction_slopes(scene.law, scene.velocity).direct
     remaining = list(echoes)
@@ -72,16 +72,16 @@ def fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> E
 def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
     """(p, q) of a slab: `transmission_line.slab_ratio` for s -> infinity at given echoes. The outer face's spring is then
     negligible, and its mass does not move."""
-    one, held = np.ones_like(echoes[0]), slab.termination
+    one, held, solid = np.ones_like(echoes[0]), slab.termination, slab.rheology
     if held.is_rigid or held.mass > 0.0:
         p, q = 0.0 * one, one
     else:
         p, q = one / slab.epsilon, one * held.dashpot / slab.epsilon
     for layer, echo in zip(reversed(slab.layers), reversed(echoes), strict=True):
         admittance = 1.0 / (slab.epsilon * layer.impedance)
-        if isinstance(slab.viscosity, StandardLinearViscosity):  # attenuates a fast wave to the far side of a layer and back
-            loss = slab.viscosity.ratio / (1.0 + slab.viscosity.ratio)
-            echo = echo * math.exp(-0.5 * slab.round_trip * layer.fraction * loss / slab.viscosity.time)
+        if solid.relaxation > 0.0:  # attenuates a fast wave to the far side of a layer and back
+            loss = solid.ratio / (1.0 + solid.ratio)
+            echo = echo * math.exp(-0.5 * slab.round_trip * layer.fraction * loss / solid.relaxation)
         p, q = p * (1.0 + echo) + admittance * q * (1.0 - echo), q * (1.0 + echo) + p * (1.0 - echo) / admittance
     return p, q
 
@@ -110,7 +110,7 @@ def _polynomial(scene: Scene, slabs: tuple[Slab, ...], times: list[float], grid:
     unit, multiples = grid
     degree = sum(multiples)
     circle = np.exp(2j * np.pi * np.arange(degree + 1) / (degree + 1))
-    coefficients = (np.fft.fft(fast_balance(scene, slabs, [np.asarray(circle**n) for n in multiples])) / (degree + 1)).real
+    coefficients = (np.fft.fft(_fast_balance(scene, slabs, [np.asarray(circle**n) for n in multiples])) / (degree + 1)).real
     coefficients[np.abs(coefficients) < 1e-14 * np.abs(coefficients).max()] = 0.0
     roots = np.roots(np.trim_zeros(coefficients[::-1], "f"))
     roots = roots[~_idle(slabs, [roots**n for n in multiples])]
@@ -130,7 +130,7 @@ def _over_all_signs(scene: Scene, slabs: tuple[Slab, ...], times: list[float]) -
     sigma = np.linspace(-40.0, 0.004, 40005) * scale
     for signs in itertools.product((1.0, -1.0), repeat=len(times)):
         echoes = [sign * np.exp(-sigma * time) + 0j for sign, time in zip(signs, times, strict=True)]
-        balance = fast_balance(scene, slabs, echoes).real
+        balance = _fast_balance(scene, slabs, echoes).real
         change = np.flatnonzero(np.diff(np.sign(balance)) != 0)
         if change.size:
             i = change[-1]

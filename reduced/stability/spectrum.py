@@ -54,7 +54,7 @@ def spectrum(scene: Scene, model: str = "delay") -> Spectrum:
     problem = characteristic(scene, model)
     stable, growing = certified(scene, model)
     leading = leading_roots(problem)
-    if (leading.real > neutral_rate(problem)).sum() < min(growing, leading.size - 1):
+    if (leading.real > _neutral_rate(problem)).sum() < min(growing, leading.size - 1):
         raise NumericsError(f"stability: {growing} roots grow, by a certified count, but not all of the leading ones were found")
     return Spectrum(stable, growing, tuple(complex(root) for root in leading))
 
@@ -62,36 +62,36 @@ def spectrum(scene: Scene, model: str = "delay") -> Spectrum:
 @lru_cache(maxsize=64)
 def certified(scene: Scene, model: str = "delay") -> tuple[bool | None, int]:
     """`stable` and `growing` of the `spectrum`, without its roots: a third of the time."""
-    problem, active = characteristic(scene, model), model == "taylor"
-    growing = unstable_count(problem, active)
+    problem = characteristic(scene, model)
+    growing = unstable_count(problem)
     if growing:
         return False, growing
-    near = unstable_count(problem, active, -neutral_rate(problem))
+    near = unstable_count(problem, -_neutral_rate(problem))
     if not near:
         return True, 0
     zeros = _all_leading(problem, most=max(near, _LEADING))
     idle = zeros[problem.idle(zeros)]
-    return (True if _number(idle[np.abs(idle.real) <= neutral_rate(problem)]) >= near else None), 0
+    return (True if _number(idle[np.abs(idle.real) <= _neutral_rate(problem)]) >= near else None), 0
 
 
-def neutral_rate(problem: Characteristic) -> float:
+def _neutral_rate(problem: Characteristic) -> float:
     """|Re s| below which a root is neutral."""
     return NEUTRAL * min(problem.slopes.reach, 1.0 / problem.longest)
 
 
-def unstable_count(problem: Characteristic, active: bool = False, beyond: float | None = None) -> int:
+def unstable_count(problem: Characteristic, beyond: float | None = None) -> int:
     """Number of roots with Re s > `beyond`, by the argument principle; the default, just right of the imaginary axis, excludes
     neutral roots.
 
-    For passive slabs all of them lie in the disc `FrictionSlopes.growing`, so the count is complete. For an `active` slab (with
+    For passive slabs all of them lie in the disc `FrictionSlopes.growing`, so the count is complete. For active slabs (with
     unstable poles) growth rates up to 20 per transit are counted. Raises NumericsError if a root lies on the contour.
     """
     centre, radius = problem.slopes.growing
-    if active:
+    if problem.is_active:
         centre, radius = 0.0, max(problem.slopes.reach, _FASTEST / problem.transit)
     elif not problem.slopes.weakening:
         return 0
-    left = neutral_rate(problem) if beyond is None else beyond
+    left = _neutral_rate(problem) if beyond is None else beyond
     for margin in _MARGINS:
         try:
             return count_zeros(problem.jet, upper_half((centre, margin * radius), left * margin), problem.anchors)
@@ -139,7 +139,7 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
     """The leading roots with Re s between Re `corner` and `right` and |Im s| < Im `corner`: by Newton's method from a few starts,
     confirmed by a count, else by halving the counted rectangle."""
     top = corner.imag
-    offset = _OFF_AXIS * neutral_rate(problem)
+    offset = _OFF_AXIS * _neutral_rate(problem)
     edge, jet = resolved(problem.jet, np.array([complex(offset), complex(offset, top)]), problem.anchors)
     for starts in (_few_starts, _many_starts):
         roots = _upper(polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value))))

@@ -119,7 +119,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
 
     def _path(self, sig: Any, codegen: Any) -> Path | None:
         """File for the code of `sig`; None if a source of it is unknown, or was edited since the process began."""
-        made_from = made_from_what(self._function, set(_classes(getattr(sig, "args", sig))))
+        made_from = _made_from(self._function, set(_classes(getattr(sig, "args", sig))))
         if made_from is None:
             return None
         sources, foreign = made_from
@@ -144,7 +144,7 @@ def _classes(kinds: Iterable[Any]) -> Iterator[type]:
         yield from _classes(getattr(kind, "types", ()))
 
 
-def made_from_what(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[Path, ...], str] | None:
+def _made_from(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[Path, ...], str] | None:
     """The project's files whose text determines the code of `function` compiled for arguments of `classes`, sorted, and the text
     of the user's functions in it (`frozen`); None if unknown, or if a file was edited since the start. A choice counts if its
     class is in `classes` or in one of the files."""

@@ -23,13 +23,12 @@ from slipwave.scene.doubts import doubt
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import (
     FACES,
+    VISCOSITIES,
     Face,
-    KelvinVoigtViscosity,
     Layer,
     MachineFace,
     Material,
     Slab,
-    StandardLinearViscosity,
     Viscosity,
     face_sizes,
 )
@@ -47,7 +46,7 @@ def validate(data: dict[str, Any]) -> keys.SceneTable:
         raise SceneError(complaint(failure)) from None
 
 
-def require_units(key: str, given: str, units: Units | None, instead: str) -> Units:
+def _require_units(key: str, given: str, units: Units | None, instead: str) -> Units:
     """`units`, if the scene has them. Raises SceneError for `key`, which is in SI, if it has none."""
     if units is None:
         units_of = f"interface.{', '.join(keys.UNIT_KEYS[:-1])} and {keys.UNIT_KEYS[-1]}"
@@ -66,7 +65,7 @@ def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Nu
     units."""
     if not isinstance(given, Quantity):
         return given
-    known = require_units(key, f'"{given.text}"', units, f"a number {allowed.bare}")
+    known = _require_units(key, f'"{given.text}"', units, f"a number {allowed.bare}")
     per_second = 1.0 / (known.time * transit)
     result = given.value * per_second if given.unit == "s" else quotient(given.value, known.reference_velocity)
     if not allowed.low <= result <= allowed.high:
@@ -85,19 +84,19 @@ def moment(key: str, given: float | str, scene: Scene) -> float:
     return in_scene(key, time, scene.units, keys.TIME, scene.transit)
 
 
-def outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:
+def _outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:
     """The face of the table at `key` on a slab of `epsilon` and `round_trip`: springs, dashpots and masses in SI or in newtons
     become relative to the slab. Raises SceneError for a value out of range and for units that the scene lacks."""
     kind, slab = FACES[table.kind], face_sizes(epsilon, round_trip)
     given = {name: value for name, value in table if name != "kind"}
     area = given.pop("area", None)
     if area is not None:
-        require_units(f"{key}.area", f"{area:g}", units, "left out")
+        _require_units(f"{key}.area", f"{area:g}", units, "left out")
     for name, value in given.items():
         is_measured = isinstance(value, Quantity)
         text = f'"{value.text}"' if is_measured else f"{value:g}"
         if is_measured:
-            require_units(f"{key}.{name}", text, units, "relative to the slab")
+            _require_units(f"{key}.{name}", text, units, "relative to the slab")
         if is_measured or (kind.is_own and name in slab):
             per_area = _per_area(key, name, value, area)
             result = per_area / (slab[name] * units.face[name] if units else 1.0)
@@ -183,7 +182,7 @@ def _in_machine(tables: keys.SceneTable, slabs: tuple[Slab, Slab], units: Units 
     given = tables.machine.k
     text, value = (f'"{given.text}"', given.value) if isinstance(given, Quantity) else (f"{given:g}", given)
     if isinstance(given, Quantity):
-        require_units("machine.k", text, units, "a number in 1/L")
+        _require_units("machine.k", text, units, "a number in 1/L")
     length = units.memory_length if units else 1.0
     own = sum(slab.compliance for slab in slabs)
     left = 1.0 / (value * length) - own
@@ -198,10 +197,10 @@ def _slab(key: str, table: keys.SlabTable, units: Units | None) -> Slab:
     material = {name: value for name in ("density", "shear_modulus") if (value := getattr(table, name)) is not None}
     in_si = material | ({} if table.thickness is None else {"thickness": table.thickness})
     for name, value in in_si.items():
-        require_units(f"{key}.{name}", f"{value:g}", units, "replaced by epsilon and r")
+        _require_units(f"{key}.{name}", f"{value:g}", units, "replaced by epsilon and r")
     epsilon = _epsilon(key, table.epsilon, material, units)
     round_trip = _round_trip(key, table, material, units)
-    face = outer_face(f"{key}.face", table.face, units, epsilon, round_trip)
+    face = _outer_face(f"{key}.face", table.face, units, epsilon, round_trip)
     made_of = Material(**material) if len(material) == 2 else None
     return Slab(epsilon, round_trip, face, _viscosity(key, table, units), _layers(key, table.layers), made_of)
 
@@ -254,9 +253,8 @@ def _viscosity(key: str, table: keys.SlabTable, units: Units | None) -> Viscosit
     if viscosity is None:
         return None
     time = in_scene(f"{key}.viscosity.time", viscosity.time, units, keys.RELAXATION)
-    if isinstance(viscosity, keys.KelvinVoigtTable):
-        return KelvinVoigtViscosity(time)
-    return StandardLinearViscosity(time, viscosity.ratio)
+    others = {name: value for name, value in viscosity if name not in ("kind", "time")}
+    return VISCOSITIES[viscosity.kind](time=time, **others)
 
 
 def _layers(key: str, tables: list[keys.LayerTable] | None) -> tuple[Layer, ...]:

@@ -62,7 +62,7 @@ class Envelope:
             self._read()
 
     def _read(self) -> None:
-        frame = _Frame(self._begin, self._end, self._scene.transit, self._scene.stiffness)
+        frame = self._begin, self._end, self._scene.transit, self._scene.stiffness
         scratch = np.empty((_ROWS + 2, self._nodes.size))
         for reached, pieces in self._unread:
             times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
@@ -102,15 +102,6 @@ class Envelope:
         self._bins = by_time, by_slip
 
 
-class _Frame(NamedTuple):
-    """The window from `begin` to `end` (transits); a `transit` in L/V*, and the `stiffness` of the slabs."""
-
-    begin: float
-    end: float
-    transit: float
-    stiffness: float
-
-
 class _Bins(NamedTuple):
     """The `ranges` (intervals, columns) of samples in intervals of `width` (1,); infinite where there are none."""
 
@@ -127,16 +118,18 @@ def _take(
     pieces: Pieces,
     times: Array,
     reached: float,
-    frame: _Frame,
+    frame: tuple[float, float, float, float],
     travelled: Travelled,
     scratch: Array,
     origin: Array,
     by_time: _Bins,
     by_slip: _Bins,
 ) -> None:
-    """Add pieces, with nodes at `times`, after the time `reached`, as far as they are within the window; `origin` (1,): the slip
-    of the first sample, NaN before it. After a gap, and in intervals longer than a transit, all samples of a transit go to one
-    interval, even if the next ones stay empty: a part of a transit has another range."""
+    """Add pieces, with nodes at `times`, after the time `reached`, as far as they are within the window; `frame`: its begin and
+    end (transits), a transit in L/V*, and the stiffness of the slabs; `origin` (1,): the slip of the first sample, NaN before it.
+    After a gap, and in intervals longer than a transit, all samples of a transit go to one interval, even if the next ones stay
+    empty: a part of a transit has another range."""
+    begin, end, unit, stiffness = frame
     whole, gaps, here, transit, first = by_time.width[0] >= 1.0, False, 0, -math.inf, 0.0
     samples, where = scratch[:_ROWS], scratch[_ROWS:]
     for k in range(pieces.time.size):
@@ -146,13 +139,13 @@ def _take(
         count = 0
         for j in range(times.shape[1]):
             time = times[k, j]
-            if not frame.begin <= time <= frame.end:
+            if not begin <= time <= end:
                 continue
             while here + 1 < travelled.knots.size and travelled.knots[here + 1] <= time:
                 here += 1
             since = time - travelled.knots[here]
             pace = travelled.paces[here] + 0.5 * travelled.gains[here] * max(since, 0.0)
-            slip = frame.transit * (travelled.passed[here] + since * pace - pieces.y[k, j] / frame.stiffness)
+            slip = unit * (travelled.passed[here] + since * pace - pieces.y[k, j] / stiffness)
             if math.isnan(origin[0]):
                 origin[0] = slip
             slip -= origin[0]
@@ -160,7 +153,7 @@ def _take(
                 transit, first = math.floor(pieces.time[k] + SAME), slip
             samples[_TIME, count], samples[_SLIP, count] = time, slip
             samples[_Z, count], samples[_MU, count] = pieces.z[k, j], pieces.mu[k, j]
-            where[0, count] = max(transit - frame.begin, 0.0) if whole else time - frame.begin
+            where[0, count] = max(transit - begin, 0.0) if whole else time - begin
             where[1, count] = first if gaps else slip
             count += 1
         if count:

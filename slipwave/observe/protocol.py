@@ -3,13 +3,13 @@
 import math
 from bisect import bisect_right
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TypeAlias
 
 import numpy as np
 
 from slipwave.friction import rates, respond, steady_state, unknown_of
 from slipwave.observe.pieces import Array, Pieces, interpolation_matrix, lagrange_basis, slack
-from slipwave.observe.stages import LATE, Extent, Seen, Stage, StageFigures, stage_figures, stages_of
+from slipwave.observe.stages import LATE, MeasuredStage, Stage, StageFigures, stage_figures, stages_of
 from slipwave.scene import Scene
 
 _LEFT = math.exp(-1.0)
@@ -22,12 +22,8 @@ _AT_ONCE, _LONG_AT_ONCE = 256, 8  # pieces that are searched for a peak
 _NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie between them
 
 
-class Sampling(NamedTuple):
-    """`points` of a piece; `rows` that evaluate its polynomial there; `sums` that integrate it from 0 to each point."""
-
-    points: Array
-    rows: Array
-    sums: Array
+Sampling: TypeAlias = tuple[Array, Array, Array]
+"""Points of a piece; rows that evaluate its polynomial there; rows that integrate it from 0 to each point."""
 
 
 class ProtocolObserver:
@@ -36,12 +32,12 @@ class ProtocolObserver:
     def __init__(self, scene: Scene, nodes: Array, until: float) -> None:
         self._scene = scene
         self.stages = stages_of(scene.drive, until)
-        self._seen = [Seen() for _ in self.stages]
+        self._seen = [MeasuredStage() for _ in self.stages]
         self._slip, self._last, self._now = 0.0, math.nan, 0  # `_now`: the first stage that is not over
         # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
         self._nodes, self._cut = nodes, nodes[0] > 0.0
         own = tuple(nodes.tolist())
-        self._own, self._whole = _sampling(own, own), _sampling(own, (1.0,)).sums[0]
+        self._own, self._whole = _sampling(own, own), _sampling(own, (1.0,))[2][0]
         self._fine, self._finer = (_sampling(own, tuple(np.linspace(0.0, 1.0, n).tolist())) for n in (_POINTS, _MORE_POINTS))
 
     @property
@@ -94,8 +90,8 @@ class ProtocolObserver:
 
     def _sampled(self, sampling: Sampling, pieces: Pieces, begun: Array) -> tuple[Array, Array]:
         """Friction stress and slip at the points of each piece, (k, p); `begun` (k,): the slip at its beginning."""
-        gained = self._scene.transit * pieces.length[:, None] * _at(sampling.sums, rates(self._scene.law, pieces.z))
-        return _at(sampling.rows, pieces.mu), gained + begun[:, None]
+        gained = self._scene.transit * pieces.length[:, None] * _at(sampling[2], rates(self._scene.law, pieces.z))
+        return _at(sampling[1], pieces.mu), gained + begun[:, None]
 
     def _look_for_peaks(self, k: int, stage: Stage, pieces: Pieces, begun: Array) -> None:
         """Find the peak of a stage and the recovery after it, in those of its `pieces` in which they may lie."""
@@ -117,7 +113,7 @@ class ProtocolObserver:
                     self._finer if long[first] else self._fine,
                 )
                 mu, slip = (values.ravel() for values in self._sampled(sampling, pieces.part(these), begun[these]))
-                points = sampling.points.size
+                points = sampling[0].size
                 used = _until_recovered(seen, stage.sign, steady, mu) // points + 1
                 self._seen[k] = _peak(seen, stage.sign, steady, mu[: used * points], slip[: used * points], points)
                 first += used
@@ -137,12 +133,13 @@ class ProtocolObserver:
         )
         self._last = float(mu[-1])
 
-    def _extended(self, extent: Extent, z: Array) -> Extent:
+    def _extended(self, ends: tuple[float, float], z: Array) -> tuple[float, float]:
         """A range of ln v, extended to the rate unknowns `z`, with which v rises."""
         if not z.size:
-            return extent
+            return ends
         with np.errstate(divide="ignore", invalid="ignore"):
-            return extent.with_values(np.log(rates(self._scene.law, np.array([z.min(), z.max()]))))
+            ln_v = np.log(rates(self._scene.law, np.array([z.min(), z.max()])))
+        return float(ln_v.min(initial=ends[0])), float(ln_v.max(initial=ends[1]))
 
     def _steady(self, stage: Stage) -> float:
         """Steady stress at the velocity of a stage; NaN in a hold."""
@@ -164,7 +161,7 @@ class ProtocolObserver:
                 f"it is of a run with {len(rows)} stages of the drive, this one has {len(self.stages)}: a protocol is not "
                 "prolonged past a knot; give the whole length from the start"
             )
-        self._seen = [Seen._make([*row[:5], *(Extent(*row[k : k + 2]) for k in (5, 7, 9)), row[11]]) for row in rows]
+        self._seen = [MeasuredStage._make([*row[:5], *(tuple(row[k : k + 2]) for k in (5, 7, 9)), row[11]]) for row in rows]
         self._now = sum(seen.reached >= stage.end for stage, seen in zip(self.stages, self._seen, strict=True))
         self._slip, self._last = state["slip"].tolist()
 
@@ -174,7 +171,7 @@ def _at(rows: Array, values: Array) -> Array:
     return np.asarray((rows @ values[..., None])[..., 0])
 
 
-def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
+def _until_recovered(seen: MeasuredStage, sign: float, steady: float, mu: Array) -> int:
     """Index in `mu` at which the stress has first recovered from a peak in it or before it; the last index if it has not."""
     known = -math.inf if math.isnan(seen.peak) else sign * seen.peak
     highest = np.maximum.accumulate(np.append(known, sign * mu))[1:]
@@ -185,7 +182,7 @@ def _until_recovered(seen: Seen, sign: float, steady: float, mu: Array) -> int:
     return int(np.argmax(back)) if back.any() else mu.size - 1
 
 
-def _peak(seen: Seen, sign: float, steady: float, mu: Array, slip: Array, points: int = 1) -> Seen:
+def _peak(seen: MeasuredStage, sign: float, steady: float, mu: Array, slip: Array, points: int = 1) -> MeasuredStage:
     """`seen` updated by further samples, `points` of each piece: the peak and, after it, the slip at which the stress has
     recovered (`_LEFT`)."""
     highest, first = int(np.argmax(sign * mu)), 0
@@ -237,4 +234,4 @@ def _sampling(nodes: tuple[float, ...], points: tuple[float, ...]) -> Sampling:
     gauss, weights = np.polynomial.legendre.leggauss(basis.nodes.size)
     inner = 0.5 * (1.0 + gauss)
     sums = np.stack([0.5 * point * (weights @ interpolation_matrix(basis, point * inner)) for point in points])
-    return Sampling(abscissae, interpolation_matrix(basis, abscissae), sums)
+    return abscissae, interpolation_matrix(basis, abscissae), sums

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
-from slipwave.observe.pieces import Array, slack
+from slipwave.observe.pieces import slack
 from slipwave.scene.drive import Drive
 
 StageKind: TypeAlias = Literal["start", "step", "hold", "slide", "ramp", "level"]
@@ -48,35 +48,19 @@ class Stage(NamedTuple):
         return 1.0 if self.velocity >= self.before else -1.0
 
 
-class Extent(NamedTuple):
-    """The lowest and the highest of some values."""
-
-    low: float = math.inf
-    high: float = -math.inf
-
-    @property
-    def width(self) -> float:
-        """Highest minus lowest; 0 if there are no values."""
-        return max(self.high - self.low, 0.0)
-
-    def with_values(self, values: Array) -> "Extent":
-        """The range extended to `values`."""
-        return Extent(float(values.min(initial=self.low)), float(values.max(initial=self.high)))
-
-
-class Seen(NamedTuple):
+class MeasuredStage(NamedTuple):
     """Measured in a stage so far: friction stress just `before` it, at its `peak` (the lowest where friction falls first) and
     `last`; slip in L since the stage began, `peak_slip` at the peak and `recovered` where the stress had recovered (NaN: not
-    yet); the ranges of ln v in its third and fourth quarter and in the last tenth; the time reached (transits)."""
+    yet); the lowest and highest ln v in its third and fourth quarter and in the last tenth; the time reached (transits)."""
 
     before: float = math.nan
     peak: float = math.nan
     last: float = math.nan
     peak_slip: float = math.nan
     recovered: float = math.nan
-    third: Extent = Extent()
-    fourth: Extent = Extent()
-    late: Extent = Extent()
+    third: tuple[float, float] = (math.inf, -math.inf)
+    fourth: tuple[float, float] = (math.inf, -math.inf)
+    late: tuple[float, float] = (math.inf, -math.inf)
     reached: float = -math.inf
 
 
@@ -136,7 +120,7 @@ def _kind_of(stages: list[Stage], before: float, velocity: float) -> StageKind:
     return "level" if stages[-1].kind == "ramp" and before == velocity else "step"
 
 
-def stage_figures(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
+def stage_figures(stages: list[Stage], seen: list[MeasuredStage]) -> list[StageFigures]:
     """The figures of the stages that the run has begun. A stage shorter than a step of the run, which lies in none, has no
     figures."""
     found: list[StageFigures] = []
@@ -146,13 +130,15 @@ def stage_figures(stages: list[Stage], seen: list[Seen]) -> list[StageFigures]:
     return found
 
 
-def _figures(stage: Stage, seen: Seen, earlier: StageFigures | None, before_hold: float) -> StageFigures:
-    settled = _has_settled(stage, seen)
+def _figures(stage: Stage, seen: MeasuredStage, earlier: StageFigures | None, before_hold: float) -> StageFigures:
+    is_over = seen.reached >= stage.end - slack(stage.end)
+    slides = stage.velocity > 0.0 and stage.kind != "ramp"  # at one velocity
+    settled = slides and is_over and max(abs(ln_v - math.log(stage.velocity)) for ln_v in seen.late) < STEADY
     facts = StageFigures(stage.kind, stage.start, stage.end, stage.velocity)
     if seen.reached == -math.inf:
         return facts
-    swings = min(seen.third.width, seen.fourth.width) > _STICKS and seen.fourth.width >= _LASTS * seen.third.width
-    if stage.velocity > 0.0 and stage.kind != "ramp" and not settled and swings:
+    third, fourth = (high - low for low, high in (seen.third, seen.fourth))  # -inf without values
+    if slides and not settled and min(third, fourth) > _STICKS and fourth >= _LASTS * third:
         return replace(facts, stick_slips=True)
     numbers: dict[str, Any] = {"steady_stress": seen.last} if settled else {}
     was_steady = earlier is not None and earlier.steady_stress is not None
@@ -167,11 +153,3 @@ def _figures(stage: Stage, seen: Seen, earlier: StageFigures | None, before_hold
     if stage.kind in ("step", "slide") and not math.isnan(seen.recovered):
         numbers["slip_to_recovery"] = seen.recovered - seen.peak_slip
     return replace(facts, **numbers)
-
-
-def _has_settled(stage: Stage, seen: Seen) -> bool:
-    """Whether the slip rate was steady at the end of a stage of one velocity that is over."""
-    if stage.velocity == 0.0 or stage.kind == "ramp" or seen.reached < stage.end - slack(stage.end):
-        return False
-    wanted = math.log(stage.velocity)
-    return max(abs(seen.late.low - wanted), abs(seen.late.high - wanted)) < STEADY

@@ -130,12 +130,9 @@ def margin_of_mean(values: Array) -> float:
     one. Alone, each covers the mean in fewer than 95 of 100 runs."""
     if values.size < FEWEST:
         return math.nan
-    return max(_by_batches(values), _by_autocorrelations(values), _by_fading_memory(values))
-
-
-def _by_batches(values: Array) -> float:
     means = np.array([batch.mean() for batch in np.array_split(values, BATCHES)])
-    return _quantile(BATCHES - 1.0) * float(means.std(ddof=1)) / math.sqrt(BATCHES)
+    by_batches = _quantile(BATCHES - 1.0) * float(means.std(ddof=1)) / math.sqrt(BATCHES)
+    return max(by_batches, _by_autocorrelations(values), _by_fading_memory(values))
 
 
 def _by_autocorrelations(values: Array) -> float:

@@ -47,18 +47,13 @@ def rotation(figures: Array) -> Rotation | None:
     columns = figures.reshape(len(figures), -1)
     if len(columns) < MANY or (np.ptp(columns, axis=0) == 0.0).any():
         return None
-    found = [_follow(columns, start) for start in dict.fromkeys(_strongest(column) for column in columns.T)]
-    misfit, rho, resolved, most = min(found)
+    count = len(columns)
+    windows = np.hanning(count + 2)[1:-1] * (columns - columns.mean(axis=0)).T
+    peaks = [np.argmax(np.abs(np.fft.rfft(window, _GRID * count)[1 : _GRID * count // 2])) for window in windows]
+    starts = dict.fromkeys(float(1 + peak) / (_GRID * count) for peak in peaks)  # of the strongest oscillations, per cycle
+    misfit, rho, resolved, most = min(_follow(columns, start) for start in starts)
     changes = [_change(column, rho, max(resolved, 1)) for column in columns.T]
     return Rotation(rho, misfit, *max(changes, key=lambda one: abs(one[0])), resolved, most)
-
-
-def _strongest(figure: Array) -> float:
-    """Frequency (per cycle) of the strongest oscillation, to a sixteenth of the width of a peak."""
-    count = figure.size
-    window = np.hanning(count + 2)[1:-1] * (figure - figure.mean())
-    spectrum = np.abs(np.fft.rfft(window, _GRID * count)[1 : _GRID * count // 2])
-    return float(1 + np.argmax(spectrum)) / (_GRID * count)
 
 
 def _follow(columns: Array, start: float) -> tuple[float, float, int, int]:

@@ -11,14 +11,14 @@
     decaying,   the logarithm of the prominence falls or grows on a straight line, or faster: its slope does not become so
     growing     much smaller that a limit above half of the last prominence is in sight. It must change by a fifth in all, or the
                 motion must be so small (v_max/v_min below 1.2) that it can only be exponential
-    settling    cycles still change in one direction: they come closer to each other, or drift (`goes_on`)
+    settling    cycles still change in one direction: they come closer to each other, or drift (`_goes_on`)
     torus       period and v_max of 24 cycles or more are smooth functions of one phase that comes round and advances by the same
                 angle from cycle to cycle, within 4 % of their spread, with an amplitude that stays (`torus`)
     irregular   none of these in 16 cycles or more
 
 Figures are period, stress drop, elastic stress drop, v_max and v_min.
 
-Cycles of a motion that still change in one direction neither repeat nor wander for ever (`goes_on`).
+Cycles of a motion that still change in one direction neither repeat nor wander for ever (`_goes_on`).
 
 Figures of cycles are compared as logarithms, cycle k with cycle k + n (every n-th, n = 1 ... 8), so that the approach to a period
 of n events is seen as well. There are two criteria:
@@ -45,41 +45,36 @@ _NONE = 1e-13  # rounding of a logarithm, and more than the sum of squares of ma
 _LONGEST = 0.99  # of the change between two thirds, the largest share that the next third is taken to repeat
 
 
-def logarithms(figures: Array) -> Array:
-    """Figures (cycles, 5) as logarithms; over their mean size where they change sign."""
-    sizes = np.abs(figures).mean(axis=0)
-    positive = (figures > 0.0).all(axis=0)
-    return np.where(positive, np.log(np.where(positive, figures, 1.0)), figures / np.where(sizes > 0.0, sizes, 1.0))
-
-
-def still_changes(figures: Array) -> bool:
-    """Whether the cycles with these `figures` (cycles, 5) approach or leave a limit exponentially, or drift."""
-    values = logarithms(figures)
+def _still_changes(figures: Array) -> bool:
+    """Whether the cycles with these `figures` (cycles, 5) approach or leave a limit exponentially, or drift; by the logarithms of
+    the figures, or, where they change sign, by themselves over their mean size."""
+    sizes, positive = np.abs(figures).mean(axis=0), (figures > 0.0).all(axis=0)
+    values = np.where(positive, np.log(np.where(positive, figures, 1.0)), figures / np.where(sizes > 0.0, sizes, 1.0))
     steps = np.diff(values, axis=0)
     one_way = ((steps > 0.0).all(axis=0) | (steps < 0.0).all(axis=0)).all()
     lags = range(1, min(LAGS, len(values) // 4) + 1)
     return bool(one_way) or any(_shrinks(values, lag) or _drifts(values, lag) for lag in lags)
 
 
-def goes_on(periods: Array, within: float) -> bool:
+def _goes_on(periods: Array, within: float) -> bool:
     """Whether means over successive periods (periods, 5) will still change by more than `within`, relative to their size: by the
     sum of the geometric series that the changes between their thirds begin."""
     if len(periods) < 3:
         return False
-    early, late = between_thirds(periods)
+    early, late = _thirds(periods)
     scatter = np.sqrt(np.mean(np.diff(periods, n=2, axis=0) ** 2, axis=0) / 3.0) if len(periods) > 3 else 0.0
     onwards = (early * late > 0.0) & (np.abs(late) > 3.0 * scatter)
     share = np.minimum(np.abs(late) / np.where(early == 0.0, 1.0, np.abs(early)), _LONGEST)
     return bool((onwards & (np.abs(late) * share / (1.0 - share) > within)).any())
 
 
-def between_thirds(values: Array) -> Array:
+def _thirds(values: Array) -> Array:
     """The changes (2, ...) between the means of the thirds of `values` (n, ...), after omitting up to two at the beginning."""
     third = len(values) // 3
     return np.diff(values[-3 * third :].reshape(3, third, *values.shape[1:]).mean(axis=1), axis=0)
 
 
-def straight_line(values: Array) -> tuple[float, float, float]:
+def _line(values: Array) -> tuple[float, float, float]:
     """The straight line through `values` (n,), by least squares: its change from the first to the last, the standard error of
     that change, and the share of the variance that it explains."""
     n = values.size
@@ -96,8 +91,8 @@ def _shrinks(values: Array, lag: int) -> bool:
     apart = np.log(np.maximum(np.abs(values[lag:] - values[:-lag]).max(axis=1), _NONE))
     if apart.size < 4:
         return bool(apart.size > 1 and apart[-1] < apart[0] - np.log(2.0) and (np.diff(apart) < 0.0).all())
-    change, error, _ = straight_line(apart)
-    late, later, _ = straight_line(apart[apart.size // 2 :])
+    change, error, _ = _line(apart)
+    late, later, _ = _line(apart[apart.size // 2 :])
     lasts = late * change > 0.0 and abs(late) >= max(_LATE * abs(change), later)
     return lasts and abs(change) >= max(np.log(2.0), _SURE * error)
 
@@ -190,7 +185,7 @@ def judge_motion(
         rate = float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
         return MotionVerdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=rate)
     kind, turned = _turns(cycles)
-    if kind != "torus" and (kind == "settling" or still_changes(figures)):
+    if kind != "torus" and (kind == "settling" or _still_changes(figures)):
         return MotionVerdict("settling", count, change=change)
     if count < MANY:
         kind = "too short"
@@ -214,7 +209,7 @@ def _multiplicity(figures: Array) -> int | None:
         if _repeats(later, n, REPEATS):
             periods = len(later) // n
             means = later[-periods * n :].reshape(periods, n, -1).mean(axis=1)
-            return None if goes_on(means / np.abs(later.mean(axis=0)), REPEATS) else n
+            return None if _goes_on(means / np.abs(later.mean(axis=0)), REPEATS) else n
     own = float(np.max(np.std(figures, axis=0) / np.abs(figures.mean(axis=0))))
     return next((n for n in range(tried + 1, count // 2 + 1) if _repeats(figures, n, min(REPEATS, _CLOSELY * own))), None)
 
@@ -239,8 +234,8 @@ def _repeats(figures: Array, n: int, within: float) -> bool:
 def _trend(prominence: Array, ratio: float) -> float:
     """Change of the logarithm of the prominence over the window, if it is exponential; else 0."""
     values = np.log(prominence)
-    early, late = (float(part) for part in between_thirds(values))
-    change, _, straight = straight_line(values)
+    early, late = (float(part) for part in _thirds(values))
+    change, _, straight = _line(values)
     if early * late <= 0.0 or straight < _STRAIGHT[values.size >= _FEW] or (abs(change) < _CHANGED and ratio >= _SMALL):
         return 0.0
     slower = late / early
@@ -252,9 +247,9 @@ def _trend(prominence: Array, ratio: float) -> float:
 def _limit(values: Array) -> float:
     """The limit of x = limit + A exp(-k t), over the last x, from the logarithms of x: its slope decreases. Of a steep fall only
     the last events are used: those with a change of at most `_STEEP` from third to third, but at least `_ENOUGH`."""
-    while values.size >= 2 * _ENOUGH and between_thirds(values)[1] < -_STEEP:
+    while values.size >= 2 * _ENOUGH and _thirds(values)[1] < -_STEEP:
         values = values[values.size // 2 :]
-    early, late = (float(part) for part in between_thirds(values))
+    early, late = (float(part) for part in _thirds(values))
     if early >= 0.0 or late >= 0.0:
         return 0.0 if late < 0.0 else 1.0
     slower, fall = late / early, -0.5 * (early + late)

@@ -5,7 +5,7 @@ The interface depends only on its one-port (MODEL.md section 3).
 Impedances are in units of (normal stress)/V*, times in L/V*. `round_trip` is the travel time from the
 interface to the outer face and back.
 
-Models read an outer face of any kind only as a `Termination`, three numbers.
+Models read an outer face of any kind only as a `Termination`, and viscosity of any kind as a `Rheology`: three numbers each.
 
 A spring and a dashpot in parallel connect the drive to a mass, which moves with the face. In deviations from steady sliding and
 in the slab's own direction of drive, with the drive's velocity V, the face's velocity w and the slab's stress sigma there,
@@ -17,6 +17,7 @@ constant dead load.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import ClassVar, Self, TypeAlias
 
@@ -143,10 +144,30 @@ FACES: dict[str, type[Face]] = {
 
 
 @dataclass(frozen=True)
+class Rheology:
+    """A solid as numbers: G(s)/G = (1 + retardation s)/((1 + relaxation s)(1 + ratio)) with the unrelaxed modulus G; times are in
+    L/V*. All are 0 if it is elastic. `ratio`: the relaxing modulus over the lasting one."""
+
+    retardation: float = 0.0
+    relaxation: float = 0.0
+    ratio: float = 0.0
+
+    @property
+    def blocks_fast_waves(self) -> bool:
+        """Whether the modulus grows without bound with the frequency."""
+        return self.retardation > 0.0 and self.relaxation == 0.0
+
+
+@dataclass(frozen=True)
 class KelvinVoigtViscosity:
     """sigma = G (gamma + time * gamma'), `time` in L/V*."""
 
     time: float
+
+    @property
+    def rheology(self) -> Rheology:
+        """The solid as numbers."""
+        return Rheology(retardation=self.time)
 
 
 @dataclass(frozen=True)
@@ -157,8 +178,19 @@ class StandardLinearViscosity:
     time: float
     ratio: float
 
+    @property
+    def rheology(self) -> Rheology:
+        """The solid as numbers."""
+        return Rheology(self.time * (1.0 + self.ratio), self.time, self.ratio)
+
 
 Viscosity: TypeAlias = KelvinVoigtViscosity | StandardLinearViscosity
+
+VISCOSITIES: dict[str, Callable[..., Viscosity]] = {
+    "kelvin-voigt": KelvinVoigtViscosity,
+    "standard-linear": StandardLinearViscosity,
+}
+"""The kinds of viscosity by their names in scene files; a kind's fields are its keys there."""
 
 
 @dataclass(frozen=True)
@@ -208,6 +240,11 @@ class Slab:
         return self.face.termination(self.epsilon, self.round_trip, self.epsilon * self.layers[-1].impedance)
 
     @property
+    def rheology(self) -> Rheology:
+        """The material as numbers, times in L/V*."""
+        return self.viscosity.rheology if self.viscosity else Rheology()
+
+    @property
     def interface_impedance(self) -> float:
         """Impedance of the layer at the interface, which resists fast changes of velocity."""
         return self.epsilon * self.layers[0].impedance
@@ -216,7 +253,7 @@ class Slab:
     def compliance(self) -> float:
         """Quasi-static displacement per stress: the sum of round_trip fraction / (2 impedance) over the layers (a standard linear
         solid is relaxed), plus that of the spring at the outer face."""
-        softer = 1.0 + (self.viscosity.ratio if isinstance(self.viscosity, StandardLinearViscosity) else 0.0)
+        softer = 1.0 + self.rheology.ratio
         layers = softer * sum(layer.fraction * self.round_trip / (2.0 * self.epsilon * layer.impedance) for layer in self.layers)
         spring = self.termination.spring
         return layers + (1.0 / spring if spring > 0.0 else 0.0)

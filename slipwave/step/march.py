@@ -1,7 +1,7 @@
 """The march of friction against any port (`slipwave.step.port`): collocated steps whose lengths follow the motion.
 
 A step is accepted if the highest Legendre coefficients of z and of psi are below the resolution and no disturbance grows faster
-than a step reproduces (`grows_unseen`). Otherwise a step half as long is tried. A step twice as long follows where the
+than a step reproduces (`_grows_unseen`). Otherwise a step half as long is tried. A step twice as long follows where the
 coefficients are small; it begins at a multiple of its length, so that a jump of the motion at a whole transit stays at the end of
 a step.
 """
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from slipwave.compiled import inlined, njit
+from slipwave.compiled import njit
 from slipwave.friction import Law, law_of_step, to_own, to_step
 from slipwave.observe.pieces import Array, Pieces, slack
 from slipwave.step.collocation import EQUAL, RATIOS, Nodes, Rule
@@ -96,7 +96,7 @@ def _guess(nodes: Nodes, law: Law, own: Law, rule: Rule, memory: Memory, nodal: 
 
 
 @njit
-def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, limits: Limits, nodal: Nodal) -> bool:
+def _grows_unseen(nodes: Nodes, impedance: Full, resistance: float, limits: Limits, nodal: Nodal) -> bool:
     """Whether a disturbance of the state at some node would grow by more than e^`growth` within the step, where the slabs'
     impedance for such growth is `resistance`, or might grow while it swings by more than the angle `swing` of the `limits`.
 
@@ -115,20 +115,6 @@ def grows_unseen(nodes: Nodes, impedance: Full, resistance: float, limits: Limit
         if swing > limits.swing * limits.swing or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
             return True
     return False
-
-
-@inlined
-def _may_double(time: float, origin: float, length: float) -> bool:
-    """Whether `time` is a multiple of twice the length."""
-    count = (time - origin) / (2.0 * length)
-    return abs(count - math.floor(count + 0.5)) < 1e-3
-
-
-@inlined
-def _end_of(start: float, origin: float, length: float) -> float:
-    """End of a step that begins at `start`, a multiple of its length, without the rounding of a sum, which would miss a late
-    break point."""
-    return origin + length * (math.floor((start - origin) / length + 0.5) + 1.0)
 
 
 @njit
@@ -158,7 +144,7 @@ def march(
         tails = tail_of(nodes, rule.tail, nodal.z), tail_of(nodes, rule.tail, nodal.psi)
         size = max(abs(tails[0]), abs(tails[1])) if math.isfinite(tails[0] + tails[1]) else math.inf
         rough = not planned and (
-            not size <= limits.resolution or grows_unseen(nodes, impedance, stretch.resistance[level], limits, nodal)
+            not size <= limits.resolution or _grows_unseen(nodes, impedance, stretch.resistance[level], limits, nodal)
         )
         if used == 0 or rough:
             if planned and levels[LAST] != _NONE:  # try again from constant values
@@ -174,9 +160,13 @@ def march(
         step = (start, length)
         now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, now[ELASTIC], pieces, k)
         take_in(port, nodes, level, rule.integral, nodal)
-        now[TIME], now[LEFT], now[PSI], now[END] = _end_of(start, origin, length), left, nodal.psi[s - 1], nodal.z[s - 1]
+        # `start` is a multiple of the length: its end, without the rounding of a sum, which would miss a late break point
+        now[TIME] = origin + length * (math.floor((start - origin) / length + 0.5) + 1.0)
+        now[LEFT], now[PSI], now[END] = left, nodal.psi[s - 1], nodal.z[s - 1]
         levels[LAST] = level
-        longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution and _may_double(now[TIME], origin, length)
+        pairs = (now[TIME] - origin) / (2.0 * length)
+        may_double = abs(pairs - math.floor(pairs + 0.5)) < 1e-3  # the end is a multiple of twice the length
+        longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution and may_double
         levels[NEXT] = level - 1 if longer else level
         k += 1
     return k, iterations, DONE

@@ -40,12 +40,12 @@ def iterate(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Ar
         for k in range(s):
             for j in range(s):
                 nodal.change[j] += integral[k, j] * nodal.gain[k]
-        sweeps, left = sweeps_for(impedance, total), 0.0
+        sweeps, left = _sweeps_for(impedance, total), 0.0
         if sweeps:
-            moved = relax(nodes, impedance, integral, sweeps, nodal)
+            moved = _relax(nodes, impedance, integral, sweeps, nodal)
             left = total * moved if shared > 0.0 else 0.0
         else:
-            eliminate_nodes(impedance, nodes, integral, nodal)
+            _eliminate_nodes(impedance, nodes, integral, nodal)
         if left + _correct(nodes, law, impedance, nodal) < tolerance:
             return iteration
     return 0
@@ -101,7 +101,7 @@ def _correct(nodes: Nodes, law: Law, impedance: Impedance, nodal: Nodal) -> floa
 
 
 @inlined
-def relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, nodal: Nodal) -> float:
+def _relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, nodal: Nodal) -> float:
     """nodal.change, the right-hand side c of psi, <- change of psi, and the mismatch as if every other node's z had changed, by
     `sweeps` over the equations
 
@@ -115,7 +115,7 @@ def relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, noda
         nodal.stress[j] = 0.0
         nodal.trial[j] = nodal.change[j]
     for _ in range(sweeps):
-        moved = pull(impedance, nodes, nodal)
+        moved = _pull(impedance, nodes, nodal)
         for j in range(s):
             nodal.gain[j] = nodal.slope[j] * nodal.trial[j] - nodal.by_z[j] * nodal.stress[j]
         for j in range(s):
@@ -131,18 +131,18 @@ def relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, noda
 
 
 @by_class(inline=True)
-def sweeps_for(impedance: Impedance, total: float) -> int:
+def _sweeps_for(impedance: Impedance, total: float) -> int:
     """Sweeps that a Newton iteration needs if the largest influence of all nodes on one is `total`; 0: elimination is cheaper."""
     return 2 if total < 0.05 else 4 if total < 0.2 else 6 if total < 0.5 else 0
 
 
-@sweeps_for.register(Diagonal)
+@_sweeps_for.register(Diagonal)
 def _sweeps_alone(impedance, total):  # type: ignore[no-untyped-def]
     return 2 if total < 0.01 else 3 if total < 0.04 else 0  # what they leave, total^(sweeps + 1) < 3e-6, is not measured
 
 
 @by_class(inline=True)
-def pull(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
+def _pull(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
     """nodal.stress <- kappa dz, what the other nodes add to the mismatch of a node; returns the largest change."""
     s, moved = len(nodes), 0.0
     for j in range(s):
@@ -155,14 +155,14 @@ def pull(impedance: Impedance, nodes: Nodes, nodal: Nodal) -> float:
     return moved
 
 
-@pull.register(Diagonal)
+@_pull.register(Diagonal)
 def _pull_nothing(impedance, nodes, nodal):  # type: ignore[no-untyped-def]
     return 0.0
 
 
 @by_class()
-def eliminate_nodes(impedance: Any, nodes: Nodes, integral: Array, nodal: Nodal) -> None:
-    """As `relax`, by elimination of all nodes. With P = 1 - A h G_psi and c the right-hand side of psi, linearised friction and
+def _eliminate_nodes(impedance: Any, nodes: Nodes, integral: Array, nodal: Nodal) -> None:
+    """As `_relax`, by elimination of all nodes. With P = 1 - A h G_psi and c the right-hand side of psi, linearised friction and
     state are
 
         (1 + kappa) dz + ratio dpsi = -mismatch,     dpsi = P^-1 (c + A B dz).
@@ -195,7 +195,7 @@ def eliminate_nodes(impedance: Any, nodes: Nodes, integral: Array, nodal: Nodal)
         nodal.mismatch[j] = -rate[j, s] - nodal.ratio[j] * change
 
 
-@eliminate_nodes.register(Diagonal)
+@_eliminate_nodes.register(Diagonal)
 def _eliminate_alone(impedance, nodes, integral, nodal):  # type: ignore[no-untyped-def]
     """change <- (1 - A diag(slope))^-1 change."""
     s, state = len(nodes), nodal.state

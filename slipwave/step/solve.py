@@ -38,8 +38,10 @@ def solve(law: Law, nodes: Nodes, impedance: Impedance, h: float, rule: Rule, to
 @solve.register(OfStep)
 def _solve_through_rest(law, nodes, impedance, h, rule, tolerance, nodal):  # type: ignore[no-untyped-def]
     used = iterate(nodes, law, impedance, h, rule.integral, tolerance, nodal)
-    if used == 0:
-        _begin_again(nodes, law, impedance, nodal)
+    if used == 0:  # after a jump of the stress: psi as before it, and friction at each node for itself, from rest
+        for j in range(len(nodes)):
+            nodal.psi[j] = nodal.left[j]
+            nodal.z[j], _ = solve_interface(law, own(impedance, j), nodal.incoming[j], nodal.psi[j], 0.0)
         used = iterate(nodes, law, impedance, h, rule.integral, tolerance, nodal)
     if used == 0 or h == 0.0 or not _reverses(nodes, rule, nodal):
         return used
@@ -53,15 +55,6 @@ def _solve_through_rest(law, nodes, impedance, h, rule, tolerance, nodal):  # ty
             return 0
         used += more
     return 0
-
-
-@njit
-def _begin_again(nodes: Nodes, law: Law, impedance: Impedance, nodal: Nodal) -> None:
-    """The guess after a jump of the stress from which Newton's method fails: psi as before it, and friction at each node for
-    itself, from rest."""
-    for j in range(len(nodes)):
-        nodal.psi[j] = nodal.left[j]
-        nodal.z[j], _ = solve_interface(law, own(impedance, j), nodal.incoming[j], nodal.psi[j], 0.0)
 
 
 @njit

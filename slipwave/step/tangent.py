@@ -80,16 +80,16 @@ def step_answer(
         for m in range(2 * s + 1):
             matrix[j, m] = answer.rate_by_psi[j] * matrix[s + j, m]
         matrix[j, j] += answer.rate_by_stress[j]
-    feed_back(impedance, nodes, matrix)
+    _feed_back(impedance, nodes, matrix)
 
 
 @by_class(inline=True)
-def feed_back(impedance: Any, nodes: Nodes, answer: Array) -> None:
+def _feed_back(impedance: Any, nodes: Nodes, answer: Array) -> None:
     """Add to `answer` what other nodes' rates contribute to the stress of a node."""
     _solve_together(nodes, impedance.matrix, answer)
 
 
-@feed_back.register(Diagonal)
+@_feed_back.register(Diagonal)
 def _feed_back_nothing(impedance, nodes, answer):  # type: ignore[no-untyped-def]
     return None
 

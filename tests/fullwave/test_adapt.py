@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from grid_scenes import SCENES
 
-from fullwave.adapt import _Outcome, to_tolerance
+from fullwave.adapt import to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver
@@ -75,11 +75,11 @@ def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credit
     values = {2: 1.124, 3: 1.044, 5: 1.004, 8: 1.0041, 12: 1.0, 18: 1.0}
 
     class Series:
-        model, step, settings = "series", 1.0, {}
+        model, step, settings, transits_per_piece = "series", 1.0, {}, 4.0
 
         def __init__(self, scene, cells):
             self.cells = cells
 
-    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: _Outcome("cycles", np.array([values[solver.cells]])))
+    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: ("cycles", np.array([values[solver.cells]])))
     _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, credited)
     assert (choice.cells, choice.error_estimate) == (cells, pytest.approx(estimate, rel=2e-2))

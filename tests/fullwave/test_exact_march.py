@@ -138,7 +138,7 @@ def worst_gain(solver, longest, levels):
     weight = energy_matrix(solver)[np.ix_(slabs.slots, slabs.slots)]
     moves = weight.diagonal() > 0.0  # all but the loads of faces without a spring, which are 0 for ever
     factor = np.linalg.cholesky(weight[np.ix_(moves, moves)]).T
-    port, n, worst = slabs.known(longest).port, slabs.remembered, -np.inf
+    port, n, worst = slabs.tables(longest)[1], slabs.remembered, -np.inf
     for level in levels:
         slabs.prepare(port, level)
         by_rate = port.change[level, port.values.size :][: exact.STAGES, :n].T

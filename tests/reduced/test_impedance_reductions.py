@@ -224,7 +224,7 @@ NARROW = Reduction("m", mass=0.01, damping=0.5, frequencies=(33.333333,), residu
     ids=["active mode", "active dashpot", "a resonance narrower than any grid"],
 )
 def test_an_active_reduction_is_seen(wrong, where, monkeypatch):
-    monkeypatch.setattr("reduced.impedance.models.reduction_of", lambda scene, name: wrong)
+    monkeypatch.setattr("reduced.impedance.models.analysed", lambda scene, name: wrong)
     found = check_passivity(paper(), "modal:1")
     assert not found.passive
     if where:

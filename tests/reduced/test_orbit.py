@@ -11,7 +11,7 @@ import pytest
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import CycleSection, closest_returns
 from reduced.orbit.closing import close, close_family
-from reduced.orbit.figures import amplitude, cycle_figures, repeats_sooner
+from reduced.orbit.figures import amplitude, figures_of, repeats_sooner
 from reduced.orbit.multipliers import floquet, multipliers
 from reduced.orbit.newton import Evaluated, solve_by_newton
 from slipwave import read_scene
@@ -62,7 +62,8 @@ def test_figures_of_a_polynomial_motion():
 
     largest = 16.0 / (3.0 * math.sqrt(3.0))
     cycle, nodes = motion([lambda t: 0.5 * cubic(t), cubic, lambda t: 0.1 * cubic(t) + 0.6, lambda t: -0.03 * cubic(t)], 4.0)
-    found = cycle_figures(FlowByHand(SUPERCRITICAL, 0.1).scene.law, cycle, nodes)
+    flow = SimpleNamespace(scene=FlowByHand(SUPERCRITICAL, 0.1).scene, nodes=nodes)
+    found = figures_of(SimpleNamespace(flow=flow, cycle=cycle))
     drops, rates = (0.2 * largest, 0.06 * largest), (math.exp(0.5 * largest), math.exp(-0.5 * largest))
     assert list(found) == ["period", "stress_drop", "elastic_stress_drop", "v_max", "v_min"]
     assert list(found.values()) == pytest.approx([4.0, *drops, *rates], rel=1e-13)

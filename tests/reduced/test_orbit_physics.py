@@ -18,7 +18,7 @@ from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
-from reduced.orbit.figures import cycle_figures, repeats_sooner
+from reduced.orbit.figures import figures_of, repeats_sooner
 from reduced.orbit.multipliers import floquet
 from slipwave import read
 from slipwave.errors import NumericsError
@@ -124,7 +124,7 @@ def test_the_estimated_errors_bound_the_errors(log10_r):
     result = found("delay", log10_r, 1e-8)
     closed = result.closed
     finer, state = closed.flow.remeshed(closed.cycle, 2.0)
-    exact = cycle_figures(finer.scene.law, close(finer, state, closed.cycle.period).cycle, finer.nodes)
+    exact = figures_of(close(finer, state, closed.cycle.period))
     for name, value in exact.items():
         estimate = getattr(result.orbit, name)
         assert abs(estimate.value - value) <= estimate.error < 1e-8 * abs(value), name

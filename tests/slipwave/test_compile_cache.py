@@ -14,7 +14,7 @@ import pytest
 
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import inlined, njit
-from slipwave.observe.detector import size_of
+from slipwave.observe.swings import size_of
 from slipwave.sources import ROOT, SOLVER_PACKAGES
 from tests.test_shape import FUNCTIONS, TREES
 
@@ -22,7 +22,7 @@ SWING = np.array([1.0, 2.0, 3.5])
 ANSWER = 1.5
 PROGRAM = """
 import numpy as np
-from slipwave.observe.detector import size_of
+from slipwave.observe.swings import size_of
 swing = np.array([1.0, 2.0, 3.5])
 for _ in range(2):
     print(size_of(swing), size_of(swing.astype(np.float32)))
