@@ -32,8 +32,8 @@ class Disturbance(NamedTuple):
 
     def like(self, vector: Array) -> "Disturbance":
         """The entries of a `vector` in the shapes of this one."""
-        cuts = np.cumsum([self.waves.size, self.tops.size])
-        return Disturbance(*(part.reshape(own.shape) for part, own in zip(np.split(vector, cuts), self, strict=True)))
+        waves, rest = self.waves.size, vector.size - 2
+        return Disturbance(vector[:waves].reshape(self.waves.shape), vector[waves:rest].reshape(self.tops.shape), vector[rest:])
 
 
 class Friction(NamedTuple):
@@ -71,6 +71,13 @@ class FrozenStep:
         after = np.column_stack([np.roll(waves, -1, axis=3).reshape(len(units), -1), tops, rest])
         self._free, self._sent = after[: self.size].T.copy(), after[self.size :].T.copy()
         self._arriving = incoming[: self.size]
+
+    @property
+    def by_slip(self) -> Array:
+        """The change (n, s) of the memory by the nodal slip rate, but for that of psi."""
+        change = -self._impedance * self._sent
+        change[-1] = -self._forcing.stiffness * self._length * self._integral[-1]
+        return change
 
     def matrix(self, friction: Friction) -> tuple[Array, Array]:
         """The map (n, n) of a disturbance over one step, and the nodal stress (s, n) that it causes."""

@@ -18,9 +18,9 @@ import numpy as np
 
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, mean_friction, powers_of, slow_parts
 from reduced.delay.kernel import DelayMemory
-from reduced.delay.network import DelayNetwork
-from reduced.delay.network_kernel import LOAD, VELOCITY, NetworkLines, lines_with
+from reduced.delay.network_kernel import lines_with
 from reduced.delay.slow_motion import Slow, SlowMotion
+from reduced.delay.stroboscopic import StroboscopicNetwork
 from reduced.delay.transmission_lines import COINCIDENT, Lines
 from slipwave.friction import respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
@@ -28,7 +28,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
-from slipwave.step.nodal import ELASTIC, PSI, TIME, Interface, constant_guess
+from slipwave.step.nodal import TIME, constant_guess
 
 _SHARE = 0.03  # of the tolerance: error of a leap; a protocol has some hundred leaps
 _PRICE, _PRICE_OF_POWERS = 5000.0, 0.0015  # steps of the march that take as long as a leap; more for n entries, times n^3
@@ -62,7 +62,7 @@ class _Check(NamedTuple):
     ripple: float
 
 
-class LeapingNetwork(DelayNetwork):
+class LeapingNetwork(StroboscopicNetwork):
     """`DelayNetwork`, to its `tolerance`, as a `Leaping` solver.
 
     V is constant in a leap. Where waves change z by less than the tolerance, the pieces of a leap are those of the slow motion;
@@ -78,8 +78,6 @@ class LeapingNetwork(DelayNetwork):
         self._reach, self._pause = _FIRST, _PAUSE
         self._next_try = float(NUDGE_CENTRE + NUDGE_REACH) if scene.forcing.nudge else 0.0
         self._motion: SlowMotion | None = None  # they are made when they are needed
-        self._frozen: FrozenStep | None = None
-        self.skipped = 0.0
 
     def advance(self, until: float) -> Pieces:
         """March to the first end of a step at or beyond `until`, but at most one chunk; see `Solver`."""
@@ -94,7 +92,11 @@ class LeapingNetwork(DelayNetwork):
     def leap(self, until: float, end: float, gaps: bool) -> Pieces:
         """As `Leaping`."""
         if self.time >= self._next_try - SAME:
-            pieces = self._leap(min(end, self._next_kink()), gaps)
+            stop = min(end, self._next_kink())
+            pieces = self._leap(stop, gaps)
+            if pieces is None and gaps:
+                pieces = self._over_blocks(stop, self._allowed)
+                self._pause = self._pause if pieces is None else _PAUSE
             if pieces is not None:
                 return pieces
             kink, self._next_try = self._next_kink(), self.time + self._pause  # the next try lies at most at the next kink of V
@@ -124,7 +126,7 @@ class LeapingNetwork(DelayNetwork):
 
     def _restore_leaps(self, leaps: tuple[int, int, float, float]) -> None:
         self._reach, self._pause, self.skipped, self._next_try = leaps
-        self._frozen = None
+        self._forget_steps()
 
     def _next_kink(self) -> float:
         """The next time (transits) at which V has a kink; infinite if there is none."""
@@ -139,7 +141,7 @@ class LeapingNetwork(DelayNetwork):
         self._origin, self._done = start, 0
         steps, verdict = self._march(short, pieces)
         if steps < count:
-            self._lines, self._memory, self._origin, self._done, _ = before
+            self._return_to(before)
             self._refine(verdict)
             return self.advance(knot)
         self._resample(short, self._length)
@@ -149,7 +151,7 @@ class LeapingNetwork(DelayNetwork):
 
     def _refine(self, verdict: int) -> None:
         super()._refine(verdict)
-        self._frozen = None
+        self._forget_steps()
 
     def _leap(self, stop: float, gaps: bool) -> Pieces | None:
         """The pieces of a leap that ends before `stop`, with some steps before and after it; None if no leap saves time: then
@@ -186,15 +188,8 @@ class LeapingNetwork(DelayNetwork):
                     return pieces, scale
             else:
                 scale = 0.0
-        self._lines, self._memory, self._origin, self._done, self.iterations = before
+        self._return_to(before)
         return None, scale
-
-    def _moment(self) -> tuple[NetworkLines, DelayMemory, float, int, int]:
-        """All that a march changes, to restore the present."""
-        lines, (guess, now) = self._lines, self._memory
-        waves = lines_with(lines.network, lines.waves.copy(), lines.tops.copy(), int(lines.cursor[0]))
-        memory = DelayMemory(Interface(guess.psi.copy(), guess.z.copy()), now.copy())
-        return waves, memory, self._origin, self._done, self.iterations
 
     def _beyond(self, split: _Split, ahead: _Check, count: int) -> tuple[Pieces | None, float]:
         """As `_cross`, after the checked steps `ahead`, the first of `count`."""
@@ -208,7 +203,7 @@ class LeapingNetwork(DelayNetwork):
         split = split._replace(rest=later[:, 0] + steps * later[:, 1])
         self._jump_to(split, end, steps)
         behind, friction = self._check(split, count), self._friction(slow, end, end)
-        error = max(self._size(steps * (behind.drift - later[:, 1]), friction), spread) if behind else math.inf
+        error = max(self._size(steps * (behind.drift - later[:, 1]), friction.mu_z), spread) if behind else math.inf
         if not (behind and error <= self._allowed):
             return None, min(0.5, self._scale(slow, error))
         self.skipped += end - begin
@@ -276,12 +271,12 @@ class LeapingNetwork(DelayNetwork):
         over all of them instead of over each half."""
         frozen, parts = self._parts()[1], (steps // 2, steps - steps // 2)
         middle, later, friction = begin + parts[0] * self._length, rest, self._friction(slow, begin, end)
-        if self._size(np.abs(rest) @ [1.0, steps], friction) < _NEGLIGIBLE * self._allowed:
+        if self._size(np.abs(rest) @ [1.0, steps], friction.mu_z) < _NEGLIGIBLE * self._allowed:
             return rest, 0.0
         for count, (first, last) in zip(parts, ((begin, middle), (middle, end)), strict=True):
             later = advanced(powers_of(frozen.matrix(self._friction(slow, first, last))[0], count), later, count)
         other = advanced(powers_of(frozen.matrix(friction)[0], steps), rest[:, 0], steps)
-        return later, self._size(later[:, 0] - other, friction)
+        return later, self._size(later[:, 0] - other, friction.mu_z)
 
     def _jump_to(self, split: _Split, time: float, steps: int) -> None:
         """Set the state `steps` later, at `time`, from its `split`."""
@@ -294,13 +289,7 @@ class LeapingNetwork(DelayNetwork):
     def _parts(self) -> tuple[SlowMotion, FrozenStep]:
         """The solvers of both parts of the motion."""
         self._motion = self._motion or SlowMotion(self.scene, self._layers, self._stages, self._limits)
-        self._frozen = self._frozen or FrozenStep(self._lines.network, self._length, self._stages, self.scene.forcing)
-        return self._motion, self._frozen
-
-    def _now(self) -> Disturbance:
-        """The present memory."""
-        _, _, waves, tops, cursor, _ = self._lines
-        return Disturbance(np.roll(waves, -int(cursor[0]), axis=2), tops, self._memory.now[[PSI, ELASTIC]])
+        return self._motion, self._frozen_step()
 
     def _composed(self, split: _Split, time: float) -> Disturbance:
         """The memory at a `time` of the slow motion alone."""
@@ -330,13 +319,6 @@ class LeapingNetwork(DelayNetwork):
         fill = self._fill(split, np.linspace(begin, end, _LOOKS))
         changes = [np.diff(values[:, 0]) for values in (fill.z, fill.mu, fill.y)]
         return all(bool((change >= 0.0).all() or (change <= 0.0).all()) for change in changes)
-
-    def _size(self, change: Array, friction: Friction) -> float:
-        """Size of a `change` of the memory: the largest of the changes of psi, y and ln v (that of a wave over F_z)."""
-        waves, tops, rest = self._parts()[1].empty.like(np.abs(change))
-        impedance = self._layers.impedance[list(self._layers.last)]
-        stresses = [waves.max(), tops[:, LOAD].max(), (tops[:, VELOCITY] * impedance).max()]
-        return float(max(*rest, max(stresses) / friction.mu_z))
 
     def _scale(self, slow: Slow, error: float) -> float:
         """Ratio of the next leap's length to that of the step `slow`, which has this `error`."""

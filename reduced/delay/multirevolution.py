@@ -4,25 +4,30 @@ Marched over one transit, the state u becomes u + d. Where d changes slowly from
 
     u_(n+N) = u_(n+1) + sum of d_k over k = n + 1 .. n + N - 1
 
-with d_k from the polynomial in k through the latest ORDER marched transits, of which n is the last. Transit n + N is then marched
+with d_k from the polynomial in k through the latest p marched transits, of which n is the last. Transit n + N is then marched
 and gives the next d. This is the explicit Adams method with sums instead of integrals (Graf and Bettis, Celestial Mechanics 11,
-1975; Petzold, SIAM J. Numer. Anal. 18, 1981), of order ORDER in N. The same sum with the new d instead of the oldest is the
+1975; Petzold, SIAM J. Numer. Anal. 18, 1981), of order p in N. The same sum with the new d instead of the oldest is the
 implicit Adams method of that order; the difference of both is the estimated error of the leap.
 """
 
-import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.observe.pieces import Array, barycentric_weights
+from slipwave.friction import unknown_of
+from slipwave.observe.pieces import Array, Pieces, barycentric_weights
+from slipwave.scene import Scene
 
-ORDER = 6
+_SLOW = 0.98  # of V, at most, in a stick
+_EXTREMES = 6
 
 
 class Past(NamedTuple):
-    """The latest transits that were marched, at most ORDER: `number` (p,), the `change` (p, m) of the state in each, and the
-    `highest` (p, q) values of q quantities in it."""
+    """The latest transits that were marched, at most `order`, which is even: `number` (p,), the `change` (p, m) of the state in
+    each, and the `highest` (p, q) values of q quantities in it."""
+
+    order: int
 
     number: Array
     change: Array
@@ -31,17 +36,22 @@ class Past(NamedTuple):
     def then(self, number: float, change: Array, highest: Array) -> "Past":
         """`Past` with one more transit, without those that are too old."""
         longer = (np.append(self.number, number), np.vstack([self.change, change]), np.vstack([self.highest, highest]))
-        return Past(*(values[-ORDER:] for values in longer))
+        return Past(self.order, *(values[-self.order :] for values in longer))
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether there are enough transits to leap."""
+        return self.number.size == self.order
 
     def total(self, first: float, last: float) -> Array:
         """Sum (m,) of the changes in the transits `first` to `last` - 1."""
-        nodes, weights = sum_rule(last - first)
+        nodes, weights = sum_rule(last - first, self.order)
         return weights @ self._rows(first + nodes) @ self.change
 
     def error(self, first: float, last: float, change: Array) -> Array:
         """Change (m,) of `total` if the transit `last`, marched since with this `change`, replaces the oldest. Both polynomials
         agree at the other transits, so that their difference follows from that at `last`."""
-        (nodes, weights), others = sum_rule(last - first), self.number[1:]
+        (nodes, weights), others = sum_rule(last - first, self.order), self.number[1:]
         shares = np.prod((first + nodes[:, None] - others) / (last - others), axis=1)
         return np.asarray(weights @ shares * (change - self._rows(np.array([last]))[0] @ self.change))
 
@@ -64,9 +74,29 @@ class Past(NamedTuple):
         return np.asarray(terms / terms.sum(axis=1)[:, None])
 
 
-def sum_rule(count: float) -> tuple[Array, Array]:
-    """Nodes and weights (3,) with which the sum of a polynomial of degree ORDER - 1 over 0, 1, .. `count` - 1 is exact: Gauss's
-    rule for sums, from the roots of the discrete Chebyshev polynomial of degree 3."""
-    reach = math.sqrt(max(3.0 * count**2 - 7.0, 1.0) / 20.0)
-    outer = count * (count**2 - 1.0) / (24.0 * reach**2)
-    return 0.5 * (count - 1.0) + reach * np.array([-1.0, 0.0, 1.0]), np.array([outer, count - 2.0 * outer, outer])
+def no_past(order: int, size: int) -> Past:
+    """Of states with `size` entries, before the first transit."""
+    return Past(order, np.empty(0), np.empty((0, size)), np.empty((0, _EXTREMES)))
+
+
+def extremes(pieces: Pieces) -> Array:
+    """The largest z, mu, y and the largest -z, -mu, -y at the nodes, for `Past.highest`."""
+    values = (pieces.z, pieces.mu, pieces.y)
+    return np.array([*(value.max() for value in values), *(-value.min() for value in values)])
+
+
+def stick_limit(scene: Scene, time: float) -> float:
+    """Largest z of a stick at a `time` (transits): v is below V, in a hold below V before it."""
+    drive = scene.drive
+    paces = [drive.initial, *(v for t, v in zip(drive.times, drive.velocities, strict=True) if t <= time and v > 0.0)]
+    return unknown_of(scene.law, _SLOW * paces[-1])
+
+
+@lru_cache(maxsize=4096)
+def sum_rule(count: float, order: int) -> tuple[Array, Array]:
+    """Nodes and weights (order/2,) with which the sum of a polynomial of degree `order` - 1 over 0, 1, .. `count` - 1 is exact:
+    Gauss's rule for sums, from the recurrence of the discrete Chebyshev polynomials."""
+    k = np.arange(1.0, min(order // 2, count))
+    beside = np.sqrt(k**2 * (count**2 - k**2) / (4.0 * (4.0 * k**2 - 1.0)))
+    nodes, vectors = np.linalg.eigh(np.diag(beside, 1) + np.diag(beside, -1))
+    return 0.5 * (count - 1.0) + nodes, count * vectors[0] ** 2

@@ -14,7 +14,7 @@ import numpy as np
 
 from reduced.delay.alike import MOST_FIRST_STEPS, Delay, TransitMesh, first_steps
 from reduced.delay.kernel import DelayMemory
-from reduced.delay.multirevolution import ORDER, Past
+from reduced.delay.multirevolution import Past, extremes, no_past, stick_limit
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import rates, respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
@@ -27,13 +27,12 @@ if TYPE_CHECKING:
     from reduced.delay.network import DelayNetwork
 
 
-_SLOW = 0.98  # of V, at most, in a stick
 _SHARE = 0.03  # of the tolerance: error of a leap; a stick has some hundred leaps
 _PRICE = 500  # steps of the march that take as long as a leap
+_ORDER = 6  # of a leap
 _COVERED = 0.1  # change of ln v and psi over a leap, as a rule: 0.03 at a tolerance of 1e-9, 0.15 at 1e-6
 _SHORTEST, _LONGEST = 4, 4096
 _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 2.0
-_EXTREMES = 6
 _WORTH = 512  # transits to the end of the run; of a shorter one the march alone takes less time than the tries
 _PAUSE, _LONGEST_PAUSE = 64, 2048  # transits marched before the next try to leap; doubled by a try that fails
 
@@ -64,14 +63,14 @@ class LeapingDelay(Delay):
                 self._past = self._nothing()
             if now < self._next_try:
                 return self.advance(min(until, self._next_try))
-            if not (self._past.number.size == ORDER and self._leap(end)):
+            if not (self._past.is_complete and self._leap(end)):
                 self._walk()
         return self.advance(until)
 
     def state(self) -> State:
         """As `Delay`, and `leaps`: transits skipped, length of the next leap, time of the next try, pause after it; `past`:
         number, change of phi and of y, and extremes of the latest transits; `past.incoming`: changes of the incoming wave."""
-        number, change, highest = self._past
+        _, number, change, highest = self._past
         return super().state() | {
             "leaps": np.array([self.skipped, self._length, self._next_try, self._pause], dtype=float),
             "past": np.column_stack([number, change[:, -2:], highest]),
@@ -81,11 +80,11 @@ class LeapingDelay(Delay):
     def restore(self, state: State) -> None:
         """As `Solver`."""
         leaps = whole_numbers(state, "leaps", (0, 1, 0, 1))
-        saved = tables(state, {"past": (-1, 3 + _EXTREMES), "past.incoming": (-1, self._stages)}, self.model)
+        saved = tables(state, {"past": (-1, 3 + self._past.highest.shape[1]), "past.incoming": (-1, self._stages)}, self.model)
         super().restore(state)
         number, states, highest = np.split(saved["past"], [1, 3], axis=1)
         waves = saved["past.incoming"].reshape(len(number), self._lines.incoming.size)
-        self._past = Past(number.ravel(), np.column_stack([waves, states]), highest)
+        self._past = Past(_ORDER, number.ravel(), np.column_stack([waves, states]), highest)
         self.skipped, self._length, self._next_try, self._pause = leaps
 
     def _change(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
@@ -102,7 +101,7 @@ class LeapingDelay(Delay):
             return
         self._waiting = pieces
         if self._rests(start) and self._is_slow(start, pieces) and _PRICE * self._size(pieces, change) < _COVERED * self.steps:
-            self._past = self._past.then(start, change, _extremes(pieces))
+            self._past = self._past.then(start, change, extremes(pieces))
         else:
             self._give_up()
 
@@ -128,7 +127,7 @@ class LeapingDelay(Delay):
             if not pays:
                 self._give_up()
             return False
-        self._past = past.then(target, change, _extremes(pieces))
+        self._past = past.then(target, change, extremes(pieces))
         self._length, self._pause = max(self._length, _SHORTEST), _PAUSE
         visited = [self._visit(before, past, number) for number in self._past.peaks(start, target)]
         self._waiting = Pieces.joined([*visited, pieces])
@@ -169,9 +168,7 @@ class LeapingDelay(Delay):
         highest = float(pieces.z.max())
         if self._past.number.size and highest > self._past.highest[-1, 0]:
             return True
-        drive = self.scene.drive
-        paces = [drive.initial, *(v for t, v in zip(drive.times, drive.velocities, strict=True) if t <= start and v > 0.0)]
-        return highest < unknown_of(self.scene.law, _SLOW * paces[-1])
+        return highest < stick_limit(self.scene, start)
 
     def _rests(self, start: float) -> bool:
         """Whether V is constant until the waves of the transit that begins at `start` have returned."""
@@ -190,7 +187,7 @@ class LeapingDelay(Delay):
 
     def _scale(self, error: float) -> float:
         """Ratio of the next leap's length to that of a leap with this `error`."""
-        return float(min(_GROW, max(_SHRINK, _SAFETY * (self._allowed / max(error, 1e-300)) ** (1.0 / (ORDER + 1)))))
+        return float(min(_GROW, max(_SHRINK, _SAFETY * (self._allowed / max(error, 1e-300)) ** (1.0 / (_ORDER + 1)))))
 
     def _give_up(self) -> None:
         """March for a while before the next try to leap."""
@@ -199,13 +196,7 @@ class LeapingDelay(Delay):
         self._pause = min(2 * self._pause, _LONGEST_PAUSE)
 
     def _nothing(self) -> Past:
-        return Past(np.empty(0), np.empty((0, self._lines.incoming.size + 2)), np.empty((0, _EXTREMES)))
-
-
-def _extremes(pieces: Pieces) -> Array:
-    """The largest z, mu, y and the largest -z, -mu, -y at the nodes."""
-    values = (pieces.z, pieces.mu, pieces.y)
-    return np.array([*(value.max() for value in values), *(-value.min() for value in values)])
+        return no_past(_ORDER, self._lines.incoming.size + 2)
 
 
 _LONGEST_STEP = 1.0 / 3.0  # transits
