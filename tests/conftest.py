@@ -20,7 +20,7 @@ settings.load_profile("repeatable")
 
 
 def pytest_addoption(parser):
-    """The option that writes anew what the commands print (`tests/validation/printed.txt`)."""
+    """The option that writes anew what the commands print (`tests/validation/commands/printed.txt`)."""
     parser.addoption("--record-shown", action="store_true", help="write anew what the commands print")
 
 

@@ -24,7 +24,7 @@ from validation.report.recorded import read_report, text_of
 from validation.report.text import run_time
 from validation.report.without_times import lasting_digest
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import slipwave as sw
 from slipwave.errors import SceneError
 from slipwave.packages import own_file
 from slipwave.sources import ROOT
-from tests.validation.test_models import ELEMENTS, PACKAGE
+from tests.validation.models.test_models import ELEMENTS, PACKAGE
 
 LAW = (ROOT / "examples" / "own_law.py").read_text(encoding="utf-8").split("\nif __name__")[0]
 

@@ -20,7 +20,7 @@ from slipwave.input.source import gallery_names
 from validation.commands.cli import main
 from validation.models.provenance import provenance
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 SHORT = {"drive.velocity": 2000, "slab.thickness": 0.0335}
 """Cycles of four transits of `paper-si`."""
 WORDS = ("--set", "drive.velocity=2000", "slab.thickness=0.0335")

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 KEYS = "tests/slipwave/test_readme_keys.py"
 FOR_ALL = ("slipwave", "reduced", "fullwave", "validation", "examples")

@@ -12,7 +12,7 @@ import pytest
 import slipwave as sw
 
 pytest.importorskip("distributed")
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 SLOWLY, UNTIL_FREED = (f"tests.validation.sweep_measures:{name}" for name in ("slowly", "until_freed"))
 _LONGEST = 600  # seconds after which a test gives up; no outcome depends on it
 

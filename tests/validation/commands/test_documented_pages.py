@@ -134,7 +134,7 @@ def test_numbers_of_help_texts_are_those_of_the_program():
     assert told == {key: {value(name)} for key, name in HELP.items()}
 
 
-PAGE = (Path(__file__).parents[2] / "docs" / "what-a-run-says.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "what-a-run-says.md").read_text(encoding="utf-8")
 
 
 def rows(heading):
@@ -156,7 +156,7 @@ def test_every_key_has_a_row(printed):
     assert documented == printed | {"failed", "si", "left_out", "lyapunov", "protocol"}
 
 
-README = Path(__file__).parents[2] / "README.md"
+README = Path(__file__).parents[3] / "README.md"
 
 
 def row(family):
