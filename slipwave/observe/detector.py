@@ -23,13 +23,13 @@ from slipwave.observe.swings import BEGAN, BEGIN, COLUMNS, DATE, DIRECTION, END,
 
 _FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 
-# slots of the memory of a rise: level of z, whether v reached a new maximum in the latest piece, first and last (exclusive) of
-# the pieces that are kept
+# slots of the memory of a rise: level of z, row after that of the piece in which v reached its maximum (0: the date is known),
+# first and last (exclusive) of the pieces that are kept
 LEVEL, RISING, FRONT, KEPT = 0, 1, 2, 3
 SLOTS = 4
 _TIME, _LENGTH, _LOWEST = 0, 1, 2  # columns of a piece that is kept, before its values of z
 FIRST_NODE = 3
-_FIRST_SIZE, MOST_KEPT = 256, 1 << 16  # pieces; of a longer rise from half to full height only every other piece is kept
+_FIRST_SIZE, MOST_KEPT = 256, 1 << 17  # pieces; of a rise over half as many from half to full height every other one is kept
 
 
 def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) -> Array:
@@ -67,7 +67,7 @@ def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
 @njit
 def scan(pieces: Pieces, first: int, found: Detector) -> int:
     """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if the free rows
-    may not hold all swings that the next piece completes."""
+    may not hold all swings that the next piece completes. If there are no pieces, the running swing is dated."""
     y, running, last = pieces.y, found.running, found.last
     nodes = found.basis.nodes
     n = nodes.size
@@ -83,14 +83,15 @@ def scan(pieces: Pieces, first: int, found: Detector) -> int:
             _take(pieces, k, begin, nodes[n - 1], found)
         last[0] = running[END] = y[k, n - 1]
         running[ENDED] = pieces.time[k] + pieces.length[k] * nodes[n - 1]
-    _date(found)
+    if not pieces.time.size:
+        _date(found)
     return pieces.time.size
 
 
 @inlined
 def _look(derivative: Array, pieces: Pieces, k: int, running: Array, left: float) -> tuple[bool, bool]:
     """Whether the elastic stress, `left` at the end of the piece before, turns in piece k or at its beginning, and whether the
-    rate or the friction stress may exceed a record of the `running` swing (`near`). Most pieces need only this loop. The last row
+    rate or the friction stress may exceed a record of the `running` swing. Most pieces need only this loop. The last row
     of `derivative` gives the slope at the end of the piece."""
     y, z, mu, direction = pieces.y, pieces.z, pieces.mu, running[DIRECTION]
     n = y.shape[1]
@@ -146,12 +147,14 @@ def _turn(pieces: Pieces, k: int, point: float, found: Detector) -> None:
 
 @njit
 def _date(found: Detector) -> None:
-    """Set the date of the running swing, if it is a fall and v has just risen to a new maximum: the time (transits), within the
-    fall, at which z last passed the level before the highest node of the latest piece."""
+    """Set the date of the running swing, if it is a fall and v has risen to a new maximum: the time (transits), within the fall,
+    at which z last passed the level before the highest node of the piece of that maximum. The search may be long; therefore it
+    waits until the date is asked for, or the pieces that it needs are dropped."""
     basis, memory, kept = found.basis, found.rise, found.kept
     if not (found.running[DIRECTION] < 0.0 and memory[RISING] > 0.0):
         return
-    n, last, node, date = basis.nodes.size, int(memory[KEPT]) - 1, 0, found.running[BEGAN]
+    n, last, node, date = basis.nodes.size, int(memory[RISING]) - 1, 0, found.running[BEGAN]
+    memory[RISING] = 0.0
     for j in range(1, n):
         if kept[last, FIRST_NODE + j] > kept[last, FIRST_NODE + node]:
             node = j
@@ -188,32 +191,33 @@ def _take(pieces: Pieces, k: int, begin: float, end: float, found: Detector) -> 
     raise_rate(law, found.law, basis, pieces.z[k], found.scratch, running, RECORDS, begin, end)
     raise_record(basis, pieces.mu[k], slopes, running, RECORDS + 2, begin, end)
     if running[DIRECTION] < 0.0:
-        raised = running[RECORDS] > highest
-        if not raised:
-            _date(found)
-        _follow_rise(pieces, k, raised, found)
+        _follow_rise(pieces, k, running[RECORDS] > highest, found)
 
 
 @njit
 def _follow_rise(pieces: Pieces, k: int, raised: bool, found: Detector) -> None:
     """Add piece k of the running fall; `raised` is true if the largest z in the fall lies in it."""
     memory, kept = found.rise, found.kept
+    if memory[KEPT] == kept.shape[0]:
+        _date(found)
     last = _keep(pieces.time[k], pieces.length[k], pieces.z[k], memory, kept)
-    memory[RISING] = 1.0 if raised else 0.0
     if raised:
+        memory[RISING] = last + 1.0
         memory[LEVEL] = unknown_of(found.law, 0.5 * rate_of(found.law, found.running[RECORDS]))
         while memory[FRONT] + 1 < last and kept[int(memory[FRONT]) + 1, kept.shape[1] - 1] < memory[LEVEL]:
             memory[FRONT] += 1.0
     elif kept[last, _LOWEST] < memory[LEVEL]:
+        _date(found)
         memory[FRONT] = last
 
 
 @inlined
 def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> int:
-    """Append a piece and return its row. If `kept` is full, drop the pieces before the front, or else every other piece."""
+    """Append a piece and return its row. If `kept` is full, drop the pieces before the front, or every other piece if those are
+    few: to move many rows for each new one would take longer than all else."""
     front, end = int(memory[FRONT]), int(memory[KEPT])
     if end == kept.shape[0]:
-        step = 1 if front > 0 else 2
+        step = 1 if 2 * front >= end else 2
         for i in range((end - front) // step):
             for column in range(kept.shape[1]):
                 kept[i, column] = kept[front + step * i, column]

@@ -97,6 +97,7 @@ class EventObserver:
         the next pieces."""
         if after not in self._judged:
             found = self._found
+            scan(empty_pieces(0, found.basis.nodes.size), 0, found)
             running = np.empty((0, COLUMNS)) if math.isnan(found.last[0]) else found.running[None, :]
             swings = np.concatenate((found.swings[: int(found.filled[0])], running))
             self._judged[after] = judge_swings(swings, found.floor, after, self._loading, self._least)

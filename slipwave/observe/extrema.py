@@ -94,21 +94,13 @@ def extrema(basis: Basis, rows: Array) -> tuple[float, float]:
 
 
 @njit
-def near(values: Array, memory: Array, slot: int) -> bool:
-    """Whether a piece's polynomial through `values` may exceed the record memory[slot], or minus it memory[slot + 1]."""
-    bottom, top = bounds(values)
-    reach = overshoot(top - bottom, values.size)
-    return not (top + reach <= memory[slot] and reach - bottom <= memory[slot + 1])
-
-
-@njit
 def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
     """memory[slot] <- the larger of itself and the maximum of the part [begin, end] of the piece; memory[slot + 1] likewise with
     -minimum; `slopes` is scratch. The value at 0, which the piece before includes, counts only if no record exists yet."""
-    if not near(values, memory, slot):
-        return
     bottom, top = bounds(values)
     reach = overshoot(top - bottom, values.size)
+    if top + reach <= memory[slot] and reach - bottom <= memory[slot + 1]:
+        return
     known = begin == 0.0 and end == basis.nodes[values.size - 1] and not math.isinf(memory[slot])
     first = begin if begin > 0.0 or math.isinf(memory[slot]) else end
     differentiate(basis, values, slopes)
