@@ -12,6 +12,7 @@ leap give the drift there; its change, times the steps of the leap, is the estim
 """
 
 import math
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -297,12 +298,12 @@ class LeapingNetwork(StroboscopicNetwork):
         ring = frozen.empty.waves.shape[2]
         times = time + self._length * (np.arange(-ring, 0)[:, None] + self.nodes)
         psi = float(motion.interface(split.slow, np.array(time)).psi)
-        y = split.y - self.scene.stiffness * motion.slip(split.slow, np.array(time))
-        return Disturbance(motion.waves(split.slow, times), motion.tops(split.slow, time), np.array([psi, float(y)]))
+        waves, tops, slip = motion.memory(split.slow, times, time)
+        return Disturbance(waves, tops, np.array([psi, split.y - self.scene.stiffness * slip]))
 
     def _friction(self, slow: Slow, begin: float, end: float) -> Friction:
         """Mean of `Friction` from `begin` to `end`; its value at `begin` if they are equal."""
-        points, weights = np.polynomial.legendre.leggauss(self._stages if end > begin else 1)
+        points, weights = _gauss(self._stages if end > begin else 1)
         interface = self._parts()[0].interface(slow, begin + 0.5 * (end - begin) * (1.0 + points))
         return mean_friction(self.scene.law, interface, 0.5 * weights)
 
@@ -324,3 +325,6 @@ class LeapingNetwork(StroboscopicNetwork):
         """Ratio of the next leap's length to that of the step `slow`, which has this `error`."""
         smooth = (self._limits.resolution / max(slow.tail, 1e-300)) ** (1.0 / _ORDER)
         return float(min(_GROW, max(_SHRINK, _SAFETY * min(smooth, math.sqrt(self._allowed / max(error, 1e-300))))))
+
+
+_gauss = cache(np.polynomial.legendre.leggauss)

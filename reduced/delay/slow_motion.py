@@ -118,6 +118,7 @@ class SlowMotion:
         self._basis, self._nodal = lagrange_basis(self._matrices.nodes), nodal_of(stages)
         self._with_start = lagrange_basis(np.append(0.0, self._matrices.nodes))
         self._shift = np.zeros((lines.travel.size, 2))  # waves of a slab that moves as a whole
+        self._held = np.any(self.transfer.tops != 0.0, axis=(1, 2))
         self._shift[:, INWARD], self._shift[:, OUTWARD] = lines.impedance, -lines.impedance
 
     def step(self, start: float, length: float, begin: Array, guess: Interface) -> Slow:
@@ -156,18 +157,16 @@ class SlowMotion:
         """Friction stress at `times`."""
         return self._scene.steady_stress + self._terms(slow, times) @ self.transfer.stress
 
-    def waves(self, slow: Slow, times: Array) -> Array:
-        """Waves launched at `times` (..), as deviations; shape (layers, 2, ..)."""
+    def memory(self, slow: Slow, times: Array, now: float) -> tuple[Array, Array, float]:
+        """Waves launched at `times` (..), as deviations, of shape (layers, 2, ..); load and velocity of each outer face, and the
+        slip, at the time `now`."""
+        terms = self._terms(slow, np.append(times, now))
         drift = 0.5 * (self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity)
         shift = (drift * self._shift).reshape(*self._shift.shape, *(1 for _ in range(times.ndim)))
-        return np.tensordot(self.transfer.waves, self._terms(slow, times), axes=(2, -1)) + shift
-
-    def tops(self, slow: Slow, time: float) -> Array:
-        """Load and velocity of each outer face at a `time`."""
-        found = self.transfer.tops @ self._terms(slow, np.array(time))
-        held = np.any(self.transfer.tops != 0.0, axis=(1, 2))
-        found[held, VELOCITY] += 0.5 * (self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity)
-        return np.asarray(found)
+        waves = np.tensordot(self.transfer.waves, terms[:-1].reshape(*times.shape, -1), axes=(2, -1)) + shift
+        tops = np.asarray(self.transfer.tops @ terms[-1])
+        tops[self._held, VELOCITY] += drift
+        return waves, tops, float(terms[-1, 0] - slow.load)
 
     def _terms(self, slow: Slow, times: Array) -> Array:
         """Slip (with the load of the step's start), dv, dv', .. at `times` (..); shape (.., TERMS + 1)."""

@@ -92,5 +92,8 @@ def interpolation_matrix(basis: Basis, points: Array) -> Array:
     """Rows that evaluate the interpolating polynomial at `points` of [0, 1] from values at the nodes."""
     gaps = np.asarray(points, dtype=float)[:, None] - basis.nodes
     at_node = gaps == 0.0
-    terms = np.where(at_node.any(axis=1, keepdims=True), at_node, basis.weights / np.where(at_node, 1.0, gaps))
+    if at_node.any():
+        terms = np.where(at_node.any(axis=1, keepdims=True), at_node, basis.weights / np.where(at_node, 1.0, gaps))
+    else:
+        terms = basis.weights / gaps
     return np.asarray(terms / terms.sum(axis=1, keepdims=True))
