@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.friction import rate_of, respond, unknown_of
+from slipwave.friction import rate_of, rates, respond, unknown_of
 from slipwave.friction.law import friction_slopes
 from slipwave.observe.detector import KEPT, MOST_KEPT, new_detector, rise_buffer, scan
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis
@@ -125,7 +125,7 @@ class EventObserver:
         highest = np.maximum.reduceat(inner[:, [BEGIN, END]].max(axis=1), begins)
         lowest = np.minimum.reduceat(inner[:, [BEGIN, END]].min(axis=1), begins)
         records = np.maximum.reduceat(inner[:, RECORDS:], begins, axis=0)
-        v_max, v_min = (np.array([rate_of(self._found.law, z) for z in column]) for column in (records[:, 0], -records[:, 1]))
+        v_max, v_min = (rates(self._found.law, column) for column in (records[:, 0], -records[:, 1]))
         return Events(dates[:-1], np.diff(dates), records[:, 2] + records[:, 3], highest - lowest, v_max, v_min)
 
     def state(self) -> dict[str, Array]:

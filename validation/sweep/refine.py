@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
-from scipy.ndimage import binary_dilation
 
 from slipwave.errors import SceneError
 from validation.sweep.difference import decided_regimes
@@ -128,7 +127,9 @@ def _differing(known: Regimes, step: int) -> Cells:
 
 def _around(cells: Cells) -> Cells:
     """These cells and their neighbours, for each model."""
-    return binary_dilation(cells, np.ones((1, *[3] * (cells.ndim - 1)), dtype=np.bool_))
+    along = tuple(range(1, cells.ndim))
+    padded = np.pad(cells, [(0, 0), *[(1, 1)] * len(along)])
+    return np.asarray(sliding_window_view(padded, (3,) * len(along), along).any(axis=tuple(-axis for axis in along)))
 
 
 def _audited(shape: tuple[int, ...]) -> Cells:
