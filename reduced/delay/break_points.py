@@ -124,7 +124,8 @@ class DelayBreaks(LeapingNetwork):
         """Begin a new grid of steps now."""
         now, z = self._memory.now, float(self._memory.guess.z[0])
         self._memory = DelayMemory(constant_guess(now[PSI], z, self._stages), now)
-        self._origin, self._done, self._frozen = self.time, 0, None
+        self._origin, self._done = self.time, 0
+        self._forget_steps()
 
     def _order(self) -> NDArray[np.int64]:
         """Ring indices of the past steps, oldest first."""
