@@ -66,9 +66,11 @@ class StroboscopicNetwork(DelayNetwork):
     def _over_blocks(self, stop: float, allowed: float) -> Pieces | None:
         """Marched blocks of a stick before `stop`, with gaps between them; each leap errs by less than is `allowed`. None if no
         leap saves time: the motion has then not gone on."""
-        block, before, shown, reach, skipped = self._repeating(), self._moment(), list[Pieces](), _FIRST, 0
-        most = int((stop - self.time) / (block.steps * self._length) - COINCIDENT) if block.powers else 0
-        shift = self._translation()
+        block = self._repeating()
+        if block is None:
+            return None
+        before, shift, shown, reach, skipped = self._moment(), self._translation(), list[Pieces](), _FIRST, 0
+        most = int((stop - self.time) / (block.steps * self._length) - COINCIDENT)
         walk = _Walk(self._done, 0, self._now().vector - shift, before[1].guess, no_past(_ORDER, shift.size), shift)
         while walk.number + reach < most and len(shown) < _MARCHED and reach * block.steps >= _PRICE:
             pieces, later, error = self._leapt(block, walk, reach)
@@ -135,25 +137,19 @@ class StroboscopicNetwork(DelayNetwork):
         now = np.array([self._origin + self._done * self._length, psi, y])
         self._memory = DelayMemory(Interface(*(values.copy() for values in walk.guess)), now)
 
-    def _repeating(self) -> _Block:
-        """Two round trips of all slabs, after which waves nearly repeat at outer faces that are nearly free or rigid; without
-        powers if they have no common multiple, or too long a one."""
-        if self._block is None:
-            travel, steps, frozen = self._layers.travel / self._length, 0, self._frozen_step()
-            if self._layers.divisor:
-                pairs = zip(self._layers.first, self._layers.last, strict=True)
-                steps = 2 * math.lcm(*(round(2.0 * float(travel[first : last + 1].sum())) for first, last in pairs))
-            fits = 0 < steps <= _MOST_STEPS and frozen.size <= _MOST_ENTRIES
-            self._block = self._compiled_block(steps) if fits else _Block(0, [], np.empty(0))
+    def _repeating(self) -> _Block | None:
+        """Two round trips of all slabs, after which waves nearly repeat at outer faces that are nearly free or rigid; None if
+        they have no common multiple, or too long a one, or the memory is too large."""
+        if self._block is None and self._layers.divisor and self._lines.waves.size < _MOST_ENTRIES:
+            travel, pairs = self._layers.travel / self._length, zip(self._layers.first, self._layers.last, strict=True)
+            steps = 2 * math.lcm(*(round(2.0 * float(travel[first : last + 1].sum())) for first, last in pairs))
+            if steps <= _MOST_STEPS:
+                held, _ = self._frozen_step().matrix(_HELD)
+                by_slip = [self._frozen_step().by_slip]
+                while len(by_slip) < steps:
+                    by_slip.insert(0, held @ by_slip[0])
+                self._block = _Block(steps, powers_of(np.linalg.matrix_power(held, steps), _FARTHEST), np.hstack(by_slip))
         return self._block
-
-    def _compiled_block(self, steps: int) -> _Block:
-        frozen = self._frozen_step()
-        held, _ = frozen.matrix(_HELD)
-        parts = [frozen.by_slip]
-        while len(parts) < steps:
-            parts.insert(0, held @ parts[0])
-        return _Block(steps, powers_of(np.linalg.matrix_power(held, steps), _FARTHEST), np.hstack(parts))
 
     def _translation(self) -> Array:
         """The memory (n,) of slabs that move apart with the present V, instead of that of steady sliding."""

@@ -150,10 +150,7 @@ _SHORTEST = -30  # as a power of 2: the slip rate of a block falls the faster th
 _SLOW = 4e-4  # of the time of slip by L: the longest step of an orbit's mesh without waves, if that is above 2 transits
 _FIRST = 0.125  # transits; behind a knot, if waves ring, at most this share of the shortest period
 _SWING = 0.7  # of the largest growth: the nodes then show a swing as well as the end of the step reproduces it
-_RUSHES = (
-    0.05  # slip (L) in a transit from which modes ring on from slip to slip: few steps could be longer than 2 transits, and none
-)
-# is, because records of irregular motions repeat only step by step
+_RUSHES = 0.05  # slip (L) in a transit from which modes ring on from slip to slip
 
 
 class ReducedModel(PortMarch):
@@ -161,8 +158,8 @@ class ReducedModel(PortMarch):
 
     Radau IIA with 8 nodes (order 15 at step ends, L-stable), step lengths 2^k transits, as long as the motion allows whatever a
     transit is. Knots of the drive cause kinks of the motion; between two knots, step lengths are their distance over powers of
-    two, so that a step ends on each. At the start and behind each knot, where the motion may begin to ring, steps begin at an
-    eighth of the shortest period of a mode: an implicit step that is longer damps the ring and does not see it.
+    two, so that a step ends on each. The first step takes an eighth of a transit. Behind each knot, where the motion may begin to
+    ring, steps begin at an eighth of the shortest period of a mode: an implicit step that is longer damps the ring unseen.
 
     `failures` counts unconverged solves; a step that cannot be solved at the shortest length raises NumericsError naming time and
     scene (a quasi-static model runs away).
@@ -177,6 +174,7 @@ class ReducedModel(PortMarch):
         self.scene, self.model, self.reduction = scene, reduction.name, reduction
         self.settings: dict[str, Any] = {"tolerance": tolerance, "stages": stages}
         reason = "nothing limits its slip rate: it runs away" if reduction.runs_away else ""
+        # where modes ring on few steps could be longer than 2 transits, and none is: irregular motions repeat only step by step
         longest = _LONGEST if not reduction.modes or scene.transit * max(scene.drive.velocities) < _RUSHES else 1
         slabs = ReducedSlabs(scene, self._reduce, stages)
         super().__init__(slabs, tolerance, 2.0**longest, _FIRST, longest - _SHORTEST + 1, reason)
