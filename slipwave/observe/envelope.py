@@ -63,7 +63,7 @@ class Envelope:
 
     def _read(self) -> None:
         frame = self._begin, self._end, self._scene.transit, self._scene.stiffness
-        scratch = np.empty((_ROWS + 2, self._nodes.size))
+        scratch = np.empty((_ROWS + 2, self._nodes.size)), np.empty(2 * _ROWS)
         for reached, pieces in self._unread:
             times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
             _take(pieces, times, reached, frame, self._scene.drive.travelled, scratch, self._origin, *self._bins)
@@ -120,7 +120,7 @@ def _take(
     reached: float,
     frame: tuple[float, float, float, float],
     travelled: Travelled,
-    scratch: Array,
+    scratch: tuple[Array, Array],
     origin: Array,
     by_time: _Bins,
     by_slip: _Bins,
@@ -131,12 +131,12 @@ def _take(
     empty: a part of a transit has another range."""
     begin, end, unit, stiffness = frame
     whole, gaps, here, transit, first = by_time.width[0] >= 1.0, False, 0, -math.inf, 0.0
-    samples, where = scratch[:_ROWS], scratch[_ROWS:]
+    (samples, where), ends = (scratch[0][:_ROWS], scratch[0][_ROWS:]), scratch[1]
     for k in range(pieces.time.size):
         gaps |= pieces.time[k] > reached + 0.5
         reached = pieces.time[k] + pieces.length[k]
     for k in range(pieces.time.size):
-        count = 0
+        count, passed = 0, math.floor(pieces.time[k] + SAME)
         for j in range(times.shape[1]):
             time = times[k, j]
             if not begin <= time <= end:
@@ -149,22 +149,26 @@ def _take(
             if math.isnan(origin[0]):
                 origin[0] = slip
             slip -= origin[0]
-            if math.floor(pieces.time[k] + SAME) > transit:
-                transit, first = math.floor(pieces.time[k] + SAME), slip
+            if passed > transit:
+                transit, first = passed, slip
             samples[_TIME, count], samples[_SLIP, count] = time, slip
             samples[_Z, count], samples[_MU, count] = pieces.z[k, j], pieces.mu[k, j]
             where[0, count] = max(transit - begin, 0.0) if whole else time - begin
             where[1, count] = first if gaps else slip
             count += 1
         if count:
-            _widen(by_time, where[0, :count], samples)
-            _widen(by_slip, where[1, :count], samples)
+            ends[_TIME], ends[_ROWS + _TIME] = samples[_TIME, 0], samples[_TIME, count - 1]
+            for column in range(_SLIP, _ROWS):
+                ends[column], ends[_ROWS + column] = bounds(samples[column, :count])
+            _widen(by_time, where[0, :count], where[0, 0], where[0, count - 1], samples, ends)
+            lowest, highest = (first, first) if gaps else (ends[_SLIP], ends[_ROWS + _SLIP])
+            _widen(by_slip, where[1, :count], lowest, highest, samples, ends)
 
 
 @inlined
-def _widen(bins: _Bins, where: Array, samples: Array) -> None:
-    """Widen the ranges of the intervals at the positions `where` (n,) by the first n of the `samples` (rows, nodes)."""
-    lowest, highest = bounds(where)
+def _widen(bins: _Bins, where: Array, lowest: float, highest: float, samples: Array, ends: Array) -> None:
+    """Widen the ranges of the intervals at the positions `where` (n,), from `lowest` to `highest`, by the first n `samples`
+    (rows, nodes), whose least and greatest are the `ends`."""
     while highest >= COUNT * bins.width[0]:
         _double(bins)
     unit = 1.0 / bins.width[0]  # a power of two
@@ -172,7 +176,7 @@ def _widen(bins: _Bins, where: Array, samples: Array) -> None:
     for j in range(1 if together else where.size):
         row = bins.ranges[int(max(where[j] * unit, 0.0))]
         for column in range(_ROWS):
-            low, high = bounds(samples[column, : where.size]) if together else (samples[column, j], samples[column, j])
+            low, high = (ends[column], ends[_ROWS + column]) if together else (samples[column, j], samples[column, j])
             row[column], row[_ROWS + column] = min(row[column], low), max(row[_ROWS + column], high)
 
 

@@ -1,5 +1,6 @@
 """A slab model in the collocation step: for every step length a linear map of its memory, the slip rate and the drive."""
 
+import math
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
@@ -114,7 +115,7 @@ def padded(remembered: int) -> int:
 
 def line_aligned(*shape: int) -> Array:
     """An array of zeros that begins at a cache line."""
-    size = int(np.prod(shape))
+    size = math.prod(shape)
     memory = np.zeros(size + _LANES)
     first = -(memory.ctypes.data // memory.itemsize) % _LANES
     return memory[first : first + size].reshape(shape)

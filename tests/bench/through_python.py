@@ -45,6 +45,8 @@ def works() -> Mapping[str, Timed]:
     found = {f"run {name}, quasidynamic (ms)": _call(sw.run, one, model="quasidynamic") for name, one in laboratory.items()}
     steps, sample = laboratory["velocity-steps"], sw.read(SAMPLE)
     found["compare velocity-steps, quasidynamic with quasistatic (ms)"] = _call(sw.compare, steps, "quasidynamic,quasistatic")
+    found["compare steel-on-pmma with a record, quasidynamic (ms)"] = Timed(_beside_a_record, 1e3)
+    found["bench paper, 2600 transits (s)"] = _call(sw.bench, "paper", until=2600.0)._replace(scale=1.0)
     found["a point of a sweep, block12, 1000 transits (ms)"] = Timed(lambda: _sweep, 1e3 / _POINTS)
     found["its march (ms)"] = Timed(March(Setting("block12"), sw.read("paper"), 1000.0), 1e3)
     command = [sys.executable, "-m", "slipwave", "run", "paper", "--json"]
@@ -56,6 +58,19 @@ def works() -> Mapping[str, Timed]:
 
 def _call(function: Any, *given: Any, **named: Any) -> Timed:
     return Timed(lambda: partial(function, *given, **named), 1e3)
+
+
+def _beside_a_record() -> Callable[[], Any]:
+    """A comparison with the record of a run, which is written before."""
+    scene, until, folder = "steel-on-pmma", 90_000.0, TemporaryDirectory()
+    record = Path(folder.name) / "record.csv"
+    sw.run(scene, "quasidynamic", until=until, rate="10kHz").write_series(record)
+
+    def compared() -> None:
+        with folder:
+            sw.compare(scene, "quasidynamic", data=record, until=until)
+
+    return compared
 
 
 def _sweep() -> None:
