@@ -28,13 +28,18 @@ _PLACES = {
 }
 """The module of `validation` in which each function is written."""
 
-__all__ = ["NumericsError", "SceneError", "read", "read_scene", *_PLACES]
+_TYPES = {"Scene": "slipwave.scene"}
+"""Types of arguments, for hints."""
+
+__all__ = ["NumericsError", "SceneError", "read", "read_scene", *_TYPES, *_PLACES]
 
 
 def __getattr__(name: str) -> Any:
     """The function `name` of a command; raises ImportError naming the user's file that hides one of our packages."""
     if name == "__version__":
         return import_module("importlib.metadata").version("slipwave")
+    if name in _TYPES:
+        return getattr(import_module(_TYPES[name]), name)
     if name not in _PLACES:
         raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
     line = import_module("slipwave.hidden").hidden_package()

@@ -11,12 +11,12 @@ from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from validation.chart import Chart, Panel, Scale
+from validation.chart.looks import model_line, style_of
 from validation.commands.command import command
 from validation.commands.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.commands.options import RunsOptions
 from validation.commands.result import aligned, rounded
 from validation.models.by_name import honouring, one_port_of
-from validation.models.looks import model_line, style_of
 from validation.models.progress import progress
 from validation.models.run import Length, Run, length_of, simulate
 from validation.models.timing import Setting, alternating, quartiles, solver_of, warm_up

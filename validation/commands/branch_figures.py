@@ -4,9 +4,10 @@ from collections.abc import Iterator
 from itertools import groupby
 
 from validation.chart import BLUE, GREY, INK, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
+from validation.chart.looks import NAMES
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
-from validation.models.points import NAMES, SPECIAL_KINDS
+from validation.models.points import SPECIAL_KINDS
 
 _QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
 _MARKS = {"HB": (INK, "o"), "LP": (BLUE, "s"), "PD": (ORANGE, "^"), "NS": ("#009e73", "D")}

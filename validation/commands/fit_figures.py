@@ -9,9 +9,9 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.chart import GUIDE, INK, POINTS, Chart, Panel, Scale, Trace
+from validation.chart.looks import model_line
 from validation.commands.comparison import barred
 from validation.fit.records import Experiment
-from validation.models.looks import model_line
 
 _MEASURED = "#7fb0d6"
 _PREFIXES = {-9: "n", -6: "μ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}

@@ -187,6 +187,14 @@ class RunResult(Result):
         yield f"wall time {done.wall_s:.3g} s"
 
     @property
+    def step(self) -> float:
+        """Length of the steps of a full wave (transits)."""
+        solver = self.done.solver
+        if not has_fields(solver):
+            raise AttributeError(f"{solver.model} has no grid, and steps of several lengths")
+        return solver.step
+
+    @property
     def facts(self) -> dict[str, Any]:
         """As `Result`. `grid` exists only if the user did not choose its cells, `protocol`, the stages, only if the drive
         changes, `lyapunov` only if requested, `observed` only if the scene records observers by name."""

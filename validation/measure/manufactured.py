@@ -16,7 +16,7 @@ upper.
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,8 @@ from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, velocity_at
-from slipwave.solve import Solver, follow
+from slipwave.solve import follow
+from validation.models.build import build
 
 UNTIL = 10.0
 """Transits: the pulse, and twice the time that its waves take to the far face of the thicker slab and back."""
@@ -129,9 +130,10 @@ def exact_motion(scene: Scene, times: Array) -> Array:
     return np.array(found)
 
 
-def error_of_motion(solver: Solver) -> float:
+def error_of_motion(model: str, scene: Scene, cells: int, **options: Any) -> float:
     """Root mean square, over the time from `BEGIN`, of the differences of z, psi and mu from the exact ones, each relative to its
-    range; at the nodes of the pieces, so that interpolation does not enter."""
+    range; at the nodes of the pieces, so that interpolation does not enter. `options`: as those of `validation.models.build`."""
+    solver = build(model, scene, cells=cells, **options)
     history = HistoryObserver(solver.scene.law, solver.nodes, BEGIN)
     follow(solver, UNTIL, [history], leaps=False)
     pieces = history.pieces().part(history.pieces().time > BEGIN)

@@ -19,6 +19,7 @@ from validation.models.cycle import OneCycle, cut
 from validation.models.orbit_start import first_event
 from validation.models.orbits import find_orbit
 from validation.models.settle import MOST_TRANSITS, Settled, settle
+from validation.models.settle import WINDOW as WINDOW
 
 _PER_PIECE = 12  # samples
 _TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some

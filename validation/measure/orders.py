@@ -22,9 +22,9 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.solve import Solver, follow
+from validation.measure.cycle import SYMBOLS
 from validation.measure.grid_ladders import GridLadder, LadderRun
 from validation.measure.order_fit import TREND, Fit, asked, fit_dense
-from validation.models.cycle import SYMBOLS
 
 OUTPUTS = {name: symbol for name, symbol in SYMBOLS.items() if name != "v_min"}
 """The outputs of every cycle whose order is fitted, and their symbols."""

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
+from validation.measure.cycle import SYMBOLS
 from validation.measure.memo import kept, own_orbit
 from validation.models.build import build
 from validation.models.by_name import one_port_of
-from validation.models.cycle import SYMBOLS
 from validation.models.run import Run, reconsidered, simulate
 from validation.models.settle import estimate
 

@@ -1,21 +1,13 @@
 """One cycle of the interface's motion: of a settled orbit, or the last complete one of a run."""
 
-from copy import deepcopy
 from typing import NamedTuple
-
-import numpy as np
 
 from slipwave.friction import Law
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.solve import Observer, Solver, follow
-from validation.models.settle import Settled
 
-SYMBOLS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
-"""The figures of an orbit, and their symbols."""
-
-_RIPPLES = (25.0, 55.0)  # transits after the event's date in which the interface creeps and the stress ripples
 _FIRST_MOST = 16  # chunks of pieces that are kept before the first check whether they are still needed
 
 
@@ -74,38 +66,3 @@ class CycleObserver:
         if not events.time.size:
             return None
         return cut(self._law, self._history.samples(), float(events.time[-1]), float(events.period[-1]))
-
-
-def ripple_period(cycle: OneCycle) -> float:
-    """Mean time (transits) between maxima of mu within _RIPPLES, located by parabolas through three samples.
-
-    Raises ValueError if there are fewer than three maxima.
-    """
-    inside = (cycle.time >= _RIPPLES[0]) & (cycle.time <= _RIPPLES[1])
-    time, stress = cycle.time[inside], cycle.stress[inside]
-    ripple = stress - np.polynomial.Polynomial.fit(time, stress, 3)(time)
-    peak = np.flatnonzero((ripple[1:-1] > ripple[:-2]) & (ripple[1:-1] >= ripple[2:]) & (ripple[1:-1] > 0.3 * ripple.max())) + 1
-    if peak.size < 3:
-        raise ValueError(f"{peak.size} ripples between {_RIPPLES[0]} and {_RIPPLES[1]} transits")
-    maxima = np.array([_vertex(time[k - 1 : k + 2], ripple[k - 1 : k + 2]) for k in peak])
-    return float((maxima[-1] - maxima[0]) / (maxima.size - 1))
-
-
-def _vertex(x: np.ndarray, y: np.ndarray) -> float:
-    """Abscissa of the vertex of the parabola through three points."""
-    slope, bend = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
-    curvature = (bend - slope) / (x[2] - x[0])
-    return float(0.5 * (x[0] + x[1]) - 0.5 * slope / curvature)
-
-
-def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> OneCycle:
-    """A cycle of the next two periods, from `before` transits ahead of its event to `after` transits past its end. The solver's
-    state is restored."""
-    solver, observer, period = settled.solver, deepcopy(settled.observer), settled.orbit.period.value
-    begin, here = solver.time, solver.state()
-    history = HistoryObserver(solver.scene.law, solver.nodes)
-    follow(solver, begin + 2.02 * period + before + after, [history, observer])
-    solver.restore(here)
-    dates = observer.dates()
-    date = float(dates[dates >= begin + before][0])
-    return cut(solver.scene.law, history.samples(per_piece), date, period, before, after)

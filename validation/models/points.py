@@ -12,9 +12,6 @@ from reduced.orbit.multipliers import is_decided
 SPECIAL_KINDS = {"HB": "Hopf", "LP": "fold", "PD": "period doubling", "NS": "torus"}
 """Kinds of special points, and their names."""
 
-NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}
-"""The same in figures."""
-
 
 class StopAt(NamedTuple):
     """Limits: stop beyond a `period` (transits), after a number of `points`, at the first special point of a `kind` (if

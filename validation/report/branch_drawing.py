@@ -4,9 +4,8 @@ from collections.abc import Iterable, Iterator
 
 from reduced.orbit.figures import figures_of
 from validation.chart import DOTTED, GREY, Look, Trace, with_gaps
+from validation.chart.looks import NAMES, model_look, style_of
 from validation.measure.over_r import Branch, parts
-from validation.models.looks import model_look, style_of
-from validation.models.points import NAMES
 
 _MARKS = {"HB": ("s", 5.5, True), "LP": (".", 3.5, False), "PD": ("D", 3.5, True), "NS": ("*", 5.0, False)}
 """Kind of special point -> its marker, its size, whether it is hollow."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from slipwave.observe.statistics import Estimate
+from validation.measure.cycle import SYMBOLS
 from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.models.by_name import grid_of
-from validation.models.cycle import SYMBOLS
 from validation.references.published import half_digit, reference_orbit
 from validation.report import PAPER, WITNESS, Evidence, Verdict, claim, every, holding
 from validation.report.text import minus, places
@@ -34,11 +34,22 @@ def rounding(operations: float) -> float:
     return ERRORS * 0.5 * float(np.finfo(float).eps) * math.sqrt(operations)
 
 
+def declared_order(model: str) -> float:
+    """The order at which a full wave's motion of the interface converges, as its family declares it."""
+    family, number = grid_of(model)
+    return family.order_interface(number)
+
+
+def points_of(model: str) -> int:
+    """Points in a cell of a full wave."""
+    family, number = grid_of(model)
+    return int(family.points(number))
+
+
 def error_after(model: str, error: float, coarse: int, fine: int) -> float:
     """How far the orbit of a grid of `fine` cells may be off after that `error` on `coarse` ones: twice what the declared order
     leaves of it."""
-    family, number = grid_of(model)
-    return 2.0 * abs(error) * (coarse / fine) ** family.order_interface(number)
+    return float(2.0 * abs(error) * (coarse / fine) ** declared_order(model))
 
 
 def as_known(title: str, model: str, log10_r: float, ours: Mapping[str, float], others: float = OTHERS) -> Iterator[Verdict]:

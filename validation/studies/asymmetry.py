@@ -8,7 +8,6 @@ import numpy as np
 import slipwave as sw
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import unstable_count
-from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.data.datasets import Dataset
 from validation.measure.order_fit import WITHIN
@@ -107,13 +106,13 @@ def error_of_delay(name: str, psi: float) -> float:
     return max(ROUNDING, abs(follow(build("delay", sw.read(name), tolerance=10.0 * TOLERANCE), UNTIL).psi - psi))
 
 
-def swept_ratios(scene: Scene, count: int) -> Dataset:
+def swept_ratios(scene: sw.Scene, count: int) -> Dataset:
     """The sweep of the plane with every model."""
     axes = [axis_of(name, f"{_RANGE}:{count}:log") for name in _AXES]
     return swept_here(plan_of(scene, axes, _MODELS, "verdict", tol=_SWEPT))
 
 
-def growing_roots(scene: Scene, model: str, data: Dataset) -> Any:
+def growing_roots(scene: sw.Scene, model: str, data: Dataset) -> Any:
     """The certified number of growing roots of steady sliding at each point of the plane."""
     first, second = (data[name].values for name in _AXES)
     scenes = ([changed(scene, dict(zip(_AXES, (x, y), strict=True))) for y in second] for x in first)
@@ -138,7 +137,7 @@ def _leapfrog(runs: Mapping[str, Psi]) -> Iterator[Verdict]:
         yield in_range(title, WITNESS, ends, [coarse / fine], remark, ".2f")
 
 
-def _as_counted(scene: Scene, data: Dataset) -> Verdict:
+def _as_counted(scene: sw.Scene, data: Dataset) -> Verdict:
     wrong, judged = 0, 0
     for model in _MODELS:
         found = model_regimes(model, data)

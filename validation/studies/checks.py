@@ -2,11 +2,12 @@
 
 import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from scipy.stats import binomtest
 
-from slipwave.sources import ROOT
+import slipwave
 from validation.report import EXACT, Budget, Evidence, Number, Omission, StudyAnswer, StudyResult, Table, Verdict, every, holding
 from validation.report import table as made
 
@@ -15,7 +16,7 @@ QUESTION = "Would the checks see a mistake?"
 SCENES: tuple[str, ...] = ()
 SECONDS = (0.1, 0.1)
 
-FAULTS = ROOT / "reports" / "baseline" / "faults.json"
+FAULTS = Path(slipwave.__file__).parents[1] / "reports" / "baseline" / "faults.json"
 COVERAGE = FAULTS.with_name("coverage-record.json")
 FILES = (FAULTS, COVERAGE)
 

@@ -11,15 +11,14 @@ import numpy as np
 import slipwave as sw
 from slipwave.observe import Events, HistoryObserver
 from slipwave.observe.history import named_columns
-from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Orbit
-from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.chart.looks import model_line
 from validation.measure import memo
+from validation.measure.cycle import one_cycle, ripple_period
 from validation.models.build import build
-from validation.models.cycle import OneCycle, one_cycle, ripple_period, watch
-from validation.models.looks import model_line
+from validation.models.cycle import OneCycle, watch
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.report import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
@@ -65,9 +64,9 @@ class Deep(NamedTuple):
     """A long run at log10 r = -2.3: its cycles after the transient, and time and stress over a stretch of it."""
 
     events: Events
-    time: Array
-    stress: Array
-    slip_rate: Array = np.empty(0)
+    time: np.ndarray
+    stress: np.ndarray
+    slip_rate: np.ndarray = np.empty(0)
 
 
 class Loading(NamedTuple):
@@ -142,7 +141,7 @@ def _answers(verdicts: tuple[Verdict, ...]) -> tuple[StudyAnswer, ...]:
     )
 
 
-def _groups(scenes: list[Scene]) -> Table:
+def _groups(scenes: list[sw.Scene]) -> Table:
     onsets = [onset_of(s.law, s.upper.epsilon, s.velocity) for s in scenes]
     rows = [
         ("a, direct effect", *(s.law.a for s in scenes)),
@@ -203,7 +202,7 @@ _OMISSIONS = (
 )
 
 
-def scene_claims(paper: Scene, same: Scene) -> Iterator[Verdict]:
+def scene_claims(paper: sw.Scene, same: sw.Scene) -> Iterator[Verdict]:
     """The scene in SI is that in epsilon and r; Table 1."""
     gap = max(abs(same.upper.epsilon / paper.upper.epsilon - 1), abs(same.transit / paper.transit - 1))
     yield claim("SI input and (ε, r) input give the same scene", EXACT, gap, rounding(_OPERATIONS))
@@ -239,7 +238,7 @@ def measure_ripples(model: str) -> Ripples:
     return Ripples(ripple_period(cycle), loading_of(settled.orbit, cycle, scene))
 
 
-def loading_of(orbit: Orbit, cycle: OneCycle, scene: Scene) -> Loading:
+def loading_of(orbit: Orbit, cycle: OneCycle, scene: sw.Scene) -> Loading:
     """The parts of a period, from samples over one cycle: y' = eps (V - v), so that y rises by eps (V t_rise - s_rise)."""
     period = orbit.period.value
     since = np.mod(cycle.time - cycle.time[np.argmin(cycle.elastic_stress)], period)
@@ -257,12 +256,12 @@ def onset_at(velocity: float) -> CriticalValues:
     return onset_of(scene.law, scene.upper.epsilon, velocity)
 
 
-def spread_of(values: Array) -> float:
+def spread_of(values: np.ndarray) -> float:
     """Standard deviation over mean."""
     return float(np.std(values) / np.mean(values))
 
 
-def recurrence(values: Array) -> float:
+def recurrence(values: np.ndarray) -> float:
     """Measure of how far a sequence is from periodic: root mean square of x_(n + k) - x_n over sqrt(2) times the standard
     deviation, the least over k up to 12. 0 for every orbit of up to 12 cycles, about 1 for a sequence without memory."""
     if float(np.std(values)) < RESTLESS * float(np.max(np.abs(values))):
@@ -386,7 +385,7 @@ def _load_rate() -> float:
     return float(scene.upper.epsilon * scene.velocity)
 
 
-def overtones(run: Deep, ripple: float) -> Array:
+def overtones(run: Deep, ripple: float) -> np.ndarray:
     """In the slow phase of each recorded cycle, the share of the ripples' power that is not a sine of period `ripple` (transits):
     of the stress over `_SLOW` such periods, without its cubic trend."""
     found = []

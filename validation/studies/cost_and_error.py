@@ -7,9 +7,9 @@ from typing import NamedTuple
 import slipwave
 from slipwave.observe.statistics import Estimate, Orbit
 from validation.chart import Chart, Panel, Scale, Trace
+from validation.chart.looks import model_look, style_of
 from validation.models.build import build
 from validation.models.cycle import watch
-from validation.models.looks import model_look, style_of
 from validation.models.settle import estimate, settle
 from validation.models.timing import Setting, Work, in_turn, quartiles, solver_of
 from validation.report import ROUNDING, WITNESS, Budget, Figure, StudyAnswer, StudyResult, Table, Verdict, claim, table

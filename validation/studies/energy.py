@@ -6,11 +6,9 @@ from typing import TypeAlias
 import numpy as np
 
 import slipwave as sw
-from slipwave.observe.pieces import Array
-from slipwave.solve import FieldSolver
 from validation.chart import Chart, Look, Panel, Scale, Trace
+from validation.chart.looks import grid_styles
 from validation.measure.order_fit import Fit, fit_order
-from validation.models.looks import grid_styles
 from validation.report import EXACT, Budget, Cell, Figure, StudyAnswer, StudyResult, Verdict, claim, stated, table
 from validation.report.known import of_order, rounding
 from validation.report.text import plain
@@ -63,7 +61,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def answer(fd: Array, orders: Mapping[str, Fit], shares: Mapping[str, Sequence[float]]) -> str:
+def answer(fd: np.ndarray, orders: Mapping[str, Fit], shares: Mapping[str, Sequence[float]]) -> str:
     """Text on shares of the work, and on the closure of the balances."""
     slopes = [found.order for found in orders.values()]
     return (
@@ -80,8 +78,7 @@ Balance: TypeAlias = tuple[Mapping[str, float], float]
 def balance(model: str, cells: int, scene: str = "paper") -> Balance:
     """The ledger after `_UNTIL` transits of explicit steps."""
     done = sw.run(scene, model, cells=cells, time=None if model == "fd" else "explicit", until=_UNTIL)
-    assert isinstance(done.done.solver, FieldSolver)
-    return done.energy or {}, rounding(_UNTIL / done.done.solver.step)
+    return done.energy or {}, rounding(_UNTIL / done.step)
 
 
 def balance_verdicts(
@@ -110,7 +107,7 @@ _CLOSURE = (
 )
 
 
-def closure(residuals: Mapping[str, Array]) -> Chart:
+def closure(residuals: Mapping[str, np.ndarray]) -> Chart:
     """Residuals over cells per slab, a line for each model."""
     looks = {model: Look(own.color, own.dashes, own.marker) for model, own in grid_styles(residuals).items()}
     lines = [Trace(model, LADDERS[model], residuals[model], look) for model, look in looks.items()]

@@ -8,14 +8,10 @@ from typing import NamedTuple
 import numpy as np
 
 import slipwave
-from reduced.orbit.periodic import relative_error
-from slipwave.observe.pieces import Array
-from slipwave.observe.statistics import Orbit
 from validation.chart import PALE, Chart, Look, Panel, Scale, Trace, outline
+from validation.chart.looks import model_line, style_of
 from validation.measure import memo
-from validation.models.cycle import SYMBOLS, OneCycle, one_cycle
-from validation.models.looks import model_line, style_of
-from validation.models.settle import WINDOW
+from validation.measure.cycle import SYMBOLS, OneCycle, Orbit, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
 from validation.report import Budget, Figure, Omission, StudyAnswer, StudyResult, Table, stated, table
 from validation.report.known import as_known
@@ -45,6 +41,11 @@ class CycleRun(NamedTuple):
     def off(self, exact: "CycleRun", quantity: str) -> float:
         """Relative error of `quantity` (a field of Orbit)."""
         return self.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
+
+    @property
+    def own_error(self) -> float:
+        """The largest relative error of the figures of the orbit."""
+        return max(float(one.error / abs(one.value)) for one in vars(self.orbit).values())
 
 
 def run(budget: Budget) -> StudyResult:
@@ -113,12 +114,12 @@ def _orbits(runs: Mapping[str, CycleRun]) -> Table:
         pairs = [
             (value, None if model == "delay" else own.off(runs["delay"], name)) for name, value in own.orbit.values().items()
         ]
-        rows.append((model, *(cell for pair in pairs for cell in pair), relative_error(own.orbit)))
+        rows.append((model, *(cell for pair in pairs for cell in pair), own.own_error))
     heading = " | ".join(["model", *(f"{column} | error [relative] .1e" for column in columns), "own error [relative] .0e"])
     caption = (
         f"The orbit at log_{{10}} r = {places([LOG10_R])}, by Newton’s method but for the leapfrog’s; Δy: drop of the elastic "
         "stress, y′ = ε(V − v). Errors are against the delay system. *Own error*: the largest of any quantity by the "
-        f"difference of two meshes; for the leapfrog, run until it settles, half of what its last {WINDOW} cycles differ by."
+        f"difference of two meshes; for the leapfrog, run until it settles, half of what its last {memo.WINDOW} cycles differ by."
     )
     return table("orbits", caption, heading, rows, (0,))
 
@@ -161,7 +162,7 @@ def overlay(cycles: Mapping[str, OneCycle]) -> Chart:
     return Chart(shown, 5.2, 2, widths=(1.9, 1.0), legend="outside upper left", legend_columns=3, keys=shown[1].traces)
 
 
-def _framed(values: Array, scale: str) -> tuple[float, float]:
+def _framed(values: np.ndarray, scale: str) -> tuple[float, float]:
     """Limits that leave 0.6 of the range free on both sides."""
     values = np.log(values) if scale == "log" else values
     ends = values.min() - 0.6 * np.ptp(values), values.max() + 0.6 * np.ptp(values)

@@ -15,10 +15,8 @@ from reduced.parameters import scaled, with_parameter
 from reduced.stability import Boundary, FrictionSlopes, analyse, boundary, critical_round_trip, friction_slopes
 from reduced.stability.characteristic import characteristic
 from reduced.stability.spectrum import follow_root, unstable_count
-from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 from validation.chart import DASHED, GUIDE, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
-from validation.models.looks import model_line, model_marks
+from validation.chart.looks import model_line, model_marks
 from validation.report import (
     ASYMPTOTIC,
     EXACT,
@@ -100,7 +98,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def answer(velocity: Array, error: Array) -> str:
+def answer(velocity: np.ndarray, error: np.ndarray) -> str:
     """Text with the relative `error` of the Kelvin-Voigt system's critical r over V, (27) against (39)."""
     here, below = abs(float(np.interp(2.0, np.log10(velocity), error))), float(np.abs(error[velocity <= 1e3]).max())
     return (
@@ -126,7 +124,7 @@ _FIG_3 = (
 )
 
 
-def critical_curves(velocity: Array, critical: Mapping[str, Array]) -> Chart:
+def critical_curves(velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Chart:
     """The paper's Fig 2."""
     over, dashes = Scale("$V/V^*$", "log"), {"delay": "-", "kelvin-voigt": DASHED}
     lines = [model_line(model, velocity, values, dashes=dashes[model]) for model, values in critical.items()]
@@ -139,7 +137,7 @@ def critical_curves(velocity: Array, critical: Mapping[str, Array]) -> Chart:
     return Chart(panels, 3.1, 2)
 
 
-def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Chart:
+def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Chart:
     """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
     r, series = np.geomspace(10**-3.2, 10**-0.75, 1000), list[Trace]()
     for model, (_, closed) in FORMS.items():
@@ -157,12 +155,12 @@ def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: Fricti
     return Chart([Panel("", *plane, series, "upper left")], 4.0)
 
 
-def critical_over_velocity(paper: Scene, model: str, velocity: Array) -> Array:
+def critical_over_velocity(paper: slipwave.Scene, model: str, velocity: np.ndarray) -> np.ndarray:
     """r_c(V) from the impedance of the slabs."""
     return np.array([critical_round_trip(scaled(paper, velocity=v), model)[0] for v in velocity.tolist()])
 
 
-def closed_form_verdicts(paper: Scene, velocity: Array, critical: Mapping[str, Array]) -> Iterator[Verdict]:
+def closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Iterator[Verdict]:
     """The closed forms against each other and against roots found from impedance."""
     epsilon = paper.upper.epsilon
     known = [[closed(friction_slopes(paper.law, v), epsilon) for v in velocity.tolist()] for closed, _ in FORMS.values()]
@@ -173,7 +171,7 @@ def closed_form_verdicts(paper: Scene, velocity: Array, critical: Mapping[str, A
         yield claim(CLOSED, EXACT, gap, _ROUNDING, f"{name}; relative, V = 1 to 10^{{4}}")
 
 
-def gaps_at(paper: Scene, velocity: float) -> dict[str, float]:
+def gaps_at(paper: slipwave.Scene, velocity: float) -> dict[str, float]:
     """Relative distances of the closed forms at a drive `velocity` from the roots that they shall be."""
     slopes, epsilon = friction_slopes(paper.law, velocity), paper.upper.epsilon
     r = closed_forms.kelvin_voigt_r(slopes, epsilon)
@@ -191,7 +189,7 @@ def gaps_at(paper: Scene, velocity: float) -> dict[str, float]:
     }
 
 
-def fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: Scene) -> Iterator[Verdict]:
+def fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Iterator[Verdict]:
     """The branches of Fig 3, traced and counted."""
     off = [
         np.abs(10**curve.second / np.array([closed(slopes, 10**x) for x in curve.first]) - 1.0).max()
@@ -223,27 +221,27 @@ def thin_slabs(slopes: FrictionSlopes) -> Verdict:
     return claim(THIN, ASYMPTOTIC, off, _ON_LINE, f"relative distance of (28) and (40) at r = {plain(_THIN, '.0e')}")
 
 
-def _around(scene: Scene, model: str, name: str, value: float, step: float) -> list[int]:
+def _around(scene: slipwave.Scene, model: str, name: str, value: float, step: float) -> list[int]:
     """The certified counts of growing roots a step below and above a value of a parameter."""
     scenes = (with_parameter(scene, name, value + shift) for shift in (-step, step))
     return [unstable_count(characteristic(one, model)) for one in scenes]
 
 
-def counts_across(paper: Scene, model: str, curve: Boundary) -> list[int]:
+def counts_across(paper: slipwave.Scene, model: str, curve: Boundary) -> list[int]:
     """The certified counts on both sides of the middle of a boundary."""
     middle = len(curve.first) // 2
     at = with_parameter(paper, "log10_r", float(curve.first[middle]))
     return _around(at, model, "log10_epsilon", float(curve.second[middle]), 1e-3)
 
 
-def crossed(name: str, onset: tuple[Scene, str, float]) -> Verdict:
+def crossed(name: str, onset: tuple[slipwave.Scene, str, float]) -> Verdict:
     """The certified counts of growing roots just below and above an onset, which were not used to locate it."""
     below, beyond = _around(*onset[:2], "log10_r", onset[2], _STEP)
     remark = f"{name}, log_{{10}} r_{{c}} = {plain(onset[2], '.8f')}, counted {plain(_STEP, '.0e')} on both sides"
     return holding(CROSSED, WITNESS, "2 roots more", f"{beyond - below} roots more", beyond - below == 2, remark)
 
 
-def taylor(paper: Scene) -> Verdict:
+def taylor(paper: slipwave.Scene) -> Verdict:
     """The next truncation, which has growing roots of its own."""
     pole = max(taylor_poles(), key=lambda value: (value.real, value.imag))
     known = cmath.sqrt(complex(-40.0, math.sqrt(320.0)))  # 1 + s^2/24 + s^4/1920 = 0

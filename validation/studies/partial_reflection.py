@@ -8,8 +8,6 @@ import numpy as np
 
 import slipwave
 from slipwave.friction.ageing import Ageing
-from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.chart import BLUE, DASHED, DOTTED, GUIDE, Chart, Look, Panel, Scale, Trace
 from validation.measure import memo
@@ -124,7 +122,7 @@ _BARE = (
 _LOOKS = (Look(), Look(BLUE, DASHED))
 
 
-def over_grip(grid: Array, orbits: Mapping[float, Sequence[Point]]) -> Chart:
+def over_grip(grid: np.ndarray, orbits: Mapping[float, Sequence[Point]]) -> Chart:
     """`orbits`: stiffness -> points over `grid`."""
     panels = []
     for name, label in (("period", "period $T$ (transits)"), ("drop", r"stress drop $\Delta\mu$")):
@@ -136,7 +134,7 @@ def over_grip(grid: Array, orbits: Mapping[float, Sequence[Point]]) -> Chart:
     return Chart(panels, 3.8, 2, legend="outside upper left", legend_columns=2)
 
 
-def bare_and_grip(leaks: Array, bare: Sequence[Point], held: Sequence[Point], edge: float) -> Chart:
+def bare_and_grip(leaks: np.ndarray, bare: Sequence[Point], held: Sequence[Point], edge: float) -> Chart:
     """Points over `leaks` = 1 - R; the interface locks beyond `edge`."""
     panels, names = [], ("bare coefficient $R$", "grip of the same reflection")
     guide = Trace("", (edge, edge), (-np.inf, np.inf), GUIDE.but(dashes=DOTTED))
@@ -150,19 +148,19 @@ def bare_and_grip(leaks: Array, bare: Sequence[Point], held: Sequence[Point], ed
     return Chart(panels, 3.4, 3, legend="outside upper left", legend_columns=2)
 
 
-def grip_scene(stiffness: float, impedance: float, log10_r: float) -> Scene:
+def grip_scene(stiffness: float, impedance: float, log10_r: float) -> slipwave.Scene:
     """The paper's slabs in grips, relative to epsilon a transit and epsilon."""
     face = {"slab.face.kind": "grip", "slab.face.stiffness": stiffness, "slab.face.impedance": float(impedance)}
     return slipwave.read("paper", {"slab.log10_r": log10_r, **face})
 
 
-def bare_scene(leak: float, nudge: float = 0.5) -> Scene:
+def bare_scene(leak: float, nudge: float = 0.5) -> slipwave.Scene:
     """The paper's slabs behind faces of R = 1 - `leak`."""
     face = {"slab.face.kind": "reflection", "slab.face.coefficient": 1.0 - leak}
     return slipwave.read("paper", {"slab.log10_r": LOG10_R_BARE, "start.size": nudge, **face})
 
 
-def settled_cycle_of(scene: Scene) -> Point:
+def settled_cycle_of(scene: slipwave.Scene) -> Point:
     """The settled cycle of the delay system, NaN if there is none."""
     try:
         found = memo.settled("delay", scene, _TOLERANCE, most=_MOST)
@@ -179,7 +177,7 @@ def states_in_grips(stiffness: float, impedance: float) -> tuple[float, float]:
     return follow(build("delay", scene, tolerance=1e-11), UNTIL).psi, follow(wave, UNTIL).psi
 
 
-def end_of(scene: Scene) -> str:
+def end_of(scene: slipwave.Scene) -> str:
     """How a run without a cycle ends: `steady` if v has returned to V, `locks` if it has fallen far below."""
     behind = follow(build("delay", scene), _MOST).ln_v - math.log(scene.velocity)
     return "steady" if abs(behind) < 0.1 else "locks" if behind < -1.0 else "still decaying"

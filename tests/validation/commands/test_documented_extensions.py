@@ -225,4 +225,5 @@ def test_a_study(reader):
 
 def test_every_section_is_done_by_a_test():
     done = "a friction law of your own|an outer face|an ODE reduction|a discretisation|an observer|a scene key|an option|a study"
-    assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in done.split("|")}
+    in_words = {"Adding a viscosity"}  # says where its parts stand, and is followed by no example
+    assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in done.split("|")} | in_words

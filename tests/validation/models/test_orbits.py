@@ -11,10 +11,11 @@ from fullwave.fields.record import record_field
 from slipwave import read
 from slipwave.observe import HistoryObserver, Pieces
 from slipwave.solve import follow
+from validation.measure.cycle import one_cycle
 from validation.measure.memo import cycle_of, own_orbit
 from validation.measure.order_fit import fit_order, shortfall
 from validation.models.build import build
-from validation.models.cycle import one_cycle, watch
+from validation.models.cycle import watch
 from validation.models.settle import MOST_TRANSITS, NoCycle, settle
 from validation.references.published import reference_orbit
 

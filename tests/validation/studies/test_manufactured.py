@@ -5,7 +5,6 @@ import pytest
 from shown import outcomes
 
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
-from validation.models.build import build
 from validation.studies.orders.given_motion import GRIDS, climbed, motion_verdicts
 
 FAST = {("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")}
@@ -46,4 +45,4 @@ def test_every_full_wave_makes_it_at_its_order(model, pair):
 
 def test_exact_steps_follow_a_drive_that_is_not_linear():
     """With two terms of V in a step they would be wrong by 0.2."""
-    assert error_of_motion(build("dg:7", given_scene(False), cells=6, time="exact")) < 1e-7
+    assert error_of_motion("dg:7", given_scene(False), 6, time="exact") < 1e-7

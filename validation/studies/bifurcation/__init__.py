@@ -4,9 +4,9 @@ from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 from reduced.orbit.figures import figures_of
+from validation.chart.looks import NAMES
 from validation.measure import memo
 from validation.measure.over_r import COMPARED, FAR, Branch, branch_of, scene_at, unaccounted
-from validation.models.points import NAMES
 from validation.references.published import half_digit, reference
 from validation.report import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
 from validation.report.known import JUST_BELOW

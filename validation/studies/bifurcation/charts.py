@@ -5,9 +5,8 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.chart.looks import NAMES, model_line, model_look
 from validation.measure.over_r import COMPARED, Branch
-from validation.models.looks import model_line, model_look
-from validation.models.points import NAMES
 from validation.report.branch_drawing import branch_keys, branch_traces
 from validation.studies.bifurcation.doubling import ODE, Bubble, Doubled, between_doublings
 

@@ -6,10 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+import slipwave
 from slipwave.input import read_scene
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 from validation.models.build import build
 from validation.models.cycle import cut, watch
 from validation.references.published import laboratory
@@ -65,7 +64,7 @@ def samples(count: int) -> list[tuple[FrictionFit, float]]:
     ]
 
 
-def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0) -> Scene:
+def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0) -> slipwave.Scene:
     """Spring, `factor` times k', and radiation damping, rho c/2 of steel: alike slabs whose elasticity is the spring, for a model
     without waves and inertia."""
     stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
@@ -73,7 +72,7 @@ def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: floa
     return _scene(row, fit, law, slab)
 
 
-def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, dashpot: float, mass: float = 0.0) -> Scene:
+def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, dashpot: float, mass: float = 0.0) -> slipwave.Scene:
     """Two blocks of steel, each behind a spring with a dashpot (of `dashpot` times rho c) and a mass (kg/m2)."""
     stiffness = row["k_per_um"] * row["sigma_MPa"] * 1e12
     spring = 1.0 / (1.0 / (2.0 * stiffness) - THICKNESS / SHEAR_MODULUS)
@@ -83,7 +82,7 @@ def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, dashpot: float, mass:
     return _scene(row, fit, "ageing", slab)
 
 
-def _scene(row: Mapping[str, Any], fit: FrictionFit, law: str, slab: Mapping[str, Any]) -> Scene:
+def _scene(row: Mapping[str, Any], fit: FrictionFit, law: str, slab: Mapping[str, Any]) -> slipwave.Scene:
     """A run between alike slabs."""
     interface = {"law": law, "a_star": 0.6, "a": fit.a, "b": fit.b, "memory_length": fit.length * 1e-6}
     interface |= {"normal_stress": row["sigma_MPa"] * 1e6, "reference_velocity": 1e-6}
@@ -92,7 +91,7 @@ def _scene(row: Mapping[str, Any], fit: FrictionFit, law: str, slab: Mapping[str
 
 
 def cycle_in_run(
-    scene: Scene, model: str, seconds: float, after: float = 0.5, tolerance: float = _TOLERANCE
+    scene: slipwave.Scene, model: str, seconds: float, after: float = 0.5, tolerance: float = _TOLERANCE
 ) -> MeasuredCycle | None:
     """The last complete cycle, beginning `after` this share, of a run of `seconds`; None if there is none, or if the slip rate
     stays below twice V: steady sliding, now or later."""
@@ -149,7 +148,7 @@ def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
     return Rise(drop, 1e3 * transit * rise_time(cycle.time, cycle.elastic_stress))
 
 
-def rise_time(time: Array, elastic: Array) -> float:
+def rise_time(time: np.ndarray, elastic: np.ndarray) -> float:
     """The time in which the elastic stress falls from 90 % to 10 % of its drop, over 0.590, the share of this time in half a
     period of free vibration."""
     top = int(np.argmax(elastic))

@@ -4,13 +4,14 @@ kernels, whose solvers it builds."""
 from collections.abc import Mapping
 from typing import TypeAlias
 
-from slipwave.observe.pieces import Array
+import numpy as np
+
 from validation.chart import Chart, Look, Panel, Scale, Trace
+from validation.chart.looks import style_of
 from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, ROUGH, STEEP, LadderRun
 from validation.measure.grids.in_space import climb_of
 from validation.measure.manufactured import BEGIN, UNTIL
 from validation.measure.orders import RESOLVED
-from validation.models.looks import style_of
 from validation.report import Budget, Figure, Number, StudyAnswer, StudyResult, stated
 from validation.report.grid_verdicts import ORDER, order_verdict
 from validation.report.text import plain
@@ -80,7 +81,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-Curves: TypeAlias = Mapping[str, Mapping[str, tuple[Array, Array]]]
+Curves: TypeAlias = Mapping[str, Mapping[str, tuple[np.ndarray, np.ndarray]]]
 """Panel -> model -> points per slab, errors."""
 
 

@@ -5,13 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.observe.pieces import Array
 from validation.measure.manufactured import error_of_motion, given_scene
 from validation.measure.order_fit import Fit, fit_order
-from validation.models.build import build
-from validation.models.by_name import grid_of
 from validation.report import EXACT, Verdict, claim
-from validation.report.known import of_order
+from validation.report.known import declared_order, of_order, points_of
 
 _SECOND, _THIRD, _FOURTH = (32, 48, 64, 96, 128), (12, 16, 20, 24, 32), (10, 12, 14, 16, 18, 20)
 GRIDS = {
@@ -42,8 +39,8 @@ class Ladder(NamedTuple):
 
     model: str
     pair: str
-    cells: Array
-    errors: Array
+    cells: np.ndarray
+    errors: np.ndarray
     order: Fit
 
 
@@ -51,25 +48,24 @@ def climbed(model: str, pair: str) -> Ladder:
     """The errors on all grids."""
     scene, cells = given_scene(pair == "unlike"), GRIDS[model][0]
     options = {"cfl": _CFL} if model == "fd" else {"time": MARCHES[pair]}
-    errors = np.array([error_of_motion(build(model, scene, cells=count, **options)) for count in cells])
+    errors = np.array([error_of_motion(model, scene, count, **options) for count in cells])
     return Ladder(model, pair, np.array(cells, dtype=float), errors, fit_order(np.array(cells), errors))
 
 
 def motion_verdicts(ladders: Sequence[Ladder]) -> Iterator[Verdict]:
     """The order of each, unless its finest error is not below the bound. Schemes of order 2 must not be better either."""
     for model, pair, cells, errors, order in ladders:
-        (family, number), bound = grid_of(model), GRIDS[model][1]
-        declared, where = family.order_interface(number), f"`{model}`, {pair} slabs"
+        bound = GRIDS[model][1]
+        declared, where = declared_order(model), f"`{model}`, {pair} slabs"
         if errors[-1] < bound:
             yield of_order(MOTION, EXACT, order, declared, where, above=declared != 2)
         else:
             yield claim(MOTION, EXACT, float(errors[-1]), bound, f"{where}: error on {cells[-1]:g} cells")
 
 
-def motion_errors(ladders: Sequence[Ladder]) -> dict[str, dict[str, tuple[Array, Array]]]:
+def motion_errors(ladders: Sequence[Ladder]) -> dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]:
     """Errors over points per slab, by pair of slabs and model."""
-    found: dict[str, dict[str, tuple[Array, Array]]] = {}
+    found: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
     for model, pair, cells, errors, _ in ladders:
-        family, number = grid_of(model)
-        found.setdefault(f"{pair} slabs", {})[model] = cells * family.points(number), errors
+        found.setdefault(f"{pair} slabs", {})[model] = cells * points_of(model), errors
     return found

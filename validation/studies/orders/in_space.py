@@ -7,7 +7,6 @@ from itertools import combinations
 import numpy as np
 
 import slipwave as sw
-from slipwave.observe.pieces import Array
 from slipwave.solve import follow
 from slipwave.sources import ROOT, import_closure
 from validation.measure.grid_ladders import LADDERS, in_space
@@ -42,9 +41,9 @@ def leapfrog_at(cfl: float) -> Climb:
     return climb(ladder, delay_reference(ladder.run), without_error_in_time)
 
 
-def space_errors(climbs: Iterable[Climb]) -> dict[str, dict[str, tuple[Array, Array]]]:
+def space_errors(climbs: Iterable[Climb]) -> dict[str, dict[str, tuple[np.ndarray, np.ndarray]]]:
     """Geometric mean of all errors over points per slab, by kind of scheme and model."""
-    found: dict[str, dict[str, tuple[Array, Array]]] = {}
+    found: dict[str, dict[str, tuple[np.ndarray, np.ndarray]]] = {}
     for one in climbs:
         family, number = grid_of(one.ladder.model)
         kind = {"fem": "finite elements", "dg": "discontinuous Galerkin"}.get(family.name, "differences")
@@ -58,14 +57,14 @@ def evidence_at(cfl: float) -> Evidence:
     return SELF if cfl == 1.0 else WITNESS
 
 
-def jump_errors(cfl: float, cells: Iterable[int]) -> Array:
+def jump_errors(cfl: float, cells: Iterable[int]) -> np.ndarray:
     """Errors of psi after `_UNTIL` transits."""
     scene = sw.read("yardstick")
     known = follow(build("delay", scene, tolerance=1e-11), _UNTIL).psi
     return np.array([abs(follow(build("fd", scene, cells=n, cfl=cfl), _UNTIL).psi - known) for n in cells])
 
 
-def jump_verdict(cfl: float, cells: Iterable[int], errors: Array) -> Verdict:
+def jump_verdict(cfl: float, cells: Iterable[int], errors: np.ndarray) -> Verdict:
     """The order of psi from a jump."""
     return of_order(JUMP, evidence_at(cfl), fit_order(np.array(cells), errors), 1.0, f"CFL {cfl}")
 

@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.observe.pieces import Array
 from slipwave.solve import Solver
 from validation.measure.grid_ladders import GENTLE
 from validation.measure.grids.in_space import without_error_in_time
@@ -35,8 +34,8 @@ class Marches(NamedTuple):
     the shortest explicit steps."""
 
     model: str
-    explicit: Array
-    exact: Array
+    explicit: np.ndarray
+    exact: np.ndarray
 
 
 def marches_of(model: str) -> Marches:
@@ -50,7 +49,7 @@ def marches_of(model: str) -> Marches:
         """The solver with steps that resolve friction to the error `request`."""
         return without_error_in_time(model, GENTLE.scene, GRIDS[model], request)
 
-    def largest(make: Callable[[float], Solver], settings: tuple[float, ...], other: Solver) -> Array:
+    def largest(make: Callable[[float], Solver], settings: tuple[float, ...], other: Solver) -> np.ndarray:
         """The largest error of any output against the `other` march, by setting."""
         known = measure(other, GENTLE)
         return np.array([max(errors(measure(make(setting), GENTLE), known).values()) for setting in settings])

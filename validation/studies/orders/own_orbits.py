@@ -5,9 +5,8 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import slipwave as sw
-from validation.models.by_name import grid_of
 from validation.report import WITNESS, Verdict, at_least, claim
-from validation.report.known import error_after
+from validation.report.known import declared_order, error_after
 
 APPROACHES = "The grid’s own orbit approaches the delay system’s at the declared order or faster"
 AGREES = "Discretisations of the wave agree with the delay system on the orbit’s period and stress drop"
@@ -64,10 +63,9 @@ def orbit_order(orbits: list[GridOrbit], quantity: str) -> float:
 
 def orbit_verdict(orbits: list[GridOrbit]) -> Verdict:
     """The order of the errors on finer and finer grids."""
-    family, number = grid_of(orbits[0].model)
     least = min(orbit_order(orbits, quantity) for quantity in QUANTITIES)
     where = f"`{orbits[0].model}`, {orbits[0].cells} to {orbits[-1].cells} cells a slab; the lower of T and Δμ"
-    return at_least(APPROACHES, WITNESS, least, family.order_interface(number), where)
+    return at_least(APPROACHES, WITNESS, least, declared_order(orbits[0].model), where)
 
 
 def agreement_verdicts(orbits: list[GridOrbit]) -> Iterator[Verdict]:

@@ -10,10 +10,10 @@ from reduced.orbit.closing import Closed
 from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
 from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.chart.looks import model_look
 from validation.chart.thin import staying
 from validation.measure import memo
 from validation.measure.over_r import COMPARED, Branch, branch_of, parts
-from validation.models.looks import model_look
 from validation.models.points import BranchPoint
 from validation.report import Budget, Cell, Figure, StudyAnswer, StudyResult, Table, table
 from validation.report.branch_drawing import branch_keys, branch_traces

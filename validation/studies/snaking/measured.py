@@ -18,7 +18,6 @@ from reduced.continuation.special import Special, critical
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable
 from slipwave.observe import HistoryObserver
-from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate
 from slipwave.solve import follow
 from validation.measure import memo
@@ -50,7 +49,7 @@ class DirectRun(NamedTuple):
 
     log10_r: float
     size: float
-    last: Array
+    last: np.ndarray
     settled: bool
     orbit: float
 
@@ -83,7 +82,7 @@ def torus_at(log10_r: float) -> tuple[float, Estimate]:
     return run["rotation_number"] or math.nan, Estimate(run["period"]["mean"], run["margins"]["period"])
 
 
-def multiplier_seen(apart: Array, turns: bool) -> complex:
+def multiplier_seen(apart: np.ndarray, turns: bool) -> complex:
     """The multiplier m of the distance `apart` (cycles, values) of two runs, by least squares: d_(n+1) = m d_n or, if it `turns`,
     the one above the real axis of d_(n+2) = 2 Re(m) d_(n+1) - |m|^2 d_n."""
     first, second, third = (apart[k : apart.shape[0] + k - turns - 1].ravel() for k in (0, 1, 1 + turns))
@@ -111,7 +110,7 @@ def _side(point: OrbitPoint, kind: str) -> FoldSide:
     return FoldSide(point.parameter, passing, multiplier_seen(apart, abs(passing.imag) > _REAL))
 
 
-def _passing(closed: Closed, kind: str) -> tuple[complex, Array]:
+def _passing(closed: Closed, kind: str) -> tuple[complex, np.ndarray]:
     """The critical multiplier at a point of `kind`, and the real part of its eigenvector, with 1 as the largest component."""
     values, vectors = np.linalg.eig(closed.monodromy)
     others = np.delete(values, np.abs(values - 1.0).argmin())
@@ -120,7 +119,7 @@ def _passing(closed: Closed, kind: str) -> tuple[complex, Array]:
     return passing, vector / np.abs(vector).max()
 
 
-def _cycles(closed: Closed, change: Array) -> Array:
+def _cycles(closed: Closed, change: np.ndarray) -> np.ndarray:
     """z and psi (cycles, 2 samples) in the cycles of a run that begins on the orbit displaced by a `change` of its state."""
     cycle, period = closed.flow.march(closed.cycle.start + change, closed.cycle.period), closed.cycle.period
     solver = build("delay", closed.flow.scene, tolerance=1e-11)

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator, Mapping
 
 from validation.chart import WIDTH, Chart, Panel, Scale, Trace
+from validation.chart.looks import model_marks
 from validation.measure.over_r import scene_at
 from validation.measure.regimes import Regime, regime_of
-from validation.models.looks import model_marks
 from validation.report import Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, stated
 from validation.report.advice import GOOD
 from validation.report.compared import EXACT_MODEL, compared_table, critical_r, onset, relative_costs

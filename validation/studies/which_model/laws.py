@@ -6,12 +6,11 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+import slipwave
 from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction_slopes, scaled
-from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 from validation.chart import Chart, Panel, Scale, Trace
+from validation.chart.looks import model_line, model_marks, style_of
 from validation.models.build import build
-from validation.models.looks import model_line, model_marks, style_of
 from validation.models.settle import settle
 from validation.report import ASYMPTOTIC, Budget, Number, Verdict, claim, of_paper, stated
 from validation.report.compared import against
@@ -41,8 +40,8 @@ _TEXT = {
 class OnsetErrors(NamedTuple):
     """Relative error of a model's critical r over theta = r_c omega_c of the exact system, and its law."""
 
-    theta: Array
-    error: Array
+    theta: np.ndarray
+    error: np.ndarray
     law: ErrorLaw
 
     def ratio(self, index: int) -> float:
@@ -67,7 +66,7 @@ class CycleErrors(NamedTuple):
 Onsets: TypeAlias = dict[str, OnsetErrors]
 
 
-def measure_onsets(paper: Scene) -> Onsets:
+def measure_onsets(paper: slipwave.Scene) -> Onsets:
     """Every reduction's error of the critical r over a range of epsilon."""
     slopes = friction_slopes(paper.law, paper.velocity)
     scenes = [scaled(paper, epsilon=float(scale)) for scale in _SCALES]
@@ -80,12 +79,12 @@ def measure_onsets(paper: Scene) -> Onsets:
     return {model: OnsetErrors(theta, np.array(error), error_law(model, slopes)) for model, error in errors.items()}
 
 
-def measure_cycles(paper: Scene, budget: Budget, begin: float) -> list[CycleErrors]:
+def measure_cycles(paper: slipwave.Scene, budget: Budget, begin: float) -> list[CycleErrors]:
     """`measure_cycle` at every scale of epsilon; the part of the study from the share `begin` on."""
     return [measure_cycle(paper, scale) for scale in budget.each(_QUICK if budget.quick else _FULL, begin=begin)]
 
 
-def measure_cycle(paper: Scene, scale: float) -> CycleErrors:
+def measure_cycle(paper: slipwave.Scene, scale: float) -> CycleErrors:
     """Settle the delay system and the reductions 2 % beyond the exact onset of the scene with epsilon scaled."""
     softer = scaled(paper, epsilon=scale)
     r_c, omega = critical_round_trip(softer)

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
-from slipwave.observe.statistics import Estimate
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.chart.looks import model_line, model_look
+from validation.measure.cycle import Estimate
 from validation.measure.over_r import FAR, Branch, branch_of
 from validation.measure.regimes import Regime
-from validation.models.looks import model_line, model_look
 from validation.references.published import reference
 from validation.report import Number, Verdict, stated
 from validation.report.branch_drawing import orbit_traces

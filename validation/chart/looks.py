@@ -1,4 +1,4 @@
-"""How models look in charts: colours, dashes and markers from their families."""
+"""How models look in charts: colours, dashes and markers from their families; what special points are called there."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -8,6 +8,9 @@ from numpy.typing import ArrayLike
 from slipwave.family import PlotStyle
 from validation.chart import Look, Trace
 from validation.models.by_name import family_of
+
+NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}
+"""Kind of special point -> its name."""
 
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))
 
