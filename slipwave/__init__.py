@@ -45,8 +45,8 @@ def __getattr__(name: str) -> Any:
     line = import_module("slipwave.hidden").hidden_package()
     if line:
         raise ImportError(line)
-    found = globals()[name] = getattr(import_module(f"validation.{_PLACES[name]}"), name)
-    return found
+    function = globals()[name] = getattr(import_module(f"validation.{_PLACES[name]}"), name)
+    return function
 
 
 def __dir__() -> list[str]:

@@ -45,8 +45,8 @@ def remove_leftovers(folder: Path) -> None:
     """Remove the parts of files in `folder` that processes of this machine left when they were killed."""
     with suppress(OSError):
         for path in list(folder.iterdir()):
-            found = _PART.fullmatch(path.name)
-            if found and not is_running(int(found[1])):
+            part = _PART.fullmatch(path.name)
+            if part and not is_running(int(part[1])):
                 path.unlink(missing_ok=True)
 
 

@@ -12,7 +12,7 @@ def hidden_package() -> str:
     ours = Path(__file__).resolve().parents[1]
     for package in PACKAGES:
         loaded = sys.modules.get(package)
-        found = getattr(loaded, "__file__", None) if loaded else getattr(find_spec(package), "origin", None)
-        if found and Path(found).resolve() != ours / package / "__init__.py":
-            return f"{found} hides slipwave's own package {package!r}: rename that file"
+        file = getattr(loaded, "__file__", None) if loaded else getattr(find_spec(package), "origin", None)
+        if file and Path(file).resolve() != ours / package / "__init__.py":
+            return f"{file} hides slipwave's own package {package!r}: rename that file"
     return ""

@@ -45,13 +45,13 @@ def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
     `packages` adds the `__init__.py` of every parent package, which Python runs first. The `__init__.py` of a package that is
     imported by its own name is always included.
     """
-    found: set[Path] = set()
+    closure: set[Path] = set()
     to_read = set(starts)
     while to_read:
         path = to_read.pop()
-        found.add(path)
-        to_read |= imported_files(path, packages) - found
-    return sorted(found)
+        closure.add(path)
+        to_read |= imported_files(path, packages) - closure
+    return sorted(closure)
 
 
 def inside(path: Path) -> bool:

@@ -27,7 +27,7 @@ OF_LIBRARIES = {
     "element.text", "element.tail",
     "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__", "kind.__name__",
     "mark.until", "work.until", "engine.report",
-    "found[name].attrs", "found['other_regime'].attrs",
+    "differences[name].attrs", "differences['other_regime'].attrs",
 }  # fmt: skip
 """Attributes that numba, reprlib, ast, jinja2, Python and scipy expect their users to set, or for which they have no option; and
 `until` of a mark and of the progress, the end of the stretch of a run that has just begun, and a sweep's `report`."""

@@ -64,10 +64,10 @@ class Field:
             for quantity, values in vars(slab).items():
                 dimensions = depth if quantity == "depth" else (TIME, depth)
                 variables[f"{name}_{quantity}"] = (dimensions, values, self._notes(quantity, name))
-        found = xarray.Dataset(variables, attrs=self._facts())
-        for coordinate in found.coords.values():
+        fields = xarray.Dataset(variables, attrs=self._facts())
+        for coordinate in fields.coords.values():
             coordinate.encoding["_FillValue"] = None  # of a coordinate no value is missing
-        return found
+        return fields
 
     def si_size(self, quantity: str) -> float | None:
         """SI size of the unit of `quantity`; None in a scene without units."""

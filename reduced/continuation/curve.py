@@ -144,7 +144,7 @@ def _nearest(family: FlowFamily, point: OrbitPoint, kind: str) -> Special:
         left, right = (
             point_near(family, point.unknowns + shift * point.tangent, point.tangent, METRIC, point) for shift in (-reach, reach)
         )
-        found = [one for one in specials_between(family, left, right, METRIC) if one.kind == kind]
-        if found:
-            return min(found, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
+        specials = [one for one in specials_between(family, left, right, METRIC) if one.kind == kind]
+        if specials:
+            return min(specials, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
     raise NumericsError(f"no {kind} was found near an orbit of period {point.closed.cycle.period:.6g}")

@@ -142,15 +142,15 @@ def _middle(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric
 def _locate(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric, kind: str) -> Special:
     """The special point of `kind` between two points: the zero of its test function, bracketed by two close points."""
     length = metric.length(right.unknowns - left.unknowns)
-    found = {0.0: left, 1.0: right}
+    points = {0.0: left, 1.0: right}
 
     def point(share: float) -> OrbitPoint:
         """The point at `share` of the chord, from the nearest two known points."""
-        if share not in found:
-            low, high = max(one for one in found if one < share), min(one for one in found if one > share)
+        if share not in points:
+            low, high = max(one for one in points if one < share), min(one for one in points if one > share)
             within = (share - low) / (high - low)
-            found[share] = _middle(flow_at, found[low], found[high], metric, within)
-        return found[share]
+            points[share] = _middle(flow_at, points[low], points[high], metric, within)
+        return points[share]
 
     gap = _BRACKET / length
     at = _zero(lambda share: _value(kind, point(share)), lambda share: _TESTS[kind](left, point(share)), _CLOSE * gap)

@@ -1,14 +1,10 @@
 """The first point of a branch: near a Hopf point, near a period doubling, from a given orbit, or stored; and the orbits of a
 branch at one value of its parameter.
-
-Where steady sliding loses its stability as a parameter of the scene changes: the Hopf points, from the spectrum alone.
 """
 
-import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -17,9 +13,6 @@ from reduced.continuation.point import FlowFamily, Metric, OrbitPoint, direction
 from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed, FlowAt, by_parameter, close
 from reduced.orbit.figures import difference_of_parts
-from reduced.stability.characteristic import Characteristic, characteristic
-from reduced.stability.crossing import between
-from reduced.stability.spectrum import follow_root, leading_roots, unstable_count
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -42,10 +35,10 @@ def metric_for(low: float, high: float) -> Metric:
 
 def from_orbit(flow_at: FlowAt, closed: Closed, parameter: float, towards: float, metric: Metric) -> OrbitPoint:
     """An orbit found at a fixed `parameter` as a point of its branch, oriented towards the parameter `towards`."""
-    found = replace(closed, parameter=parameter, drift=by_parameter(flow_at, closed.cycle, parameter))
+    free = replace(closed, parameter=parameter, drift=by_parameter(flow_at, closed.cycle, parameter))
     along = np.zeros(closed.cycle.start.size + 2)
     along[-1] = np.sign(towards - parameter) * metric.parameter
-    return OrbitPoint(found, direction(found, along, metric))
+    return OrbitPoint(free, direction(free, along, metric))
 
 
 def from_hopf(flow_at: FlowAt, parameter: float, period: float, metric: Metric) -> OrbitPoint:
@@ -139,72 +132,13 @@ def from_stored(family: FlowFamily, saved: Mapping[str, Array]) -> tuple[FlowFam
 def orbits_at(points: Iterable[OrbitPoint], parameter: float, scene: Scene) -> list[Closed]:
     """All orbits of a branch at one value of its `parameter`, in order along the branch, each by Newton's method from the points
     on both sides; `scene` is the scene at this value. Raises NumericsError if Newton's method fails."""
-    found: list[Closed] = []
+    orbits: list[Closed] = []
     for left, right in pairwise(points):
         if (left.parameter - parameter) * (right.parameter - parameter) <= 0.0:
             same = left.unknowns.size == right.unknowns.size  # else their meshes differ
             along = right.unknowns - left.unknowns if same else right.tangent
             guess = right.unknowns + (parameter - right.parameter) / along[-1] * along
             one = close(right.closed.flow.of(scene), guess[:-2], float(guess[-2]))
-            if not found or abs(one.cycle.period / found[-1].cycle.period - 1.0) > _SAME_ORBIT:
-                found.append(one)
-    return found
-
-
-_SAMPLES = 17
-_HALVINGS = 8
-_STEPS_OUT = 12  # by factors of four
-ONSET_WIDTH = 1e-13
-"""Width of a bracket in the parameter."""
-
-
-class Onset(NamedTuple):
-    """Steady sliding at `parameter` has a pair of roots +-2 pi i/`period` (transits); numbers of growing roots on both sides."""
-
-    parameter: float
-    period: float
-    unstable_below: int
-    unstable_above: int
-
-
-def onsets(scene_at: Callable[[float], Scene], low: float, high: float, model: str) -> list[Onset]:
-    """The Hopf points between the parameters `low` and `high`, in order; two of them between neighbouring samples, at equal
-    distances, may be missed. Raises SceneError and NumericsError of the scenes and their roots.
-    """
-
-    def problem(value: float) -> Characteristic:
-        return characteristic(scene_at(value), model)
-
-    values = np.linspace(low, high, _SAMPLES).tolist()
-    counts = [unstable_count(problem(value)) for value in values]
-    changes = [k for k in range(_SAMPLES - 1) if counts[k] != counts[k + 1]]
-    found = [_change(problem, values[k], values[k + 1], counts[k], counts[k + 1]) for k in changes]
-    return [Onset(at, 2.0 * math.pi / omega / scene_at(at).transit, below, above) for at, omega, below, above in found]
-
-
-def _change(
-    problem: Callable[[float], Characteristic], low: float, high: float, below: int, above: int
-) -> tuple[float, float, int, int]:
-    """The change nearest to `low`, with its frequency: by counts at first, then by the zero of the crossing root's real part."""
-    for _ in range(_HALVINGS):
-        middle = 0.5 * (low + high)
-        count = unstable_count(problem(middle))
-        low, high = (middle, high) if count == below else (low, middle)
-        above = above if count == below else count
-    roots = leading_roots(problem(low))
-    crossing = complex(roots[np.abs(roots.real).argmin()])
-    low, high = _bracket(lambda value: follow_root(problem(value), crossing).real, low, high)
-    return *between(problem, low, high, crossing), below, above
-
-
-def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Bracket of the zero of `rate`: `low` and `high`, or a nearly neutral end, where the root is not counted, and a value a
-    little beyond it."""
-    if rate(low) * rate(high) <= 0.0:
-        return low, high
-    end, other = (low, high) if abs(rate(low)) < abs(rate(high)) else (high, low)
-    for k in range(_STEPS_OUT, 0, -1):
-        beyond = end + 4.0**-k * (end - other)
-        if rate(beyond) * rate(end) <= 0.0:
-            return min(beyond, end), max(beyond, end)
-    return low, high
+            if not orbits or abs(one.cycle.period / orbits[-1].cycle.period - 1.0) > _SAME_ORBIT:
+                orbits.append(one)
+    return orbits

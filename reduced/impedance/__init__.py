@@ -1,7 +1,7 @@
 """The slab pair as a one-port: its exact impedance, its reductions, and their passivity (MODEL.md section 3)."""
 
 from reduced.impedance.models import check_passivity, impedance, is_exact, ratio_of
-from reduced.impedance.of_reduction import poles_and_residues, taylor_poles
+from reduced.impedance.of_reduction import poles_and_residues
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio, slab_ratio
 
@@ -17,5 +17,4 @@ __all__ = [
     "ratio_of",
     "reduction_of",
     "slab_ratio",
-    "taylor_poles",
 ]

@@ -59,8 +59,8 @@ def _transfer(scene: Scene, fit: Reduction, s: Complex, start: Complex) -> Reduc
     rows = partial_fractions(s, pairs, reals) * weight[:, None]
     matrix, data = np.concatenate([rows.real, rows.imag]), np.concatenate([(target * weight).real, (target * weight).imag])
     scale = np.linalg.norm(matrix, axis=0)
-    found = np.linalg.lstsq(matrix / scale, data, rcond=None)[0] / scale
-    return _reduction(fit.name, np.concatenate([[0.0, 0.0], found]), pairs, reals, fit.spring)
+    coefficients = np.linalg.lstsq(matrix / scale, data, rcond=None)[0] / scale
+    return _reduction(fit.name, np.concatenate([[0.0, 0.0], coefficients]), pairs, reals, fit.spring)
 
 
 def _reduction(name: str, x: Array, pairs: Complex, reals: Array, spring: float) -> Reduction:
@@ -76,6 +76,7 @@ def _reduction(name: str, x: Array, pairs: Complex, reals: Array, spring: float)
         offsets=tuple(offsets.tolist()),
         relaxations=tuple(zip(strengths.tolist(), (-reals).tolist(), strict=True)),
         spring=spring,
+        is_fitted=True,
     )
 
 

@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from reduced.impedance.reduction import TAYLOR, Reduction
+from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Complex, Jet, Ratio
 from slipwave.observe.pieces import Array
 
@@ -63,11 +63,6 @@ def poles_and_residues(model: Reduction) -> tuple[Complex, Complex]:
         poles.append(-rate)
         residues.append(strength)
     return np.array(poles, dtype=complex), np.array(residues, dtype=complex)
-
-
-def taylor_poles() -> Complex:
-    """Poles (in 1/transit) of the next Taylor truncation: 0 and four more, two of them in the right half plane."""
-    return poles_and_residues(TAYLOR)[0]
 
 
 def real_part_on_axis(ratio: Ratio) -> Array:

@@ -106,8 +106,8 @@ def spring_damping_mass(scene: Scene) -> tuple[float, float, float]:
     for the plain one. They are those of the pair's quasi-static motion, and so never negative."""
     first, second, third = np.add(_low_frequency(scene.upper), _low_frequency(scene.lower))
     epsilon, transit = scene.upper.epsilon, scene.transit
-    found = transit / (first * epsilon), -second / (first**2 * epsilon), -third / (first**2 * epsilon * transit)
-    return float(found[0]), float(found[1]), float(found[2])
+    terms = transit / (first * epsilon), -second / (first**2 * epsilon), -third / (first**2 * epsilon * transit)
+    return float(terms[0]), float(terms[1]), float(terms[2])
 
 
 def reduction_of(scene: Scene, name: str) -> Reduction:
@@ -173,10 +173,10 @@ def modal(scene: Scene, name: str) -> Reduction:
     spring, _, mass = spring_damping_mass(scene)
     frequencies, residues = _locked_modes(scene, count)
     remainder = mass - sum(residue / omega**2 for residue, omega in zip(residues, frequencies, strict=True))
-    found = Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
+    reduced = Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
     at_modes = Jet.variable(1j * np.array(frequencies) / scene.transit)
     passed = (drive_ratio(scene, at_modes)[1].value / pair_ratio(scene, at_modes)[1].value).real
-    return found.driven(tuple((np.array(residues) * passed).tolist()))
+    return reduced.driven(tuple((np.array(residues) * passed).tolist()))
 
 
 def kelvin_voigt(scene: Scene, name: str) -> Reduction:
@@ -196,8 +196,8 @@ def kelvin_voigt(scene: Scene, name: str) -> Reduction:
     slopes = [upper * _slab_slope(x, 1.0) + lower * _slab_slope(x, rho) for x in squares]
     residues = tuple(2.0 / slope for slope in slopes)
     passed = (0.5 / (1.0 + x / 8.0) + 0.5 / (1.0 + rho * x / 8.0) for x in squares)
-    found = Reduction(name, frequencies=tuple(math.sqrt(-x) for x in squares), residues=residues, spring=spring)
-    return found.driven(tuple(residue * share for residue, share in zip(residues, passed, strict=True)))
+    reduced = Reduction(name, frequencies=tuple(math.sqrt(-x) for x in squares), residues=residues, spring=spring)
+    return reduced.driven(tuple(residue * share for residue, share in zip(residues, passed, strict=True)))
 
 
 def fitted(scene: Scene, name: str) -> Reduction:

@@ -33,7 +33,8 @@ class Reduction:
     """Poles, residues, mass and damping of a reduced pair, relative to the upper slab's epsilon, transit clock t~.
 
     `frequencies` are omega_k (radians per transit); `residues`, and `decays` and `offsets` unless all are zero, are as many.
-    `transfer`: T(s)/epsilon of a drive that changes, with the same spring; None if V acts as the opposite slip rate.
+    `transfer`: T(s)/epsilon of a drive that changes, with the same spring; None if V acts as the opposite slip rate. `is_fitted`:
+    it was fitted to the exact impedance of its scene.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Reduction:
     relaxations: tuple[tuple[float, float], ...] = ()
     spring: float = 1.0
     transfer: "Reduction | None" = None
+    is_fitted: bool = False
 
     @cached_property
     def modes(self) -> tuple[tuple[float, float, float, float], ...]:
@@ -87,8 +89,8 @@ class Reduction:
 def _modal(modes: int) -> Reduction:
     frequencies = tuple(2.0 * math.pi * k for k in range(1, modes + 1))
     mass = 1.0 / 12.0 - sum(2.0 / omega**2 for omega in frequencies)
-    found = Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
-    return found.driven(tuple(2.0 * (-1.0) ** k for k in range(1, modes + 1)))
+    reduced = Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
+    return reduced.driven(tuple(2.0 * (-1.0) ** k for k in range(1, modes + 1)))
 
 
 TABULATED: dict[str, Callable[[], Reduction]] = {

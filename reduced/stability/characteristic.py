@@ -39,19 +39,20 @@ class Characteristic:
         """(numerator, denominator) of friction's impedance H as jets."""
         return s * self.slopes.direct + self.slopes.healing * self.slopes.steady, s + self.slopes.healing
 
+    def _terms(self, s: object) -> tuple[Jet, Jet]:
+        """Both terms of D at s (complex array)."""
+        variable = Jet.variable(s)
+        (p, q), (n, d) = self.one_port(variable), self.friction(variable)
+        return n * p, d * q
+
     def jet(self, s: object) -> Jet:
         """D and dD/ds at s (complex array)."""
-        variable = Jet.variable(s)
-        p, q = self.one_port(variable)
-        n, d = self.friction(variable)
-        return n * p + d * q
+        of_slabs, of_friction = self._terms(s)
+        return of_slabs + of_friction
 
     def imbalance(self, s: object) -> Complex:
         """D over the sum of the sizes of its two terms: 0 at a root, of modulus <= 1, smooth in every parameter."""
-        variable = Jet.variable(s)
-        p, q = self.one_port(variable)
-        n, d = self.friction(variable)
-        left, right = n.value * p.value, d.value * q.value
+        left, right = (term.value for term in self._terms(s))
         return np.asarray((left + right) / (np.abs(left) + np.abs(right)))
 
     def idle(self, s: Complex) -> NDArray[np.bool_]:
@@ -96,12 +97,12 @@ class Characteristic:
     def anchors(self) -> tuple[complex, ...]:
         """Points near which D varies on a short scale: 0, the rate of the friction state, the relaxation rates of viscous slabs,
         and the relaxation rates of the outer faces alone."""
-        found: set[complex] = {0.0, -self.slopes.healing}
+        points: set[complex] = {0.0, -self.slopes.healing}
         for slab in (self.scene.upper, self.scene.lower):
             held, solid = slab.termination, slab.rheology
             rates = [] if held.is_rigid else [complex(root) for root in np.roots([held.mass, held.dashpot, held.spring])]
-            found.update(rates, (-1.0 / time for time in (solid.retardation, solid.relaxation) if time > 0.0))
-        return tuple(found)
+            points.update(rates, (-1.0 / time for time in (solid.retardation, solid.relaxation) if time > 0.0))
+        return tuple(points)
 
     @property
     def leftmost(self) -> float:

@@ -51,10 +51,12 @@ def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, floa
             factor = r / scene.transit
             return replace(problem, scene=at(factor), one_port=lambda s: problem.one_port(s * factor), transit=r)
 
-        for found in _by_angle(problem):
-            if is_lost(with_round_trip, found[0]):
-                return found
-    start = critical_round_trip(scene)[0] / scene.transit if model.startswith("fitted") else 2.0**FIRST_OCTAVE
+        for crossing in _by_angle(problem):
+            if is_lost(with_round_trip, crossing[0]):
+                return crossing
+    reduction = characteristic(scene, model).reduction
+    is_fitted = reduction is not None and reduction.is_fitted
+    start = critical_round_trip(scene)[0] / scene.transit if is_fitted else 2.0**FIRST_OCTAVE
     factor, omega = critical_factor(at, model, start) if math.isfinite(start) else (math.nan, math.nan)
     return scene.transit * factor, omega
 

@@ -54,11 +54,11 @@ def idle_modes(scene: Scene) -> tuple[IdleMode, ...]:
     friction = friction_slopes(scene.law, scene.velocity).direct
     decays = (apart * upper_mass * lower_mass[nearest]) ** 2 / (mass**3 * friction)
     frequencies = (upper_mass * upper + lower_mass[nearest] * lower[nearest]) / mass / (2.0 * math.pi)
-    found: list[IdleMode] = []
+    modes: list[IdleMode] = []
     for n, decay in enumerate(decays.tolist()):
-        if len(found) < _NAMED and decay < _SLOW and (decay == 0.0 or all(decay < mode.decay for mode in found)):
-            found.append(IdleMode(2 * n + 1, 2 * int(nearest[n]) + 1, float(frequencies[n]), decay))
-    return tuple(found)
+        if len(modes) < _NAMED and decay < _SLOW and (decay == 0.0 or all(decay < mode.decay for mode in modes)):
+            modes.append(IdleMode(2 * n + 1, 2 * int(nearest[n]) + 1, float(frequencies[n]), decay))
+    return tuple(modes)
 
 
 def named(modes: tuple[IdleMode, ...], period: float) -> str:
@@ -80,11 +80,11 @@ def _free_vibrations(slab: Slab, transit: float) -> tuple[Array, Array]:
     reactance = _reactance(slab, transit, omega)[0]
     before, after = reactance[:-1], reactance[1:]
     rises = np.flatnonzero((before < 0.0) & (after >= 0.0))
-    found = omega[rises] - before[rises] * (omega[1] - omega[0]) / (after[rises] - before[rises])
+    zeros = omega[rises] - before[rises] * (omega[1] - omega[0]) / (after[rises] - before[rises])
     for _ in range(_CORRECTIONS):
-        value, slope = _reactance(slab, transit, found)
-        found = found - value / slope
-    return found, _reactance(slab, transit, found)[1]
+        value, slope = _reactance(slab, transit, zeros)
+        zeros = zeros - value / slope
+    return zeros, _reactance(slab, transit, zeros)[1]
 
 
 def _reactance(slab: Slab, transit: float, omega: Array) -> tuple[Array, Array]:

@@ -150,7 +150,7 @@ def _made_from(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[
     class is in `classes` or in one of the files."""
     if function.__module__ not in sys.modules:  # where compiled code on disk looks for the function
         return None
-    found: tuple[Path, ...] = ()
+    sources: tuple[Path, ...] = ()
     functions = {function}
     while True:
         homes = {thing: _home_of(thing) for thing in classes} | {thing: _file_of(thing) for thing in functions}
@@ -158,13 +158,13 @@ def _made_from(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[
         if brought is None:
             return None
         starts = brought.files.union(home for home in homes.values() if inside(home))
-        if starts <= set(found):
+        if starts <= set(sources):
             break
-        found = _closure(starts.union(found))
-        pairs = [pair for owner, choices in _choices if owner in found for pair in choices()]
-        functions = {function, *(version for kind, version in pairs if kind in classes or _home_of(kind) in found)}
+        sources = _closure(starts.union(sources))
+        pairs = [pair for owner, choices in _choices if owner in sources for pair in choices()]
+        functions = {function, *(version for kind, version in pairs if kind in classes or _home_of(kind) in sources)}
     # a file edited after the start is no longer the text that this process has imported
-    return None if any(path.stat().st_mtime > STARTED for path in found) else (found, brought.text)
+    return None if any(path.stat().st_mtime > STARTED for path in sources) else (sources, brought.text)
 
 
 def _home_of(kind: type) -> Path:

@@ -82,8 +82,8 @@ class _Walk:
             yield f"{code.co_name} {code.co_code.hex()} {code.co_names} {code.co_varnames} {code.co_freevars}"
             yield from self.value(code.co_consts)
             yield from self.value((function.__defaults__, *sorted((function.__kwdefaults__ or {}).items())))
-            found = inspect.getclosurevars(function)
-            for name, value in sorted({**found.globals, **found.nonlocals}.items()):
+            named = inspect.getclosurevars(function)
+            for name, value in sorted({**named.globals, **named.nonlocals}.items()):
                 yield name
                 yield from self.value(value)
 

@@ -152,30 +152,30 @@ def _fill_floors(law: Law, psi: Array, floors: Array) -> None:
 
 def rates(law: Law, unknowns: Array) -> Array:
     """Slip rates (V*) at the rate unknowns z; an array of the same shape."""
-    found = np.empty_like(unknowns, order="C")
-    _fill_rates(law, unknowns.ravel(), found.ravel())
-    return found
+    speeds = np.empty_like(unknowns, order="C")
+    _fill_rates(law, unknowns.ravel(), speeds.ravel())
+    return speeds
 
 
 @njit
-def _fill_rates(law: Law, unknowns: Array, found: Array) -> None:
-    """found <- `rates` of (n,) unknowns; without creating an array, which would triple the time to compile and load."""
+def _fill_rates(law: Law, unknowns: Array, speeds: Array) -> None:
+    """speeds <- `rates` of (n,) unknowns; without creating an array, which would triple the time to compile and load."""
     for i in range(unknowns.size):
-        found[i] = rate_of(law, unknowns[i])
+        speeds[i] = rate_of(law, unknowns[i])
 
 
 def unknowns(law: Law, speeds: Array) -> Array:
     """Rate unknowns z at the slip rates (V*); an array of the same shape."""
-    found = np.empty_like(speeds, order="C")
-    _fill_unknowns(law, speeds.ravel(), found.ravel())
-    return found
+    z = np.empty_like(speeds, order="C")
+    _fill_unknowns(law, speeds.ravel(), z.ravel())
+    return z
 
 
 @njit
-def _fill_unknowns(law: Law, speeds: Array, found: Array) -> None:
-    """found <- `unknowns` at (n,) slip rates."""
+def _fill_unknowns(law: Law, speeds: Array, z: Array) -> None:
+    """z <- `unknowns` at (n,) slip rates."""
     for i in range(speeds.size):
-        found[i] = unknown_of(law, speeds[i])
+        z[i] = unknown_of(law, speeds[i])
 
 
 @dataclass(frozen=True)

@@ -19,13 +19,13 @@ def load_laws(path: Path) -> list[str]:
     label = f"--law = {str(path)!r}"
     before = dict(LAWS)
     run_file(path, f"own_law_{path.stem}", label)
-    found = [name for name, law in LAWS.items() if before.get(name) is not law]
-    if not found:
+    names = [name for name, law in LAWS.items() if before.get(name) is not law]
+    if not names:
         raise SceneError(f"{label}: registers no friction law: call slipwave.friction.register(...) in it")
     LAW_FILES[path.resolve()] = None
-    for name in found:
+    for name in names:
         own_law(name)  # its digest is that of the text that was run
-    return found
+    return names
 
 
 def own_law(name: str) -> OwnFile | None:

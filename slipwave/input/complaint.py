@@ -50,19 +50,19 @@ class _Located(NamedTuple):
 
 def _located(loc: tuple[str | int, ...]) -> _Located:
     """Locate a fault; pydantic's path has the kind of a table between its keys (slab.face.grip.stiffness)."""
-    found = _Located([], KeyTable, "", {}, {"": scene_keys()})
+    at = _Located([], KeyTable, "", {}, {"": scene_keys()})
     for part in loc:
-        if len(found.below) > 1 and part in found.below:
+        if len(at.below) > 1 and part in at.below:
             kind = str(part)
-            found = _Located(found.path, found.below[kind], kind, found.below, {})
+            at = _Located(at.path, at.below[kind], kind, at.below, {})
             continue
-        if isinstance(part, str) and len(found.below) == 1:
-            (table,) = found.below.values()
-            found = _Located(found.path, table, "", {}, {})
-        field = found.table.model_fields.get(str(part))
-        below = found.below if isinstance(part, int) else tables_in(field.annotation) if field else {}
-        found = found._replace(path=[*found.path, part], below=below)
-    return found
+        if isinstance(part, str) and len(at.below) == 1:
+            (table,) = at.below.values()
+            at = _Located(at.path, table, "", {}, {})
+        field = at.table.model_fields.get(str(part))
+        below = at.below if isinstance(part, int) else tables_in(field.annotation) if field else {}
+        at = at._replace(path=[*at.path, part], below=below)
+    return at
 
 
 def _logarithm(at: _Located, value: Any) -> str:

@@ -43,10 +43,10 @@ def full_key(key: Sequence[str], value: Any, data: Mapping[str, Any]) -> list[st
     """`key`, or, if its first word is no table of a scene, the only full key of the scene `data` that ends in its words. A key
     without match is returned unchanged. Raises SceneError if several match: `kind = ...: which of ...?`.
     """
-    found = endings(key, data)
-    if len(found) > 1:
-        raise SceneError(f"{key_text(key)} = {shorten(value)}: give the whole key, {listed(map(key_text, found))}")
-    return list(found[0] if found else key)
+    keys = endings(key, data)
+    if len(keys) > 1:
+        raise SceneError(f"{key_text(key)} = {shorten(value)}: give the whole key, {listed(map(key_text, keys))}")
+    return list(keys[0] if keys else key)
 
 
 def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]]:

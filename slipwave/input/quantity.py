@@ -59,10 +59,10 @@ def quantity(text: str, *units: str) -> Quantity:
     Raises ValueError for anything else; the message begins with what is wrong or with "must be".
     """
     wanted = f"must have a unit of {' or '.join(KINDS[unit][0] for unit in units)}, as in {examples(units)}"
-    found = _TEXT.fullmatch(text)
-    if found is None:
+    match = _TEXT.fullmatch(text)
+    if match is None:
         raise ValueError(wanted)
-    number, written = found.groups()
+    number, written = match.groups()
     for unit in units:
         value = _converted(number, written, unit)
         if value is not None:

@@ -43,8 +43,8 @@ def _cut(text: str, longest: int) -> str:
 
 def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:
     """The known word most similar to `word`, or None if none is similar enough."""
-    found = difflib.get_close_matches(word[:_LONGEST_KEY].lower(), list(known), n=1, cutoff=cutoff)
-    return found[0] if found else None
+    matches = difflib.get_close_matches(word[:_LONGEST_KEY].lower(), list(known), n=1, cutoff=cutoff)
+    return matches[0] if matches else None
 
 
 def choices(known: Iterable[str], given: Any = None) -> str:

@@ -123,11 +123,11 @@ def _kind_of(stages: list[Stage], before: float, velocity: float) -> StageKind:
 def stage_figures(stages: list[Stage], seen: list[MeasuredStage]) -> list[StageFigures]:
     """The figures of the stages that the run has begun. A stage shorter than a step of the run, which lies in none, has no
     figures."""
-    found: list[StageFigures] = []
+    figures: list[StageFigures] = []
     begun = max((k + 1 for k, here in enumerate(seen) if here.reached > -math.inf), default=0)
     for k in range(begun):
-        found.append(_figures(stages[k], seen[k], found[k - 1] if k else None, seen[k - 1].before if k else math.nan))
-    return found
+        figures.append(_figures(stages[k], seen[k], figures[k - 1] if k else None, seen[k - 1].before if k else math.nan))
+    return figures
 
 
 def _figures(stage: Stage, seen: MeasuredStage, earlier: StageFigures | None, before_hold: float) -> StageFigures:

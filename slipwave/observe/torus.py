@@ -76,8 +76,8 @@ def _follow(columns: Array, start: float) -> tuple[float, float, int, int]:
 
     first = float(best(start, 1, _ROUGH * width).x)
     resolved = _terms(first, count, most)
-    found = best(first, max(resolved, 1), _NEAR)
-    return float(found.fun), float(found.x), resolved, most
+    fit = best(first, max(resolved, 1), _NEAR)
+    return float(fit.fun), float(fit.x), resolved, most
 
 
 def _terms(rho: float, count: int, most: int) -> int:
@@ -99,10 +99,10 @@ def _change(figure: Array, rho: float, terms: int) -> tuple[float, float]:
     """Relative change of the amplitude over all cycles, fitted as linear together with linear changes of the phase and of the
     mean; and its standard error."""
     ramp, basis = np.linspace(-0.5, 0.5, figure.size), _basis(figure.size, rho, terms)
-    found = np.linalg.lstsq(basis, figure, rcond=None)[0]
+    coefficients = np.linalg.lstsq(basis, figure, rcond=None)[0]
     order = np.arange(1, terms + 1)
-    ahead = np.concatenate(([0.0], order * found[1 + terms :], -order * found[1 : 1 + terms]))
-    whole = np.column_stack([ramp * (basis[:, 1:] @ found[1:]), ramp * (basis @ ahead), ramp, basis])
+    ahead = np.concatenate(([0.0], order * coefficients[1 + terms :], -order * coefficients[1 : 1 + terms]))
+    whole = np.column_stack([ramp * (basis[:, 1:] @ coefficients[1:]), ramp * (basis @ ahead), ramp, basis])
     left = figure - whole @ np.linalg.lstsq(whole, figure, rcond=None)[0]
     variance = left @ left / max(figure.size - whole.shape[1], 1)
     spread = np.linalg.pinv(whole.T @ whole)

@@ -260,14 +260,14 @@ def _limit(values: Array) -> float:
 def _turns(cycles: Events) -> tuple[Kind, float | None]:
     """Kind of cycles that do not repeat, by their phases, and the rotation number of a torus. They are too few if the phase has
     hardly completed a turn, or if more cycles, hence more harmonics, may fit one phase."""
-    found = rotation(np.column_stack([cycles.period, cycles.v_max]))
-    if found is None or found.misfit >= (_NOISE if found.terms == found.most else _VAGUE):
+    torus = rotation(np.column_stack([cycles.period, cycles.v_max]))
+    if torus is None or torus.misfit >= (_NOISE if torus.terms == torus.most else _VAGUE):
         return "irregular", None
-    if found.terms and found.misfit < _CLEAR and abs(found.change) > max(_STAYS, _ERRORS * found.error):
+    if torus.terms and torus.misfit < _CLEAR and abs(torus.change) > max(_STAYS, _ERRORS * torus.error):
         return "settling", None
-    if found.misfit < _SMOOTH and found.terms and cycles.time.size >= _ROUND:
-        return "torus", found.number
-    return "irregular" if found.misfit >= _SMOOTH and found.terms == MOST_HARMONICS else "too short", None
+    if torus.misfit < _SMOOTH and torus.terms and cycles.time.size >= _ROUND:
+        return "torus", torus.number
+    return "irregular" if torus.misfit >= _SMOOTH and torus.terms == MOST_HARMONICS else "too short", None
 
 
 def _needed(cycles: Events, until: float, wanted: int) -> float:

@@ -92,9 +92,9 @@ def _of_slab(key: str, slab: Slab, units: Units) -> Iterator[str]:
         return
     speed = slab.material.wave_speed
     remark = f" (wave speed {speed:.3g} m/s)"
-    found = [
+    lines = [
         *doubt(f"{key}.density", slab.material.density, remark),
         *doubt(f"{key}.shear_modulus", slab.material.shear_modulus, remark),
     ]
-    yield from found or doubt(f"{key}.wave speed", speed)
+    yield from lines or doubt(f"{key}.wave speed", speed)
     yield from doubt(f"{key}.thickness", 0.5 * slab.round_trip * units.time * speed)

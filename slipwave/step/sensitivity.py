@@ -63,34 +63,34 @@ class LawAlong(NamedTuple):
 
 def law_along(law: Law, pieces: Pieces) -> LawAlong:
     """Rate, friction and their derivatives of `law` along a motion."""
-    found = np.empty((6, *pieces.z.shape))
-    _respond_all(law, pieces.z, pieces.psi, found)
-    return LawAlong(*found)
+    answers = np.empty((6, *pieces.z.shape))
+    _respond_all(law, pieces.z, pieces.psi, answers)
+    return LawAlong(*answers)
 
 
 @njit
-def _respond_all(law: Law, z: Array, psi: Array, found: Array) -> None:
+def _respond_all(law: Law, z: Array, psi: Array, answers: Array) -> None:
     for k in range(z.shape[0]):
         for j in range(z.shape[1]):
             v, v_z, friction, by_z, by_psi, growth, _, _ = respond(law, z[k, j], psi[k, j])
-            found[0, k, j], found[1, k, j], found[2, k, j] = v, v_z, friction
-            found[3, k, j], found[4, k, j], found[5, k, j] = by_z, by_psi, growth
+            answers[0, k, j], answers[1, k, j], answers[2, k, j] = v, v_z, friction
+            answers[3, k, j], answers[4, k, j], answers[5, k, j] = by_z, by_psi, growth
 
 
 def drive_on(scene: Scene, pieces: Pieces, nodes: Array, clock: float = 1.0, late: float = 0.0) -> Array:
     """V of `scene` (in its V*) at the nodes of `pieces` (k, s), shifted by `late` transits; `clock`: transits of `scene` per
     transit of the pieces."""
-    found = np.empty_like(pieces.z)
+    velocity = np.empty_like(pieces.z)
     times, lengths = clock * (pieces.time + late), clock * pieces.length
-    _drive_at(scene.drive.compiled, times, lengths, nodes, found)
-    return found
+    _drive_at(scene.drive.compiled, times, lengths, nodes, velocity)
+    return velocity
 
 
 @njit
-def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Array, found: Array) -> None:
+def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Array, velocity: Array) -> None:
     for k in range(times.size):
         for j in range(nodes.size):
-            found[k, j] = velocity_at(drive, times[k] + nodes[j] * lengths[k], times[k] + 0.5 * lengths[k])
+            velocity[k, j] = velocity_at(drive, times[k] + nodes[j] * lengths[k], times[k] + 0.5 * lengths[k])
 
 
 def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, LawAlong]:
@@ -159,12 +159,12 @@ def _carry(
 
 
 @njit
-def _remember(change: Array, plan: NDArray[np.int64], moved: Array, values: Array, found: Array) -> None:
-    """found (k, n) <- the memory at the start of each step; `values` (n,) <- that at the end. moved (k, n + 2 s): the rows of
+def _remember(change: Array, plan: NDArray[np.int64], moved: Array, values: Array, memory: Array) -> None:
+    """memory (k, n) <- the memory at the start of each step; `values` (n,) <- that at the end. moved (k, n + 2 s): the rows of
     `propagate`, of which the first n are scratch."""
     for k in range(plan.size):
         for i in range(values.size):
-            found[k, i] = moved[k, i] = values[i]
+            memory[k, i] = moved[k, i] = values[i]
         propagate(change, plan[k], moved.shape[1], moved[k], values)
 
 
@@ -184,14 +184,14 @@ def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Ar
         plan = np.rint(np.log2(longest / here.length)).astype(np.int64)
         levels = int(plan.max()) + 1
         port = _ready(slabs, longest, levels)
-        v, found = rates(scene.law, here.z), np.empty((plan.size, remembered))
-        moved = np.column_stack([found, v - scene.velocity, drive_on(scene, here, rule.nodes) - scene.velocity])
-        _remember(port.change, plan, moved, values, found)
+        v, memory = rates(scene.law, here.z), np.empty((plan.size, remembered))
+        moved = np.column_stack([memory, v - scene.velocity, drive_on(scene, here, rule.nodes) - scene.velocity])
+        _remember(port.change, plan, moved, values, memory)
         for i, (pair, (_, clocks, step)) in enumerate(zip(pairs, sides, strict=True)):
             for side, clock, sign in zip(pair, clocks, (1.0, -1.0), strict=True):
                 table, velocity = _ready(side, longest * clock, levels), side.scene.velocity
                 drive = drive_on(side.scene, here, rule.nodes, clock) - velocity
-                _add(table, plan, (found, v, v - velocity, drive), sign / (2.0 * step), (own.stress[:, i], own.memory[:, i]))
+                _add(table, plan, (memory, v, v - velocity, drive), sign / (2.0 * step), (own.stress[:, i], own.memory[:, i]))
         motion = Motion(here.z, here.psi, False)
         _carry(shape, scene.law, port, scene.transit, compiled.integral, plan, motion, own, changes)
     return stress_by(law, given, direct)

@@ -11,7 +11,7 @@ import pytest
 
 from reduced.continuation.branch import follow_branch
 from reduced.continuation.point import FlowFamily
-from reduced.continuation.start import from_orbit, metric_for, onsets
+from reduced.continuation.start import from_orbit, metric_for
 from reduced.delay.network import DelayNetwork
 from reduced.impedance import reduction_of
 from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
@@ -20,6 +20,7 @@ from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
 from reduced.orbit.figures import figures_of, repeats_sooner
 from reduced.orbit.multipliers import floquet
+from reduced.stability.onsets import onsets
 from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.step.port_flow import flow_near

@@ -209,14 +209,14 @@ def with_limits(chart: Chart) -> Chart:
 def _range(panel: Panel, which: str) -> tuple[float, float]:
     """The range of what a panel shows along "x" or "y", with a margin unless it is a picture's."""
     scale: Scale = getattr(panel, which)
-    found, margin = [np.array([])], 0.0
+    ends, margin = [np.array([])], 0.0
     for trace in (one for one in panel.traces if one.look.kind != "text"):
         columns = trace.columns
         values = columns[which] + trace.shift["xy".index(which)]
         bars = columns.get(f"{which}_error", 0.0)
-        found += [np.maximum(values, scale.floor), values - bars, values + bars]
+        ends += [np.maximum(values, scale.floor), values - bars, values + bars]
         margin = margin if trace.look.kind == "cells" else _MARGIN
-    every = np.concatenate(found)
+    every = np.concatenate(ends)
     is_log = scale.kind == "log"
     every = np.log10(every[every > 0.0]) if is_log else every
     every = every[np.isfinite(every)]

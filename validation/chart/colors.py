@@ -1,7 +1,7 @@
 """Colours that can be told from the paper by day and by night."""
 
 import colorsys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 PAPER, DARK_PAPER = "#ffffff", "#171716"
 """Background of a chart, light and dark."""
@@ -33,14 +33,13 @@ def by_night(color: str) -> str:
 
 def legible(color: str, paper: str = PAPER, least: float = LEAST_CONTRAST) -> str:
     """The nearest colour of the same hue with enough contrast: darker on white, lighter on dark paper."""
-    return next((shade for shade in _shades(color, paper) if contrast(shade, paper) >= least), color)
-
-
-def _shades(color: str, paper: str) -> Iterator[str]:
     hue, light, depth = colorsys.rgb_to_hls(*_channels(color))
     end = 0.0 if contrast(paper, "#000000") > contrast(paper, "#ffffff") else 1.0
     for k in range(101):
-        yield _hex(colorsys.hls_to_rgb(hue, light + (end - light) * k / 100.0, depth)) if k else color
+        shade = _hex(colorsys.hls_to_rgb(hue, light + (end - light) * k / 100.0, depth)) if k else color
+        if contrast(shade, paper) >= least:
+            return shade
+    return color
 
 
 def _channels(color: str) -> tuple[float, float, float]:

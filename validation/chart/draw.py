@@ -158,7 +158,7 @@ def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
     units of its range."""
     from scipy.interpolate import make_interp_spline
 
-    found, gaps = [], [-1, *np.flatnonzero(np.isnan(x)), x.size]
+    parts, gaps = [], [-1, *np.flatnonzero(np.isnan(x)), x.size]
     for before, after in pairwise(gaps):
         part = np.column_stack([x, y])[before + 1 : after]
         sizes = np.ptp(part, axis=0) if len(part) > 1 else np.zeros(2)
@@ -167,8 +167,8 @@ def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
         if apart.sum() > 1:
             curve = make_interp_spline(along[apart], part[apart], k=min(3, int(apart.sum()) - 1))
             part = curve(np.interp(np.linspace(0.0, len(part) - 1.0, _FINE * (len(part) - 1) + 1), np.arange(len(part)), along))
-        found += [part, np.full((1, 2), np.nan)]
-    whole = np.concatenate(found[:-1])
+        parts += [part, np.full((1, 2), np.nan)]
+    whole = np.concatenate(parts[:-1])
     return whole[:, 0], whole[:, 1]
 
 

@@ -51,8 +51,8 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
 def _referred(root: ElementTree.Element) -> Iterator[str]:
     """The ids that attributes refer to."""
     for value in (value for element in root.iter() for name, value in element.attrib.items() if name != "style"):
-        if found := _REFERRED.fullmatch(value):
-            yield found[1] or found[2]
+        if match := _REFERRED.fullmatch(value):
+            yield match[1] or match[2]
 
 
 def _regroup(parent: ElementTree.Element) -> None:
@@ -61,8 +61,8 @@ def _regroup(parent: ElementTree.Element) -> None:
         _regroup(child)
     inner = [one for child in parent for one in (child if child.tag == f"{{{_SVG}}}g" and not child.attrib else [child])]
     parent[:] = []
-    for (tag, style), found in groupby(inner, lambda one: (one.tag, one.get("style"))):
-        alike = list(found)
+    for (tag, style), group in groupby(inner, lambda one: (one.tag, one.get("style"))):
+        alike = list(group)
         if len(alike) > 1 and style and tag in _MARKS and parent.tag != f"{{{_SVG}}}defs":
             for one in alike:
                 del one.attrib["style"]
@@ -78,9 +78,9 @@ def _shorten(element: ElementTree.Element, own: dict[str, str]) -> None:
     if words.get("id") in own:
         element.set("id", own[words["id"]])
     for name, value in ((name, value) for name, value in words.items() if name != "id"):
-        found = _REFERRED.fullmatch(value)
-        if found and name != "style":
-            value = value.replace(found[1] or found[2], own[found[1] or found[2]])
+        match = _REFERRED.fullmatch(value)
+        if match and name != "style":
+            value = value.replace(match[1] or match[2], own[match[1] or match[2]])
         elif name in _PLACES:
             value = " ".join(map(_tenths, value.split()))
         elif name == "style":

@@ -88,11 +88,11 @@ def _trace(group: tuple[str, str, list[dict[str, str]]], color: str, shift: list
         known = key in rows[0] and (key in ("x", "y") or any(row[key] for row in rows))
         return np.array([float(row[key] or "nan") for row in rows]) if known else None
 
-    found = {key: column(key) for key in _NUMBERS}
-    x, y, value = found["x"], found["y"], found["value"]
+    columns = {key: column(key) for key in _NUMBERS}
+    x, y, value = columns["x"], columns["y"], columns["value"]
     assert x is not None
     assert y is not None
     if value is not None:  # cells, a row for each y
         width = int(np.flatnonzero(np.r_[x[1:] == x[0], True])[0]) + 1
         x, y, value = x[:width], y[::width], value.reshape(-1, width)
-    return Trace(name, x, y, look_from_words(look, color), found["y_error"], value, (shift[0], shift[1]))
+    return Trace(name, x, y, look_from_words(look, color), columns["y_error"], value, (shift[0], shift[1]))

@@ -14,7 +14,7 @@ from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import Drive
-from slipwave.scene.slab import FACES, Face, KelvinVoigtViscosity, ReflectingFace, RigidFace, Slab, Viscosity
+from slipwave.scene.slab import FACES, VISCOSITIES, Face, ReflectingFace, RigidFace, Slab, Viscosity
 from slipwave.scene.units import Units
 from slipwave.solve.lyapunov import Exponent
 from validation.commands.result import rounded
@@ -202,7 +202,7 @@ def _face_in_si(slab: Slab, units: Units) -> str:
 
 
 def _viscosity(viscosity: Viscosity, units: Units | None) -> str:
-    kind = "kelvin-voigt" if isinstance(viscosity, KelvinVoigtViscosity) else "standard-linear"
+    (kind,) = (name for name, one in VISCOSITIES.items() if one is type(viscosity))
     return f"{kind}: {_values(viscosity)}" + (f" ({rounded(viscosity.time * units.time, 6)} s)" if units else "")
 
 

@@ -45,14 +45,14 @@ def slip_events(time: Array, friction: Array) -> SlipEvents:
     """The slip events of a record: falls by at least `FALL` of the range of friction, or of its means over so many samples that
     noise is hidden; none that an end of the record cuts off. The date is when friction last falls through the middle between its
     maximum and its minimum."""
-    found: list[tuple[int, int]] = []
+    spans: list[tuple[int, int]] = []
     for together in sorted({max(1, time.size // blocks) for blocks in (time.size, *_BLOCKS)}):
         means = friction[: time.size // together * together].reshape(-1, together).mean(axis=1)
         least = FALL * float(np.ptp(means))
         if least > _ABOVE * noise_of(np.arange(means.size), means):
-            found = _without_cut(falls(means, least), means)
+            spans = _without_cut(falls(means, least), means)
             break
-    first, last = np.array(found, dtype=np.intp).reshape(-1, 2).T
+    first, last = np.array(spans, dtype=np.intp).reshape(-1, 2).T
     top, bottom = together * first, np.minimum(together * last + together, time.size) - 1
     middle = 0.5 * (means[first] + means[last])
     passages = [_passage(friction[a : b + 1], level) for a, b, level in zip(top, bottom, middle, strict=True)]
@@ -61,15 +61,15 @@ def slip_events(time: Array, friction: Array) -> SlipEvents:
     return SlipEvents(top, bottom, above, means[first] - means[last], time[above] + share * (time[above + 1] - time[above]))
 
 
-def _without_cut(found: list[tuple[int, int]], values: Array) -> list[tuple[int, int]]:
+def _without_cut(spans: list[tuple[int, int]], values: Array) -> list[tuple[int, int]]:
     """The falls without the first and the last if an end of the record cuts them off."""
-    if len(found) < 2:
-        return found
-    usual = _WHOLE * float(np.median([values[top] - values[bottom] for top, bottom in found]))
-    (top, bottom), (late, end) = found[0], found[-1]
+    if len(spans) < 2:
+        return spans
+    usual = _WHOLE * float(np.median([values[top] - values[bottom] for top, bottom in spans]))
+    (top, bottom), (late, end) = spans[0], spans[-1]
     begins = values[top] - values[bottom] > usual or top > bottom - top
     ends = values[late] - values[end] > usual or values.size - 1 - end > end - late
-    return found[not begins : len(found) - (not ends)]
+    return spans[not begins : len(spans) - (not ends)]
 
 
 def _passage(values: Array, level: float) -> int:
@@ -80,7 +80,7 @@ def _passage(values: Array, level: float) -> int:
 def falls(values: Array, least: float) -> list[tuple[int, int]]:
     """(maximum, minimum) indices of every fall by at least `least` that is followed by a rise of that size; the last fall needs
     none."""
-    found, top, bottom, is_falling = [], 0, 0, False
+    spans, top, bottom, is_falling = [], 0, 0, False
     for k, value in enumerate(values.tolist()):
         if not is_falling:
             top = k if value > values[top] else top
@@ -89,9 +89,9 @@ def falls(values: Array, least: float) -> list[tuple[int, int]]:
         else:
             bottom = k if value < values[bottom] else bottom
             if value - values[bottom] > least:
-                found.append((top, bottom))
+                spans.append((top, bottom))
                 is_falling, top = False, k
-    return [*found, (top, bottom)] if is_falling else found
+    return [*spans, (top, bottom)] if is_falling else spans
 
 
 @dataclass(frozen=True)
@@ -134,26 +134,26 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     time, friction = own["time"], own.friction(1.0)
     if smooth is not None and not 1 <= smooth <= time.size // 2:
         raise SceneError(f"smooth = {smooth}: must be from 1 to {time.size // 2}, half of the samples in {series.source!r}")
-    found, noise = slip_events(time, friction), noise_of(time, friction)
-    if found.date.size < 2:
-        count = ("no slip event", "one slip event only")[found.date.size]
+    slips, noise = slip_events(time, friction), noise_of(time, friction)
+    if slips.date.size < 2:
+        count = ("no slip event", "one slip event only")[slips.date.size]
         text = f": no fall of friction exceeds the range of noise, {_ABOVE * noise:.2g}"
-        more = text if noise and not found.date.size else "; a comparison of cycles needs two or more"
+        more = text if noise and not slips.date.size else "; a comparison of cycles needs two or more"
         raise SceneError(f"{series.source!r}: {count}{more}")
-    samples = smooth or (_chosen(friction, found) if noise else 1)
+    samples = smooth or (_chosen(friction, slips) if noise else 1)
     level, rate, rate_from = _smooth_motion(own, scene, friction, samples)
-    cycles = _cycles(found, level, rate)
-    half = _cycles(found, *_smooth_motion(own, scene, friction, max(1, samples // 2))[:2])
-    effect = _effect(samples, found.date, slip_events(time, level).date, cycles, half)
-    return MeasuredMotion(series.source, time, level, rate, rate_from, found.date, cycles, noise, effect)
+    cycles = _cycles(slips, level, rate)
+    half = _cycles(slips, *_smooth_motion(own, scene, friction, max(1, samples // 2))[:2])
+    effect = _effect(samples, slips.date, slip_events(time, level).date, cycles, half)
+    return MeasuredMotion(series.source, time, level, rate, rate_from, slips.date, cycles, noise, effect)
 
 
-def _cycles(found: SlipEvents, friction: Array, rate: Array) -> Events:
+def _cycles(slips: SlipEvents, friction: Array, rate: Array) -> Events:
     """The cycles from one maximum of friction to the next."""
-    parts = [slice(begin, end + 1) for begin, end in pairwise(found.top)]
+    parts = [slice(begin, end + 1) for begin, end in pairwise(slips.top)]
     drop = np.array([np.ptp(friction[part]) for part in parts])
     highest, lowest = (np.array([extreme(rate[part]) for part in parts]) for extreme in (np.max, np.min))
-    return Events(found.date[:-1], np.diff(found.date), drop, drop, highest, lowest)
+    return Events(slips.date[:-1], np.diff(slips.date), drop, drop, highest, lowest)
 
 
 def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:
@@ -163,8 +163,8 @@ def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:
         return 0.0
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
     bends = values[1:-1] - (1.0 - share) * values[:-2] - share * values[2:]
-    found = float(np.median(np.abs(bends) / np.sqrt(1.0 + (1.0 - share) ** 2 + share**2))) / 0.6745
-    return found if found > quiet * float(np.ptp(values)) else 0.0
+    noise = float(np.median(np.abs(bends) / np.sqrt(1.0 + (1.0 - share) ** 2 + share**2))) / 0.6745
+    return noise if noise > quiet * float(np.ptp(values)) else 0.0
 
 
 def smoothed(values: Array, samples: int, slope: bool = False) -> Array:
@@ -192,19 +192,17 @@ def _smooth_motion(own: Series, scene: Scene, friction: Array, samples: int) -> 
     return level, scene.velocity - released / pace, "the scene's velocity and stiffness"
 
 
-def _chosen(friction: Array, found: SlipEvents) -> int:
-    """Samples of the parabola: a quarter of those in the median fall of friction."""
-    lasting = [_fall(friction[a : b + 1]) for a, b in zip(found.top, found.bottom, strict=True)]
+def _chosen(friction: Array, events: SlipEvents) -> int:
+    """Samples of the parabola: a quarter of those in the median fall of friction, from 90 % to 10 % of the way down from the
+    maximum to the minimum after it."""
+    lasting = []
+    for begin, end in zip(events.top, events.bottom, strict=True):
+        values = friction[begin : end + 1]
+        top = int(np.argmax(values))
+        part = values[top : top + int(np.argmin(values[top:])) + 1]
+        share = (part - part[-1]) / (part[0] - part[-1]) if part[0] > part[-1] else np.zeros(1)
+        lasting.append(int(np.count_nonzero((share < 0.9) & (share > 0.1))))
     return max(1, int(_SHARE * float(np.median(lasting))))
-
-
-def _fall(values: Array) -> int:
-    """Samples from 90 % to 10 % of the way down from the maximum to the minimum after it."""
-    top = int(np.argmax(values))
-    bottom = top + int(np.argmin(values[top:]))
-    part = values[top : bottom + 1]
-    share = (part - part[-1]) / (part[0] - part[-1]) if part[0] > part[-1] else np.zeros(1)
-    return int(np.count_nonzero((share < 0.9) & (share > 0.1)))
 
 
 def _effect(samples: int, dates: Array, others: Array, cycles: Events, half: Events) -> Smoothing:

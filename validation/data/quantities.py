@@ -92,8 +92,8 @@ _NAMES = {_words(name): key for key, one in MEASURED.items() for name in (key, *
 def heading(text: str) -> Heading:
     """Quantity and unit of the heading of a column, as in "Time [s]", "tau(MPa)", "mu", "disp_um", "log10 slip rate [m/s]"."""
     text = text.strip().strip("\"'").strip()
-    found = _IN_BRACKETS.fullmatch(text)
-    name, unit = (_plain(found[1]), found[2].strip()) if found else (_plain(text), None)
+    bracketed = _IN_BRACKETS.fullmatch(text)
+    name, unit = (_plain(bracketed[1]), bracketed[2].strip()) if bracketed else (_plain(text), None)
     for prefix in ("log10_", "log_"):
         if name.startswith(prefix) and _words(name.removeprefix(prefix)) in _NAMES:
             name, unit = name.removeprefix(prefix), f"log10 {unit or ''}".strip()
@@ -111,7 +111,7 @@ def _plain(text: str) -> str:
 
 def _cuts(text: str) -> list[tuple[str, str]]:
     """`text` cut in two at each separator, the longest beginning first."""
-    spans = [found.span() for found in re.finditer(r"\s*[_/, ]\s*", text)]
+    spans = [separator.span() for separator in re.finditer(r"\s*[_/, ]\s*", text)]
     return [(_plain(text[:begin]), text[end:].replace("_per_", "/").replace("_", " ")) for begin, end in reversed(spans)]
 
 
@@ -126,17 +126,17 @@ def unit_of(written: str | None, key: str, where: str, area: float | None = None
     Raises SceneError, which begins with `where`, for one that does not fit."""
     if written is None:
         return None
-    found = _size(written, key)
-    if found is None and MEASURED[key].unit == "Pa":
+    unit = _size(written, key)
+    if unit is None and MEASURED[key].unit == "Pa":
         with suppress(ValueError):
-            found = Unit(quantity(f"1 {written}", "N").value / (area or math.nan))
-        if found and area is None:
+            unit = Unit(quantity(f"1 {written}", "N").value / (area or math.nan))
+        if unit and area is None:
             raise SceneError(f"{where}: unit {shorten(written)} is a force: --area says on what, as in --area='25 cm2'")
-    if found is None and not MEASURED[key].unit:
+    if unit is None and not MEASURED[key].unit:
         raise SceneError(f"{where}: unit {shorten(written)} does not fit: it is a pure number")
-    if found is None:
+    if unit is None:
         raise SceneError(f"{where}: unit {shorten(written)} is not known there: known are {MEASURED[key].usual}, log10 of them")
-    return found
+    return unit
 
 
 def _size(written: str, key: str) -> Unit | None:
@@ -157,10 +157,10 @@ def _size(written: str, key: str) -> Unit | None:
 
 def name_of_quantity(text: str, where: str) -> str:
     """The key of MEASURED named by a user's word. Raises SceneError, which begins with `where`, if there is none."""
-    found = heading(text).quantity
-    if not found:
+    name = heading(text).quantity
+    if not name:
         raise SceneError(f"{where}: {shorten(text)} is no quantity of a record: {choices(MEASURED, text)}")
-    return found
+    return name
 
 
 def unit_sizes(scene: Scene) -> dict[str, float]:

@@ -133,7 +133,7 @@ def read_series(
     factors, scaled = _scales(label, scale, chosen, text)
     given = _given_units(label, units, [*headings.values()]) | scaled
     on = _area(area)
-    found = {
+    column_units = {
         key: unit_of(given.get(key, headings[index].unit), key, f"{label!r}, column {index + 1}, {key}", on)
         for key, index in chosen.items()
     }
@@ -142,13 +142,13 @@ def read_series(
     for (key, index), column in zip(chosen.items(), values.T, strict=True):
         if key in _ONE_RANGE:
             _require_no_mark(f"{label!r}, column {index + 1}", key, column, text.numbers)
-    _require_units_of_one_kind(label, found)
+    _require_units_of_one_kind(label, column_units)
     series = dict[str, Array]()
     for key, column in zip(chosen, values.T, strict=True):
-        unit = found[key] or Unit(1.0)
+        unit = column_units[key] or Unit(1.0)
         series[key] = np.asarray((10.0**column if unit.is_log else column) * unit.size * factors.get(key, 1.0))
     series, dropped = _rising(label, series, text.numbers)
-    measured = {key: unit for key, unit in found.items() if MEASURED[key].unit}
+    measured = {key: unit for key, unit in column_units.items() if MEASURED[key].unit}
     is_own = None if not any(measured.values()) else any(unit.is_own for unit in measured.values() if unit)
     notes = [*_notes_on(headings, chosen, measured, text), *gaps, *dropped]
     return Series(label, series, is_own, notes, text.there)
@@ -173,8 +173,8 @@ def _scales(label: str, scale: str | None, chosen: Mapping[str, int], text: "_Te
 def _area(text: str | None) -> float | None:
     """An area in m2."""
     try:
-        if text is None or (found := quantity(text, "m2").value) > 0.0:
-            return None if text is None else found
+        if text is None or (area := quantity(text, "m2").value) > 0.0:
+            return None if text is None else area
         raise ValueError("must be above 0")
     except ValueError as error:
         raise SceneError(f"--area = {shorten(text)}: {error}") from None
@@ -243,9 +243,9 @@ def _words(line: str, between: str | None, width: int) -> list[str]:
     if between is not None and (between in line or width == 1):
         return _cells(line, between)
     for pattern in (r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", r"(?:\S+\s)*?\S+(?=\s{2,}|\s*$)", r"[^,;\t]+"):
-        found = [word.strip() for word in re.findall(pattern, line.strip())]
-        if len(found) == width:
-            return found
+        words = [word.strip() for word in re.findall(pattern, line.strip())]
+        if len(words) == width:
+            return words
     return line.split()
 
 
@@ -254,40 +254,40 @@ def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading
     if not text.cells and columns is None:
         form = "--columns, as in time,friction,_ (_: not read)"
         raise SceneError(f"{label!r}: has no heading: name its {text.width} columns by {form}")
-    found = {index: heading(name) for index, name in enumerate(text.cells)}
+    headings = {index: heading(name) for index, name in enumerate(text.cells)}
     below = dict(enumerate(text.units))
-    found = {index: Heading(one.quantity, below.get(index, one.unit) or one.unit) for index, one in found.items()}
+    headings = {index: Heading(one.quantity, below.get(index, one.unit) or one.unit) for index, one in headings.items()}
     plain = {re.sub("_2$", "", name.strip().lower()): index for index, name in enumerate(text.cells)}
-    if SEAS.keys() <= plain.keys() and not any(one.unit for one in found.values()):
-        found |= {plain[name]: Heading(found[plain[name]].quantity, unit) for name, unit in SEAS.items()}
+    if SEAS.keys() <= plain.keys() and not any(one.unit for one in headings.values()):
+        headings |= {plain[name]: Heading(headings[plain[name]].quantity, unit) for name, unit in SEAS.items()}
     if columns is None:
-        return found
+        return headings
     words = [word.strip() for word in columns.split(",")]
     if len(words) > text.width:
         raise SceneError(f"--columns = {shorten(columns)}: names {len(words)} columns; {label!r} has {text.width}; {text.there}")
     if len(text.cells) != text.width:
-        found = {}  # which of these a unit belongs to is not known
+        headings = {}  # which of these a unit belongs to is not known
     named = {index: heading(word) for index, word in enumerate(words)}
     for index, word in enumerate(words):
         if word not in _SKIP:
             name_of_quantity(word, "--columns")
-            if named[index].unit is None and index in found:
-                named[index] = named[index]._replace(unit=found[index].unit)
+            if named[index].unit is None and index in headings:
+                named[index] = named[index]._replace(unit=headings[index].unit)
     return named
 
 
 def _chosen(label: str, headings: Mapping[int, Heading], text: _Text) -> dict[str, int]:
     """Quantity -> index of its column. Raises SceneError if two columns are the same quantity, and if none is time."""
-    found: dict[str, int] = {}
+    indices: dict[str, int] = {}
     for index, one in headings.items():
-        if one.quantity in found:
-            both = f"columns {found[one.quantity] + 1} and {index + 1} are both {one.quantity}"
+        if one.quantity in indices:
+            both = f"columns {indices[one.quantity] + 1} and {index + 1} are both {one.quantity}"
             raise SceneError(f"{label!r}: {both}; {text.there}; --columns says which is which (_: not read)")
         if one.quantity:
-            found[one.quantity] = index
-    if "time" not in found:
+            indices[one.quantity] = index
+    if "time" not in indices:
         raise SceneError(f"{label!r}: has no column time; {text.there}; --columns names them in order, as in time,friction,_")
-    return found
+    return indices
 
 
 def _given_units(label: str, units: str | None, headings: Sequence[Heading]) -> dict[str, str]:
@@ -342,13 +342,13 @@ def _numbers(label: str, text: _Text, indices: list[int]) -> Array:
     finite number."""
     lines = [line.replace(",", ".") for line in text.lines] if text.between == ";" else text.lines
     try:
-        found = np.loadtxt(lines, delimiter=text.between, usecols=indices, ndmin=2, comments=None, quotechar='"')
+        values = np.loadtxt(lines, delimiter=text.between, usecols=indices, ndmin=2, comments=None, quotechar='"')
     except ValueError:
-        found = np.full((1, 1), math.nan)
-    if np.isfinite(found).all():
-        if len(found) < 2:
-            raise SceneError(f"{label!r}: has {len(found)} line of numbers; a record has 2 or more")
-        return np.asarray(found, dtype=float)
+        values = np.full((1, 1), math.nan)
+    if np.isfinite(values).all():
+        if len(values) < 2:
+            raise SceneError(f"{label!r}: has {len(values)} line of numbers; a record has 2 or more")
+        return np.asarray(values, dtype=float)
     for number, line in zip(text.numbers, lines, strict=True):
         cells = _cells(line, text.between)
         for index in indices:

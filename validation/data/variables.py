@@ -92,11 +92,11 @@ def shown_in(unit: str, scene: Scene) -> tuple[float, str]:
 
 def attributes(quantity: Meaning, scene: Scene) -> dict[str, Any]:
     """Attributes of a variable."""
-    found: dict[str, Any] = {"long_name": quantity.meaning, "units": "1"}
+    notes: dict[str, Any] = {"long_name": quantity.meaning, "units": "1"}
     if quantity.unit:
-        found["in_units_of"] = quantity.unit
+        notes["in_units_of"] = quantity.unit
     factor = si_factor(quantity, scene)
-    return found if factor is None else found | {"si_factor": factor, "si_units": IN_SI[quantity.unit][0]}
+    return notes if factor is None else notes | {"si_factor": factor, "si_units": IN_SI[quantity.unit][0]}
 
 
 def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
@@ -137,12 +137,12 @@ def variables(
     twins: bool = True,
 ) -> dict[str, Any]:
     """Variables over `dimension` for `xarray.Dataset`; with `twins` each is followed by that in SI if the scene has units."""
-    found: dict[str, Any] = {}
+    every: dict[str, Any] = {}
     for name, values in columns.items():
-        found[name] = (dimension, values, attributes(quantities[name], scene))
+        every[name] = (dimension, values, attributes(quantities[name], scene))
         if twins:
-            found |= {twin: (dimension, *rest) for twin, rest in twins_in_si(name, values, quantities[name], scene).items()}
-    return found
+            every |= {twin: (dimension, *rest) for twin, rest in twins_in_si(name, values, quantities[name], scene).items()}
+    return every
 
 
 def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:
@@ -152,8 +152,8 @@ def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) ->
     names = dict.fromkeys(name for row in flat for name in row)
     columns = {name: _column([row.get(name) for row in flat]) for name in names}
     notes = {name: column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
-    found = new_dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
-    return found.set_coords("model") if "model" in found else found
+    table = new_dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
+    return table.set_coords("model") if "model" in table else table
 
 
 def _column(values: Sequence[Any]) -> "np.ndarray[Any, Any]":

@@ -21,7 +21,7 @@ _LITTLE = 0.5  # times the noise: a record without any
 _FAR, _MUCH = 1.2, 2.0  # times the noise: a residual that no noise explains; nor cycles that differ, which count as noise
 
 
-class OrbitCoordinates:
+class _OrbitCoordinates:
     """`Problem` of a record in the coordinates (period, date of the first event, parameters other than the leading one,
     nuisances)."""
 
@@ -40,22 +40,22 @@ class OrbitCoordinates:
     def orbit(self, coordinates: Array) -> Anchor:
         """The orbit at the coordinates. Raises NumericsError where the leading parameter would pass its bounds."""
         count = self.model.anchor.coordinates.size if self.model.anchor else 0
-        found = self.model.walk(np.insert(coordinates[2 : count + 1], 0, coordinates[0]))
-        if not self._low[self.model.leading] < found.closed.parameter < self._high[self.model.leading]:
+        anchor = self.model.walk(np.insert(coordinates[2 : count + 1], 0, coordinates[0]))
+        if not self._low[self.model.leading] < anchor.closed.parameter < self._high[self.model.leading]:
             raise NumericsError("the leading parameter passes its bounds")
-        return found
+        return anchor
 
     def residual(self, coordinates: Array) -> Array:
         """As `Problem`."""
-        found, record = self.orbit(coordinates), self.model.record
+        anchor, record = self.orbit(coordinates), self.model.record
         own = coordinates[coordinates.size - self._shapes.shape[1] :]
-        return (self.model.seen(found, float(coordinates[1])) + self._shapes @ own - record.friction) / record.noise
+        return (self.model.seen(anchor, float(coordinates[1])) + self._shapes @ own - record.friction) / record.noise
 
     def slopes(self, coordinates: Array) -> Array:
         """As `Problem`."""
-        found, late = self.orbit(coordinates), float(coordinates[1])
-        by, _ = self.model.differences(found, late)
-        moved = [self.model.seen(found, late + sign * SHIFT[0]) for sign in (1.0, -1.0)]
+        anchor, late = self.orbit(coordinates), float(coordinates[1])
+        by, _ = self.model.differences(anchor, late)
+        moved = [self.model.seen(anchor, late + sign * SHIFT[0]) for sign in (1.0, -1.0)]
         return (
             np.column_stack([by[:, 0], (moved[0] - moved[1]) / (2.0 * SHIFT[0]), by[:, 1:], self._shapes])
             / self.model.record.noise
@@ -85,7 +85,7 @@ def fitted_orbit(
 
     Raises NumericsError if no start leads to an orbit."""
     keys, reasons = bounds[0].size, []
-    found: tuple[Solution, Anchor, OrbitCoordinates] | None = None
+    best_yet: tuple[Solution, Anchor, _OrbitCoordinates] | None = None
     for start in starts:
         try:
             begun = model.begin(start[:keys])
@@ -93,7 +93,7 @@ def fitted_orbit(
                 "an orbit of %.6g transits, the record's has %.6g",
                 *(x / model.transit for x in (model.period(begun), model.record.period)),
             )
-            coordinates = OrbitCoordinates(model, *bounds, shapes)
+            coordinates = _OrbitCoordinates(model, *bounds, shapes)
             first = np.concatenate([[0.0, 0.0], begun.coordinates[1:], start[keys:]])
             one = minimise(coordinates, [first], _InParameters(first, best=best, model=model, keys=keys))
             there = coordinates.orbit(one.inner)
@@ -103,14 +103,14 @@ def fitted_orbit(
                 break
             continue
         log.info("a residual of %.3g times the noise", _far(one))
-        again = found is not None and abs(one.cost / found[0].cost - 1.0) < _AGAIN
-        if found is None or one.cost < found[0].cost:
-            found = one, there, coordinates
+        again = best_yet is not None and abs(one.cost / best_yet[0].cost - 1.0) < _AGAIN
+        if best_yet is None or one.cost < best_yet[0].cost:
+            best_yet = one, there, coordinates
         if _far(one) < _FAR or again:
             break
-    if found is None:
+    if best_yet is None:
         raise NumericsError(f"fit: no start value leads to an orbit: {reasons[-1 if model.left <= 0.0 else 0]}")
-    one, there, coordinates = found
+    one, there, coordinates = best_yet
     model.stay(there, float(one.inner[1]))
     return _over_parameters(model, one, coordinates.slopes(one.inner), keys, best.evaluations)
 

@@ -58,9 +58,9 @@ def dated_events(name: str, times: Array, friction: Array) -> SlipEvents:
     """The slip events of a record. Raises SceneError for fewer than three."""
     events = slip_events(times, friction)
     if (count := events.date.size) < 3:
-        found = f"{count} slip events" if count else "no slip event"
+        number = f"{count} slip events" if count else "no slip event"
         raise SceneError(
-            f"{name!r}: {found} (friction changes by {np.ptp(friction):.3g}, noise {noise_of(times, friction):.2g}); a fit of "
+            f"{name!r}: {number} (friction changes by {np.ptp(friction):.3g}, noise {noise_of(times, friction):.2g}); a fit of "
             "stick-slip needs 3; for steps and holds give drive.velocity, or a column of the load point's displacement"
         )
     return events
@@ -205,17 +205,14 @@ class CycleOfReduction(Reduced):
             until = float(np.ceil(longer * (_SETTLED + 1.5) * self._period / sizes(scene)[0]))
             pieces = self._until(scene, until)
             events = self._falls(pieces)
-            if len(events) >= _SETTLED and self._is_settled(pieces, events[-3:]):
-                break
+            if len(events) >= _SETTLED:
+                slope = slope_of(pieces)
+                first, second, third = (model_date(pieces, event, [slope])[0] for event in events[-3:])
+                if abs(third - 2.0 * second + first) < _SAME_PERIOD * (third - second):
+                    break
         if len(events) < _SETTLED:
             raise NumericsError(f"{self._model}: no {_SETTLED} slip events in {pieces.time[-1]:.4g} transits")
         return pieces
-
-    def _is_settled(self, pieces: Pieces, three: Sequence[tuple[int, int]]) -> bool:
-        """Whether the last two periods are the same."""
-        slope = slope_of(pieces)
-        dates = [model_date(pieces, one, [slope])[0] for one in three]
-        return abs(dates[2] - 2.0 * dates[1] + dates[0]) < _SAME_PERIOD * (dates[2] - dates[1])
 
     def _falls(self, pieces: Pieces) -> list[tuple[int, int]]:
         """Events of the later half of a march, and earlier ones that are as large."""
@@ -230,10 +227,10 @@ class CycleOfReduction(Reduced):
         period = end - begin
         rows = sampled(pieces, begin + self._phases * period, [pieces.mu, slope, *by])
         clock = sizes(scene)[0]
-        found = [np.append(period * clock, _binned(rows[0]))]
+        columns = [np.append(period * clock, _binned(rows[0]))]
         for one, first, last in zip(rows[2:], at_begin, at_end, strict=True):
-            found.append(np.append((last - first) * clock, _binned(one + rows[1] * (first + self._phases * (last - first)))))
-        return found
+            columns.append(np.append((last - first) * clock, _binned(one + rows[1] * (first + self._phases * (last - first)))))
+        return columns
 
 
 def slope_of(pieces: Pieces) -> Array:

@@ -67,8 +67,8 @@ class Reduced(Forward):
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
         slabs, pieces = self._known(inner)
-        found = port_sensitivity(slabs, self._variants.neighbours(inner), pieces)
-        return np.column_stack(self._seen(slabs.scene, pieces, [*np.moveaxis(found, 1, 0)])[1:])
+        by_parameter = port_sensitivity(slabs, self._variants.neighbours(inner), pieces)
+        return np.column_stack(self._seen(slabs.scene, pieces, [*np.moveaxis(by_parameter, 1, 0)])[1:])
 
     def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:
         if self._last is None or not np.array_equal(self._last[0], inner):
@@ -135,7 +135,7 @@ class OfSolver(Forward):
             of_one_wave = all(one.is_plain for scenes, _, _ in sides for one in scenes)
             if of_one_wave and all(abs(clock - 1.0) < SAME for _, clocks, _ in sides for clock in clocks):
                 parts = delay_sensitivity(scene, sides, self._times[-1] / sizes(scene)[0], self._tolerance)
-                return self._along(inner, ((pieces, [*np.moveaxis(found, 1, 0)]) for pieces, found in parts))
+                return self._along(inner, ((pieces, [*np.moveaxis(by_parameter, 1, 0)]) for pieces, by_parameter in parts))
         shifts = _SHIFT * np.eye(inner.size)
         return np.column_stack([(self.friction(inner + s) - self.friction(inner - s)) / (2.0 * _SHIFT) for s in shifts])
 
@@ -145,13 +145,13 @@ class OfSolver(Forward):
 
     def _along(self, inner: Array, parts: Iterable[tuple[Pieces, list[Array]]]) -> Array:
         """Nodal values of every part at the times of the record, (samples, rows)."""
-        times, found, done = self._times / sizes(self.scene(inner))[0], [], 0
+        times, samples, done = self._times / sizes(self.scene(inner))[0], [], 0
         for pieces, rows in parts:
             last = int(np.searchsorted(times, pieces.time[-1] + pieces.length[-1] + _SAME_TIME, side="right"))
             if last > done:
-                found.append(np.column_stack(sampled(pieces, times[done:last], rows)))
+                samples.append(np.column_stack(sampled(pieces, times[done:last], rows)))
                 done = last
-        return np.concatenate(found)
+        return np.concatenate(samples)
 
 
 def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator[Pieces]:
@@ -165,9 +165,9 @@ def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator
 
 def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
     """Values of each of `rows`, nodal values (k, s), at `times` (transits)."""
-    found: list[Array] = []
+    samples: list[Array] = []
     basis = lagrange_basis(radau(pieces.z.shape[1]).nodes)
     for k in range(0, len(rows), 4):
         four = [*rows[k : k + 4], *[pieces.mu] * 3][:4]
-        found += values_at(Pieces(pieces.time, pieces.length, *four), basis, times)
-    return found[: len(rows)]
+        samples += values_at(Pieces(pieces.time, pieces.length, *four), basis, times)
+    return samples[: len(rows)]

@@ -82,7 +82,7 @@ class Best:
 def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float = 0.0, most: int = 60) -> Solution:
     """The lowest minimum from several `starts`: descend from the first and, if its residual is far above the `noise`, take a few
     steps from each other start and descend from the best of these. Raises NumericsError if no start can be computed."""
-    tried: list[_Descent] = []
+    tried: list[tuple[optimize.OptimizeResult, list[str]]] = []
     reasons: list[str] = []
     for start in starts:
         try:
@@ -90,18 +90,18 @@ def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float
         except (NumericsError, SceneError) as error:
             reasons.append(str(error))
             continue
-        if np.sqrt(np.mean(tried[-1].end.fun ** 2)) < _FAR * noise:
+        if np.sqrt(np.mean(tried[-1][0].fun ** 2)) < _FAR * noise:
             break
     if not tried:
         raise NumericsError(f"fit: no start value can be computed: {reasons[0]}")
-    lowest = min(tried, key=lambda one: one.end.cost)
-    if lowest.end.status == 0 and lowest is not tried[0]:
-        lowest = _descend(problem, lowest.end.x, best, most)
-    end, failed = lowest.end, ""
+    lowest = min(tried, key=lambda descent: descent[0].cost)
+    if lowest[0].status == 0 and lowest is not tried[0]:
+        lowest = _descend(problem, lowest[0].x, best, most)
+    (end, refusals), failed = lowest, ""
     if end.status == 0:
         failed = f"no minimum after {best.evaluations} evaluations"
-    elif lowest.refusals and _is_above(end):
-        failed = f"cannot be computed beside these values, which are no minimum ({lowest.refusals[-1]})"
+    elif refusals and _is_above(end):
+        failed = f"cannot be computed beside these values, which are no minimum ({refusals[-1]})"
     return Solution(end.x, end.fun, end.jac, best.evaluations, failed)
 
 
@@ -114,55 +114,49 @@ def _is_above(one: optimize.OptimizeResult) -> bool:
     return bool(gained @ gained > _ABOVE * (one.fun @ one.fun) / one.fun.size)
 
 
-class _Descent(NamedTuple):
-    """The `end` of a descent, and why steps on the way could not be computed."""
-
-    end: optimize.OptimizeResult
-    refusals: list[str]
-
-
-def _descend(problem: Problem, start: Array, best: Best, most: int) -> _Descent:
-    """Descend from one start; NumericsError if its residual cannot be computed. Later steps at which it cannot are shortened."""
+def _descend(problem: Problem, start: Array, best: Best, most: int) -> tuple[optimize.OptimizeResult, list[str]]:
+    """Descend from one start: the end, and why steps on the way could not be computed, which are shortened. NumericsError if the
+    residual of the start cannot be computed."""
     inside = np.clip(start, problem.low, problem.high)
     samples, refusals = problem.residual(inside).size, list[str]()
 
     def residual(inner: Array) -> Array:
         try:
-            found = problem.residual(inner)
+            misfit = problem.residual(inner)
         except (NumericsError, SceneError) as error:
             refusals.append(str(error))
-            found = np.full(samples, np.nan)
-        best.see(inner, found)
-        return found
+            misfit = np.full(samples, np.nan)
+        best.see(inner, misfit)
+        return misfit
 
     bounds = (problem.low, problem.high)
     near: dict[str, Any] = {"ftol": problem.fineness, "xtol": problem.fineness, "gtol": None, "x_scale": "jac", "max_nfev": most}
-    return _Descent(optimize.least_squares(residual, inside, problem.slopes, bounds, **near), refusals)
+    return optimize.least_squares(residual, inside, problem.slopes, bounds, **near), refusals
 
 
-def profiled(problem: Problem, found: Solution, spread: "Intervals") -> "Intervals":
+def profiled(problem: Problem, solution: Solution, spread: "Intervals") -> "Intervals":
     """The intervals, corrected where the sum of squares does not rise along one as the derivative predicts: there each end is at
     the predicted rise with all other parameters at their best values (profile)."""
     low, high, notes = spread.low.copy(), spread.high.copy(), []
     for k in np.flatnonzero(np.isfinite(spread.high) & spread.determined):
-        half = spread.high[k] - found.inner[k]
+        half = spread.high[k] - solution.inner[k]
         way = spread.covariance[k] / spread.covariance[k, k]
-        ends = [_crossing(problem, found, sign * half * way, int(k), spread.rise) for sign in (-1.0, 1.0)]
+        ends = [_crossing(problem, solution, sign * half * way, int(k), spread.rise) for sign in (-1.0, 1.0)]
         if any(end != 1.0 for end in ends):
-            low[k], high[k] = found.inner[k] - ends[0] * half, found.inner[k] + ends[1] * half
+            low[k], high[k] = solution.inner[k] - ends[0] * half, solution.inner[k] + ends[1] * half
             notes.append(problem.names[k])
     return spread._replace(low=low, high=high, profiled=tuple(notes))
 
 
-def _crossing(problem: Problem, found: Solution, way: Array, k: int, rise: float) -> float:
+def _crossing(problem: Problem, solution: Solution, way: Array, k: int, rise: float) -> float:
     """Share of the step `way` from the minimum at which the sum of squares has risen by `rise`; 1 if nearly so."""
-    share, inner = 1.0, found.inner + way
+    share, inner = 1.0, solution.inner + way
     for trial in range(_PROFILE):
         if not ((inner > problem.low) & (inner < problem.high)).all():
             return share
         try:
             inner = inner if trial == 0 else _others_best(problem, inner, k)
-            risen = float(np.sum(problem.residual(inner) ** 2)) - found.cost
+            risen = float(np.sum(problem.residual(inner) ** 2)) - solution.cost
         except (NumericsError, SceneError):
             return share
         ratio = math.sqrt(max(risen, 1e-4 * rise) / rise)
@@ -170,7 +164,7 @@ def _crossing(problem: Problem, found: Solution, way: Array, k: int, rise: float
             return share
         share *= min(max(1.0 / ratio, 0.5), 2.0)
         inner = inner.copy()
-        inner[k] = found.inner[k] + share * way[k]
+        inner[k] = solution.inner[k] + share * way[k]
     return share
 
 
@@ -214,14 +208,14 @@ class Intervals(NamedTuple):
     profiled: tuple[str, ...] = ()
 
 
-def intervals(problem: Problem, found: Solution) -> Intervals:
+def intervals(problem: Problem, solution: Solution) -> Intervals:
     """Intervals from the derivative: t quantile times standard errors, which are wider for correlated residuals."""
-    n, m = found.slopes.shape
+    n, m = solution.slopes.shape
     degrees = max(n - m, 1)
-    noise = math.sqrt(found.cost / degrees)
-    together = correlated_samples(found.residual)
-    lengths = np.linalg.norm(found.slopes, axis=0)
-    scaled = found.slopes / np.where(lengths > 0.0, lengths, 1.0)
+    noise = math.sqrt(solution.cost / degrees)
+    together = correlated_samples(solution.residual)
+    lengths = np.linalg.norm(solution.slopes, axis=0)
+    scaled = solution.slopes / np.where(lengths > 0.0, lengths, 1.0)
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
     weak = values <= _SINGULAR * values[0]
     singular = [  # parameters that can change together without any effect
@@ -236,10 +230,10 @@ def intervals(problem: Problem, found: Solution) -> Intervals:
     error = noise * math.sqrt(together) * np.where(undecided, math.inf, spread)
     quantile = float(stats.t.ppf(0.5 + 0.5 * CONFIDENCE, max(degrees / together, 1.0)))
     half, rise = quantile * error, quantile**2 * noise**2 * together
-    size = np.where(np.isnan(problem.large), np.maximum(np.abs(found.inner), 1e-300), problem.large)
+    size = np.where(np.isnan(problem.large), np.maximum(np.abs(solution.inner), 1e-300), problem.large)
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = covariance / np.outer(spread, spread)
-    known, low, high = half < size, found.inner - half, found.inner + half
+    known, low, high = half < size, solution.inner - half, solution.inner + half
     return Intervals(low, high, known, correlation, noise, together, tuple(dict.fromkeys(singular)), covariance, rise)
 
 
@@ -254,9 +248,9 @@ def correlated_samples(residual: Array) -> float:
     n = residual.size
     if n < 50 or not residual.any():
         return 1.0
-    found = autocorrelations(residual)[1 : n // _INDEPENDENT]
-    noise = found < 3.0 / math.sqrt(n)
-    return min(1.0 + 2.0 * float(found[: noise.argmax() if noise.any() else None].sum()), n / _INDEPENDENT)
+    correlation = autocorrelations(residual)[1 : n // _INDEPENDENT]
+    noise = correlation < 3.0 / math.sqrt(n)
+    return min(1.0 + 2.0 * float(correlation[: noise.argmax() if noise.any() else None].sum()), n / _INDEPENDENT)
 
 
 def at_bounds(problem: Problem, inner: Array) -> list[str]:

@@ -170,8 +170,8 @@ class CycleOfOrbit(Forward):
         clock = sizes(flow_at(closed.parameter).scene)[0]
         period = (self.record.period + coordinates[0] * self.transit) / clock
         neighbour = closed if closed.drift.size else None
-        found = close_family(flow_at, closed.cycle.start, period, closed.parameter, weights, _CLOSES_TO, neighbour)
-        return Anchor(coordinates, found)
+        orbit = close_family(flow_at, closed.cycle.start, period, closed.parameter, weights, _CLOSES_TO, neighbour)
+        return Anchor(coordinates, orbit)
 
     def inner(self, known: Anchor) -> Array:
         """The parameters of a known orbit."""

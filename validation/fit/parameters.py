@@ -53,45 +53,31 @@ class Free(NamedTuple):
         return f"{value!r} {self.unit}" if self.is_measured else value
 
 
-class Schedule(NamedTuple):
-    """The load point: `velocities` at `times`, both in SI for a scene with units, else in transits and V*."""
-
-    times: tuple[float, ...]
-    velocities: tuple[float, ...]
-
-    @property
-    def is_constant(self) -> bool:
-        """Whether V never changes."""
-        return len(set(self.velocities)) == 1
-
-
 @dataclass(frozen=True)
 class Variants:
-    """The scenes that differ from `base` in the values of `free`, under one `schedule`, with `start` or, if None, from steady
-    sliding (or the jump of the base)."""
+    """The scenes that differ from `base` in the values of `free`, with `start` or, if None, from steady sliding (or the jump of
+    the base); the load point is driven by the `schedule`, in SI for a scene with units, else in transits and V*."""
 
     base: Scene
     free: tuple[Free, ...]
-    schedule: Schedule
+    schedule: Drive
     start: Start | None = None
 
     def scene(self, inner: Array) -> Scene:
         """The scene with these values, without nudge."""
-        found = read(self.base, {one.key: one.setting(x) for one, x in zip(self.free, inner, strict=True)})
-        clock, pace = sizes(found)
-        times, velocities = (
-            tuple(value / unit for value in part) for part, unit in zip(self.schedule, (clock, pace), strict=True)
-        )
-        own = found.start if found.start.kind is StartKind.JUMP else Start(size=0.0)
-        return replace(found, drive=Drive(times, velocities), start=self.start or own, record=frozenset({"events"}))
+        changed = read(self.base, {one.key: one.setting(x) for one, x in zip(self.free, inner, strict=True)})
+        clock, pace = sizes(changed)
+        drive = Drive(tuple(t / clock for t in self.schedule.times), tuple(v / pace for v in self.schedule.velocities))
+        own = changed.start if changed.start.kind is StartKind.JUMP else Start(size=0.0)
+        return replace(changed, drive=drive, start=self.start or own, record=frozenset({"events"}))
 
     def neighbours(self, inner: Array) -> list[Sides]:
         """The scenes on either side of each parameter."""
-        clock, found = sizes(self.scene(inner))[0], []
+        clock, sides = sizes(self.scene(inner))[0], []
         for shift in _STEP * np.eye(len(self.free)):
             scenes = self.scene(inner + shift), self.scene(inner - shift)
-            found.append(Sides(scenes, (clock / sizes(scenes[0])[0], clock / sizes(scenes[1])[0]), _STEP))
-        return found
+            sides.append(Sides(scenes, (clock / sizes(scenes[0])[0], clock / sizes(scenes[1])[0]), _STEP))
+        return sides
 
 
 def sizes(scene: Scene) -> tuple[float, float]:
@@ -101,10 +87,10 @@ def sizes(scene: Scene) -> tuple[float, float]:
     return scene.transit * scene.units.time, scene.units.reference_velocity
 
 
-def schedule_of(scene: Scene) -> Schedule:
-    """The drive of a scene."""
+def schedule_of(scene: Scene) -> Drive:
+    """The drive of a scene, in SI if it has units."""
     clock, pace = sizes(scene)
-    return Schedule(tuple(t * clock for t in scene.drive.times), tuple(v * pace for v in scene.drive.velocities))
+    return Drive(tuple(t * clock for t in scene.drive.times), tuple(v * pace for v in scene.drive.velocities))
 
 
 def free_parameters(scene: Scene, words: Sequence[str]) -> tuple[Free, ...]:
@@ -132,7 +118,8 @@ def _free(key: Sequence[str], known: Any) -> Free:
     if isinstance(value, bool) or not isinstance(value, int | float | Quantity):
         raise SceneError(f"--free {name} = {shorten(value)}: must be a number of the scene")
     allowed = next(one for one in allowed_in(type(table).model_fields[key[-1]]) if isinstance(one, Numbers))
-    start, unit = (value.value, value.unit) if isinstance(value, Quantity) else (float(value), _unit(value, allowed))
+    bare = allowed.units[0] if type(allowed) is not Numbers and allowed.units else ""
+    start, unit = (value.value, value.unit) if isinstance(value, Quantity) else (float(value), bare)
     is_positive = allowed.low >= 0.0
     if is_positive and start <= 0.0:
         raise SceneError(f"--free {name} = {start:g}: must start above 0")
@@ -142,7 +129,3 @@ def _free(key: Sequence[str], known: Any) -> Free:
     if isinstance(value, Quantity):
         low, high = (start / _REACH, start * _REACH) if is_positive else (-math.inf, math.inf)
     return Free(name, start, unit, low, high, is_positive, isinstance(value, Quantity))
-
-
-def _unit(value: float, allowed: Numbers) -> str:
-    return allowed.units[0] if type(allowed) is not Numbers and allowed.units else ""

@@ -87,8 +87,8 @@ class FrictionProblem:
     def far(self, residual: Array) -> float:
         """The `residual` over the noise, which is at least `FINEST` of each record's range of friction; 0 without noise."""
         least = [FINEST * np.ptp(one.friction[one.shown]) * one.weight + 0.0 * one.friction for one in self.records]
-        found = float(np.linalg.norm(residual / np.maximum(np.concatenate(least), 1.0)))
-        return self.noise * found / math.sqrt(max(residual.size - len(self.names), 1))
+        size = float(np.linalg.norm(residual / np.maximum(np.concatenate(least), 1.0)))
+        return self.noise * size / math.sqrt(max(residual.size - len(self.names), 1))
 
     def starts(self) -> Iterator[Array]:
         """Start values: the scene's, then others."""

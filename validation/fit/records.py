@@ -19,7 +19,7 @@ from slipwave.scene.drive import Drive
 from validation.data.events import noise_of
 from validation.data.series import UNREAD, Series
 from validation.fit.cycles import MeanCycle, mean_cycle
-from validation.fit.parameters import Schedule, schedule_of, sizes
+from validation.fit.parameters import schedule_of, sizes
 
 _ALONE = 3.0  # standard deviations by which a straight line may miss
 _REST = 0.003  # of the largest velocity; a slower load point is at rest
@@ -43,7 +43,7 @@ class Experiment(NamedTuple):
     times: Array
     friction: Array
     travel: Array
-    schedule: Schedule
+    schedule: Drive
     notes: tuple[str, ...] = ()
     weight: Array | float = 1.0
     cycle: MeanCycle | None = None
@@ -83,11 +83,11 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
         if moved[-1] < moved[0]:
             moved = -moved
             notes.append("the load point moves backwards: its sign was changed")
-        found = followed(times, moved)
-        if found.velocities[0] <= 0.0 or min(found.velocities) < 0.0:
-            fault = "begins at rest" if found.velocities[0] == 0.0 else "turns back"
+        load = followed(times, moved)
+        if load.velocities[0] <= 0.0 or min(load.velocities) < 0.0:
+            fault = "begins at rest" if load.velocities[0] == 0.0 else "turns back"
             raise SceneError(f"{series.source!r}: the load point {fault}; a fit begins in steady sliding: cut the file")
-        times, known = times - times[0], found._replace(times=tuple(t - times[0] for t in found.times))
+        times, known = times - times[0], Drive(tuple(t - times[0] for t in load.times), load.velocities)
         notes.append(f"the load point moves as in the file: {_in_words(known)}")
     if times[0] < 0.0 or times[0] > known.times[-1] > 0.0:
         notes.append(f"the file's clock begins at {times[0]:g}: its first sample is taken for the start of drive.velocity")
@@ -100,7 +100,7 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
             unread = "".join(f"; {note}" for note in series.notes if note.startswith(UNREAD))
             raise SceneError(f"{error}{unread}") from None
     noise = max(noise_of(times, friction), _rounding(friction), FINEST * float(np.ptp(friction)), 1e-15)
-    return Experiment(series.source, times, friction, travelled(known, times), known, tuple(notes), 1.0 / noise)
+    return Experiment(series.source, times, friction, known.travel(times), known, tuple(notes), 1.0 / noise)
 
 
 def _moved(series: Series, scene: Scene, times: Array) -> Array | None:
@@ -148,7 +148,7 @@ def _inside(series: Series, scene: Scene, window: str | None) -> slice:
     return slice(first, last)
 
 
-def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, notes: list[str]) -> Experiment:
+def stick_slip(name: str, times: Array, friction: Array, schedule: Drive, notes: list[str]) -> Experiment:
     """The mean cycle of a record at one velocity. Raises SceneError if it has no slip events."""
     cycle = mean_cycle(name, times, friction)
     values, errors = (np.append(a, b) for a, b in ((cycle.period, cycle.friction), (cycle.period_error, cycle.friction_error)))
@@ -163,12 +163,7 @@ def stick_slip(name: str, times: Array, friction: Array, schedule: Schedule, not
     return Experiment(name, where, values, travel, schedule, tuple(notes), 1.0 / errors, cycle, (times, friction), cycle.together)
 
 
-def travelled(schedule: Schedule, times: Array) -> Array:
-    """Displacement of the load point since the first knot."""
-    return Drive(*schedule).travel(times)
-
-
-def followed(times: Array, moved: Array) -> Schedule:
+def followed(times: Array, moved: Array) -> Drive:
     """The piecewise constant velocity of a load point that `moved`: as few connected straight lines as the noise allows."""
     noise = max(noise_of(times, moved, _GAUGE), _rounding(moved), _GAUGE * float(np.ptp(moved)))
     cuts = _merged(times, moved, _cuts(times, moved, noise), noise)
@@ -183,7 +178,7 @@ def followed(times: Array, moved: Array) -> Schedule:
         meet = float((after[1] - before[1]) / (before[0] - after[0]))
         knots += [min(max(meet, knots[-1]), float(times[-1]))] * 2
         paces += [paces[-1], _pace(after[0], fastest)]
-    return Schedule((*knots, float(times[-1])), (*paces, paces[-1]))
+    return Drive((*knots, float(times[-1])), (*paces, paces[-1]))
 
 
 def _rounding(moved: Array) -> float:
@@ -251,7 +246,7 @@ def _merged(times: Array, moved: Array, cuts: list[int], noise: float) -> list[i
     return cuts
 
 
-def _in_words(schedule: Schedule) -> str:
+def _in_words(schedule: Drive) -> str:
     paces = [schedule.velocities[0], *schedule.velocities[2::2]]
     shown = ", ".join(f"{pace:.4g}" for pace in paces[:6])
     return f"{len(schedule.times) // 2} velocities, {shown}{', ...' if len(paces) > 6 else ''}"

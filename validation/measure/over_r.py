@@ -7,8 +7,9 @@ from functools import cache
 from reduced.continuation.branch import Control
 from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special
-from reduced.continuation.start import Onset, orbits_at
+from reduced.continuation.start import orbits_at
 from reduced.orbit.closing import Closed
+from reduced.stability.onsets import Onset
 from slipwave.scene import Scene
 from validation.models.branch import FollowedBranch
 from validation.models.parameter import Over, over_range

@@ -9,21 +9,11 @@ import numpy as np
 from reduced.continuation.branch import Control, Step, follow_branch
 from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
 from reduced.continuation.special import Special
-from reduced.continuation.start import (
-    ONSET_WIDTH,
-    Onset,
-    difference_of_halves,
-    from_doubling,
-    from_hopf,
-    from_orbit,
-    from_stored,
-    metric_for,
-    onsets,
-    stored,
-)
+from reduced.continuation.start import difference_of_halves, from_doubling, from_hopf, from_orbit, from_stored, metric_for, stored
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic
+from reduced.stability.onsets import ONSET_WIDTH, Onset, onsets
 from reduced.stability.spectrum import unstable_count
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import name_of

@@ -77,11 +77,11 @@ def _from_text(key: str, text: str, where: str) -> Axis:
 
 
 def _number(where: str, value: Any) -> tuple[float, str]:
-    found = _NUMBER.fullmatch(str(value))
-    number = float(found[1]) if found else math.nan
-    if not found or not math.isfinite(number):
+    match = _NUMBER.fullmatch(str(value))
+    number = float(match[1]) if match else math.nan
+    if not match or not math.isfinite(number):
         raise SceneError(f"{where}: {shorten(str(value))} must be a number, with or without a unit")
-    return number, found[2].strip()
+    return number, match[2].strip()
 
 
 def _checked(key: str, values: list[tuple[float, str]], where: str) -> Axis:
@@ -98,7 +98,7 @@ def changed(base: Scene, values: Mapping[str, float | str]) -> Scene:
     """`base` with `values` of its keys. A parameter that is no key of this scene (epsilon in SI, ratio_r ...) changes both slabs.
 
     Raises SceneError for a value out of range, naming its key."""
-    others = {key: value for key, value in values.items() if is_parameter(base, key)}
+    others = {key: value for key, value in values.items() if _is_parameter(base, key)}
     scene = slipwave.read(base, {key: value for key, value in values.items() if key not in others})
     for key, value in others.items():
         if isinstance(value, str):
@@ -109,12 +109,12 @@ def changed(base: Scene, values: Mapping[str, float | str]) -> Scene:
 
 def whole_key(key: str, base: Scene) -> str:
     """The full key of the scene that ends in `key`, resolved once for all points; `key` itself if there is none."""
-    if is_parameter(base, key):
+    if _is_parameter(base, key):
         return key
     return ".".join(full_key(key.split("."), "", base.tables or {}))
 
 
 @lru_cache(maxsize=256)
-def is_parameter(base: Scene, key: str) -> bool:
+def _is_parameter(base: Scene, key: str) -> bool:
     """Whether `key` is a parameter (`reduced.parameters`), but no key of the scene."""
     return key in PARAMETERS and not has_key(base, key, key)

@@ -2,7 +2,6 @@
 
 import tomllib
 from collections.abc import Iterable
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,21 +16,14 @@ from validation.models.parameter import SHORT
 from validation.sweep.map_figures import Line, is_logarithmic
 
 
-class _Side(NamedTuple):
-    """An axis as a parameter of stability boundaries: its name there, and its range in that parameter."""
-
-    name: str
-    values: npt.NDArray[np.float64]
-    is_power: bool
-
-
-def _side(data: Dataset, axis: str) -> _Side | None:
-    """The axis as a parameter of boundaries; None for a key that is none, as a thickness."""
+def _side(data: Dataset, axis: str) -> tuple[str, npt.NDArray[np.float64], bool] | None:
+    """The axis as a parameter of boundaries: its name, its values, and whether these are powers of ten; None for a key that is
+    none, as a thickness."""
     values, key = np.asarray(data[axis].values, dtype=float), str(data[axis].attrs.get("long_name", axis))
     name = SHORT.get(key, key)
     if is_logarithmic(values) and f"log10_{name}" in PARAMETERS:
-        return _Side(f"log10_{name}", np.log10(values), True)
-    return _Side(name, values, False) if name in PARAMETERS else None
+        return f"log10_{name}", np.log10(values), True
+    return (name, values, False) if name in PARAMETERS else None
 
 
 def onset_lines(data: Dataset) -> tuple[Line, ...]:
@@ -43,28 +35,29 @@ def onset_lines(data: Dataset) -> tuple[Line, ...]:
         return ()
     across, up = (side for side in sides if side is not None)
     scene = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
-    ranges = tuple((float(side.values.min()), float(side.values.max())) for side in (across, up))
-    found = []
+    ranges = tuple((float(values.min()), float(values.max())) for _, values, _ in (across, up))
+    lines = []
     for model in (str(name) for name in np.atleast_1d(data["model"].values)):
         try:
-            curves = boundary(scene, one_port_of(model), (across.name, up.name), (ranges[0], ranges[1]))
+            curves = boundary(scene, one_port_of(model), (across[0], up[0]), (ranges[0], ranges[1]))
         except (NumericsError, SceneError, ValueError):
             continue
         for curve in curves:
-            first, second = (10.0**v if side.is_power else v for v, side in ((curve.first, across), (curve.second, up)))
-            found.append(Line(f"onset of instability, {model}", first, second, model))
-    return tuple(found)
+            pairs = ((curve.first, across), (curve.second, up))
+            first, second = (10.0**values if is_power else values for values, (_, _, is_power) in pairs)
+            lines.append(Line(f"onset of instability, {model}", first, second, model))
+    return tuple(lines)
 
 
 def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
     """The special curves in files of `slipwave curve`. Raises SceneError for another file, or one over other parameters."""
     axes = [str(name) for name in data["status"].dims if name != "model"]
-    found = []
+    lines = []
     for path in files:
         curve = load_dataset(path, f"--curve = {str(path)!r}: is no netCDF file")
         names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
         if any(axis not in names for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")
         first, second = (np.asarray(curve[names[axis]].values, dtype=float) for axis in axes)
-        found.append(Line(f"{curve.attrs.get('type', 'curve')}, {curve.attrs.get('model', '')}", first, second, ""))
-    return tuple(found)
+        lines.append(Line(f"{curve.attrs.get('type', 'curve')}, {curve.attrs.get('model', '')}", first, second, ""))
+    return tuple(lines)

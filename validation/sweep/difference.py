@@ -39,21 +39,21 @@ def difference(data: Dataset, reference: str) -> Dataset:
     ours, others = data.sel(model=reference), data.sel(model=[name for name in names if name != reference])
     here, there = decided_regimes(ours["verdict"].values), decided_regimes(others["verdict"].values)
     decided = (here >= 0) & (there >= 0)
-    found = others[["verdict"]].rename(verdict="other_regime").astype(float)
-    found["other_regime"].values[...] = np.where(decided, here != there, np.nan)
-    found["other_regime"].attrs = {"long_name": f"regime differs from that of {reference}", "units": "1"}
+    differences = others[["verdict"]].rename(verdict="other_regime").astype(float)
+    differences["other_regime"].values[...] = np.where(decided, here != there, np.nan)
+    differences["other_regime"].attrs = {"long_name": f"regime differs from that of {reference}", "units": "1"}
     both = (here == _KINDS["periodic"]) & (there == _KINDS["periodic"])
     for name in _COMPARED:
-        found[name] = others[name] / ours[name] - 1.0
-        found[name].values[~both] = np.nan
-        found[name].attrs = {"long_name": f"relative difference of {name.replace('_', ' ')} from {reference}", "units": "1"}
-    return found
+        differences[name] = others[name] / ours[name] - 1.0
+        differences[name].values[~both] = np.nan
+        differences[name].attrs = {"long_name": f"relative difference of {name.replace('_', ' ')} from {reference}", "units": "1"}
+    return differences
 
 
-def difference_rows(found: Dataset) -> list[dict[str, Any]]:
-    """The differences that were `found`, for each model: per cent of the decided area with another regime, per cent that is
+def difference_rows(differences: Dataset) -> list[dict[str, Any]]:
+    """The differences that were `differences`, for each model: per cent of the decided area with another regime, per cent that is
     decided, and the largest relative difference of each figure."""
-    return [{"model": str(name), **_row(found.sel(model=name))} for name in found["model"].values]
+    return [{"model": str(name), **_row(differences.sel(model=name))} for name in differences["model"].values]
 
 
 def _row(one: Dataset) -> dict[str, float]:

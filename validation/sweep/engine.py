@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -27,35 +27,31 @@ _TRIES = 3
 _PATIENCE = 5.0  # seconds between looks at the scheduler
 
 
-class Finished(NamedTuple):
-    """A finished part: its points, their columns, and its time (s)."""
-
-    points: Indices
-    columns: Columns
-    seconds: float
+Computed: TypeAlias = tuple[Columns, float]
+"""Columns of the points of a part, and the time that they took (s)."""
 
 
-def compute(plan: Plan, points: Indices) -> Finished:
-    """The figures of these points, computed in this process. Never raises: a point that cannot be computed has a status and a
-    reason."""
+def compute(plan: Plan, points: Indices) -> Computed:
+    """The figures of these points, computed in this process, and the time that took (s). Never raises: a point that cannot be
+    computed has a status and a reason."""
     began = time.perf_counter()
     measure = measure_of(plan.measure)
     rows = [_point(plan, measure, int(point)) for point in points]
-    return Finished(points, columns_of(measure, rows), time.perf_counter() - began)
+    return _columns_of(measure, rows), time.perf_counter() - began
 
 
 def _point(plan: Plan, measure: Measure, point: int) -> Figures:
     try:
         scene = plan.scene(point)
-        found = measure.of(scene, plan.model(point), plan.options)
+        figures = measure.of(scene, plan.model(point), plan.options)
         twins: dict[str, Any] = {}
         for name, quantity in measure.columns.items() if scene.units else ():
-            value = found.get(name)
+            value = figures.get(name)
             twins |= {
                 twin: size if np.ndim(size) else float(size)
                 for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items()
             }
-        return {"status": "done", **found, **twins}
+        return {"status": "done", **figures, **twins}
     except SceneError as refusal:
         return {"status": "refused", "reason": str(refusal)}
     except NumericsError as failure:
@@ -64,20 +60,20 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
         return {"status": "failed", "reason": f"{type(bug).__name__}: {bug}"}
 
 
-def columns_of(measure: Measure, rows: list[Figures]) -> Columns:
+def _columns_of(measure: Measure, rows: list[Figures]) -> Columns:
     """Rows as one array per figure: numbers, NaN if missing; words as their numbers, -1 if missing."""
     names = dict.fromkeys([*measure.columns, *(name for row in rows for name in row if name not in ("status", "reason"))])
-    found: dict[str, Any] = {"status": np.array([STATUS.index(str(row["status"])) for row in rows], dtype=np.int8)}
-    found["reason"] = np.array([str(row.get("reason", "")) for row in rows])
+    columns: dict[str, Any] = {"status": np.array([STATUS.index(str(row["status"])) for row in rows], dtype=np.int8)}
+    columns["reason"] = np.array([str(row.get("reason", "")) for row in rows])
     for name in names:
         values = [row.get(name) for row in rows]
         if name.startswith(measure.lists) and measure.lists:
-            found[name] = np.array([_padded(value) for value in values])
+            columns[name] = np.array([_padded(value) for value in values])
         elif name in measure.words:
-            found[name] = np.array([_word(measure.words[name], value) for value in values], dtype=np.int8)
+            columns[name] = np.array([_word(measure.words[name], value) for value in values], dtype=np.int8)
         else:
-            found[name] = np.array([math.nan if value is None else float(value) for value in values])
-    return found
+            columns[name] = np.array([math.nan if value is None else float(value) for value in values])
+    return columns
 
 
 def _padded(values: Any) -> Any:
@@ -101,13 +97,13 @@ class Sizes:
     seconds_per_point: float = math.nan
     _largest: int = 0
 
-    def learn(self, part: Finished) -> None:
-        """Take a finished part into account, but only the largest so far: the first points of a process include its start. The
-        size grows at most eightfold at a time."""
-        if part.points.size < 0.5 * self._largest:
+    def learn(self, count: int, seconds: float) -> None:
+        """Take a finished part of `count` points into account, but only the largest so far: the first points of a process include
+        its start. The size grows at most eightfold at a time."""
+        if count < 0.5 * self._largest:
             return
-        self._largest = max(self._largest, part.points.size)
-        self.seconds_per_point = max(part.seconds / part.points.size, 1e-6)
+        self._largest = max(self._largest, count)
+        self.seconds_per_point = max(seconds / count, 1e-6)
         wanted = (SLOW_PART_SECONDS if self.seconds_per_point > 1.0 else PART_SECONDS) / self.seconds_per_point
         self.points = min(max(1.0, wanted), 8.0 * self.points, _LARGEST)
 
@@ -138,7 +134,7 @@ class Engine:
         """
         waiting: deque[tuple[Indices, int]] = deque([(points, 0)] if points.size else [])
         while waiting:
-            flying: dict[Future[Finished], tuple[Indices, int]] = {}
+            flying: dict[Future[Computed], tuple[Indices, int]] = {}
             try:
                 self._drain(self.start(), waiting, flying)
             finally:
@@ -146,7 +142,7 @@ class Engine:
                     future.cancel()
 
     def _drain(
-        self, executor: Executor, waiting: deque[tuple[Indices, int]], flying: dict["Future[Finished]", tuple[Indices, int]]
+        self, executor: Executor, waiting: deque[tuple[Indices, int]], flying: dict["Future[Computed]", tuple[Indices, int]]
     ) -> None:
         """Run until nothing is left, or the executor breaks: parts in flight are then `waiting` again."""
         broken = False
@@ -165,20 +161,20 @@ class Engine:
             for future in wait(flying, _PATIENCE, FIRST_COMPLETED).done:
                 part, deaths = flying.pop(future)
                 try:
-                    finished = future.result()
+                    columns, seconds = future.result()
                 except (Exception, CancelledError):
                     broken = True
                     self._again(waiting, part, max(deaths, 1) + alone)
                     continue
-                self.sizes.learn(finished)
-                self.store.write(finished.points, finished.columns)
-                self.report(finished.points.size)
+                self.sizes.learn(part.size, seconds)
+                self.store.write(part, columns)
+                self.report(part.size)
             if not self.alive():
                 raise NumericsError(
                     "the scheduler went away; finished parts are kept, the same command goes on without --scheduler"
                 )
 
-    def _most(self, waiting: deque[tuple[Indices, int]], flying: dict["Future[Finished]", tuple[Indices, int]]) -> int:
+    def _most(self, waiting: deque[tuple[Indices, int]], flying: dict["Future[Computed]", tuple[Indices, int]]) -> int:
         """Most parts in flight; one if a process was killed, to identify the part that kills."""
         return 1 if any(deaths for _, deaths in (waiting[0], *flying.values())) else IN_FLIGHT * self.workers
 
@@ -199,5 +195,5 @@ class Engine:
             waiting.extendleft([(part[middle:], 1), (part[:middle], 1)])
         else:
             why = f"the process was killed {_TRIES} times in a row (out of memory?)"
-            self.store.write(part, columns_of(measure_of(self.plan.measure), [{"status": "died", "reason": why}]))
+            self.store.write(part, _columns_of(measure_of(self.plan.measure), [{"status": "died", "reason": why}]))
             self.report(1)

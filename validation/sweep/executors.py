@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
@@ -90,17 +90,10 @@ def _environment(values: dict[str, str]) -> Iterator[None]:
                     os.environ[name] = value
 
 
-class Cluster(NamedTuple):
-    """A cluster: `start` of executors, number of its workers' threads, and whether its scheduler is `alive`."""
-
-    start: Callable[[], Executor]
-    workers: int
-    alive: Callable[[], bool]
-
-
 @contextmanager
-def cluster(address: str) -> Iterator[Cluster]:
-    """Context with the dask scheduler at `address`. Raises SceneError if none answers within dask's own time
+def cluster(address: str) -> Iterator[tuple[Callable[[], Executor], int, Callable[[], bool]]]:
+    """Context with the dask scheduler at `address`: what starts executors, the number of its workers' threads, and what says
+    whether it is alive. Raises SceneError if none answers within dask's own time
     (`distributed.comm.timeouts.connect`, 30 s unless the user says otherwise), or if it has no workers."""
     require("cluster", "--scheduler")
     for name in ("distributed", "tornado.application"):  # a lost scheduler is reported in one line, by us
@@ -116,6 +109,6 @@ def cluster(address: str) -> Iterator[Cluster]:
         workers = sum(client.nthreads().values())
         if not workers:
             raise SceneError(f"--scheduler = {address!r}: has no workers")
-        yield Cluster(lambda: client.get_executor(pure=False, retries=0), workers, lambda: client.status == "running")
+        yield lambda: client.get_executor(pure=False, retries=0), workers, lambda: client.status == "running"
     finally:
         client.close(timeout=1)

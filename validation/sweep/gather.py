@@ -20,15 +20,15 @@ Array = npt.NDArray[Any]
 def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
     """Every column over all points of the plan: NaN, -1 and "" where a point is missing. Duplicates by two processes have the
     same figures."""
-    found: dict[str, Array] = {"status": np.full(plan.size, -1, dtype=np.int8), "reason": np.full(plan.size, "", dtype=object)}
-    found |= {name: np.full(plan.size, -1, dtype=np.int8) for name in measure_of(plan.measure).words}
+    arrays: dict[str, Array] = {"status": np.full(plan.size, -1, dtype=np.int8), "reason": np.full(plan.size, "", dtype=object)}
+    arrays |= {name: np.full(plan.size, -1, dtype=np.int8) for name in measure_of(plan.measure).words}
     for points, columns in store.parts(plan):
         for name, values in columns.items():
-            if name not in found:
+            if name not in arrays:
                 empty: Any = np.nan if values.dtype.kind == "f" else -1
-                found[name] = np.full((plan.size, *values.shape[1:]), empty, dtype=values.dtype)
-            found[name][points] = values
-    return found
+                arrays[name] = np.full((plan.size, *values.shape[1:]), empty, dtype=values.dtype)
+            arrays[name][points] = values
+    return arrays
 
 
 def filled_arrays(plan: Plan, store: Store) -> dict[str, Array]:

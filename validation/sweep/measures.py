@@ -45,7 +45,7 @@ class Measure(NamedTuple):
     regime: tuple[str, ...] = ()
 
 
-def march_point(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
+def _march_point(scene: Scene, model: str, options: Options, whole: bool = False) -> Run:
     """The run of a point: until its verdict is certain, at most to `run.until`, or, if `whole`, to that. Raises SceneError for a
     scene that the model cannot compute, NumericsError where it fails."""
     solver = prepare(model, scene, tolerance=options.get("tol"), cells=options.get("cells")).solver
@@ -59,49 +59,49 @@ def march_point(scene: Scene, model: str, options: Options, whole: bool = False)
 
 
 def _figures(run: Run) -> dict[str, Any]:
-    found = run.verdict
-    means = run.statistics.values() if found and found.repeats else {}
-    counts = {"multiplicity": found.multiplicity, "cycles": found.cycles} if found else {}
-    longer = needed(found, run.solver.scene, one_port_of(run.solver.model))
+    verdict = run.verdict
+    means = run.statistics.values() if verdict and verdict.repeats else {}
+    counts = {"multiplicity": verdict.multiplicity, "cycles": verdict.cycles} if verdict else {}
+    longer = needed(verdict, run.solver.scene, one_port_of(run.solver.model))
     return {"verdict": run.kind, **counts, **means, "until": run.until, "needed": longer}
 
 
-def verdict_of(scene: Scene, model: str, options: Options) -> Figures:
+def _verdict_of(scene: Scene, model: str, options: Options) -> Figures:
     """The verdict on the motion and the means of its cycles, of a run until the verdict is certain."""
-    return _figures(march_point(scene, model, options))
+    return _figures(_march_point(scene, model, options))
 
 
-def run_of(scene: Scene, model: str, options: Options) -> Figures:
-    """As `verdict_of` for the whole run, and the interface at its end."""
-    run = march_point(scene, model, options, whole=True)
+def _run_of(scene: Scene, model: str, options: Options) -> Figures:
+    """As `_verdict_of` for the whole run, and the interface at its end."""
+    run = _march_point(scene, model, options, whole=True)
     return _figures(run) | ({f"final_{name}": getattr(run.final, name) for name in _ENDS} if run.final else {})
 
 
-def cycles_of(scene: Scene, model: str, options: Options) -> Figures:
-    """As `verdict_of` for the whole run, and every cycle of its second half, for a brush diagram."""
-    run = march_point(scene, model, options, whole=True)
+def _cycles_of(scene: Scene, model: str, options: Options) -> Figures:
+    """As `_verdict_of` for the whole run, and every cycle of its second half, for a brush diagram."""
+    run = _march_point(scene, model, options, whole=True)
     late = run.events.time >= 0.5 * run.until
     figures = {"cycle_period": run.events.period[late], "cycle_stress_drop": run.events.stress_drop[late]}
     return _figures(run) | {name: values[-MOST_CYCLES:] for name, values in figures.items()}
 
 
-def orbit_of(scene: Scene, model: str, options: Options) -> Figures:
+def _orbit_of(scene: Scene, model: str, options: Options) -> Figures:
     """The periodic orbit, stable or not."""
     given = {name: options[name] for name in ("tol", "cells") if options.get(name) is not None}
-    found = slipwave.orbit(scene, model, **given).summary
-    outside = sum(math.hypot(*pair) > 1.0 + 1e-6 for pair in found["multipliers"] or ())
-    return {name: found[name] for name in (*_CYCLE, "stable")} | {"unstable_multipliers": outside}
+    orbit = slipwave.orbit(scene, model, **given).summary
+    outside = sum(math.hypot(*pair) > 1.0 + 1e-6 for pair in orbit["multipliers"] or ())
+    return {name: orbit[name] for name in (*_CYCLE, "stable")} | {"unstable_multipliers": outside}
 
 
-def stability_of(scene: Scene, model: str, options: Options) -> Figures:
+def _stability_of(scene: Scene, model: str, options: Options) -> Figures:
     """Whether steady sliding is stable, and its leading root."""
-    found = slipwave.stability(scene, model).summary
-    leading = found["leading_roots"][0] if found["leading_roots"] else (None, None)
-    counted = {name: found[name] for name in ("stable", "unstable_roots", "log10_r_c", "epsilon_c")}
+    stability = slipwave.stability(scene, model).summary
+    leading = stability["leading_roots"][0] if stability["leading_roots"] else (None, None)
+    counted = {name: stability[name] for name in ("stable", "unstable_roots", "log10_r_c", "epsilon_c")}
     return counted | {"growth_rate": leading[0], "angular_frequency": leading[1]}
 
 
-def lyapunov_of(scene: Scene, model: str, options: Options) -> Figures:
+def _lyapunov_of(scene: Scene, model: str, options: Options) -> Figures:
     """The largest Lyapunov exponent, with the verdict."""
     given = {name: options[name] for name in ("tol", "cells") if options.get(name) is not None}
     result = slipwave.run(scene, model, lyapunov=True, **given)
@@ -145,12 +145,12 @@ _KINDS, _YES_NO = {"verdict": VERDICTS}, {"stable": ("no", "yes")}
 _REGIME = ("verdict", "multiplicity")
 
 MEASURES: Mapping[str, Measure] = {
-    "verdict": Measure(verdict_of, _VERDICT, _KINDS, regime=_REGIME),
-    "run": Measure(run_of, {**_VERDICT, **_FINAL}, _KINDS, regime=_REGIME),
-    "cycles": Measure(cycles_of, {**_VERDICT, **_CYCLES}, _KINDS, tuple(_CYCLES), _REGIME),
-    "orbit": Measure(orbit_of, _ORBIT, _YES_NO, regime=("stable", "unstable_multipliers")),
-    "stability": Measure(stability_of, _STABILITY, _YES_NO, regime=("stable", "unstable_roots")),
-    "lyapunov": Measure(lyapunov_of, {**_VERDICT, **_EXPONENT}, _KINDS, regime=_REGIME),
+    "verdict": Measure(_verdict_of, _VERDICT, _KINDS, regime=_REGIME),
+    "run": Measure(_run_of, {**_VERDICT, **_FINAL}, _KINDS, regime=_REGIME),
+    "cycles": Measure(_cycles_of, {**_VERDICT, **_CYCLES}, _KINDS, tuple(_CYCLES), _REGIME),
+    "orbit": Measure(_orbit_of, _ORBIT, _YES_NO, regime=("stable", "unstable_multipliers")),
+    "stability": Measure(_stability_of, _STABILITY, _YES_NO, regime=("stable", "unstable_roots")),
+    "lyapunov": Measure(_lyapunov_of, {**_VERDICT, **_EXPONENT}, _KINDS, regime=_REGIME),
 }
 
 

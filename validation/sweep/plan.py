@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,9 @@ from validation.sweep.axes import Axis, changed
 
 MOST = 10**8
 """Most points of a sweep."""
+
+Alone: TypeAlias = tuple[dict[str, Any], bool]
+"""The fields of a scene that a changed key affects, and whether that scene was read."""
 
 Indices = npt.NDArray[np.int64]
 
@@ -32,7 +35,7 @@ class Plan:
     measure: str
     options: Mapping[str, Any] = field(default_factory=dict)
     rows: tuple[Mapping[str, float | str], ...] = ()
-    _known: dict[tuple[str, float | str], "_Alone"] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _known: dict[tuple[str, float | str], Alone] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def lattice(self) -> tuple[int, ...]:
@@ -67,18 +70,18 @@ class Plan:
         read and checked once, not once a point."""
         changes = self.changes(point)
         alone = [] if self.rows else [self._alone(key, value) for key, value in changes.items()]
-        merged = {name: value for part in alone for name, value in part.fields.items()}
-        if not alone or len(merged) < sum(len(part.fields) for part in alone):
+        merged = {name: value for differing, _ in alone for name, value in differing.items()}
+        if not alone or len(merged) < sum(len(differing) for differing, _ in alone):
             return changed(self.base, changes)
-        written = apply_overrides(tables_of(self.base)[1], changes) if all(part.is_read for part in alone) else None
+        written = apply_overrides(tables_of(self.base)[1], changes) if all(is_read for _, is_read in alone) else None
         return replace(self.base, **merged, written=written)
 
-    def _alone(self, key: str, value: float | str) -> "_Alone":
+    def _alone(self, key: str, value: float | str) -> Alone:
         if (key, value) not in self._known:
             scene = changed(self.base, {key: value})
             now, before = vars(scene), vars(self.base)
             differ = {one.name: now[one.name] for one in fields(Scene) if one.init and now[one.name] != before[one.name]}
-            self._known[key, value] = _Alone(differ, scene.tables is not None)
+            self._known[key, value] = differ, scene.tables is not None
         return self._known[key, value]
 
     @cached_property
@@ -93,13 +96,6 @@ class Plan:
             "measure": self.measure,
             "options": dict(self.options),
         }
-
-
-class _Alone(NamedTuple):
-    """The fields of a scene that a changed key affects, and whether that scene was read."""
-
-    fields: dict[str, Any]
-    is_read: bool
 
 
 def require_plan(plan: Plan) -> None:

@@ -47,12 +47,12 @@ def require_refinable(plan: Plan, levels: int) -> None:
 def regime_numbers(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> Regimes:
     """One number per point for its regime, from the columns that distinguish regimes and its status; -1 if not computed.
     Undecided verdicts are one regime."""
-    found = arrays["status"].astype(np.int64)
+    numbers = arrays["status"].astype(np.int64)
     for name in measure.regime:
-        values = np.nan_to_num(arrays[name], nan=-1.0) if name in arrays else np.full(found.size, -1.0)
+        values = np.nan_to_num(arrays[name], nan=-1.0) if name in arrays else np.full(numbers.size, -1.0)
         values = decided_regimes(values) if name == "verdict" else values
-        found = found * 1024 + np.clip(values, -1, 1022).astype(np.int64) + 1
-    return np.where(arrays["status"] < 0, _UNKNOWN, found)
+        numbers = numbers * 1024 + np.clip(values, -1, 1022).astype(np.int64) + 1
+    return np.where(arrays["status"] < 0, _UNKNOWN, numbers)
 
 
 def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes: Callable[[], Regimes]) -> Audit:
@@ -68,8 +68,8 @@ def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes:
         for level, step in steps.items():
             there = _there(divided, level, levels)
             known = regimes().reshape(plan.shape)
-            found = divided[level] & _coarser(_differing(known, step // 2), 2)  # in which division found another regime
-            wanted = _around((_differing(known, step) | found) & there)
+            changed = divided[level] & _coarser(_differing(known, step // 2), 2)  # in which division found another regime
+            wanted = _around((_differing(known, step) | changed) & there)
             divided[level] |= (wanted | _audited(there.shape)) & there
             for above in range(level + 1, levels + 1):
                 divided[above] |= _coarser(wanted & ~there, 2 ** (above - level))
@@ -92,17 +92,13 @@ def fill(plan: Plan, levels: int, regimes: Regimes, columns: Mapping[str, npt.ND
             corners = _coarse(given[name], step)
             if column.dtype.kind == "f":
                 for axis, n in enumerate(plan.lattice, start=1):
-                    corners = _stretched(corners, axis, np.arange(n) / step)
+                    positions = np.arange(n) / step
+                    before = np.minimum(positions.astype(int), corners.shape[axis] - 2)
+                    share = np.expand_dims(positions - before, tuple(range(1, corners.ndim - axis)))
+                    corners = np.take(corners, before, axis) * (1.0 - share) + np.take(corners, before + 1, axis) * share
                 column.reshape(plan.shape)[wanted] = corners[wanted]
             else:
                 column.reshape(plan.shape)[wanted] = corners[at][wanted]
-
-
-def _stretched(values: npt.NDArray[Any], axis: int, positions: npt.NDArray[np.float64]) -> npt.NDArray[Any]:
-    """`values` along an axis at fractional `positions`, by linear interpolation."""
-    before = np.minimum(positions.astype(int), values.shape[axis] - 2)
-    share = np.expand_dims(positions - before, tuple(range(1, values.ndim - axis)))
-    return np.asarray(np.take(values, before, axis) * (1.0 - share) + np.take(values, before + 1, axis) * share)
 
 
 def _cells(plan: Plan, step: int) -> tuple[int, ...]:
@@ -142,10 +138,10 @@ def _there(divided: Mapping[int, Cells], level: int, levels: int) -> Cells:
     """The cells of a level: all of the coarsest, else the parts of those divided."""
     if level == levels:
         return np.ones_like(divided[level])
-    found = divided[level + 1]
-    for axis in range(1, found.ndim):
-        found = np.repeat(found, 2, axis)
-    return found
+    cells = divided[level + 1]
+    for axis in range(1, cells.ndim):
+        cells = np.repeat(cells, 2, axis)
+    return cells
 
 
 def _coarser(cells: Cells, factor: int) -> Cells:
@@ -162,9 +158,9 @@ def _points_of(cells: Cells, step: int, parts: int, plan: Plan) -> Cells:
     for offsets in product(range(parts + 1), repeat=cells.ndim - 1):
         ends = (slice(offset, offset + (n - 1) * parts + 1, parts) for offset, n in zip(offsets, cells.shape[1:], strict=True))
         lattice[(slice(None), *ends)] |= cells
-    found = np.zeros(plan.shape, dtype=bool)
-    _coarse(found, step // parts)[...] = lattice
-    return found
+    points = np.zeros(plan.shape, dtype=bool)
+    _coarse(points, step // parts)[...] = lattice
+    return points
 
 
 def _audit(plan: Plan, known: Regimes, divided: Mapping[int, Cells], levels: int) -> Audit:

@@ -46,13 +46,13 @@ class Store:
         """The manifest in the folder; None if there is no sweep. Raises SceneError for a damaged manifest."""
         try:
             path = self.folder / MANIFEST
-            found = json.loads(path.read_text(encoding="utf-8")) if path.is_file() or not path.exists() else None
+            known = json.loads(path.read_text(encoding="utf-8")) if path.is_file() or not path.exists() else None
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, RecursionError):
-            found = None
-        if isinstance(found, dict):
-            return found
+            known = None
+        if isinstance(known, dict):
+            return known
         raise SceneError(f"{str(self.folder / MANIFEST)!r} is damaged: it is no manifest of a sweep")
 
     def begin(self, manifest: Mapping[str, Any], anew: bool = False) -> None:
@@ -127,10 +127,10 @@ class Store:
 
     def done(self, plan: Plan) -> npt.NDArray[np.bool_]:
         """Which points of `plan` are finished."""
-        found = np.zeros(plan.size, dtype=bool)
+        finished = np.zeros(plan.size, dtype=bool)
         for points, _ in self.parts(plan):
-            found[points] = True
-        return found
+            finished[points] = True
+        return finished
 
 
 def _read(path: Path, plan: Plan) -> dict[str, npt.NDArray[Any]] | None:
@@ -157,11 +157,12 @@ def _read(path: Path, plan: Plan) -> dict[str, npt.NDArray[Any]] | None:
                 return None
             file.seek(0)
             with np.load(file, allow_pickle=False) as data:
-                found = {name: data[name] for name in data.files}
+                columns = {name: data[name] for name in data.files}
     except Exception:  # a damaged zip, header or text raises errors of many kinds
         return None
-    limits = {"point": (0, plan.size), **{name: (-1, len(known)) for name, known in words.items() if name in found}}
-    return found if all(((found[name] >= low) & (found[name] < high)).all() for name, (low, high) in limits.items()) else None
+    limits = {"point": (0, plan.size), **{name: (-1, len(known)) for name, known in words.items() if name in columns}}
+    inside = (((columns[name] >= low) & (columns[name] < high)).all() for name, (low, high) in limits.items())
+    return columns if all(inside) else None
 
 
 def _digest(manifest: Mapping[str, Any]) -> str:

@@ -114,11 +114,11 @@ class _Stored(BaseModel):
 def stored_plan(folder: Path) -> Plan:
     """The plan of a folder, checked as one that is made; nothing is imported for its measure. Raises SceneError if it holds no
     sweep, or none that may be planned."""
-    found = Store(folder).manifest
-    if found is None:
+    manifest = Store(folder).manifest
+    if manifest is None:
         raise SceneError(f"SCENE = {str(folder)!r}: a folder without a sweep (no manifest.json)")
     try:
-        said = _Stored(**found)
+        said = _Stored(**manifest)
         axes = tuple(replace(axis_of(axis.key, [*axis.values]), unit=axis.unit) for axis in said.axes)
         scene = slipwave.read_scene(parse_toml(said.scene_toml))
         plan = Plan(scene, axes, said.models, said.measure, said.options, said.rows)
@@ -137,7 +137,7 @@ def forecast(plan: Plan, where: Where) -> Forecast:
     compute(plan, chosen[:1])  # compiled code is loaded
     spent: list[float] = []
     for point in chosen:
-        spent.append(compute(plan, np.array([point])).seconds)
+        spent.append(compute(plan, np.array([point]))[1])
         if sum(spent) > _PROBE_SECONDS:
             break
     each, workers = float(np.mean(spent)), where.workers or cores()
@@ -209,8 +209,8 @@ def _engine(plan: Plan, store: Store, where: Where) -> Iterator[Engine]:
         given = where.executor
         yield Engine(plan, store, lambda: given, workers)
     elif where.scheduler:
-        with executors.cluster(where.scheduler) as cluster:
-            yield Engine(plan, store, cluster.start, cluster.workers, alive=cluster.alive)
+        with executors.cluster(where.scheduler) as (start, workers, alive):
+            yield Engine(plan, store, start, workers, alive=alive)
     else:
         workers = where.workers or cores()
         with executors.processes(workers) as start:

@@ -9,13 +9,14 @@ from scipy.integrate import solve_ivp
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
+from slipwave.scene.drive import Drive
 from validation.commands.fit_figures import chart_of_fit, values_in_words
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver, solved
 from validation.fit.least_squares import Best, intervals, minimise
-from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
+from validation.fit.parameters import Variants, free_parameters, schedule_of
 from validation.fit.problem import problem_of
-from validation.fit.records import Experiment, stick_slip, travelled
+from validation.fit.records import Experiment, stick_slip
 
 Made = OfReduction | OfSolver | CycleOfReduction
 KEYS = ["interface.a", "interface.b", "interface.memory_length"]
@@ -61,7 +62,7 @@ def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model: 
 
 def test_the_derivative_of_the_delay_system_is_that_of_differences() -> None:
     scene, words = read("velocity-steps"), [*KEYS, "interface.a_star"]
-    schedule = Schedule((0.0, 1.0, 1.0, 3.0, 3.0), (1e-6, 1e-6, 1e-5, 1e-5, 1e-6))
+    schedule = Drive((0.0, 1.0, 1.0, 3.0, 3.0), (1e-6, 1e-6, 1e-5, 1e-5, 1e-6))
     variants = Variants(scene, free_parameters(scene, words), schedule)
     made = OfSolver(variants, np.linspace(0.01, 5.0, 300), "delay", 1e-10)
     assert_slopes(made, np.array([one.inner(one.start) for one in variants.free]), 1e-4)
@@ -79,9 +80,7 @@ def test_known_parameters_lie_in_their_intervals(steps: Path) -> None:
 
 def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     times, scene = np.linspace(30.0, 80.0, 120), read("velocity-steps", THIN)
-    experiment = Experiment(
-        "made", times, np.zeros(times.size), travelled(schedule_of(scene), times), schedule_of(scene), (), 1e4
-    )
+    experiment = Experiment("made", times, np.zeros(times.size), schedule_of(scene).travel(times), schedule_of(scene), (), 1e4)
     made, inner = of_model("quasidynamic", KEYS, times, 1e-8)
     friction, held = made.friction(inner), np.zeros(3)
     for seed in range(30):
@@ -194,7 +193,7 @@ def test_errors_of_dates_are_in_the_interval_of_the_period_and_common_to_frictio
         tooth = 10.0 if every == 0.25 else 9.5 + random.random()
         turns = (times - tooth * random.random()) / tooth % 1.0
         friction = 0.1 * turns * (1.2 - 0.2 * turns) + 1e-4 * random.standard_normal(times.size)
-        one = stick_slip("saw", times, friction, Schedule((0.0,), (1e-6,)), [])
+        one = stick_slip("saw", times, friction, Drive((0.0,), (1e-6,)), [])
         at = one.cycle.phases
         tell = one.weighed(np.column_stack([one.friction - np.append(tooth, 0.1 * at * (1.2 - 0.2 * at)), one.together]))
         ways = [way / np.linalg.norm(way) for way in tell.T[1:3]]
@@ -349,13 +348,13 @@ def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:
 
 
 def test_a_slide_hold_slide_in_columns_of_its_own_is_fitted_with_its_own_drive(tmp_path: Path) -> None:
-    times, holds = np.arange(0.0, 400.0, 0.1), Schedule((0.0, 50.0, 50.0, 150.0, 150.0), (1e-5, 1e-5, 0.0, 0.0, 1e-5))
+    times, holds = np.arange(0.0, 400.0, 0.1), Drive((0.0, 50.0, 50.0, 150.0, 150.0), (1e-5, 1e-5, 0.0, 0.0, 1e-5))
     scene = read(STICKING, ["slab.face.stiffness='20 GPa/m'"])
     variants = Variants(scene, free_parameters(scene, KEYS), holds)
     inner = np.array([one.inner(one.start) for one in variants.free])
     rng = np.random.default_rng(4)
     friction = OfReduction(variants, times, "quasidynamic", 1e-9).friction(inner) + NOISE * rng.standard_normal(times.size)
-    moved = 1e3 * travelled(holds, times) + 1e-5 * rng.standard_normal(times.size)
+    moved = 1e3 * holds.travel(times) + 1e-5 * rng.standard_normal(times.size)
     path = tmp_path / "hold.txt"
     np.savetxt(path, np.column_stack([moved, 5.0 * friction, times + 77.0]))
     call = {"columns": "load_point_displacement,shear_stress,time", "units": "mm,MPa,s", "settings": [*ASIDE]}
@@ -369,8 +368,8 @@ def test_a_slide_hold_slide_in_columns_of_its_own_is_fitted_with_its_own_drive(t
 
 def test_a_figure_says_the_values_and_shows_holds_over_time() -> None:
     times, friction = np.array([0.0, 1.0, 2.0]), np.array([0.6, 0.61, 0.6])
-    held, moving = (Schedule((0.0, 1.0, 1.0, 2.0), (1e-6, 1e-6, after, after)) for after in (0.0, 2e-6))
-    records = [Experiment(f"/x/{k}.csv", times, friction, travelled(one, times), one) for k, one in enumerate((held, moving))]
+    held, moving = (Drive((0.0, 1.0, 1.0, 2.0), (1e-6, 1e-6, after, after)) for after in (0.0, 2e-6))
+    records = [Experiment(f"/x/{k}.csv", times, friction, one.travel(times), one) for k, one in enumerate((held, moving))]
     rows = {
         "interface.a": {"value": 0.0100113, "low": 0.0099561, "high": 0.0100665, "unit": "", "determined": True},
         "interface.memory_length": {"value": 9.959e-6, "low": 9.899e-6, "high": 1.0019e-5, "unit": "m", "determined": True},

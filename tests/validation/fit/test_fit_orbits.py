@@ -8,12 +8,13 @@ import pytest
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
+from slipwave.scene.drive import Drive
 from validation.fit.cycles import disturbed
 from validation.fit.folded import FoldedRecord, folded
 from validation.fit.forward import OfSolver
 from validation.fit.least_squares import Best
 from validation.fit.orbits import CycleOfOrbit
-from validation.fit.parameters import Schedule, Variants, free_parameters, schedule_of
+from validation.fit.parameters import Variants, free_parameters, schedule_of
 
 AWAY = ["interface.a=0.0349", "interface.b=0.0489"]
 
@@ -22,7 +23,7 @@ def seen(a: float, noise: float, seed: int, begin: float = 2000.0) -> tuple[np.n
     """16 cycles of the delay system in the scene `paper`, with noise, from a nudge."""
     scene = read("paper", {"interface.a": a})
     times = np.arange(begin, begin + 1200.0, 0.23)
-    steady = Variants(scene, (), Schedule((0.0,), (scene.velocity,)))
+    steady = Variants(scene, (), Drive((0.0,), (scene.velocity,)))
     friction = OfSolver(disturbed(steady), times, "delay", 1e-7).friction(np.empty(0))
     return times - begin, friction + noise * np.random.default_rng(seed).standard_normal(times.size)
 

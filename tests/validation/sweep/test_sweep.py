@@ -87,11 +87,11 @@ def test_a_point_does_not_depend_on_the_points_before_it():
     axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
     what = plan_of(sw.read_scene("paper", **{"run.until": 100}), axes, ["delay"], "run", tol=1e-6)
     points = np.random.default_rng(7).permutation(what.size)[:12]
-    together = compute(what, np.concatenate((points, points[::-1]))).columns
+    together = compute(what, np.concatenate((points, points[::-1])))[0]
     for place, point in enumerate(points):
         alike._mesh_of.cache_clear()
         alike._read_at.cache_clear()
-        alone = compute(replace(what), np.array([point])).columns
+        alone = compute(replace(what), np.array([point]))[0]
         for name, value in alone.items():
             for row in (place, 2 * points.size - 1 - place):
                 assert np.array_equal(together[name][row : row + 1], value, equal_nan=value.dtype.kind == "f"), name

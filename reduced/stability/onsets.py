@@ -1,0 +1,70 @@
+"""Where steady sliding loses its stability as a parameter of the scene changes: the Hopf points, from the spectrum alone."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.stability.characteristic import Characteristic, characteristic
+from reduced.stability.crossing import between
+from reduced.stability.spectrum import follow_root, leading_roots, unstable_count
+from slipwave.scene import Scene
+
+_SAMPLES = 17
+_HALVINGS = 8
+_STEPS_OUT = 12  # by factors of four
+ONSET_WIDTH = 1e-13
+"""Width of a bracket in the parameter."""
+
+
+class Onset(NamedTuple):
+    """Steady sliding at `parameter` has a pair of roots +-2 pi i/`period` (transits); numbers of growing roots on both sides."""
+
+    parameter: float
+    period: float
+    unstable_below: int
+    unstable_above: int
+
+
+def onsets(scene_at: Callable[[float], Scene], low: float, high: float, model: str) -> list[Onset]:
+    """The Hopf points between the parameters `low` and `high`, in order; two of them between neighbouring samples, at equal
+    distances, may be missed. Raises SceneError and NumericsError of the scenes and their roots.
+    """
+
+    def problem(value: float) -> Characteristic:
+        return characteristic(scene_at(value), model)
+
+    values = np.linspace(low, high, _SAMPLES).tolist()
+    counts = [unstable_count(problem(value)) for value in values]
+    changes = [k for k in range(_SAMPLES - 1) if counts[k] != counts[k + 1]]
+    hopf = [_change(problem, values[k], values[k + 1], counts[k], counts[k + 1]) for k in changes]
+    return [Onset(at, 2.0 * math.pi / omega / scene_at(at).transit, below, above) for at, omega, below, above in hopf]
+
+
+def _change(
+    problem: Callable[[float], Characteristic], low: float, high: float, below: int, above: int
+) -> tuple[float, float, int, int]:
+    """The change nearest to `low`, with its frequency: by counts at first, then by the zero of the crossing root's real part."""
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        count = unstable_count(problem(middle))
+        low, high = (middle, high) if count == below else (low, middle)
+        above = above if count == below else count
+    roots = leading_roots(problem(low))
+    crossing = complex(roots[np.abs(roots.real).argmin()])
+    low, high = _bracket(lambda value: follow_root(problem(value), crossing).real, low, high)
+    return *between(problem, low, high, crossing), below, above
+
+
+def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Bracket of the zero of `rate`: `low` and `high`, or a nearly neutral end, where the root is not counted, and a value a
+    little beyond it."""
+    if rate(low) * rate(high) <= 0.0:
+        return low, high
+    end, other = (low, high) if abs(rate(low)) < abs(rate(high)) else (high, low)
+    for k in range(_STEPS_OUT, 0, -1):
+        beyond = end + 4.0**-k * (end - other)
+        if rate(beyond) * rate(end) <= 0.0:
+            return min(beyond, end), max(beyond, end)
+    return low, high
