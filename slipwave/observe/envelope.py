@@ -65,8 +65,7 @@ class Envelope:
         frame = self._begin, self._end, self._scene.transit, self._scene.stiffness
         scratch = np.empty((_ROWS + 2, self._nodes.size)), np.empty(2 * _ROWS)
         for reached, pieces in self._unread:
-            times = pieces.time[:, None] + pieces.length[:, None] * self._nodes
-            _take(pieces, times, reached, frame, self._scene.drive.travelled, scratch, self._origin, *self._bins)
+            _take(pieces, self._nodes, reached, frame, self._scene.drive.travelled, scratch, self._origin, *self._bins)
         self._unread.clear()
 
     def by_time(self) -> Shown:
@@ -116,7 +115,7 @@ def _empty_bins() -> _Bins:
 @njit
 def _take(
     pieces: Pieces,
-    times: Array,
+    nodes: Array,
     reached: float,
     frame: tuple[float, float, float, float],
     travelled: Travelled,
@@ -125,7 +124,7 @@ def _take(
     by_time: _Bins,
     by_slip: _Bins,
 ) -> None:
-    """Add pieces, with nodes at `times`, after the time `reached`, as far as they are within the window; `frame`: its begin and
+    """Add pieces with these `nodes`, after the time `reached`, as far as they are within the window; `frame`: its begin and
     end (transits), a transit in L/V*, and the stiffness of the slabs; `origin` (1,): the slip of the first sample, NaN before it.
     After a gap, and in intervals longer than a transit, all samples of a transit go to one interval, even if the next ones stay
     empty: a part of a transit has another range."""
@@ -137,8 +136,8 @@ def _take(
         reached = pieces.time[k] + pieces.length[k]
     for k in range(pieces.time.size):
         count, passed = 0, math.floor(pieces.time[k] + SAME)
-        for j in range(times.shape[1]):
-            time = times[k, j]
+        for j in range(nodes.size):
+            time = pieces.time[k] + pieces.length[k] * nodes[j]
             if not begin <= time <= end:
                 continue
             while here + 1 < travelled.knots.size and travelled.knots[here + 1] <= time:

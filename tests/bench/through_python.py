@@ -53,7 +53,7 @@ def works() -> Mapping[str, Timed]:
     found["slipwave run paper, a process (ms)"] = _call(subprocess.run, command, check=True, capture_output=True)
     second = sample.until / 50.0 if sample.until else 0.0
     found["delay, lab-1mm, a second of motion (s)"] = Timed(March(Setting("delay"), sample, second), 1.0)
-    return found | dict(_observers(sw.read("paper"), 20_000.0)) | dict(_observers(sw.read("velocity-steps"), 20_000.0))
+    return found | dict(_observers(sw.read("paper"), 20_000.0)) | dict(_observers(sw.read("velocity-steps"), 60_000.0))
 
 
 def _call(function: Any, *given: Any, **named: Any) -> Timed:
