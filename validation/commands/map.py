@@ -15,7 +15,7 @@ from validation.commands.options import SceneOptions, option
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.data.datasets import Dataset, load_dataset
 from validation.sweep.boundaries import lines_of_curve, onset_lines
-from validation.sweep.difference import difference, difference_rows
+from validation.sweep.difference import decided_regimes, difference, difference_rows
 from validation.sweep.gather import dataset_of, filled_arrays
 from validation.sweep.map_figures import Line, chart_of_sweep
 from validation.sweep.store import Store
@@ -56,6 +56,11 @@ class MapResult(Result):
         """The drawn data: the sweep, or the differences."""
         return self.data if self.differences is None else self.differences
 
+    def regimes(self, model: str) -> Any:
+        """The regimes of one `model` of a sweep of verdicts at its points: 0 for steady sliding and the return to it,
+        another number for each other regime, -1 where there is no verdict that lasts."""
+        return decided_regimes(self.data["verdict"].sel(model=model).values)
+
     @property
     def facts(self) -> dict[str, Any]:
         """The axes; of a difference the share of the area with another regime, in per cent, and the
@@ -84,8 +89,10 @@ class MapResult(Result):
 
 
 @command
-def map(source: SceneSource, options: MapOptions) -> MapResult:
-    """Figures of a sweep over one or two axes. Raises SceneError for a file or folder without a sweep."""
+def map(source: "SceneSource | Result", options: MapOptions) -> MapResult:
+    """Figures of a sweep over one or two axes: of a folder, a file, or a result of `slipwave.sweep`.
+
+    Raises SceneError for a file or folder without a sweep."""
     data = gathered(source)
     if options.against is not None:
         return MapResult(data, difference(data, options.against), (), options.show)
@@ -98,8 +105,10 @@ def map(source: SceneSource, options: MapOptions) -> MapResult:
     return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show)
 
 
-def gathered(source: SceneSource) -> Dataset:
-    """The dataset of a sweep's folder or file. Raises SceneError if there is none."""
+def gathered(source: "SceneSource | Result") -> Dataset:
+    """The dataset of a sweep's folder or file, or of its result. Raises SceneError if there is none."""
+    if isinstance(source, Result):
+        return source.dataset
     path = Path(source) if isinstance(source, str | Path) else Path()
     if path.is_dir():
         plan = stored_plan(path)

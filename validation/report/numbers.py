@@ -2,14 +2,11 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.periodic import FINER
 from validation.report import Number, stated
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 
 def numbered_period(closed: Closed) -> Number:
@@ -20,14 +17,15 @@ def numbered_period(closed: Closed) -> Number:
     return stated(period, abs(period - closed.cycle.period))
 
 
-def regime_areas(differences: "Dataset", rows: Sequence[Mapping[str, Any]]) -> dict[str, Number]:
-    """The share of a map's area in which a model has another regime, in per cent, from the `rows` of its differences. The
-    name contains the lattice, because shares on different lattices are not compared; the error is one point of it."""
-    sizes = [size for name, size in differences.sizes.items() if name != "model"]
-    lattice = " x ".join(map(str, sizes))
+def regime_areas(sizes: Mapping[Any, int], rows: Sequence[Mapping[str, Any]]) -> dict[str, Number]:
+    """The share of a map's area in which a model has another regime, in per cent, from the `rows` of its differences and the
+    `sizes` of its axes. The name contains the lattice, because shares on different lattices are not compared; the error is one
+    point of it."""
+    counts = [size for name, size in sizes.items() if name != "model"]
+    lattice = " x ".join(map(str, counts))
     return {
         f"{row['model']} other regime, {lattice} points": stated(
-            row["other_regime_percent"], 1e4 / (math.prod(sizes) * row["compared_percent"])
+            row["other_regime_percent"], 1e4 / (math.prod(counts) * row["compared_percent"])
         )
         for row in rows
     }

@@ -6,21 +6,13 @@ from typing import Any
 import numpy as np
 
 import slipwave as sw
-from reduced.stability.characteristic import characteristic
-from reduced.stability.spectrum import unstable_count
-from slipwave.solve import follow
-from validation.data.datasets import Dataset
+from validation.measure import growth
+from validation.measure.in_process import SweepResult, model_regimes, swept_here
 from validation.measure.order_fit import WITHIN
-from validation.models.build import build
-from validation.models.by_name import explicit_time, one_port_of
 from validation.report import Budget, Figure, StudyAnswer, StudyResult, Table, stated, table
 from validation.report.numbers import regime_areas
 from validation.report.text import places, plain
 from validation.report.verdict import ROUNDING, WITNESS, Verdict, claim, every, in_range
-from validation.sweep.axes import axis_of, changed
-from validation.sweep.difference import difference, difference_rows, model_regimes
-from validation.sweep.map_figures import chart_of_sweep
-from validation.sweep.sweep import plan_of, swept_here
 
 NAME = "asymmetry"
 QUESTION = "What does it change that the slabs differ?"
@@ -58,27 +50,26 @@ def run(budget: Budget) -> StudyResult:
     known = {name: error_of_delay(name, each["delay", None]) for name, each in runs.items()}
     budget.report(0.7)
     scene = sw.read("paper", {"run.until": _LONGEST, "slab.log10_r": _LOG10_R})
-    data = swept_ratios(scene, 5 if budget.quick else 9)
-    differences = difference(data, _MODELS[0])
-    rows = difference_rows(differences)
+    swept = swept_ratios(scene, 5 if budget.quick else 9)
+    rows = sw.map(swept, against=_MODELS[0]).summary["differences"]
     return StudyResult(
-        answers=_answers(runs, data, rows),
+        answers=_answers(runs, swept, rows),
         figures=(
-            Figure("regimes", _REGIMES, lambda: chart_of_sweep(data, "verdict")),
-            Figure("differences", _DIFFERENCES, lambda: chart_of_sweep(differences, "other_regime")),
+            Figure("regimes", _REGIMES, lambda: sw.map(swept, show="verdict", plain=True).chart()),
+            Figure("differences", _DIFFERENCES, lambda: sw.map(swept, against=_MODELS[0], show="other_regime").chart()),
         ),
         tables=(_errors(rows),),
-        verdicts=(*_agreements(runs, known), *_leapfrog(runs), _as_counted(scene, data)),
+        verdicts=(*_agreements(runs, known), *_leapfrog(runs), _as_counted(scene, swept)),
         numbers={f"{name}: ψ({UNTIL:.0f})": stated(runs[name]["delay", None], error) for name, error in known.items()}
-        | regime_areas(differences, rows),
+        | regime_areas(swept.dataset.sizes, rows),
     )
 
 
-def _answers(runs: Mapping[str, Psi], data: Dataset, rows: Any) -> tuple[StudyAnswer, ...]:
+def _answers(runs: Mapping[str, Psi], swept: SweepResult, rows: Any) -> tuple[StudyAnswer, ...]:
     off = max(abs(psi - each["delay", None]) for each in runs.values() for (model, _), psi in each.items() if model == "dg:7")
     worst = max(rows, key=lambda row: row["other_regime_percent"])
-    across, up = np.meshgrid(*(np.log(data[name].values) for name in _AXES), indexing="ij")
-    steady = model_regimes(_MODELS[0], data) == 0
+    across, up = np.meshgrid(*(np.log(swept.dataset[name].values) for name in _AXES), indexing="ij")
+    steady = model_regimes(_MODELS[0], swept) == 0
     share = 100.0 * float((steady & (across > up)).sum()) / max(int(steady.sum()), 1)
     return (
         StudyAnswer(
@@ -96,27 +87,26 @@ def _answers(runs: Mapping[str, Psi], data: Dataset, rows: Any) -> tuple[StudyAn
 
 def state_of(name: str, model: str, cells: int | None, cfl: float | None) -> float:
     """psi = ln phi of `model` on a scene of the gallery at UNTIL."""
-    scene, explicit = sw.read(name), None if model == "delay" else explicit_time(model)
-    tolerance = TOLERANCE if model == "delay" else None
-    return follow(build(model, scene, tolerance=tolerance, cells=cells, cfl=cfl, time=explicit), UNTIL).psi
+    march = None if model == "fd" else "explicit"
+    options: dict[str, Any] = {"tol": TOLERANCE} if model == "delay" else {"cells": cells, "cfl": cfl, "time": march}
+    return float(sw.run(name, model, until=UNTIL, **options).final.psi)
 
 
 def error_of_delay(name: str, psi: float) -> float:
     """Of the delay system's final state, a logarithm: how far a run at ten times the tolerance is, or rounding."""
-    return max(ROUNDING, abs(follow(build("delay", sw.read(name), tolerance=10.0 * TOLERANCE), UNTIL).psi - psi))
+    return max(ROUNDING, abs(float(sw.run(name, "delay", until=UNTIL, tol=10.0 * TOLERANCE).final.psi) - psi))
 
 
-def swept_ratios(scene: sw.Scene, count: int) -> Dataset:
+def swept_ratios(scene: sw.Scene, count: int) -> SweepResult:
     """The sweep of the plane with every model."""
-    axes = [axis_of(name, f"{_RANGE}:{count}:log") for name in _AXES]
-    return swept_here(plan_of(scene, axes, _MODELS, "verdict", tol=_SWEPT))
+    return swept_here(scene, dict.fromkeys(_AXES, f"{_RANGE}:{count}:log"), _MODELS, tol=_SWEPT)
 
 
-def growing_roots(scene: sw.Scene, model: str, data: Dataset) -> Any:
+def growing_roots(scene: sw.Scene, model: str, swept: SweepResult) -> Any:
     """The certified number of growing roots of steady sliding at each point of the plane."""
-    first, second = (data[name].values for name in _AXES)
-    scenes = ([changed(scene, dict(zip(_AXES, (x, y), strict=True))) for y in second] for x in first)
-    return np.array([[unstable_count(characteristic(one, one_port_of(model))) for one in row] for row in scenes])
+    first, second = (swept.dataset[name].values for name in _AXES)
+    pairs = ([dict(zip(_AXES, (x, y), strict=True)) for y in second] for x in first)
+    return np.array([[growth.counted_roots(scene, model, pair) for pair in row] for row in pairs])
 
 
 def _agreements(runs: Mapping[str, Psi], known: Mapping[str, float]) -> Iterator[Verdict]:
@@ -137,11 +127,11 @@ def _leapfrog(runs: Mapping[str, Psi]) -> Iterator[Verdict]:
         yield in_range(title, WITNESS, ends, [coarse / fine], remark, ".2f")
 
 
-def _as_counted(scene: sw.Scene, data: Dataset) -> Verdict:
+def _as_counted(scene: sw.Scene, swept: SweepResult) -> Verdict:
     wrong, judged = 0, 0
     for model in _MODELS:
-        found = model_regimes(model, data)
-        steady = growing_roots(scene, model, data) == 0
+        found = model_regimes(model, swept)
+        steady = growing_roots(scene, model, swept) == 0
         judged += int((found >= 0).sum())
         wrong += int(((found >= 0) & ((found == 0) != steady)).sum())
     title = "Runs of unlike slabs leave steady sliding where certified counts of roots say so"

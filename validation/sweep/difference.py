@@ -21,11 +21,6 @@ def decided_regimes(verdict: Any) -> Any:
     return numbers[np.asarray(verdict, dtype=int)]
 
 
-def model_regimes(model: str, data: Dataset) -> Any:
-    """The regimes of one model of a sweep of verdicts, as `decided_regimes`."""
-    return decided_regimes(data["verdict"].sel(model=model).values)
-
-
 def difference(data: Dataset, reference: str) -> Dataset:
     """`other_regime` (1 where it differs from the `reference`, 0 where not, NaN where one of both is not decided), and relative
     differences of period and stress drop where both are periodic, for every other model of a sweep of verdicts.

@@ -4,12 +4,11 @@ import json
 import shutil
 import time
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,7 +21,6 @@ from slipwave.input.source import parse_toml, to_toml
 from slipwave.scene import Scene
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
-from validation.data.datasets import Dataset
 from validation.models.by_name import parse, resolve
 from validation.models.own import digests
 from validation.models.progress import progress
@@ -30,7 +28,7 @@ from validation.models.stopwatch import cores
 from validation.sweep import executors
 from validation.sweep.axes import Axis, axis_of, whole_key
 from validation.sweep.engine import Engine, compute
-from validation.sweep.gather import arrays_of, dataset_of, filled_arrays
+from validation.sweep.gather import arrays_of
 from validation.sweep.measures import MEASURES, measure_of, own_measure
 from validation.sweep.plan import Indices, Plan, order_of, require_plan
 from validation.sweep.refine import Audit, refine, regime_numbers, require_refinable
@@ -157,13 +155,6 @@ def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) ->
     with _engine(plan, store, where) as engine:
         store.begin(manifest_of(plan), anew)
         return _complete(plan, store, where, engine)
-
-
-def swept_here(plan: Plan) -> Dataset:
-    """All points of `plan`, computed in this process without keeping a folder, for studies and scripts."""
-    with TemporaryDirectory() as folder, ThreadPoolExecutor(1) as here:
-        swept = perform_sweep(plan, Store(Path(folder)), Where(workers=1, executor=here))
-        return dataset_of(plan, filled_arrays(plan, swept.store))
 
 
 def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:

@@ -217,7 +217,7 @@ PLACES = {
     "cost-and-error": (Place("cost_and_error:cycle_at", S), Place("cost_and_error:times_of")),
     "regime-map": (
         Place("regime_map:swept_plane"),
-        Place("regime_map:onset_lines"),
+        Place("regime_map:mapped"),
         Place("regime_map:critical_round_trips", (displaced(0.06), displaced(-0.06))),
         Place("regime_map:model_regimes", (lambda found: np.roll(found, 4, axis=0),)),
     ),

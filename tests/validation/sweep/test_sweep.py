@@ -365,3 +365,10 @@ def test_a_map_shows_the_boundary_of_stability_within_a_cell(tmp_path):
         last = float(data["log10_r"].values[row][-1])
         critical = float(np.interp(velocity, *np.array(sorted(zip(lines[0].up, lines[0].across, strict=True))).T))
         assert last <= critical <= last + 0.0101
+
+
+def test_a_map_takes_the_result_of_a_sweep_and_says_regimes(tmp_path):
+    options = {"models": "kelvin-voigt,quasidynamic", "until": 1500.0, "tol": 1e-6, "workers": 1}
+    swept = sw.sweep("paper", out=tmp_path / "out", vary={"log10_r": (-2.75, -2.62, 2)}, **options)
+    assert sw.map(swept, against="kelvin-voigt").summary == sw.map(tmp_path / "out", against="kelvin-voigt").summary
+    assert sw.map(swept).regimes("kelvin-voigt").tolist() == [0, 1]  # steady sliding, stick-slip that repeats
