@@ -1,4 +1,5 @@
-"""The exact delay system against independent values and exact echoes, starts and ends meant to break it, and its refusals."""
+"""The exact delay system against independent values and exact echoes, starts and ends meant to break it, its refusals, steps with
+cuts at the drive's kinks, and states that do not fit."""
 
 import numpy as np
 import pytest
@@ -11,10 +12,11 @@ from reduced.delay.network import DelayNetwork
 from reduced.delay.system import delay_system
 from reduced.delay.transmission_lines import delay_rows
 from slipwave import read
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
 from slipwave.solve import follow
 from slipwave.step.collocation import radau
+from validation.models.build import build
 
 JUMP = {"start.kind": "jump", "start.size": 0.05}
 
@@ -169,3 +171,68 @@ def test_a_ramp_of_other_slabs_is_followed_along_its_kinks(name):
     final = follow(solver, 80.0)
     witness = follow(DiscontinuousGalerkin(ramp, number=7, cells=24, time="explicit"), 80.0)
     assert (final.psi, final.ln_v) == (pytest.approx(witness.psi, abs=3e-9), pytest.approx(witness.ln_v, abs=3e-9))
+
+
+RAMP = ["drive.velocity=[[0.0, 100.0], [20.3, 100.0], [41.17, 200.0]]"]
+JUMPED = ["start.kind=jump", "start.size=0.05"]
+NOT_COMMENSURATE = ["lower.r=0.0013731"]
+SCENES = {
+    "paper": ("paper", []),
+    "ramp": ("paper", RAMP),
+    "jump": ("paper", JUMPED),
+    "unlike": ("unlike", []),
+    "unlike ramp": ("unlike", RAMP),
+    "machine": ("machine", []),
+    "no common divisor": ("unlike", NOT_COMMENSURATE),
+    "break points": ("unlike", [*NOT_COMMENSURATE, *JUMPED]),
+}
+
+
+def solver_of(model, name):
+    gallery, changes = SCENES[name]
+    model, _, time = model.partition(" ")
+    return build(model, slipwave.read(gallery, changes), time=time or None)
+
+
+def assert_same_bits(ours, theirs):
+    assert ours.keys() == theirs.keys()
+    for name, array in ours.items():
+        assert array.tobytes() == theirs[name].tobytes(), name
+
+
+@pytest.mark.parametrize(
+    ("model", "name"),
+    [("delay", scene) for scene in SCENES] + [("modal:2", "paper"), ("block8", "ramp"), ("dg:7 exact", "unlike")],
+)
+def test_a_state_that_does_not_fit_is_refused_and_changes_nothing(model, name):
+    solver, other = solver_of(model, name), solver_of(model, name)
+    follow(solver, 30.2)
+    follow(other, 31.7)
+    kept, given = solver.state(), other.state()
+    for label, array in given.items():
+        wrong = [array.astype(complex), array[None], array.ravel()[:-1]] + ([np.full(array.shape, np.nan)] if array.size else [])
+        for one in (given | {label: each} for each in wrong):
+            with pytest.raises(SceneError):
+                solver.restore(one)
+        with pytest.raises(SceneError):
+            solver.restore({key: value for key, value in given.items() if key != label})
+    assert_same_bits(solver.state(), kept)
+    solver.restore(given)
+    assert_same_bits(solver.state(), given)
+    assert follow(solver, 40.0) == follow(other, 40.0)
+
+
+def refining(emit):
+    """Three steps a transit are too few from the first event on."""
+    return Delay(slipwave.read("paper", ["slab.log10_r=-2.3", *JUMPED]), steps=3, emit=emit)
+
+
+@pytest.mark.parametrize("emit", [True, False])
+def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(emit):
+    straight, first, resumed = refining(emit), refining(emit), refining(emit)
+    follow(first, 1.5)
+    before = first.steps
+    resumed.restore(first.state())
+    assert follow(resumed, 300.0) == follow(straight, 300.0)
+    assert resumed.steps > before
+    assert_same_bits(resumed.state(), straight.state())

@@ -1,18 +1,26 @@
-"""A law from outside: the documented example runs, a wrong function is refused by name."""
+"""A law from outside: the documented example runs, a wrong function is refused by name; its code is kept on disk, and never used
+after anything that shaped it has changed."""
 
 import math
 import runpy
+import types
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 
+from reduced.delay.flow_kernel import logs_of_return
+from slipwave.compiled import allocating
+from slipwave.compiled.frozen import frozen_parts
 from slipwave.errors import SceneError
+from slipwave.friction import LAWS, ageing
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.ageing import respond_ageing as respond
 from slipwave.friction.check import check_law
-from slipwave.friction.law import LAWS, Registered, register
+from slipwave.friction.law import Registered, register
 from slipwave.friction.law import steady_psi as steady_state
+from slipwave.friction.own import load_laws
 
 ROOT = Path(__file__).resolve().parents[2]
 ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
@@ -78,3 +86,99 @@ def test_a_tiny_cutoff_is_the_ageing_law():
     mine = example["Cutoff"](cutoff=0.0)
     for z, psi in ((0.0, 0.0), (3.0, -4.0), (-2.0, 5.0)):
         assert example["respond"](mine, z, psi) == pytest.approx(respond(Ageing(0.369, 0.0349, 0.0489), z, psi), rel=1e-14)
+
+
+MINE = """
+import math
+from pathlib import Path
+from typing import NamedTuple
+from slipwave.friction import register
+FACTOR = float(Path(__file__).with_suffix(".txt").read_text())
+
+class Mine(NamedTuple):
+    a_star: float = 0.369
+    a: float = 0.0349
+    b: float = 0.0489
+
+def respond(law, z, psi):
+    v = math.exp(z)
+    return v, v, law.a_star + FACTOR * law.a * z + law.b * psi, FACTOR * law.a, law.b, math.exp(-psi) - v, -v, -math.exp(-psi)
+
+def steady_state(law, v):
+    return -math.log(v)
+
+register("mine", Mine, respond, steady_state)
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
+    return tmp_path
+
+
+def ask(folder, text, factor):
+    """An answer by the law of a file `text` that reads `factor` from another file, and whether its code came from the disk."""
+    path = folder / "mine.py"
+    path.write_text(text)
+    path.with_suffix(".txt").write_text(str(factor))
+    assert load_laws(path) == ["mine"]
+    fresh = allocating(logs_of_return.py_func)
+    law = LAWS["mine"].parameters(0.369, 0.0349, 0.0489)
+    answer = fresh(law, 1.4e-5, np.ones((1, 1)), np.full((1, 1), -4.6))[0]
+    return answer, sum(fresh.stats.cache_hits.values())
+
+
+def test_code_of_a_law_is_found_again_until_the_law_changes(folder):
+    first, hits = ask(folder, MINE, 1.0)
+    assert hits == 0
+    assert ask(folder, MINE, 1.0) == (first, 1)
+    other, hits = ask(folder, MINE, 1.5)
+    assert (hits, other == first) == (0, False)
+    other, hits = ask(folder, MINE.replace("FACTOR *", "1.1 * FACTOR *"), 1.0)
+    assert (hits, other == first) == (0, False)
+    assert ask(folder, MINE, 1.0) == (first, 1)
+
+
+def test_functions_compiled_for_one_law_are_not_called_with_another_of_its_name(folder):
+    """numba tells named tuples within arguments apart by the name of their class."""
+    mine, found = MINE.replace("Mine", "Apart"), set[float]()
+    for text, factor in ((mine, 1.0), (mine, 1.5), (mine.replace("FACTOR *", "1.1 * FACTOR *"), 1.0), (mine, 1.0)):
+        ask(folder, text, factor)
+        law = LAWS["mine"].parameters(0.369, 0.0349, 0.0489)
+        found.add(float(logs_of_return(law, 1.4e-5, np.ones((1, 1)), np.full((1, 1), -4.6))[0]))
+    assert len(found) == 3
+
+
+def made(constant, default=1.0, bound=2.0):
+    """A function of a user's, which names the global `constant`."""
+    scope = {"constant": constant, "exp": math.exp, "np": np}
+    text = f"def maker(bound):\n def f(x, y={default}):\n  return exp(x) + np.sin(y) * constant * bound\n return f"
+    exec(compile(text, "mine", "exec"), scope)
+    function = scope["maker"](bound)
+    return function
+
+
+@pytest.mark.parametrize("constant", [0.5, 1, -0.0, True, (1.0, 2.0), np.array([1.0, 3.0]), np.float32(0.5), made(0.25)])
+def test_every_value_that_is_frozen_counts(constant):
+    plain, one = frozen_parts([made(0.0)]), frozen_parts([made(constant)])
+    assert one == frozen_parts([made(constant)])
+    assert one != plain
+    assert len({one, frozen_parts([made(constant, default=1.5)]), frozen_parts([made(constant, bound=2.5)])}) == 3
+
+
+def test_arrays_count_to_the_last_bit():
+    assert frozen_parts([made(np.array([1.0, 3.0]))]) != frozen_parts([made(np.array([1.0, np.nextafter(3.0, 4.0)]))])
+    assert frozen_parts([made(np.zeros(4))]) != frozen_parts([made(np.zeros((2, 2)))])
+
+
+@pytest.mark.parametrize(
+    "constant", [{}, [1.0], object(), types.ModuleType("mine"), made({}), types.SimpleNamespace, lambda x: lambda: x]
+)
+def test_what_cannot_be_told_is_never_kept(constant):
+    assert frozen_parts([made(constant)]) is None
+
+
+def test_files_of_the_project_that_a_law_calls_are_named():
+    found = frozen_parts([made(ageing.respond_ageing)])
+    assert [path.name for path in found.files] == ["ageing.py"]

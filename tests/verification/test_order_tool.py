@@ -96,13 +96,6 @@ def test_where_local_orders_lead(order, limit, width, leads):
     assert replace(fit_order(1 / STEPS, STEPS), order=order, limit=limit, limit_half_width=width).leads_to(1.0) is leads
 
 
-def test_a_ladder_without_usable_levels_says_so():
-    one = replace(climbed("dg:3", 4.0), errors=dict.fromkeys(QUANTITIES, np.full(len(LADDERS["dg:3"].levels()), np.inf)))
-    assert one.lost == "0 usable levels; an order needs 4"
-    assert one.shortfall() == [f"together: {one.lost}"]
-    assert climbed("dg:3", 4.0).lost == ""
-
-
 @pytest.mark.parametrize("name", QUANTITIES)
 def test_a_single_output_of_order_6_is_no_order_8(name):
     """Scattered as much as the few grids of high orders do, so that its own interval reaches 8."""

@@ -2,15 +2,13 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import slipwave as sw
 from slipwave import SceneError
-from slipwave.observe import Events
-from slipwave.scene import Scene
+from tests.validation.records import written
 from validation.commands.cli import main
 from validation.data.events import measured_motion, noise_of
 from validation.data.series import Series
@@ -22,7 +20,7 @@ NAME, UNTIL = "steel-on-pmma", 90000.0
 
 
 @pytest.fixture(scope="module")
-def slips() -> tuple[Series, Events, Scene]:
+def slips():
     """A run with slip events as a record, its cycles, and its scene."""
     result = sw.run(NAME, "quasidynamic", until=UNTIL, rate="400kHz")
     assert result.records.history
@@ -31,7 +29,7 @@ def slips() -> tuple[Series, Events, Scene]:
     return Series("run.csv", columns), result.done.events, result.done.solver.scene
 
 
-def sampled(series: Series, scene: Scene, noise: float) -> Series:
+def sampled(series, scene, noise):
     """What a laboratory would record: a load cell in the drive at 10 kHz, with noise."""
     assert scene.units
     time = np.arange(0.0, series["time"][-1], 1e-4)
@@ -41,7 +39,7 @@ def sampled(series: Series, scene: Scene, noise: float) -> Series:
     return Series("cell.csv", {"time": time, "load_point_displacement": 1e-3 * time, "friction": friction})
 
 
-def test_events_in_the_record_of_a_run_are_those_of_the_run(slips: tuple[Series, Events, Scene]) -> None:
+def test_events_in_the_record_of_a_run_are_those_of_the_run(slips):
     series, cycles, scene = slips
     found = measured_motion(series, scene)
     assert (found.noise, found.smoothing.samples, found.dates.size) == (0.0, 1, cycles.time.size + 1)
@@ -52,7 +50,7 @@ def test_events_in_the_record_of_a_run_are_those_of_the_run(slips: tuple[Series,
     np.testing.assert_allclose(measured_motion(without, scene).events.v_max[1:], cycles.v_max[1:], rtol=0.01)
 
 
-def test_noise_adds_no_events_and_what_smoothing_does_is_told(slips: tuple[Series, Events, Scene]) -> None:
+def test_noise_adds_no_events_and_what_smoothing_does_is_told(slips):
     series, cycles, scene = slips
     quiet, noisy = (measured_motion(sampled(series, scene, noise), scene) for noise in (0.0, 1e-3))
     assert noise_of(noisy.time, sampled(series, scene, 1e-3)["friction"]) == pytest.approx(1e-3, rel=0.1)
@@ -65,7 +63,7 @@ def test_noise_adds_no_events_and_what_smoothing_does_is_told(slips: tuple[Serie
     assert quiet.events.stress_drop == pytest.approx(cycles.elastic_stress_drop, rel=2e-3)
 
 
-def test_compare_and_fit_date_a_record_alike(slips: tuple[Series, Events, Scene]) -> None:
+def test_compare_and_fit_date_a_record_alike(slips):
     """With noise, in steps of an ADC, with gaps, in a machine that rings: as many slips as the run has."""
     series, cycles, scene = slips
     assert scene.units
@@ -92,7 +90,7 @@ def test_compare_and_fit_date_a_record_alike(slips: tuple[Series, Events, Scene]
         assert cycle.period == pytest.approx(compared.events.period[cycle.early :].mean() * scene.transit, rel=1e-9)
 
 
-def test_without_events_or_with_one_there_is_nothing_to_compare(slips: tuple[Series, Events, Scene]) -> None:
+def test_without_events_or_with_one_there_is_nothing_to_compare(slips):
     series, _, scene = slips
     cell = sampled(series, scene, 1e-3)
     for last, told in ((300, "no slip event: no fall of friction exceeds the range of noise"), (900, "one slip event only")):
@@ -108,15 +106,11 @@ def test_without_events_or_with_one_there_is_nothing_to_compare(slips: tuple[Ser
             measured_motion(cell, scene, smooth)
 
 
-def written(series: Series, path: Path) -> str:
-    table = np.column_stack([1e3 * series["time"], 1e6 * series["load_point_displacement"], series["friction"]])
-    np.savetxt(path, table, delimiter=",", header="time [ms],disp_um,mu", comments="")
-    return str(path)
-
-
-def test_a_record_beside_a_model(slips: tuple[Series, Events, Scene], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_record_beside_a_model(slips, tmp_path, capsys):
     series, cycles, scene = slips
-    path = written(sampled(series, scene, 2e-4), tmp_path / "cell.csv")
+    cell = sampled(series, scene, 2e-4)
+    columns = 1e3 * cell["time"], 1e6 * cell["load_point_displacement"], cell["friction"]
+    path = written(tmp_path / "cell.csv", "time [ms],disp_um,mu", *columns)
     words = ["compare", NAME, "--with", path, "--models", "quasidynamic", "--until", f"{UNTIL:g}"]
     assert main([*words, "--json", "--out", str(tmp_path / "x.svg")]) == 0
     facts = json.loads(capsys.readouterr().out)
@@ -147,9 +141,7 @@ def test_a_record_beside_a_model(slips: tuple[Series, Events, Scene], tmp_path: 
         ([NAME, "--with", "x.csv"], "'x.csv': no slip event; a comparison of cycles needs two or more"),
     ],
 )
-def test_refusals_are_one_line(
-    words: list[str], told: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_refusals_are_one_line(words, told, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "x.csv").write_text("time [s],mu\n0,0.6\n1,0.6\n2,0.6\n")
     assert main(["compare", *words]) == 2

@@ -1,15 +1,20 @@
-"""What `compare` and `bench` say of their rows: errors, differences with margins, and one line at the end."""
+"""What `compare` and `bench` say of their rows: errors, differences with margins, and one line at the end; the overlay that
+`compare` draws."""
 
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 
 import slipwave as sw
+from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.observe.statistics import Margins, RunStatistics, Spread
 from slipwave.observe.verdict import MotionVerdict
+from slipwave.solve import follow
 from validation.commands.cli import INPUT_WRONG, main
 from validation.commands.comparison import conclusion, differences, in_json, nothing
+from validation.models.build import build
 
 
 def row(model, wall, error=1e-3, **more):
@@ -86,3 +91,22 @@ def test_an_empty_comparison_says_how_long_a_run_must_be(runs, capsys):
     assert told in [text.get_text() for text in found.plot().axes[0].texts]
     steady = sw.compare("paper", "delay", until=10, size=0, r=1e-3)
     assert steady.notes == ["nothing to compare: the second half of the run of delay is steady"]
+
+
+def test_the_overlay_has_the_last_cycle_of_each_model():
+    figure = sw.compare("paper", "delay,kelvin-voigt", until=2000).plot()
+    above, below = figure.axes
+    assert (above.get_ylabel(), below.get_ylabel()) == ("friction stress / normal stress", "slip rate / V*")
+    assert below.get_xlabel() == "transits since v passed half its largest value in the slip event"
+    assert [text.get_text().partition(":")[0] for text in figure.legends[0].get_texts()] == ["delay", "kelvin-voigt"]
+    solver = build("delay", sw.read("paper"))
+    watch, history = EventObserver(solver.scene, solver.nodes), HistoryObserver(solver.scene.law, solver.nodes)
+    follow(solver, 2000.0, [watch, history])
+    columns, events = history.columns(), watch.events()
+    begin, period = events.time[-1], events.period[-1]
+    inside = (columns["time"] >= begin) & (columns["time"] <= begin + period)
+    for axes, name in ((above, "stress"), (below, "slip_rate")):
+        time, values = axes.get_lines()[-1].get_data()  # the reference, on top
+        np.testing.assert_allclose(time, columns["time"][inside] - begin, atol=1e-9)
+        np.testing.assert_allclose(values, columns[name][inside], rtol=1e-9)
+        assert len(axes.get_lines()) == 2

@@ -1,7 +1,6 @@
 """`import slipwave`: the same answers as the command line, as objects; errors that a program can catch."""
 
 import logging
-from pathlib import Path
 
 import pytest
 
@@ -26,16 +25,6 @@ def test_changes_may_be_tables_or_dotted_keys(changes):
     scene = sw.read_scene("paper", **changes)
     assert scene.digest == sw.read("paper", ["slab.log10_r=-2.3", "drive.velocity=50"]).digest
     assert (scene.transit, scene.velocity) == (10.0**-2.3, 50.0)
-
-
-def test_a_scene_may_be_a_name_a_file_a_dictionary_or_another_scene(tmp_path):
-    text = Path(sw.__file__).parent.joinpath("gallery", "paper.toml").read_text()
-    (tmp_path / "mine.toml").write_text(text)
-    tables = dict(sw.read_scene("paper").tables or {})
-    sources = ["paper", tmp_path / "mine.toml", tables, sw.read_scene("paper", **{"slab.log10_r": -2.0})]
-    digests = {sw.read_scene(source, **{"slab.log10_r": -2.6}).digest for source in sources}
-    assert digests == {sw.read("paper", {"slab.log10_r": -2.6}).digest}
-    assert sw.read_scene(sources[3]) is sources[3]
 
 
 def test_a_scene_of_a_program_has_no_keys_to_change():

@@ -13,10 +13,8 @@ import numpy as np
 import pytest
 import xarray
 
-import slipwave
 import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
-from tests.one_port_by_hand import pair_impedance
 from validation.commands.cli import main
 from validation.commands.curve import CurveOptions, CurveResult
 from validation.models.by_name import families
@@ -62,16 +60,6 @@ def test_statistics_are_those_of_the_second_half(told):
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 
 
-def test_the_si_of_the_json_is_by_hand(told):
-    """`printed.txt` has the table."""
-    result, _ = told
-    si = {"transit_s": SECONDS} | {f"{name}_m_per_s": result[name] * RATE for name in ("v_max", "v_min")}
-    for name, unit, size in (("period", "s", SECONDS), ("stress_drop", "Pa", PRESSURE), ("elastic_stress_drop", "Pa", PRESSURE)):
-        of_means = {"": result[name]["mean"], "std_": result[name]["std"], "margin_": result["margins"][name]}
-        si |= {f"{name}_{kind}{unit}": value * size for kind, value in of_means.items()}
-    assert result["si"] == pytest.approx(si)
-
-
 def test_the_recorded_motion_obeys_the_equations(told):
     """psi' = r (e^-psi - v) and y' = eps (V - v) on the clock of transits, by differences between neighbouring samples; the
     friction law at every sample."""
@@ -88,18 +76,6 @@ def test_the_recorded_motion_obeys_the_equations(told):
     for found, wanted in ((np.diff(psi), healing), (np.diff(y), 2.8e-5 * (100.0 - middle))):
         misfit = found[slow] / np.diff(time)[slow] - wanted[slow]
         assert np.abs(misfit).max() < 2e-3 * np.abs(wanted[slow]).max()
-
-
-A, B, V = 0.0349, 0.0489, 100.0
-
-
-def test_roots_of_unlike_slabs_solve_the_equation(answer):
-    found = answer("stability", "unlike")
-    chosen = slipwave.read("unlike")
-    for real, im in found["leading_roots"]:
-        s = complex(real, im)
-        friction = (A / V * s + (A - B)) / (s + V)
-        assert abs(friction + pair_impedance(chosen, s)) < 1e-8 * abs(friction)
 
 
 COMPARE = ["--until", "4000", "--cells", "24"]

@@ -1,12 +1,16 @@
-"""A record of a stranger, in whatever shape, is read into the same columns in SI; what cannot be read says so in one line."""
+"""A record of a stranger, in whatever shape, is read into the same columns in SI; what cannot be read says so in one line. A pipe
+is read to its end, and no further than to 1 GB."""
 
-from pathlib import Path
+import os
+import threading
+from contextlib import suppress
 
 import numpy as np
 import pytest
 
 import slipwave as sw
-from slipwave import SceneError, read_scene
+from slipwave import SceneError, files, read_scene
+from slipwave.files import content_of
 from slipwave.observe import HistoryObserver
 from slipwave.observe.history import named_columns
 from slipwave.solve import follow
@@ -19,13 +23,13 @@ TIME, MOVED, FRICTION = [0.0, 0.5, 1.25], [0.0, 5e-6, 1.25e-5], [0.6, 0.61, 0.60
 ROWS = [[0, 0, 0.6], [500, 5, 0.61], [1250, 12.5, 0.605]]  # ms, um, 1
 
 
-def written(folder: Path, text: str, encoding: str = "utf-8") -> str:
+def written(folder, text, encoding="utf-8"):
     path = folder / "steps.csv"
     path.write_bytes(text.encode(encoding))
     return str(path)
 
 
-def body(between: str = ",", point: str = ".") -> str:
+def body(between=",", point="."):
     return "".join(between.join(f"{value:g}".replace(".", point) for value in row) + "\n" for row in ROWS)
 
 
@@ -45,7 +49,7 @@ def body(between: str = ",", point: str = ".") -> str:
         ("time [ms],disp [mm],mu\n" + body(), {"scale": "disp = 1e-3"}),
     ],
 )
-def test_the_same_record_in_many_shapes(text: str, options: dict[str, str], tmp_path: Path) -> None:
+def test_the_same_record_in_many_shapes(text, options, tmp_path):
     for encoding in ("utf-8", "latin-1"):
         found = read_series(written(tmp_path, text, encoding), **options)
         assert found.is_own is False
@@ -67,11 +71,11 @@ def test_the_same_record_in_many_shapes(text: str, options: dict[str, str], tmp_
         ("Shear displacement (mm)", "", "mm"),
     ],
 )
-def test_a_heading_says_its_quantity_in_any_order_of_words(text: str, quantity: str, unit: str | None) -> None:
+def test_a_heading_says_its_quantity_in_any_order_of_words(text, quantity, unit):
     assert heading(text) == (quantity, unit)
 
 
-def test_lines_that_mark_missing_values_are_left_out_or_told(tmp_path: Path) -> None:
+def test_lines_that_mark_missing_values_are_left_out_or_told(tmp_path):
     rows = [f"{k},{0.6 + 0.001 * (k % 3):g},7" for k in range(20)]
     rows[4], rows[9] = "4,-999.00,-999", "9,NaN,7"
     text = "time [s],mu,temperature\n" + "\n".join(rows) + "\n"
@@ -93,7 +97,7 @@ def test_lines_that_mark_missing_values_are_left_out_or_told(tmp_path: Path) -> 
     assert len(read_series(written(tmp_path, near))) == 20  # four times the range of the others away
 
 
-def test_columns_of_the_seas_benchmarks_are_known_by_name(tmp_path: Path) -> None:
+def test_columns_of_the_seas_benchmarks_are_known_by_name(tmp_path):
     text = "# problem=BP1\n# step 2\nt slip slip_rate shear_stress state\n0 0 -9 29.5 8.5\n60 1e-3 -2 28 8.25\n"
     found = read_series(written(tmp_path, text))
     expected = {"time": [0, 60], "slip": [0, 1e-3], "slip_rate": [1e-9, 1e-2], "shear_stress": [29.5e6, 28e6]}
@@ -110,7 +114,7 @@ def test_columns_of_the_seas_benchmarks_are_known_by_name(tmp_path: Path) -> Non
     )
 
 
-def test_friction_is_shear_over_normal_stress() -> None:
+def test_friction_is_shear_over_normal_stress():
     stresses = {"time": np.arange(2.0), "shear_stress": np.array([3e6, 6e6]), "normal_stress": np.array([6e6, 1e7])}
     np.testing.assert_allclose(Series("x", stresses).friction(), [0.5, 0.6])
     del stresses["normal_stress"]
@@ -121,7 +125,7 @@ def test_friction_is_shear_over_normal_stress() -> None:
         Series("x", {"time": np.arange(2.0)}).friction()
 
 
-def test_a_force_is_a_stress_on_the_area_given(tmp_path: Path) -> None:
+def test_a_force_is_a_stress_on_the_area_given(tmp_path):
     file = written(tmp_path, "t [s],F_s [kN],F_n [kN]\n0,60,100\n1,30,100\n")
     named = {"columns": "time,shear_stress,normal_stress"}
     found = read_series(file, **named, area="25 cm2")
@@ -134,14 +138,14 @@ def test_a_force_is_a_stress_on_the_area_given(tmp_path: Path) -> None:
             read_series(file, **named, area=area)
 
 
-def test_a_friction_that_no_interface_has_is_refused_with_the_columns(tmp_path: Path) -> None:
+def test_a_friction_that_no_interface_has_is_refused_with_the_columns(tmp_path):
     file = written(tmp_path, "Zeit [s],Spannung\n0,4.8\n1,4.7\n")
     with pytest.raises(SceneError, match=r"shear over normal stress is 5\.9e-07, which is no friction: .* Zeit \[s\], Spannung"):
         read_series(file, columns="time,stress").friction(8e6)
     np.testing.assert_allclose(read_series(file, columns="time,stress", units=",MPa").friction(8e6), [0.6, 0.5875])
 
 
-def test_a_record_in_the_units_of_a_scene() -> None:
+def test_a_record_in_the_units_of_a_scene():
     scene = read_scene("paper-si")
     assert scene.units is not None
     second, metre = scene.units.size("transit", scene.transit), scene.units.memory_length
@@ -177,13 +181,13 @@ def test_a_record_in_the_units_of_a_scene() -> None:
         ),
     ],
 )
-def test_what_cannot_be_read_says_so_in_one_line(text: str, options: dict[str, str], told: str, tmp_path: Path) -> None:
+def test_what_cannot_be_read_says_so_in_one_line(text, options, told, tmp_path):
     with pytest.raises(SceneError, match=told) as error:
         read_series(written(tmp_path, text), **options)
     assert "\n" not in str(error.value)
 
 
-def test_a_file_that_is_not_there_and_one_of_bytes(tmp_path: Path) -> None:
+def test_a_file_that_is_not_there_and_one_of_bytes(tmp_path):
     with pytest.raises(SceneError, match="cannot be read: no such file"):
         read_series(tmp_path / "absent.csv")
     (tmp_path / "x.nc").write_bytes(b"CDF\0\1")
@@ -192,7 +196,7 @@ def test_a_file_that_is_not_there_and_one_of_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("pause", [0.0, 60.0])
-def test_a_slow_clock_is_made_even_and_lines_cut_off_or_written_twice_are_left_out(pause: float, tmp_path: Path) -> None:
+def test_a_slow_clock_is_made_even_and_lines_cut_off_or_written_twice_are_left_out(pause, tmp_path):
     """On either side of a pause for itself."""
     times = np.arange(0.0, 20.0, 0.1) + np.where(np.arange(200) < 80, 0.0, pause)
     lines = ["time_s,disp_um", *(f"{np.floor(4.0 * t) / 4.0:.2f},{10.0 * t:.4f}" for t in times)]
@@ -206,7 +210,7 @@ def test_a_slow_clock_is_made_even_and_lines_cut_off_or_written_twice_are_left_o
 
 
 @pytest.mark.parametrize("name", ["paper", "paper-si"])
-def test_a_run_is_written_as_a_record_and_read_back_equal(name: str, tmp_path: Path) -> None:
+def test_a_run_is_written_as_a_record_and_read_back_equal(name, tmp_path):
     """Slip, which is taken from the elastic stress, is the integral of the slip rate."""
     result = sw.run(name, "block8", until=80, interface=True, **{"drive.velocity": [[0, 100], [40, 100], [40, 300]]})
     result.write_series(tmp_path / "run.csv")
@@ -226,7 +230,7 @@ def test_a_run_is_written_as_a_record_and_read_back_equal(name: str, tmp_path: P
 
 
 @pytest.mark.parametrize(("rate", "step"), [("250 Hz", 0.004 / 0.00188037), (4, 0.25)])
-def test_even_samples_are_those_of_the_solver(rate: float | str, step: float, tmp_path: Path) -> None:
+def test_even_samples_are_those_of_the_solver(rate, step, tmp_path):
     """A transit of this scene is 1.88037 ms."""
     scene = sw.read("paper-si")
     result = sw.run(scene, "block8", until=60, rate=rate)
@@ -241,7 +245,7 @@ def test_even_samples_are_those_of_the_solver(rate: float | str, step: float, tm
     assert read_series(tmp_path / "even.csv")["time"].size == len(time)
 
 
-def test_a_record_is_thinned_unless_its_samples_are_chosen(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_record_is_thinned_unless_its_samples_are_chosen(tmp_path, monkeypatch):
     monkeypatch.setattr("validation.commands.run.MOST_LINES", 100)
     result, whole = (sw.run("paper", "block8", until=80, interface=True, every=every) for every in (None, 1))
     for one in (result, whole):
@@ -252,6 +256,54 @@ def test_a_record_is_thinned_unless_its_samples_are_chosen(tmp_path: Path, monke
     assert np.array_equal(thin, every[:: -(-every.size // 100)])
 
 
-def test_a_run_without_a_history_gives_no_record(tmp_path: Path) -> None:
+def test_a_run_without_a_history_gives_no_record(tmp_path):
     with pytest.raises(SceneError, match="a record needs the interface's history: run with interface=True"):
         sw.run("paper", "block8", until=1, interface=False).write_series(tmp_path / "run.csv")
+
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="pipes and devices")
+READERS = (
+    ["fit", "velocity-steps", "--free", "a,b", "--data"],
+    ["sweep", "paper", "--out", "map", "--rows"],
+    ["compare", "steel-on-pmma", "--models", "quasidynamic", "--until", "2s", "--with"],
+)
+
+
+@pytest.mark.parametrize("words", READERS)
+@pytest.mark.parametrize(
+    ("name", "told"), [("/dev/zero", "a device"), ("folder", "a folder"), ("pipe", "pipe"), ("no", "no such")]
+)
+def test_what_is_no_data_is_refused(words, name, told, tmp_path, monkeypatch, refused):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(files.time, "sleep", lambda seconds: None)  # for a writer of the pipe
+    os.mkdir("folder")
+    os.mkfifo("pipe")
+    assert told in refused(*words, name)
+
+
+@pytest.fixture
+def pipe(tmp_path):
+    """A pipe, and what writes to it."""
+    os.mkfifo(tmp_path / "pipe")
+
+    def writing(content):
+        def write():
+            with suppress(BrokenPipeError), open(tmp_path / "pipe", "wb", buffering=0) as file:
+                file.write(content)
+
+        threading.Thread(target=write, daemon=True).start()
+        return tmp_path / "pipe"
+
+    return writing
+
+
+def test_a_pipe_is_read_to_its_end(pipe):
+    content = bytes(range(256)) * 10_000
+    assert content_of(pipe(content), "here") == content
+
+
+def test_a_pipe_without_end_ends(pipe, monkeypatch):
+    monkeypatch.setattr(files, "MOST_BYTES", 100_000)
+    monkeypatch.setattr(files, "_PROBE", 10_000)
+    with pytest.raises(SceneError, match="here: is longer than 1 GB"):
+        content_of(pipe(bytes(1_000_000)), "here")

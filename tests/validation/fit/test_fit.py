@@ -1,7 +1,5 @@
 """`slipwave.fit`: derivatives against differences, known parameters given back, and what the data do not say."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -10,6 +8,7 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from slipwave.scene.drive import Drive
+from tests.validation.records import assert_held, written
 from validation.commands.fit_figures import chart_of_fit, values_in_words
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver, solved
@@ -26,24 +25,24 @@ ASIDE = ["interface.a=0.013", "interface.b=0.02", "interface.memory_length='20 u
 NOISE = 1e-4
 
 
-def of_model(model: str, words: list[str], times: np.ndarray, tolerance: float = 1e-11) -> tuple[OfReduction, np.ndarray]:
+def of_model(model, words, times, tolerance=1e-11):
     scene = read("velocity-steps", THIN)
     variants = Variants(scene, free_parameters(scene, words), schedule_of(scene))
     return OfReduction(variants, times, model, tolerance), np.array([one.inner(one.start) for one in variants.free])
 
 
 @pytest.fixture(scope="module")
-def steps(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def steps(tmp_path_factory):
     """10,000 samples of velocity steps of known parameters, with noise."""
     times = np.linspace(0.0, 119.0, 10_000)
     made, inner = of_model("quasidynamic", KEYS, times)
     friction = made.friction(inner) + NOISE * np.random.default_rng(7).standard_normal(times.size)
     path = tmp_path_factory.mktemp("fit") / "steps.csv"
-    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [s],friction", comments="")
+    written(path, "time [s],friction", times, friction)
     return path
 
 
-def assert_slopes(made: Made, inner: np.ndarray, step: float, parts: tuple[slice, ...] = (slice(None),)) -> None:
+def assert_slopes(made, inner, step, parts=(slice(None),)):
     """By each parameter, relative to the largest value of a part of the rows."""
     exact = made.slopes(inner)
     for k, shift in enumerate(step * np.eye(inner.size)):
@@ -53,14 +52,14 @@ def assert_slopes(made: Made, inner: np.ndarray, step: float, parts: tuple[slice
 
 
 @pytest.mark.parametrize("model", ["quasidynamic", "block8"])
-def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model: str) -> None:
+def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model):
     words = [*KEYS, "interface.a_star", "interface.reference_velocity", "slab.thickness", "slab.shear_modulus"]
     words = words if model == "quasidynamic" else words[:5]  # a block rings: its phase is no smooth function of stiffness
     made, inner = of_model(model, words, np.linspace(0.1, 119.0, 400))
     assert_slopes(made, inner, 1e-4)
 
 
-def test_the_derivative_of_the_delay_system_is_that_of_differences() -> None:
+def test_the_derivative_of_the_delay_system_is_that_of_differences():
     scene, words = read("velocity-steps"), [*KEYS, "interface.a_star"]
     schedule = Drive((0.0, 1.0, 1.0, 3.0, 3.0), (1e-6, 1e-6, 1e-5, 1e-5, 1e-6))
     variants = Variants(scene, free_parameters(scene, words), schedule)
@@ -68,17 +67,14 @@ def test_the_derivative_of_the_delay_system_is_that_of_differences() -> None:
     assert_slopes(made, np.array([one.inner(one.start) for one in variants.free]), 1e-4)
 
 
-def test_known_parameters_lie_in_their_intervals(steps: Path) -> None:
+def test_known_parameters_lie_in_their_intervals(steps):
     found = sw.fit("velocity-steps", data=[str(steps)], free=KEYS, settings=[*THIN, *ASIDE])
-    for key, value in TRUTH.items():
-        row = found.summary["parameters"][key]
-        assert row["low"] < value < row["high"], key
-        assert row["high"] - row["low"] < 2e-3 * value
+    assert_held(found, TRUTH, 2e-3)
     assert found.residual["rms"] == pytest.approx(NOISE, rel=0.02)
     assert found.summary["correlation"][KEYS[0]][KEYS[1]] == pytest.approx(found.dataset["correlation"].values[0, 1])
 
 
-def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
+def test_intervals_hold_the_truth_as_often_as_they_say():
     times, scene = np.linspace(30.0, 80.0, 120), read("velocity-steps", THIN)
     experiment = Experiment("made", times, np.zeros(times.size), schedule_of(scene).travel(times), schedule_of(scene), (), 1e4)
     made, inner = of_model("quasidynamic", KEYS, times, 1e-8)
@@ -95,7 +91,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say() -> None:
     assert held.sum() < 90
 
 
-def test_a_level_and_its_drift_are_free_where_asked(steps: Path, tmp_path: Path) -> None:
+def test_a_level_and_its_drift_are_free_where_asked(steps, tmp_path):
     times, friction = np.loadtxt(steps, delimiter=",", skiprows=1).T
     drifting = tmp_path / "drifting.txt"
     moved = np.interp(times, [0.0, 40.0, 60.0, 120.0], [0.0, 40.0, 240.0, 300.0])  # um
@@ -103,7 +99,7 @@ def test_a_level_and_its_drift_are_free_where_asked(steps: Path, tmp_path: Path)
     call = {"data": [str(drifting)], "columns": "friction,time", "units": "%,min", "settings": THIN}
     found = sw.fit("velocity-steps", free=[*KEYS, "level", "drift"], **call)
     rows = found.summary["parameters"]
-    assert all(rows[key]["low"] < value < rows[key]["high"] for key, value in TRUTH.items())
+    assert_held(found, TRUTH)
     assert rows["drift"]["value"] == pytest.approx(1e-4 * 299.0, rel=1e-2)
 
 
@@ -118,12 +114,12 @@ def test_a_level_and_its_drift_are_free_where_asked(steps: Path, tmp_path: Path)
         ("level", "--free: missing; must be keys of the scene"),
     ],
 )
-def test_a_wrong_key_is_named(free: str, line: str, steps: Path) -> None:
+def test_a_wrong_key_is_named(free, line, steps):
     with pytest.raises(SceneError, match=line):
         sw.fit("velocity-steps", data=[str(steps)], free=[free])
 
 
-def test_parameters_that_only_act_together_are_named(steps: Path) -> None:
+def test_parameters_that_only_act_together_are_named(steps):
     free = [*KEYS, "interface.a_star", "level"]
     with pytest.raises(NumericsError, match=r"do not determine interface\.a_star and level") as refused:
         sw.fit("velocity-steps", data=[str(steps)], free=free, settings=THIN)
@@ -140,30 +136,27 @@ STICKING = {
 }
 
 
-def sticking(model: str = "quasidynamic") -> tuple[CycleOfReduction, np.ndarray]:
+def sticking(model="quasidynamic"):
     scene = read(STICKING)
     variants = Variants(scene, free_parameters(scene, [*KEYS, "slab.face.stiffness"]), schedule_of(scene))
     made = CycleOfReduction(disturbed(variants), 36.0, model, 1e-10)
     return made, np.array([one.inner(one.start) for one in variants.free])
 
 
-def test_the_derivative_of_a_cycle_is_that_of_differences() -> None:
+def test_the_derivative_of_a_cycle_is_that_of_differences():
     """Its first row is the period."""
     assert_slopes(*sticking(), 2e-5, (slice(1), slice(1, None)))
 
 
-def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) -> None:
+def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path):
     made, inner = sticking()
     times, friction = made.motion(inner, 0.02)
     friction += 3e-4 * np.random.default_rng(2).standard_normal(times.size)
     path = tmp_path / "sticking.csv"
-    np.savetxt(path, np.column_stack([friction, 1e6 * times]), delimiter=",", header="mu,time [us]", comments="")
+    written(path, "mu,time [us]", friction, 1e6 * times)
     start = ["interface.a=0.011", "interface.b=0.017", "slab.face.stiffness='3 GPa/m'"]
     found = sw.fit(STICKING, data=[str(path)], free=[*KEYS, "slab.face.stiffness"], settings=start)
-    for key, value in (TRUTH | {"slab.face.stiffness": 2e9}).items():
-        row = found.summary["parameters"][key]
-        assert row["low"] < value < row["high"], key
-        assert row["high"] - row["low"] < 0.03 * value, key
+    assert_held(found, TRUTH | {"slab.face.stiffness": 2e9}, 0.03)
     assert found.summary["data"][0]["period"]["fitted"] == pytest.approx(35.7603, rel=1e-4)
     assert found.plot().axes[0].get_lines()[0].get_xdata()[[0, -1]] == pytest.approx([0.03, 0.97], abs=1e-3)
     stiff = 1e-6 / (2.0 * (0.05 / 30e9 + 1.0 / 2e9) * 5e6)  # of slabs and springs in series, 1/um
@@ -178,13 +171,13 @@ def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path: Path) ->
     )
     with pytest.raises(SceneError, match=r"period is 1\.19e\+06 transits: a fit with every wave takes 10000"):
         sw.fit(STICKING, "delay", data=[str(path)], free=KEYS)
-    np.savetxt(path, np.column_stack([0.6 + 0.0 * friction, times]), delimiter=",", header="mu,time [s]", comments="")
+    written(path, "mu,time [s]", 0.6 + 0.0 * friction, times)
     with pytest.raises(SceneError, match="no slip event"):
         sw.fit(STICKING, data=[str(path)], free=KEYS)
 
 
 @pytest.mark.parametrize("every", [0.33, 0.25, None])  # s: events at all places between two samples, at one, at random
-def test_errors_of_dates_are_in_the_interval_of_the_period_and_common_to_friction(every: float | None) -> None:
+def test_errors_of_dates_are_in_the_interval_of_the_period_and_common_to_friction(every):
     """A saw whose teeth fall at once: by chance, what errors do that samples have in common is as large as said."""
     found = []
     for seed in range(100):
@@ -204,12 +197,12 @@ def test_errors_of_dates_are_in_the_interval_of_the_period_and_common_to_frictio
     assert 0.4 < whole < 1.6  # intervals are scaled by it
 
 
-def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_values_back(tmp_path: Path) -> None:
+def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_values_back(tmp_path):
     """2 mm of rock, whose period is 1.6e8 transits; the record is by scipy, of a spring and a dashpot."""
     a, b, length, velocity, stress, stiffness = 0.006, 0.01, 1e-5, 1e-6, 5e6, 1.6e9
     damping = 0.5 * (30e9 * 2700.0) ** 0.5
 
-    def rates(_: float, y: np.ndarray) -> list[float]:
+    def rates(_, y):
         v, x = np.exp(y[0]), np.exp(y[0] + y[1]) / length
         grows = -v / length * np.log(x)
         return [(stiffness * (velocity - v) - stress * b * grows) / (stress * a + damping * v), grows]
@@ -220,7 +213,7 @@ def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_
     friction = 0.6 + a * (log_v - np.log(velocity)) + b * (log_theta + np.log(velocity / length))
     friction += 1e-3 * np.random.default_rng(2).standard_normal(times.size)
     path = tmp_path / "thin.csv"
-    np.savetxt(path, np.column_stack([times - 1000.0, friction]), delimiter=",", header="time [s],friction", comments="")
+    written(path, "time [s],friction", times - 1000.0, friction)
     face = STICKING["slab"]["face"] | {"stiffness": f"{1e-9 / (0.5 / stiffness - 0.002 / 30e9)} GPa/m"}
     thin = STICKING["slab"] | {"thickness": "2 mm", "face": face}
     law = {"law": "slip", "a": 0.0054, "b": 0.0108, "memory_length": "13 um"}
@@ -229,13 +222,10 @@ def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_
     set_going = disturbed(Variants(scene, (), schedule_of(scene))).scene(np.empty(0))
     assert sum(pieces.time.size for pieces in solved("quasidynamic", set_going, 1.4e9, 1e-7)) < 3000
     found = sw.fit(sample, data=[str(path)], free=KEYS)
-    for key, value in zip(KEYS, (a, b, length), strict=True):
-        row = found.summary["parameters"][key]
-        assert row["low"] < value < row["high"], key
-        assert row["high"] - row["low"] < 0.06 * value, key
+    assert_held(found, dict(zip(KEYS, (a, b, length), strict=True)), 0.06)
 
 
-def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(tmp_path: Path) -> None:
+def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(tmp_path):
     """A spring of 0.96 of the critical stiffness: the first periods are 13.8, 14.0 and 14.1 s, the later ones 14.3 s."""
     scene = read(STICKING, ["slab.face.stiffness='4.8387 GPa/m'"])
     variants = disturbed(Variants(scene, free_parameters(scene, KEYS), schedule_of(scene)))
@@ -243,7 +233,7 @@ def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(t
     friction = OfReduction(variants, times, "quasidynamic", 1e-8).friction(inner)
     path = tmp_path / "near.csv"
     friction += 1e-3 * np.random.default_rng(5).standard_normal(times.size)
-    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [s],friction", comments="")
+    written(path, "time [s],friction", times, friction)
     start = ["interface.a=0.0095", "interface.b=0.0148", "interface.memory_length='9.5 um'"]
     found = sw.fit(scene, data=[str(path)], free=KEYS, settings=start)
     rows, settled = found.summary["parameters"], CycleOfReduction(variants, 18.0, "quasidynamic", 1e-8).friction(inner)[0]
@@ -253,7 +243,7 @@ def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(t
     assert any("in these the motion settles" in note for note in found.notes)
 
 
-def test_a_block_is_marched_through_its_stops_as_a_run_is() -> None:
+def test_a_block_is_marched_through_its_stops_as_a_run_is():
     """A sample of one metre, whose block stops within 1e-6 transits after slips of a hundred."""
     law = STICKING["interface"] | {"a": 0.006, "b": 0.011, "memory_length": "3 um", "normal_stress": "10 MPa"}
     block = STICKING | {"interface": law, "slab": {"density": 35181, "shear_modulus": "10 GPa", "thickness": "1 m"}}
@@ -270,21 +260,21 @@ class Walled:
     names, fineness = ["x", "y"], 1e-10
     low, high, large = -np.full(2, 9.0), np.full(2, 9.0), np.ones(2)
 
-    def __init__(self, wall: float) -> None:
+    def __init__(self, wall):
         self.wall = wall
 
-    def residual(self, inner: np.ndarray) -> np.ndarray:
+    def residual(self, inner):
         if inner[0] > self.wall:
             raise NumericsError("the wall")
         x, y = inner - 1.0
         return np.array([x + 0.1 * x**2, x - y, y, 1e-2, -1e-2])
 
-    def slopes(self, inner: np.ndarray) -> np.ndarray:
+    def slopes(self, inner):
         return np.array([[1.0 + 0.2 * (inner[0] - 1.0), 0.0], [1.0, -1.0], [0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
 
 
 @pytest.mark.parametrize(("wall", "line"), [(0.5, "cannot be computed beside these values"), (1.5, "")])
-def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wall: float, line: str) -> None:
+def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wall, line):
     """Nor is one that met such values on its way, if it went on to its minimum."""
     best = Best(start := np.array([-3.0, 4.0]))
     found = minimise(Walled(wall), [start], best, 1.0)
@@ -295,13 +285,11 @@ def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wal
 
 
 @pytest.mark.parametrize(("excess", "fails"), [(1.02, True), (1.0, False)])
-def test_a_residual_that_noise_does_not_explain_fails_with_its_values_and_the_next_model(
-    excess: float, fails: bool, steps: Path, tmp_path: Path
-) -> None:
+def test_a_residual_that_noise_does_not_explain_fails_with_its_values_and_the_next_model(excess, fails, steps, tmp_path):
     times, friction = np.loadtxt(steps, delimiter=",", skiprows=1).T
     path = tmp_path / "bent.csv"
     bent = friction + (excess - 1.0) * np.sin(times)
-    np.savetxt(path, np.column_stack([times, bent]), delimiter=",", header="time [s],friction", comments="")
+    written(path, "time [s],friction", times, bent)
     call = {"data": [str(path)], "free": KEYS, "settings": [*THIN, "interface.a=0.0101"]}
     if not fails:
         assert sw.fit("velocity-steps", **call).notes[0] == "model quasidynamic leaves out waves that return"
@@ -312,18 +300,18 @@ def test_a_residual_that_noise_does_not_explain_fails_with_its_values_and_the_ne
     assert all(row["low"] < row["value"] < row["high"] for row in rows)
 
 
-def test_noise_is_a_ten_thousandth_of_the_range_of_friction_at_least(tmp_path: Path) -> None:
+def test_noise_is_a_ten_thousandth_of_the_range_of_friction_at_least(tmp_path):
     """A record without noise, whose samples are right to 1e-5 of the range."""
     times = np.linspace(0.0, 119.0, 300)
     made, inner = of_model("quasidynamic", KEYS, times)
     friction = made.friction(inner)
     path = tmp_path / "quiet.csv"
     friction += 1e-5 * np.ptp(friction) * np.sin(times)
-    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [s],friction", comments="")
+    written(path, "time [s],friction", times, friction)
     sw.fit("velocity-steps", data=[str(path)], free=KEYS, settings=THIN)
 
 
-def test_values_that_are_no_minimum_have_no_interval(steps: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_values_that_are_no_minimum_have_no_interval(steps, monkeypatch, tmp_path):
     monkeypatch.setattr("validation.commands.fit.minimise", lambda *given: minimise(*given)._replace(failed="no minimum"))
     with pytest.raises(NumericsError, match="no minimum") as refused:
         sw.fit("velocity-steps", data=[str(steps)], free=["interface.a"], settings=[*THIN, *ASIDE])
@@ -333,7 +321,7 @@ def test_values_that_are_no_minimum_have_no_interval(steps: Path, monkeypatch: p
     refused.value.result.save_plot(tmp_path / "best.png")
 
 
-def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:
+def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free():
     face = {"kind": "machine", "stiffness": "2 GPa/m", "impedance": "5 MPa s/m", "mass": "100000 kg/m2"}
     scene = read(STICKING | {"slab": STICKING["slab"] | {"face": face}})
     variants = disturbed(Variants(scene, free_parameters(scene, ["a", "slab.face.mass"]), schedule_of(scene)))
@@ -347,26 +335,7 @@ def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free() -> None:
     assert by[1] == pytest.approx(difference, rel=1e-3)
 
 
-def test_a_slide_hold_slide_in_columns_of_its_own_is_fitted_with_its_own_drive(tmp_path: Path) -> None:
-    times, holds = np.arange(0.0, 400.0, 0.1), Drive((0.0, 50.0, 50.0, 150.0, 150.0), (1e-5, 1e-5, 0.0, 0.0, 1e-5))
-    scene = read(STICKING, ["slab.face.stiffness='20 GPa/m'"])
-    variants = Variants(scene, free_parameters(scene, KEYS), holds)
-    inner = np.array([one.inner(one.start) for one in variants.free])
-    rng = np.random.default_rng(4)
-    friction = OfReduction(variants, times, "quasidynamic", 1e-9).friction(inner) + NOISE * rng.standard_normal(times.size)
-    moved = 1e3 * holds.travel(times) + 1e-5 * rng.standard_normal(times.size)
-    path = tmp_path / "hold.txt"
-    np.savetxt(path, np.column_stack([moved, 5.0 * friction, times + 77.0]))
-    call = {"columns": "load_point_displacement,shear_stress,time", "units": "mm,MPa,s", "settings": [*ASIDE]}
-    found = sw.fit(scene, data=[str(path)], free=KEYS, **call)
-    assert all(row["low"] < TRUTH[key] < row["high"] for key, row in found.summary["parameters"].items())
-    assert any("the load point moves as in the file: 3 velocities" in note for note in found.notes)
-    part = sw.fit(scene, data=[str(path)], free=KEYS, window="100:400", **call)
-    part.to_netcdf(tmp_path / "part.nc")
-    assert sw.fit(tmp_path / "part.nc").residual["samples"] == part.residual["samples"]  # of the same columns and window
-
-
-def test_a_figure_says_the_values_and_shows_holds_over_time() -> None:
+def test_a_figure_says_the_values_and_shows_holds_over_time():
     times, friction = np.array([0.0, 1.0, 2.0]), np.array([0.6, 0.61, 0.6])
     held, moving = (Drive((0.0, 1.0, 1.0, 2.0), (1e-6, 1e-6, after, after)) for after in (0.0, 2e-6))
     records = [Experiment(f"/x/{k}.csv", times, friction, one.travel(times), one) for k, one in enumerate((held, moving))]

@@ -1,7 +1,5 @@
 """Stick-slip fitted with every wave: orbits over their period, known parameters in their intervals, and what is refused."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -9,6 +7,7 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from slipwave.scene.drive import Drive
+from tests.validation.records import assert_held, written
 from validation.fit.cycles import disturbed
 from validation.fit.folded import FoldedRecord, folded
 from validation.fit.forward import OfSolver
@@ -16,10 +15,11 @@ from validation.fit.least_squares import Best
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import Variants, free_parameters, schedule_of
 
+HEADING = "time [transits],mu"
 AWAY = ["interface.a=0.0349", "interface.b=0.0489"]
 
 
-def seen(a: float, noise: float, seed: int, begin: float = 2000.0) -> tuple[np.ndarray, np.ndarray]:
+def seen(a, noise, seed, begin=2000.0):
     """16 cycles of the delay system in the scene `paper`, with noise, from a nudge."""
     scene = read("paper", {"interface.a": a})
     times = np.arange(begin, begin + 1200.0, 0.23)
@@ -28,28 +28,18 @@ def seen(a: float, noise: float, seed: int, begin: float = 2000.0) -> tuple[np.n
     return times - begin, friction + noise * np.random.default_rng(seed).standard_normal(times.size)
 
 
-def written(path: Path, times: np.ndarray, friction: np.ndarray) -> str:
-    np.savetxt(path, np.column_stack([times, friction]), delimiter=",", header="time [transits],mu", comments="")
-    return str(path)
-
-
 @pytest.mark.parametrize(("a", "noise", "away"), [(0.0349, 1e-3, (1.02, 0.985)), (0.0347, 1e-4, (0.87, 1.12))])
-def test_stick_slip_of_the_delay_system_gives_a_and_b_back_from_near_and_far(
-    a: float, noise: float, away: tuple[float, float], tmp_path: Path
-) -> None:
-    file = written(tmp_path / "paper.csv", *seen(a, noise, 14))
+def test_stick_slip_of_the_delay_system_gives_a_and_b_back_from_near_and_far(a, noise, away, tmp_path):
+    file = written(tmp_path / "paper.csv", HEADING, *seen(a, noise, 14))
     start = [f"interface.a={a * away[0]}", f"interface.b={0.0489 * away[1]}"]
     found = sw.fit("paper", "delay", data=[file], free=["a", "b"], settings=start)
-    for key, value in (("interface.a", a), ("interface.b", 0.0489)):
-        row = found.summary["parameters"][key]
-        assert row["low"] < value < row["high"], key
-        assert row["high"] - row["low"] < 5.0 * noise * value, key
+    assert_held(found, {"interface.a": a, "interface.b": 0.0489}, 5.0 * noise)
     assert found.residual["over_noise"] == pytest.approx(1.0, abs=0.1)
     assert found.residual["rms"] == pytest.approx(noise, rel=0.1)
 
 
 @pytest.fixture(scope="module")
-def followed() -> CycleOfOrbit:
+def followed():
     """An orbit of the delay system, seen at some places of its cycle."""
     scene = read("paper")
     variants = disturbed(Variants(scene, free_parameters(scene, ["a", "b"]), schedule_of(scene)))
@@ -59,7 +49,7 @@ def followed() -> CycleOfOrbit:
     return made
 
 
-def test_an_orbit_is_that_of_the_run_and_its_derivative_that_of_differences(followed: CycleOfOrbit) -> None:
+def test_an_orbit_is_that_of_the_run_and_its_derivative_that_of_differences(followed):
     inner = np.log([0.0349, 0.0489])
     here = followed.friction(inner)
     assert here[0] == pytest.approx(73.47214494, abs=1e-5)
@@ -72,7 +62,7 @@ def test_an_orbit_is_that_of_the_run_and_its_derivative_that_of_differences(foll
     followed.friction(inner)
 
 
-def test_over_the_period_no_orbit_turns_back(followed: CycleOfOrbit) -> None:
+def test_over_the_period_no_orbit_turns_back(followed):
     """Over a parameter the period locks to round trips; over the period the parameter's slope swings twofold within a transit."""
     followed.friction(np.log([0.0349, 0.0489]))
     rest = followed.anchor.coordinates[1:]
@@ -82,32 +72,30 @@ def test_over_the_period_no_orbit_turns_back(followed: CycleOfOrbit) -> None:
     assert slopes.max() > 2.0 * slopes.min()
 
 
-def test_what_does_not_repeat_or_is_of_another_model_has_no_interval(tmp_path: Path) -> None:
+def test_what_does_not_repeat_or_is_of_another_model_has_no_interval(tmp_path):
     times, friction = seen(0.0349, 1e-4, 5)
-    settling = written(tmp_path / "settling.csv", *seen(0.0340, 1e-4, 5, 1000.0))
+    settling = written(tmp_path / "settling.csv", HEADING, *seen(0.0340, 1e-4, 5, 1000.0))
     with pytest.raises(NumericsError, match="no interval holds") as refused:
         sw.fit("paper", "delay", data=[settling], free=["a", "b"], settings=["interface.a=0.034"])
     assert refused.value.result.parameters["interface.a"]["value"] == pytest.approx(0.034, rel=0.03)
     late = times + np.sin(times / 150.0)
     with pytest.raises(SceneError, match="transits off equal cycles"):
         folded("late", late, friction, 1.0)
-    bent = written(tmp_path / "bent.csv", times, 0.3 + 1.1 * (friction - 0.3))
+    bent = written(tmp_path / "bent.csv", HEADING, times, 0.3 + 1.1 * (friction - 0.3))
     with pytest.raises(NumericsError, match="no orbit of the model is the record's"):
         sw.fit("paper", "delay", data=[bent], free=["b"], settings=AWAY)
 
 
-def test_an_orbit_that_one_mesh_calls_unstable_is_fitted_if_orbit_does_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_orbit_that_one_mesh_calls_unstable_is_fitted_if_orbit_does_not(tmp_path, monkeypatch):
     """Behind faces that leak, the eigenvalues of a single mesh near the essential radius may lie outside the unit circle."""
     monkeypatch.setattr("validation.fit.by_orbits.count_unstable", lambda closed: 1)
-    file = written(tmp_path / "paper.csv", *seen(0.0349, 1e-3, 14))
+    file = written(tmp_path / "paper.csv", HEADING, *seen(0.0349, 1e-3, 14))
     assert sw.orbit("paper").summary["stable"]
     assert "interface.a" in sw.fit("paper", "delay", data=[file], free=["a"]).parameters
 
 
-def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path: Path) -> None:
-    file = written(tmp_path / "paper.csv", *seen(0.0349, 1e-3, 5))
+def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path):
+    file = written(tmp_path / "paper.csv", HEADING, *seen(0.0349, 1e-3, 5))
     found = sw.fit("paper", "modal:2", data=[file], free=["a"], settings=AWAY)
     assert found.parameters["interface.a"]["value"] == pytest.approx(0.0349, rel=5e-3)
     with pytest.raises(SceneError, match="one record of stick-slip at a time"):
@@ -117,12 +105,10 @@ def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(("scene", "work", "line"), [("paper", 3e6, "after 3[0-9] orbits"), ("unlike", 1e4, "after 0 orbits")])
-def test_a_search_without_an_answer_ends_and_says_where_it_is(
-    scene: str, work: float, line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_search_without_an_answer_ends_and_says_where_it_is(scene, work, line, tmp_path, monkeypatch, caplog):
     """A friction that no orbit has, and orbits that are too large."""
     times, friction = seen(0.0349, 1e-4, 5)
-    file = written(tmp_path / "record.csv", times, friction if scene == "unlike" else 0.2 + 2.0 * friction)
+    file = written(tmp_path / "record.csv", HEADING, times, friction if scene == "unlike" else 0.2 + 2.0 * friction)
     monkeypatch.setattr("validation.fit.orbits._WORK", work)
     monkeypatch.setattr("validation.models.progress._LINE_INTERVAL", 0.0)
     with caplog.at_level("INFO", "slipwave"), pytest.raises(NumericsError, match=f"the search ends {line}.*quasidynamic"):
@@ -130,7 +116,7 @@ def test_a_search_without_an_answer_ends_and_says_where_it_is(
     assert scene == "unlike" or any("orbits closed or tried" in line for line in caplog.messages)
 
 
-def test_a_fit_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_fit_says_how_far_it_is(monkeypatch, caplog):
     monkeypatch.setattr("validation.models.progress._LINE_INTERVAL", 0.0)
     best = Best(np.zeros(1))
     with caplog.at_level("INFO", "slipwave"):

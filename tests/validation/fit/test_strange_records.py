@@ -11,8 +11,8 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input.source import to_toml
 from tests.copies import killed
+from tests.validation.records import assert_held, written
 from validation.commands.cli import main
-from validation.commands.fit import FitResult
 from validation.data.series import read_series
 from validation.fit.kept import KeptBest
 from validation.fit.records import experiment_of, followed
@@ -30,7 +30,7 @@ SAMPLE = {
 SPRING = 2e10  # Pa/m, of that sample
 
 
-def slider(times: np.ndarray, steps: list[tuple[float, float]], spring: float = SPRING, off: float = 0.0) -> np.ndarray:
+def slider(times, steps, spring=SPRING, off=0.0):
     """Friction of a spring-slider with radiation damping under the ageing law, by LSODA: velocity (m/s) from each time on; at the
     start, psi is `off` its steady value."""
     (a, b, length), stress, damping = TRUTH.values(), 5e6, 4.5e6
@@ -38,7 +38,7 @@ def slider(times: np.ndarray, steps: list[tuple[float, float]], spring: float = 
     ends = [*(begin for begin, _ in steps[1:]), times[-1]]
     for (begin, pace), end in zip(steps, ends, strict=True):
 
-        def rates(_: float, y: np.ndarray, pace: float = pace) -> list[float]:
+        def rates(_, y, pace=pace):
             rate = 1e-6 * np.exp(y[0])
             ageing = (1e-6 * np.exp(-y[1]) - rate) / length
             return [(spring * (pace - rate) - stress * b * ageing) / (stress * a + damping * rate), ageing]
@@ -50,39 +50,27 @@ def slider(times: np.ndarray, steps: list[tuple[float, float]], spring: float = 
     return found
 
 
-def travelled(times: np.ndarray, steps: list[tuple[float, float]]) -> np.ndarray:
+def travelled(times, steps):
     begins, paces = np.array(steps).T
     ends = np.append(begins[1:], np.inf)
     return np.sum([v * (np.clip(times, a, b) - a) for a, b, v in zip(begins, ends, paces, strict=True)], axis=0)
 
 
-def written(path: Path, heading: str, *columns: np.ndarray) -> str:
-    np.savetxt(path, np.column_stack(columns), delimiter=",", header=heading, comments="", fmt="%.9g")
-    return str(path)
-
-
-def holds(found: FitResult, truth: dict[str, float] = TRUTH, wide: float = 0.1) -> None:
-    """The intervals hold the truth, and say something."""
-    rows = found.summary["parameters"]
-    for key, value in truth.items():
-        assert rows[key]["low"] < value < rows[key]["high"] < (1.0 + wide) * value, key
-
-
 STEPS = [(0.0, 1e-6), (20.0, 1e-5), (45.0, 1e-6)]
 
 
-def test_sixty_samples_say_where_the_load_point_turned_between_two_of_them(tmp_path: Path) -> None:
+def test_sixty_samples_say_where_the_load_point_turned_between_two_of_them(tmp_path):
     times = np.linspace(0.0, 80.0, 60)
     noise = 2e-4 * np.random.default_rng(5).standard_normal(60)
     path = written(
         tmp_path / "few.csv", "seconds,cof,load_point_um", times, slider(times, STEPS) + noise, 1e6 * travelled(times, STEPS)
     )
     found = sw.fit(SAMPLE, data=[path], free=FREE)
-    holds(found)
+    assert_held(found, TRUTH, 0.1)
     assert any("3 velocities, 1e-06, 1e-05, 1e-06" in note for note in found.notes)
 
 
-def test_a_load_point_in_whole_steps_of_its_gauge_and_its_velocity_give_the_same_drive(tmp_path: Path) -> None:
+def test_a_load_point_in_whole_steps_of_its_gauge_and_its_velocity_give_the_same_drive(tmp_path):
     times, rng = np.arange(0.05, 100.0, 0.1), np.random.default_rng(6)
     friction = np.round(slider(times, STEPS) + 2e-4 * rng.standard_normal(times.size), 4)
     gauge = written(
@@ -92,11 +80,11 @@ def test_a_load_point_in_whole_steps_of_its_gauge_and_its_velocity_give_the_same
     rate = written(tmp_path / "rate.csv", "t [s],mu,Load velocity (um/s)", times, friction, pace)
     for path in (gauge, rate):
         found = sw.fit(SAMPLE, data=[path], free=FREE)
-        holds(found)
+        assert_held(found, TRUTH, 0.1)
         assert any("3 velocities" in note for note in found.notes)
 
 
-def test_a_window_leaves_out_what_the_model_does_not_say(tmp_path: Path) -> None:
+def test_a_window_leaves_out_what_the_model_does_not_say(tmp_path):
     steps = [(0.0, 1e-6), (80.0, 1e-5), (140.0, 1e-6)]
     times = np.arange(0.0, 200.0, 0.1)
     friction = np.minimum(slider(times, steps), 0.02 * times**1.2) + 3e-4 * np.random.default_rng(7).standard_normal(times.size)
@@ -104,7 +92,7 @@ def test_a_window_leaves_out_what_the_model_does_not_say(tmp_path: Path) -> None
         tmp_path / "run-in.csv", "time_s,friction,displacement_um", times + 500.0, friction, 1e6 * travelled(times, steps)
     )
     found = sw.fit(SAMPLE, data=[path], free=[*FREE, "level"], window="560s:12min")
-    holds(found, {**TRUTH})
+    assert_held(found, TRUTH, 0.1)
     assert found.summary["determined"]["level"]  # to 1e-5, though it is 0
     assert found.summary["data"][0]["samples"] == 1400
     for window, told in (("1:2:3", "must be BEGIN:END"), ("9e2:", "holds 0 samples")):
@@ -113,13 +101,13 @@ def test_a_window_leaves_out_what_the_model_does_not_say(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("far", [{"memory_length": "300 um"}, {"a": 0.02, "b": 0.01}, {"slab.face.stiffness": "20 GPa/m"}])
-def test_stick_slip_is_fitted_from_values_that_slide_steadily(far: dict[str, object], tmp_path: Path) -> None:
+def test_stick_slip_is_fitted_from_values_that_slide_steadily(far, tmp_path):
     times = np.arange(0.0, 400.0, 0.1)
     friction = slider(times, [(0.0, 1e-5)], 1.2e9, 0.5)[500:] + 1e-3 * np.random.default_rng(8).standard_normal(3500)
     path = written(tmp_path / "stick.csv", "time [s],friction", times[500:], friction)
     start = {"slab.face.stiffness": "2.4096 GPa/m", "drive.velocity": "10 um/s", **far}
     free = [*FREE, "stiffness"] if "slab.face.stiffness" in far else FREE
-    holds(sw.fit(SAMPLE, data=[path], free=free, settings=[f"{key}={value!r}" for key, value in start.items()]))
+    assert_held(sw.fit(SAMPLE, data=[path], free=free, settings=[f"{key}={value!r}" for key, value in start.items()]), TRUTH, 0.1)
 
 
 @pytest.mark.parametrize(
@@ -131,24 +119,25 @@ def test_stick_slip_is_fitted_from_values_that_slide_steadily(far: dict[str, obj
         (np.arange(4.0), "has 4 samples: a fit needs 8"),
     ],
 )
-def test_a_load_point_that_no_model_follows_is_refused_in_one_line(moved: np.ndarray, told: str, tmp_path: Path) -> None:
+def test_a_load_point_that_no_model_follows_is_refused_in_one_line(moved, told, tmp_path):
     times = np.arange(float(moved.size))
     path = written(tmp_path / "odd.csv", "time_s,friction,displacement_um", times, 0.6 + 0.001 * np.sin(times), moved)
     with pytest.raises(SceneError, match=told):
         sw.fit(SAMPLE, data=[path], free=FREE)
 
 
-def test_a_ramp_before_steps_is_followed_by_some_steps(tmp_path: Path) -> None:
+def test_a_ramp_before_steps_is_followed_by_some_steps(tmp_path):
     ramp = [(20.0 + 0.5 * k, 1e-6 * (1.0 + 0.2 * k)) for k in range(1, 21)]  # to 5 um/s in 10 s
     times, steps = np.arange(0.0, 110.0, 0.2), [(0.0, 1e-6), *ramp, (50.0, 1e-5), (75.0, 1e-6)]
     rng = np.random.default_rng(11)
     friction = slider(times, steps) + 5e-4 * rng.standard_normal(times.size)
     moved = 1e6 * travelled(times, steps) + 0.02 * rng.standard_normal(times.size)
-    holds(sw.fit(SAMPLE, data=[written(tmp_path / "ramp.csv", "seconds,cof,x_lp [um]", times, friction, moved)], free=FREE))
+    path = written(tmp_path / "ramp.csv", "seconds,cof,x_lp [um]", times, friction, moved)
+    assert_held(sw.fit(SAMPLE, data=[path], free=FREE), TRUTH, 0.1)
 
 
 @pytest.mark.parametrize(("decimals", "offset"), [(2, 0.0), (3, 4200.0), (6, -500.0)])
-def test_holds_between_few_samples_are_found_whatever_the_decimals(decimals: int, offset: float) -> None:
+def test_holds_between_few_samples_are_found_whatever_the_decimals(decimals, offset):
     steps, parts, begin = [(0.0, 1e-5)], [np.arange(0.0, 20.0, 0.5)], 20.0
     for hold in (3.0, 30.0, 300.0, 3000.0):
         steps += [(begin, 0.0), (begin + hold, 1e-5)]
@@ -160,7 +149,7 @@ def test_holds_between_few_samples_are_found_whatever_the_decimals(decimals: int
     assert found.times[1:-1:2] == pytest.approx([t for t, _ in steps][1:], abs=2e-3)
 
 
-def test_a_clock_that_begins_after_the_scene_s_steps_counts_from_the_first_sample(tmp_path: Path) -> None:
+def test_a_clock_that_begins_after_the_scene_s_steps_counts_from_the_first_sample(tmp_path):
     times = np.linspace(0.0, 80.0, 200)
     path = written(tmp_path / "late.csv", "elapsed time [s],friction", times + 81234.5, slider(times, STEPS))
     steps = [["0 s", "1 um/s"], ["20 s", "1 um/s"], ["20 s", "10 um/s"], ["45 s", "10 um/s"], ["45 s", "1 um/s"]]
@@ -171,7 +160,7 @@ def test_a_clock_that_begins_after_the_scene_s_steps_counts_from_the_first_sampl
     assert any("clock begins at 81234.5" in note for note in found.notes)
 
 
-def test_a_mass_that_a_model_leaves_out_is_said_to_be_undetermined(tmp_path: Path) -> None:
+def test_a_mass_that_a_model_leaves_out_is_said_to_be_undetermined(tmp_path):
     times = np.linspace(0.0, 80.0, 60)
     path = written(tmp_path / "few.csv", "seconds,cof,x_lp [um]", times, slider(times, STEPS), 1e6 * travelled(times, STEPS))
     scene = SAMPLE | {
@@ -185,7 +174,7 @@ def test_a_mass_that_a_model_leaves_out_is_said_to_be_undetermined(tmp_path: Pat
     assert (found.model, found.notes[0]) == ("fitted:0", "model fitted:0 leaves out waves that return")
 
 
-def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path, capsys):
     times = np.linspace(0.0, 80.0, 300)
     friction = slider(times, STEPS) + 2e-4 * np.random.default_rng(9).standard_normal(300)
     path = written(tmp_path / "steps.csv", "seconds,cof,load_point_um", times, friction, 1e6 * travelled(times, STEPS))

@@ -42,15 +42,6 @@ def sequence(memory, count, seed):
     return 5.0 + lfilter([1.0], [1.0, -memory], drawn)
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.8, -0.5])
-def test_twice_the_error_of_a_mean_of_dependent_values_is_a_margin_of_95_in_100(memory):
-    """Means are spread by 1/((1 - memory) sqrt(n)). That of independent values would be wrong by a factor of 3 at 0.8."""
-    found = [mean_of(sequence(memory, 4000, seed)) for seed in range(40)]
-    known = 1.0 / ((1.0 - memory) * np.sqrt(4000.0))
-    assert 1.0 * known < np.mean([one.error for one in found]) < 1.4 * known
-    assert np.sqrt(np.mean([(one.value - 5.0) ** 2 for one in found])) == pytest.approx(known, rel=0.3)
-
-
 def test_samples_of_a_fit_fluctuate_together_as_cycles_of_a_run_do():
     """With memory 0.8 some (1 + 0.8)/(1 - 0.8) = 9 at a time."""
     values = [sequence(0.8, 4000, seed) - 5.0 for seed in range(20)]
@@ -59,12 +50,6 @@ def test_samples_of_a_fit_fluctuate_together_as_cycles_of_a_run_do():
     assert np.mean([correlated_samples(one) for one in values]) == pytest.approx(9.0, rel=0.1)
     by_means = [(mean_of(one).error / 1.2) ** 2 * one.size / np.var(one) for one in values]
     assert np.mean(by_means) == pytest.approx(9.0, rel=0.25)
-
-
-def test_the_error_holds_the_mean_of_a_sequence_that_alternates():
-    """Autocorrelations alone hold that of 83 in 100 short ones: pairs of lags cancel."""
-    found = [mean_of(sequence(-0.8, 60, seed)) for seed in range(200)]
-    assert np.mean([abs(one.value - 5.0) <= 2.0 * one.error for one in found]) >= 0.95
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8])

@@ -18,6 +18,7 @@ from slipwave.observe import Events, HistoryObserver, Pieces, judge_motion
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
 from tests.granite import GRANITE
+from tests.slipwave.test_verdict import henon
 from validation.commands.cli import main
 from validation.data.variables import stored_name
 from validation.models.build import build
@@ -40,14 +41,6 @@ def judged(sizes, rests=True, slides=False, until=4000.0):
     return JudgedHalf(until, judge_motion(cycles, np.append(drop, drop[-1:]), rests, slides, until), cycles)
 
 
-def henon(count):
-    x, y, values = 0.1, 0.1, []
-    for _ in range(500 + count):
-        x, y = 1.0 - 1.4 * x * x + y, 0.3 * x
-        values.append(x)
-    return 1.0 + 0.2 * np.array(values[500:])
-
-
 K = np.arange(24)
 NONE = np.empty(0)
 
@@ -58,8 +51,8 @@ NONE = np.empty(0)
         (np.ones(8), UNSTABLE, "settled"),
         (np.ones(7), UNSTABLE, None),
         (1.0 + 0.02 * (-1.0) ** K[:9], UNSTABLE, "settled"),
-        (henon(16), UNSTABLE, "settled"),
-        (henon(15), UNSTABLE, None),
+        (henon(16, 1.4), UNSTABLE, "settled"),
+        (henon(15, 1.4), UNSTABLE, None),
         (1.0 + 0.01 * np.cos(2 * np.pi * 0.263 * K), UNSTABLE, "settled"),
         (1.0 + 0.2 * 0.7**K, UNSTABLE, None),
         (1.1**K, UNSTABLE, None),
@@ -73,7 +66,7 @@ def test_a_transient_goes_on_and_what_is_settled_ends(sizes, expected, ended):
 
 
 def test_a_drift_that_a_verdict_of_irregular_does_not_see_goes_on():
-    drifts = judged(henon(32) + 0.02 * np.arange(32.0))
+    drifts = judged(henon(32, 1.4) + 0.02 * np.arange(32.0))
     assert drifts.verdict is not None
     assert drifts.verdict.kind == "irregular"
     assert not halves_agree(drifts)

@@ -11,7 +11,7 @@ from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import stability_polynomial
 from reduced.stability import leading_roots
 from reduced.stability.characteristic import characteristic
-from slipwave.scene.slab import GripFace, MachineFace, ReflectingFace, Termination
+from slipwave.scene.slab import GripFace, MachineFace, Termination
 from slipwave.solve import follow
 from tests.one_port_by_hand import leading_root
 from validation.measure.growth import measured_root, nudged
@@ -36,19 +36,6 @@ def end(model, scene):
 
 def values(final):
     return final.ln_v, final.psi, final.mu
-
-
-@pytest.mark.parametrize("model", SPRUNG)
-def test_a_machine_without_mass_is_a_grip(model):
-    assert values(end(model, of(MachineFace(2.0, 0.5, 0.0)))) == values(end(model, of(GripFace(2.0, 0.5))))
-
-
-@pytest.mark.parametrize("model", ["delay", "fitted:3", *GRIDS])
-def test_a_machine_of_a_dashpot_alone_is_a_bare_reflection(model):
-    """(1 + R)/(1 - R) = 3 for R = 1/2."""
-    assert values(end(model, of(MachineFace(0.0, 3.0, 0.0)))) == pytest.approx(
-        values(end(model, of(ReflectingFace(0.5)))), rel=1e-12
-    )
 
 
 @pytest.mark.parametrize("model", ["delay", "fd", "sbp:4", "fem:3", "dg:4"])

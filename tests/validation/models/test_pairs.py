@@ -5,7 +5,7 @@ from functools import cache
 import pytest
 
 from slipwave.solve import follow
-from tests.validation.models.test_every_model_resumes import assert_same_bits
+from tests.reduced.test_delay import assert_same_bits
 from tests.validation.pairs import KNOTS, NAMES, built, pairwise_rows, play, rows_allowed, scene_of
 from validation.models.build import build
 

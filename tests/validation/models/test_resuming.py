@@ -18,7 +18,6 @@ from fullwave.lines import explicit
 from slipwave.errors import NumericsError
 from slipwave.observe import HistoryObserver
 from slipwave.solve import follow
-from slipwave.solve.checkpoint import saved_time
 from tests.copies import interrupted, interrupted_within_a_callback, killed, on_small_disk
 from validation.commands.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
 from validation.models.build import build
@@ -56,9 +55,6 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, place):
     ("words", "hint"),
     [
         (["--model", "delay"], "model is 'dg:7'; this run needs 'delay'"),
-        (["--cells", "8"], "settings"),
-        (["--set", "slab.log10_r=-2.6"], "scene"),
-        (["--until", "50"], "already at"),
         (["--checkpoint-every", "0"], "'0': must be a positive number of transits, or in scenes with SI units a time as in 10s"),
         (["--checkpoint-every", "1 s"], '--checkpoint-every = "1 s": must come with interface.normal_stress'),
         (["--fields", "fields.nc"], "observers is ['envelope', 'events']; this run needs ['envelope', 'events', 'fields']"),
@@ -69,22 +65,6 @@ def test_what_does_not_belong_is_refused(tmp_path, printed, refused, monkeypatch
     printed(*BASE, "--until", "200", "--checkpoint", "run.npz", "--checkpoint-every", "90")
     options = {"--model": "dg:7", "--until": "200", "--checkpoint": "run.npz"} | dict([words])
     assert hint in refused("run", "paper", "--json", *itertools.chain(*options.items()))
-
-
-def test_the_fields_of_a_resumed_run_are_those_of_one_that_never_stopped(tmp_path):
-    """Killed within the window of the fields, as a checkpoint was to take the place of the one before."""
-    words = ["run", "unlike", "--model", "dg:5", "--cells", "4", "--until", "150", "--json", "--set", 'run.record=["interface"]']
-    whole = [*words, "--fields", str(tmp_path / "whole.nc"), "--out", str(tmp_path / "run.nc")]
-    assert main(whole) == 0
-    words = [*words, "--fields", str(tmp_path / "parts.nc"), "--out", str(tmp_path / "again.nc")]
-    saving = [*words, "--checkpoint", str(tmp_path / "run.npz"), "--checkpoint-every", "21.3"]
-    killed(saving, os, "replace", 5)
-    assert 80.0 < saved_time(tmp_path / "run.npz") < 90.0
-    assert main(saving) == 0
-    for whole_file, parts_file in (("whole.nc", "parts.nc"), ("run.nc", "again.nc")):
-        with xarray.open_dataset(tmp_path / whole_file) as one, xarray.open_dataset(tmp_path / parts_file) as other:
-            assert one.sizes == other.sizes
-            assert one.equals(other)
 
 
 @pytest.mark.parametrize("model", ["fd", "delay", "block8"])

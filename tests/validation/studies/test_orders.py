@@ -1,21 +1,33 @@
-"""The study of orders: what it measures, and outcomes on both sides of its limits."""
+"""Studies of orders, exact motions, branches, the snake and others' experiments: what they measure, and outcomes on both sides of
+their limits."""
 
+import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from shown import judged, outcomes
 
+import slipwave
 from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
 from validation.measure.grids.in_space import delay_reference
+from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
 from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
+from validation.measure.over_r import RANGE, branch_of, unaccounted
 from validation.models.build import build
 from validation.report import Outcome
 from validation.report.grid_verdicts import order_verdict
+from validation.studies import bifurcation as claims
+from validation.studies.bifurcation.doubling import doubled
+from validation.studies.laboratory.measured import cycle_without_tuning, leeman_runs, printed_fits, rise_time
+from validation.studies.laboratory.programs import fitted_to, on_programs, printed_rows
 from validation.studies.orders import in_space as study
 from validation.studies.orders import own_orbits, slip_event
+from validation.studies.orders.given_motion import GRIDS, climbed, motion_verdicts
+from validation.studies.snaking.measured import sides
 
 
 def test_an_order_ends_where_rounding_begins():
@@ -77,3 +89,143 @@ def test_a_wrong_wave_speed_and_an_event_that_never_ends_are_red():
     assert outcomes(slip_event.event_verdicts(replace(event, upper=replace(upper, depth=1.001 * upper.depth)))) == "fail pass"
     endless = replace(upper, velocity=np.full_like(upper.velocity, 1e3))
     assert outcomes(slip_event.event_verdicts(replace(event, upper=endless))).endswith("fail")
+
+
+FAST = {("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")}
+
+
+@pytest.mark.parametrize("unlike", [False, True])
+def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike):
+    """The slabs' own velocities from the drive by MODEL.md section 3, marched by hand: S = [mu - eps w](t - k) + 2 eps V/2."""
+    scene, step = given_scene(unlike), 0.01
+    times = np.arange(-500, 1200) * step  # steady sliding until the pulse
+    motion = exact_motion(scene, times)
+    z, psi, mu = motion.T
+    own = []
+    for slab, trips in ((scene.upper, 1), (scene.lower, RATIO if unlike else 1)):
+        late, velocity = round(trips / step), np.full(times.size, 0.5)
+        for n in range(late, times.size):
+            launched = mu[n - late] - slab.epsilon * velocity[n - late]
+            velocity[n] = (launched - mu[n]) / slab.epsilon + scene.drive.at(times[n] - 0.5 * trips)
+        own.append(velocity)
+    assert own[0] + own[1] == pytest.approx(np.exp(z), abs=1e-11)
+    assert mu == pytest.approx(scene.law.a_star + scene.law.a * z + scene.law.b * psi, abs=1e-13)
+    change = np.gradient(psi, step, edge_order=2)[1:-1]
+    assert change == pytest.approx((scene.transit * (np.exp(-psi) - np.exp(z)))[1:-1], abs=2e-3)
+    assert np.ptp(z) > 3.0
+
+
+@pytest.mark.parametrize(
+    ("model", "pair"),
+    [
+        pytest.param(model, pair, marks=[] if (model, pair) in FAST else pytest.mark.slow)
+        for model in GRIDS
+        for pair in ("alike", "unlike")
+    ],
+)
+def test_every_full_wave_makes_it_at_its_order(model, pair):
+    assert outcomes(motion_verdicts([climbed(model, pair)])) == "pass"
+
+
+def test_exact_steps_follow_a_drive_that_is_not_linear():
+    """With two terms of V in a step they would be wrong by 0.2."""
+    assert error_of_motion("dg:7", given_scene(False), 6, time="exact") < 1e-7
+
+
+def test_the_branch_of_the_studies_is_that_of_the_command():
+    branch = branch_of("kelvin-voigt", -2.3, 61.0, 1e-6)
+    found = slipwave.branch("paper", ("log10_r", *RANGE), model="kelvin-voigt", tol=1e-6, longest_period=61.0).summary
+    ours = [("HB", branch.onset.parameter), *((one.kind, one.point.parameter) for one in branch.special)]
+    assert [(one["type"], one["log10_r"]) for one in found["special"]] == ours
+    assert [point["period"] for point in found["points"]] == [
+        point.closed.cycle.period for point in branch.points if all(point is not one.point for one in branch.special)
+    ]
+
+
+def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():
+    """Beside the first fold: on the stable side and on the unstable one."""
+    branch = branch_of("delay", -2.69, 60.0)
+    before, beyond = sides(branch)
+    assert ([one.kind for one in branch.special], before.log10_r < -2.69, beyond.log10_r < -2.69) == (["LP"], True, True)
+    assert before.orbit.real > 1.0 > beyond.orbit.real
+    assert before.seen == pytest.approx(before.orbit, abs=1e-6)
+    assert beyond.seen == pytest.approx(beyond.orbit, abs=1e-6)
+
+
+def special(kind, log10_r, before=0, after=1, period=80.0):
+    return SimpleNamespace(kind=kind, point=point(log10_r, after, period), unstable_before=before, unstable_after=after)
+
+
+def point(log10_r, unstable, period=80.0):
+    closed = SimpleNamespace(cycle=SimpleNamespace(period=period), flow=SimpleNamespace(size=49))
+    return SimpleNamespace(parameter=log10_r, unstable=unstable, closed=closed)
+
+
+def made(model, *found, points=()):
+    """A branch of given special points."""
+    return SimpleNamespace(
+        model=model,
+        onset=SimpleNamespace(parameter=-2.7),
+        points=points or tuple(one.point for one in found),
+        special=found,
+        of_kind=lambda *kinds: [one for one in found if one.kind in kinds],
+    )
+
+
+def test_the_index_counts_what_no_point_explains():
+    fold, torus = special("LP", -2.71, 1, 0), special("NS", -2.6, 0, 2)
+    whole = (point(-2.7, 1), fold.point, point(-2.65, 0), torus.point, point(-2.5, 2))
+    assert unaccounted(made("delay", fold, torus, points=whole)) == 0
+    assert claims.index([made("delay", fold, torus, points=whole)]).outcome is Outcome.PASS
+    missed = (*whole[:2], point(-2.65, 1), *whole[3:])
+    assert unaccounted(made("delay", fold, torus, points=missed)) == 1
+    assert claims.index([made("delay", fold, torus, points=missed)]).outcome is Outcome.FAIL
+    wrong = special("PD", -2.6, 0, 2)
+    assert unaccounted(made("delay", wrong, points=(point(-2.7, 0), wrong.point))) == 1
+
+
+def test_coexisting_orbits_are_all_found():
+    branch = branch_of("kelvin-voigt", -2.3, 61.0)
+    periods = [orbit.cycle.period for orbit in branch.orbits_at(-2.7)]
+    assert periods == pytest.approx([55.082257, 60.584973], abs=1e-5)
+    assert branch.orbits_at(-2.69) == []
+    shifted = replace(branch, onset=branch.onset._replace(parameter=branch.onset.parameter + 1e-8))
+    assert outcomes(claims.published([branch, shifted])) == "pass fail"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return doubled()
+
+
+def test_the_doubled_orbit(found):
+    assert found.double.orbit.period.value == pytest.approx(158.1976822682, abs=1e-8)
+    assert found.double.multipliers.stable is True
+    assert found.single.multipliers.stable is False
+
+
+def test_the_plain_block_repeats_a_printed_period_and_slides_where_it_should():
+    """14 and 8 MPa: 9.70 s and 15.3 mm/s by the third fit; steady sliding by the second."""
+    found = cycle_without_tuning(leeman_runs()[6], printed_fits()[2][0])
+    assert found
+    assert (found.period, found.peak) == (pytest.approx(9.70, rel=2e-3), pytest.approx(15.3, rel=0.03))
+    assert 0.035 < found.drop < 0.041
+    assert cycle_without_tuning(leeman_runs()[1], printed_fits()[1][0]) is None
+
+
+def test_the_rise_time_of_free_swinging_is_half_its_period():
+    time = np.linspace(-1.0, 3.0, 4001)
+    fall = np.where(time < 0.0, 1.0 + 1e-3 * time, np.where(time > 2.0, -1.0, np.cos(0.5 * math.pi * time)))
+    assert rise_time(time, fall) == pytest.approx(2.0, rel=2e-3)
+
+
+@pytest.mark.parametrize("row", printed_rows()[2:], ids=["step", "hold"])
+def test_friction_that_another_program_prints_is_ours_and_gives_its_parameters_back(row):
+    found = fitted_to(row)
+    assert 0.0 < found.apart < 1e-9  # nine digits are printed
+    assert found.ratios == pytest.approx((1.0, 1.0, 1.0), abs=1e-6)
+    friction = [value + 3e-9 * (k == 7) for k, value in enumerate(row["friction"])]
+    wrong = fitted_to({**row, "friction": friction})
+    assert outcomes([*on_programs([found]), *on_programs([wrong])]) == "pass pass fail pass"
+    off = found._replace(ratios=found.ratios._replace(length=1.0 + 2e-5))
+    assert outcomes([*on_programs([off])]) == "pass fail"

@@ -1,17 +1,35 @@
-"""Quick runs of the studies: verdicts, findings, limits near what is measured, numbers, and the key of a stored result."""
+"""Quick runs of the studies: verdicts, findings, limits near what is measured, numbers, and the key of a stored result; the
+studies of all models, of attacks and of the checks."""
 
+import json
+import math
 import re
+import shlex
 from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from shown import quick, too_roomy
+from llvmlite.binding import get_host_cpu_name
+from shown import outcomes, quick, too_roomy
 
+import slipwave
 from slipwave.sources import ROOT, import_closure, program
-from validation.report import Outcome, sources, store
+from validation.commands.cli import main
+from validation.measure.grids.limits import stops_beyond
+from validation.report import Budget, Outcome, sources, store
+from validation.report.answer import read_table
+from validation.report.compared import EXACT_MODEL, critical_r
+from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict
+from validation.report.model_table import words_of
 from validation.report.registered import STUDIES as ALL_STUDIES
 from validation.report.registered import study_called
+from validation.studies import checks
+from validation.studies import which_model as study
+from validation.studies.stability_attacks import CELLS as ATTACKED
+from validation.studies.stability_attacks import AttackOutcome, advised, attack, attack_verdict
+from validation.studies.which_model import judged, laws, scenes
+from validation.studies.which_model.means import RECORD
 
 
 class Expected(NamedTuple):
@@ -177,3 +195,196 @@ def test_a_key_follows_the_scenes_that_a_program_names(fake):
     names = [path.stem for path in sources.sources_of(module) if path.suffix == ".toml"]
     assert names == ["rock"]
     assert declared != before
+
+
+def test_every_claim_of_the_paper_is_settled_or_said_to_be_left_out():
+    result = held("claims")
+    settled = {verdict.claim.split()[0] for verdict in result.verdicts}
+    left_out = {omission.what.split(",")[0] for omission in result.omissions}
+    assert {f"P{n}" for n in range(1, 15)} <= settled | (left_out & {"P8", "P9", "P10", "P14"})
+    paper, _, rock = zip(*(row[1:] for row in result.tables[0].rows), strict=True)
+    assert (paper[-1], rock[3]) == pytest.approx((1.04604, 5e-8), rel=1e-5)
+
+
+@pytest.mark.parametrize("model", ATTACKED)
+def test_a_step_past_the_limit_ends_with_a_message(model):
+    assert stops_beyond(model, 1.2)
+    assert not stops_beyond(model, 0.9)
+
+
+@pytest.mark.parametrize("name", ["epsilon 2", "V -6", "impedance", "jump"])
+def test_attacks_end_right_or_with_a_message(name):
+    found = attack(name)
+    assert set(found) == set(ATTACKED)
+    assert not any(outcome.is_silently_wrong for outcome in found.values())
+
+
+@pytest.mark.parametrize("name", ["V 4", "jump back"])
+def test_late_cycles_are_right(name):
+    assert not any(outcome.is_silently_wrong for outcome in attack(name, late=True).values())
+
+
+@pytest.mark.parametrize("model", ["sbp:4", "fem:4"])
+def test_cells_that_the_message_asks_for_make_the_run_right(model):
+    advice = advised(model)
+    assert 0 < advice.stopped < advice.cells
+    assert "relaxes at" in advice.message
+    assert "more cells or a smaller cfl" in advice.message
+    assert advice.error < 1e-6
+
+
+def test_an_attack_must_end_right_to_1_percent_or_with_a_message():
+    ends = [(0.0099, 0.0099), (math.nan, 0.0, "too stiff"), (0.011, 0.0), (0.0, 0.011), (math.nan,)]
+    found = [{"fd": AttackOutcome(0.005), "dg:4": AttackOutcome(*end)} for end in ends]
+    assert outcomes(attack_verdict("jump", one) for one in found) == "pass pass fail fail fail"
+
+
+def limits(*shares):
+    return limit_verdict("fd", dict(zip((-4, 0, 8), shares, strict=True)))
+
+
+def medium(*pair):
+    return medium_verdict("alike", {"fd": (1.0, math.inf), "dg:4": pair})
+
+
+def noise(left):
+    """The leapfrog loses what friction takes: 1.60458e-6 in 1000 transits, known to 1.6e-3."""
+    return noise_verdict("fd", 1.0 - left, 1e3)
+
+
+@pytest.mark.parametrize(
+    ("judge", "held", "missed"),
+    [
+        (limits, [(1.0, 1.3, 1.031), (0.969, 1.3, 1.0)], [(1, 1.3, 1.12), (0.88, 1.3, 1), (1, 0.88, 1)]),
+        (medium, [(90.0, 110.0), (90.0, math.inf)], [(300.0, math.inf), (5.0, 33.0)]),
+        (noise, [(1.6025e-6,), (1.6065e-6,)], [(0.0,), (1.61e-6,), (math.nan,)]),
+    ],
+)
+def test_limits_and_noise_are_held_on_both_sides(judge, held, missed):
+    assert [judge(*one).outcome for one in held + missed] == ["pass"] * len(held) + ["fail"] * len(missed)
+
+
+@pytest.mark.studies
+def test_the_tables_have_every_model_at_every_r():
+    """At log10 r = -2.65 the period is 79.3225 in the mean (lifted shooting); eight modes keep the torus."""
+    result = held("which-model")
+    table, elsewhere = result.model_tables
+    assert [row.model for row in table.rows] == list(study.EVERY)
+    assert [column.group for column in table.columns] == ["periodic"] * 3 + ["torus, irregular"] * 2
+    assert [words_of(cell, "T") for cell in table.row("quasidynamic").cells][:3] == ["slides steadily"] * 3
+    assert {cell.regime for cell in table.row("quasistatic").cells} == {"runs away"}
+    assert table.row("quasidynamic").onset.value == pytest.approx(-2.6532125, abs=1e-7)
+    assert (table.row("delay").advice, table.row("kelvin-voigt").advice) == ("use", "avoid")
+    at = {row.model: row.cells[3] for row in table.rows}
+    assert [at[model].regime for model in ("delay", "modal:8", "kelvin-voigt")] == ["torus", "torus", "periodic"]
+    damped, mean = at["quasidynamic"].figures, at["delay"].figures["T"]
+    assert (damped["T"].value, damped["Δμ"].value) == pytest.approx((48.371789354, 0.0221755339), rel=1e-8)
+    assert result.numbers["quasidynamic T at -2.65"].value == damped["T"].value
+    assert abs(mean.value - 79.3225) < 2.0 * mean.standard_error * mean.value < 0.1
+    assert (at["kelvin-voigt"].figures["T"].value, at["kelvin-voigt"].right) == (pytest.approx(75.30034, abs=1e-5), False)
+    tried = {row.model: [column.title for column, *_ in judged.cells_of(elsewhere, row.model)] for row in elsewhere.rows}
+    assert (tried["modal:8"], tried["fitted:4"]) == (["unlike", "rock"] * 2, ["grip"] * 2)
+    assert {row.model for row in elsewhere.rows if row.advice == "avoid"} >= {"kelvin-voigt", "block12", "quasistatic"}
+
+
+FIGURES = {"T": "period", "Δμ": "stress_drop"}
+
+
+def repeats(cell, command, capsys):
+    """Whether a command of the page prints the figures of its cell in all digits of the page; means of irregular motions on
+    another processor than that of the record within four standard errors."""
+    assert main([*shlex.split(command)[1:], "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    known = cell.regime != "irregular" or get_host_cpu_name() == json.loads(RECORD.read_bytes())["processor"]
+    found = {symbol: told[name]["mean"] if "run" in command else told[name] for symbol, name in FIGURES.items()}
+    found["v_{max}"] = told["v_max_median" if cell.cycles else "v_max"]
+    ours = {symbol: (one.value, one.standard_error) for symbol, one in cell.figures.items()}
+    off = {symbol: abs(found[symbol] / value - 1.0) / (1.0 if known else 8e6 * error) for symbol, (value, error) in ours.items()}
+    return all(one < 5e-7 for one in off.values())
+
+
+@pytest.mark.parametrize(("model", "place"), [("modal:1", 1), ("modal:2", 3)])
+def test_a_printed_command_repeats_an_orbit_and_a_mean(model, place, capsys):
+    table = read_table()
+    cell, column = table.row(model).cells[place], table.columns[place]
+    assert (cell.regime, cell.cycles > 0) == (("periodic", False) if place == 1 else ("torus", True))
+    assert repeats(cell, cell.command_for(table.row(model), column), capsys)
+
+
+@pytest.mark.slow
+def test_ten_printed_commands_repeat_their_figures(capsys):
+    """Of both tables, every so many of those that take seconds; the first is of an orbit, the last of a scene in SI."""
+    cells = [found for table in held("which-model").model_tables for found in judged.cells_of(table) if found[2].figures]
+    quick = [found for found in cells if "e+06" not in found[2].command]
+    chosen = quick[:: len(quick) // 10][:10]
+    assert len({cell.command.partition(" ")[0] for _, _, cell in chosen}) == 2
+    assert [column.title for column, row, cell in chosen if not repeats(cell, cell.command_for(row, column), capsys)] == []
+
+
+@pytest.mark.parametrize("name", ["unlike", "grip", "rock"])
+def test_the_settings_of_a_place_make_its_scene(name):
+    """Both slabs scaled together, 1.1 times the onset; the column names the options that repeat it."""
+    column, scene = scenes.place(name, 1.1)
+    first, *options = [word for word in column.settings.split() if word != "--set"]
+    again = slipwave.read(first, options)
+    for slab, other in zip(again.slabs, scene.slabs, strict=True):
+        assert (slab.round_trip, slab.epsilon) == pytest.approx((other.round_trip, other.epsilon), rel=1e-5)
+    assert again.start == scene.start
+    assert scene.transit == pytest.approx(1.1 * critical_r(EXACT_MODEL, again), rel=1e-4)
+    assert 10.0**column.log10_r == pytest.approx(scene.transit)
+
+
+def test_the_cycles_error_does_not_fall():
+    measured = [laws.measure_cycle(slipwave.read("paper"), scale) for scale in (1.0, 0.5)]
+    assert [one.error() for one in measured] == pytest.approx([-0.0318, -0.0292], abs=2e-4)
+    assert [one.outcome for one in laws.law_verdicts({}, measured)] == [Outcome.FINDING]
+
+
+CAUGHT = {
+    "name": "half-impedance",
+    "where": "slipwave/scene/scene.py::Scene.impedance",
+    "user": "periods 4 % long",
+    "caught_by": "tests/slipwave/test_scene.py::test_impedance_of_two_slabs",
+}
+SURVIVES = CAUGHT | {"name": "late-nudge", "where": "reduced/delay/kernel.py::march_delay", "caught_by": ""}
+
+
+@pytest.fixture
+def shown(monkeypatch, tmp_path):
+    """The study on these records."""
+
+    def run(faults, **held):
+        figures = {figure: {"number": 100, "held": count, "width": 3.0} for figure, count in held.items()}
+        kinds = {"means": {"bar": "margin", "truth": "more cycles", "evidence": "self-convergence", "figures": figures}}
+        for name, record in (("FAULTS", {"faults": faults}), ("COVERAGE", kinds)):
+            monkeypatch.setattr(checks, name, tmp_path / name)
+            (tmp_path / name).write_text(json.dumps(record))
+        return checks.run(Budget())
+
+    return run
+
+
+def test_a_fault_that_survives_is_red(shown):
+    found = shown([CAUGHT, SURVIVES, CAUGHT | {"name": "other"}], period=99)
+    assert [(one.outcome, one.ours, one.remark) for one in found.verdicts[:2]] == [
+        (Outcome.PASS, "2 of 2", "in `slipwave`"),
+        (Outcome.FAIL, "0 of 1", "in `reduced`; survives: late-nudge"),
+    ]
+    assert found.tables[0].rows[1] == ("reduced/delay/kernel.py", "periods 4 % long", "nothing")
+    assert found.tables[0].emphasis == (1,)
+    assert shown([CAUGHT], period=99).conclusion.startswith("1 of 1 planted faults are noticed")
+
+
+@pytest.mark.parametrize(("held", "outcome"), [(94, Outcome.FAIL), (95, Outcome.PASS)])
+def test_94_of_100_are_too_few_though_chance_may_have_made_them_so(shown, held, outcome):
+    found = shown([CAUGHT], period=99, drop=held)
+    assert found.verdicts[-1].outcome is outcome
+    assert found.numbers["held, means"].value == held / 100
+    assert found.tables[1].rows[0][3:5] == ("drop", 100)
+    assert found.tables[1].rows[0][6:8] == pytest.approx({94: (87.5, 97.2), 95: (88.8, 97.8)}[held], abs=0.1)
+
+
+def test_without_its_records_it_says_why(monkeypatch, tmp_path):
+    monkeypatch.setattr(checks, "FAULTS", tmp_path / "none.json")
+    found = checks.run(Budget())
+    assert (found.verdicts, len(found.omissions), found.conclusion) == ((), 1, "Not answered in this report.")
