@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from order import assert_order
 
-from reduced.delay.multirevolution import ORDER, Past
+from reduced.delay.multirevolution import Past
 
-RATE, LAST = 1e-4, 30_000
+RATE, LAST, ORDER = 1e-4, 30_000, 6
 LENGTHS = np.array([600, 500, 400, 300, 200])
 
 
@@ -30,7 +30,7 @@ EVERY = every_transit()
 
 def known(number):
     """The latest ORDER transits, of these numbers, as the march knows them."""
-    return Past(np.array(number, dtype=float), np.array([change(EVERY[n]) for n in number]), np.zeros((ORDER, 1)))
+    return Past(ORDER, np.array(number, dtype=float), np.array([change(EVERY[n]) for n in number]), np.zeros((ORDER, 1)))
 
 
 def leapt(length):
@@ -67,7 +67,7 @@ def test_the_estimated_error_of_a_leap_is_one_order_smaller():
 @pytest.mark.parametrize("last", [62.0, 63.0, 64.0, 150.0])
 def test_sums_are_exact_for_polynomials(last):
     """Transits at unequal distances, as the control of the error makes them; sums of one, two, three and many terms."""
-    past = Past(np.empty(0), np.empty((0, 1)), np.empty((0, 1)))
+    past = Past(ORDER, np.empty(0), np.empty((0, 1)), np.empty((0, 1)))
     for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):
         past = past.then(n, np.array([(n / 50.0) ** 5 - n]), np.zeros(1))
     ahead = np.arange(61.0, last)
@@ -76,7 +76,7 @@ def test_sums_are_exact_for_polynomials(last):
 
 def test_peaks_between_two_transits_are_found():
     """Two of four quantities turn at 51.3 and 44.8, one turned before 44, one rises all the time; twice the same counts once."""
-    past = Past(np.empty(0), np.empty((0, 1)), np.empty((0, 5)))
+    past = Past(ORDER, np.empty(0), np.empty((0, 1)), np.empty((0, 5)))
     for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):
         past = past.then(
             n, np.zeros(1), np.array([-((n - 51.3) ** 2), -((n - 44.8) ** 2), -((n - 30.0) ** 2), n, 2 * n - n**2 / 102.6])
