@@ -17,7 +17,6 @@ class Call(NamedTuple):
 
 
 def count_calls(monkeypatch):
-    """The calls that every full wave makes from now on, in order."""
     calls = []
     march, leapfrog = fullwave.lines.explicit.march_lines, fullwave.finite_difference.march_leapfrog
 

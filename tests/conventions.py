@@ -38,7 +38,6 @@ def further_results(scene):
 
 
 def written(folder):
-    """A file of each result, and one of fields."""
     paths = []
     for scene in SCENES:
         for number, result in enumerate([*quick_results(scene), *further_results(scene)]):

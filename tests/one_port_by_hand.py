@@ -41,7 +41,6 @@ def slab_impedance(slab, s):
 
 
 def pair_impedance(scene, s):
-    """Both slabs in series."""
     return 1.0 / (1.0 / slab_impedance(scene.upper, s) + 1.0 / slab_impedance(scene.lower, s))
 
 

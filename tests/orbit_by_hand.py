@@ -44,7 +44,6 @@ class Oscillator(NamedTuple):
         return 2.0 * math.pi / (1.0 + self.shear * s)
 
     def multiplier(self, s):
-        """That of changes of |w|."""
         return math.exp(-2.0 * s * self.slope(s) * self.period(s))
 
     def state(self, s):

@@ -38,7 +38,6 @@ def arrows(root):
 
 
 def circles(pairs):
-    """Sets of nodes each of which leads to every other."""
     names = sorted({name for pair in pairs for name in pair})
     number = {name: k for k, name in enumerate(names)}
     ends = [[number[name] for name in side] for side in zip(*pairs, strict=True)]

@@ -38,7 +38,6 @@ def imported():
 
 
 def needed(names):
-    """`names` and all that they require here."""
     waiting, found = [Requirement(name) for name in names], set()
     while waiting:
         asked = waiting.pop()

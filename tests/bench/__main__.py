@@ -159,7 +159,6 @@ def _whole(function: Any, *given: Any, **named: Any) -> Work[Any]:
 
 
 def _process(*words: str) -> Work[Any]:
-    """The work of a separate Python process, from start to end."""
     return _whole(subprocess.run, [sys.executable, *words], check=True, capture_output=True)
 
 

@@ -142,7 +142,6 @@ class Problem(NamedTuple):
         return np.concatenate(found)
 
     def ours(self, tolerance: float) -> tuple[Array, int]:
-        """The same by this package, and its steps."""
         solver = solver_of(Setting(self.model, tolerance=tolerance), self.scene)
         history = HistoryObserver(self.scene.law, solver.nodes)
         follow(solver, self.scene.until, [history])
@@ -290,7 +289,6 @@ def problems() -> list[Problem]:
 
 
 def table_of_peers(rounds: int, wanted: Sequence[Problem] | None = None) -> list[list[str]]:
-    """Rows for `PEER_HEADS`."""
     with _silenced():
         rows = [row for problem in (problems() if wanted is None else wanted) for row in beside_peers(problem, rounds)]
     return [_row(one) for one in rows]

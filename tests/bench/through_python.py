@@ -30,10 +30,7 @@ class Timed(NamedTuple):
 
 
 class _Here(Executor):
-    """Runs the parts of a sweep in this process."""
-
     def submit(self, work: Callable[..., Any], /, *given: Any, **named: Any) -> Future[Any]:
-        """The finished work."""
         done: Future[Any] = Future()
         done.set_result(work(*given, **named))
         return done

@@ -20,7 +20,6 @@ RECORD = ROOT / "reports" / "baseline" / "faults.json"
 
 
 def main() -> int:
-    """Plant the faults and say which test notices each."""
     parser = argparse.ArgumentParser(prog="python -m tests.faults", description="Plant faults, and see which check catches each.")
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults to try (default: all)")
     parser.add_argument("--part", type=int, metavar="N", help="one N-th of them; which one, the commit decides")

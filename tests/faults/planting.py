@@ -33,17 +33,14 @@ class Fault:
 
     @property
     def room(self) -> str:
-        """Top-level package."""
         return self.file.partition("/")[0]
 
     @property
     def where(self) -> str:
-        """File and name, for the table."""
         return f"{self.file}::{self.within}" if self.within else self.file
 
     @property
     def what(self) -> str:
-        """The change in one line."""
         return " ".join(f"{self.old.strip()} -> {self.new.strip() or 'nothing'}".split())
 
     def planted(self, text: str) -> str:
@@ -59,7 +56,6 @@ class Fault:
 
 
 def read_faults(folder: Path = FOLDER) -> list[Fault]:
-    """All planted faults, room by room: `folder`/ROOM.toml."""
     return [
         Fault(**{**record, "check": tuple(record["check"])})
         for room in ROOMS

@@ -32,7 +32,6 @@ class Outcome:
 
     @property
     def is_green(self) -> bool:
-        """Every test passed."""
         return not (self.caught_by or self.accidents or self.trouble)
 
 
@@ -58,7 +57,6 @@ class Copy:
 
     @contextmanager
     def with_text(self, file: str, text: str) -> Iterator[None]:
-        """The copy with another text in `file`, for a while."""
         path = self.tree / file
         kept = path.read_text(encoding="utf-8")
         path.write_text(text, encoding="utf-8")
@@ -68,7 +66,6 @@ class Copy:
             path.write_text(kept, encoding="utf-8")
 
     def run(self, tests: Sequence[str], *options: str, limit: float = _SECONDS) -> Outcome:
-        """Run pytest in the copy for at most `limit` seconds."""
         self._note.unlink(missing_ok=True)
         told = [f"--junitxml={self._note}", "--override-ini=junit_family=xunit1", "-p", "no:cacheprovider", "-m", "not slow"]
         environment = os.environ | {

@@ -150,7 +150,6 @@ class Side:
         return w, (load, self.velocity + length / self.mass * force @ WEIGHTS)
 
     def keep(self, mu, entered):
-        """Store the waves of the step."""
         out, back, (self.load, self.velocity) = self.fresh
         out[0] = 2.0 * mu - entered
         for k in range(self.e.size):
@@ -159,7 +158,6 @@ class Side:
 
 
 def steady(scene):
-    """psi and mu of steady sliding."""
     law, z = scene.law, np.log(scene.velocity)
     return -z, law.a_star + (law.a - law.b) * z
 

@@ -71,7 +71,6 @@ class Equations:
             rest = rest[modes + relaxing :]
 
     def load(self, x):
-        """y and all tau."""
         return x[1 + self.massive] + sum(sum(modes[::2]) + sum(relaxing) for _, modes, relaxing in self.states_of(x))
 
     def rates(self, time, x):

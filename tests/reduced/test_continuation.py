@@ -38,7 +38,6 @@ def squared(point):
 
 
 def branch(family, first, inside, metric=METRIC, control=CONTROL):
-    """Steps after `first`."""
     return list(follow_branch(family, first, metric, inside, 1e-8, control))
 
 

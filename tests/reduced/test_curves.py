@@ -21,8 +21,6 @@ from tests.orbit_by_hand import SUPERCRITICAL, FlowByHand, Oscillator
 
 
 class TwoParameters(FlowByHand):
-    """The oscillator that `made` gives for the second parameter."""
-
     made = staticmethod(lambda q: SUPERCRITICAL)
 
     def of(self, scene):

@@ -104,7 +104,6 @@ def test_steady_sliding_is_a_fixed_point(kind):
 
 
 def sampled(flow, cycle, times):
-    """z, psi, mu and y of the cycle."""
     return values_at(cycle.pieces, lagrange_basis(flow.nodes), times)
 
 

@@ -45,7 +45,6 @@ class Fall(NamedTuple):
 
 
 def random_fall(seed):
-    """The scene of a number."""
     rng = np.random.default_rng(seed)
     kind, law = KINDS[seed % len(KINDS)], LAWS[seed // len(KINDS) % len(LAWS)]
     a = rng.uniform(0.01, 0.05)
@@ -80,8 +79,6 @@ def random_fall(seed):
 
 
 class Lowest:
-    """The least rate unknown at the nodes."""
-
     least = np.inf
 
     def scan(self, pieces):

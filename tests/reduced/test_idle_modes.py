@@ -71,7 +71,6 @@ def test_friction_damps_nearly_idle_modes_as_it_damps_steady_sliding_with_psi_he
 
 
 def steady(flow, period):
-    """Steady sliding as a cycle of any period."""
     cycle = flow.march(flow.steady, period)
     return Closed(flow, cycle, 0.0, flow.tangent(cycle), np.zeros(flow.size), np.empty(0), 0.0, 0)
 

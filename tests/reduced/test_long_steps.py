@@ -35,7 +35,6 @@ BASIS = lagrange_basis(short_steps(read_scene("paper"), "quasidynamic").nodes)
 
 
 def motion(pieces, times):
-    """ln v, psi and mu."""
     return np.stack(values_at(pieces, BASIS, times)[:3])
 
 

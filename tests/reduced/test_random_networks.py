@@ -35,7 +35,6 @@ class Judged(NamedTuple):
 
 
 def random_network(seed):
-    """(scene, tolerance) of a number."""
     rng = np.random.default_rng(seed)
     kind, motion = KINDS[seed % len(KINDS)], MOTIONS[seed // len(KINDS) % len(MOTIONS)]
     a = rng.uniform(0.01, 0.05)

@@ -45,7 +45,6 @@ def ask(swing=SWING):
 
 
 def kept(folder):
-    """The one file in the cache."""
     (path,) = folder.iterdir()
     return path
 

@@ -56,8 +56,6 @@ class Step:
         return np.concatenate([[rate_of(self.law, one) for one in z], psi]), z
 
     def by_root_finder(self, forced):
-        """psi and z at the nodes."""
-
         def defect(unknowns):
             answers = np.array([respond(self.law, z, p) for z, p in zip(unknowns[S:], unknowns[:S], strict=True)])
             state = unknowns[:S] - self.left - forced - self.h * RULE.integral @ answers[:, 5]
@@ -66,7 +64,6 @@ class Step:
         return root(defect, np.repeat([self.left, self.start], S), method="hybr", tol=1e-14).x
 
     def answer(self, frozen=False):
-        """The derivative, z and psi at the nodes."""
         both, z = self.solve(np.zeros(2 * S + 1))
         answer = Answer(np.full((2 * S, 2 * S + 1), np.nan), *np.empty((4, S)), np.empty((S, 2 * S + 1)))
         motion = Motion(z[None], both[None, S:], frozen)

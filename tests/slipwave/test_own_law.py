@@ -151,7 +151,6 @@ def test_functions_compiled_for_one_law_are_not_called_with_another_of_its_name(
 
 
 def made(constant, default=1.0, bound=2.0):
-    """A function of a user's, which names the global `constant`."""
     scope = {"constant": constant, "exp": math.exp, "np": np}
     text = f"def maker(bound):\n def f(x, y={default}):\n  return exp(x) + np.sin(y) * constant * bound\n return f"
     exec(compile(text, "mine", "exec"), scope)

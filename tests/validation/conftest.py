@@ -34,8 +34,6 @@ def fake(monkeypatch, tmp_path):
 
 @pytest.fixture
 def printed(capsys):
-    """What a command prints, which must succeed."""
-
     def printed(*words):
         capsys.readouterr()
         assert main([*words]) == 0
@@ -46,7 +44,6 @@ def printed(capsys):
 
 @pytest.fixture
 def answer(printed):
-    """The JSON of a command."""
     return lambda *words: json.loads(printed(*words, "--json"))
 
 

@@ -30,7 +30,6 @@ def draw(height=1):
 
 
 def answered(text="", verdicts=(), **parts):
-    """A result whose only answer cites all its verdicts."""
     claims = dict.fromkeys(verdict.claim for verdict in verdicts)
     return StudyResult((StudyAnswer(text, tuple(claims)),), verdicts=tuple(verdicts), **parts)
 

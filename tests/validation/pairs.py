@@ -66,7 +66,6 @@ def pairwise_rows(rows, seed):
 
 
 def pairs_of(row):
-    """Every two of its levels, with the places of both."""
     return list(itertools.combinations(enumerate(row), 2))
 
 
@@ -161,7 +160,6 @@ class Played(NamedTuple):
 
     @property
     def facts(self):
-        """The JSON, read."""
         return dict(json.loads(self.text))
 
 
@@ -173,11 +171,9 @@ class At:
 
     @property
     def due(self):
-        """As `Mark`."""
         return self.dates[0] if self.dates else math.inf
 
     def act(self):
-        """As `Mark`."""
         self.deed()
         self.dates.pop(0)
 

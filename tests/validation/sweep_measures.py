@@ -37,5 +37,4 @@ def deadly(scene):
 
 
 def wrong(scene):
-    """Has a bug at one point."""
     return {"inverse": 1.0 / (scene.law.a - 0.012)}

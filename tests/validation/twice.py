@@ -167,7 +167,6 @@ def write_all():
 
 @contextmanager
 def here(workers):
-    """Executors of this process instead of others."""
     with ThreadPoolExecutor(1) as pool:
         yield lambda: pool
 
@@ -182,7 +181,6 @@ def numbers_of(lines, patch):
     results = []
 
     def finish(result, options, files, json):
-        """Instead of printing."""
         results.append(dict(flat(result.summary)) | dict(of_file(result)))
         for one, path in files.items():
             if path:

@@ -54,7 +54,6 @@ def motions() -> Iterator[tuple[str, str, Callable[[float], Regime], float]]:
 
 
 def make_record() -> None:
-    """Compute every mean that is not on record."""
     known = json.loads(RECORD.read_bytes()) if RECORD.exists() else {"how": HOW, "processor": get_host_cpu_name(), "means": {}}
     for model, settings, motion, width in motions():
         own = known["means"].setdefault(model, {})

@@ -75,8 +75,6 @@ def test_memory_does_not_grow_with_the_run(model):
 
 
 class Steps:
-    """Counts the pieces of a march."""
-
     count = 0
 
     def scan(self, pieces):

@@ -118,7 +118,6 @@ JUMPED = {
 
 
 def states(solver, moments):
-    """psi at `moments`."""
     return np.array([follow(solver, moment).psi for moment in moments])
 
 

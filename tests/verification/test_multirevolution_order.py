@@ -18,7 +18,6 @@ def change(state):
 
 
 def every_transit():
-    """All states up to LAST."""
     states = [np.array([0.2, 1.0])]
     for _ in range(LAST):
         states.append(states[-1] + change(states[-1]))

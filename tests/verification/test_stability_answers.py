@@ -64,7 +64,6 @@ def scene_of(number):
 
 
 def _in_si(among, a, gap, rng):
-    """A rock sample, bare or on a testing machine."""
     slab = {"density": among(1e3, 8e3), "shear_modulus": among(1e9, 1e11), "thickness": among(1e-3, 30.0)}
     if rng.random() < 0.5:
         face = {"stiffness": among(1e9, 1e12), "impedance": among(1e3, 1e7), "mass": among(1.0, 1e4)}

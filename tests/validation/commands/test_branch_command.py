@@ -52,7 +52,6 @@ def test_a_branch_is_born_and_turns_where_other_programs_say(answer, model, hopf
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The branch over the range, and its file."""
     path = tmp_path_factory.mktemp("branch") / "x.nc"
     return sw.branch("paper", RANGE, "kelvin-voigt", tol=1e-4, out=path), path
 

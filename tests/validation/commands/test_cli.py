@@ -196,7 +196,6 @@ SAMPLES = {int: ("5", 5), float: ("0.005", 0.005), str: ("1.5:2.5", "1.5:2.5"), 
 
 @pytest.fixture
 def computed(monkeypatch, tmp_path):
-    """The options with which a command computes."""
     monkeypatch.chdir(tmp_path)
 
     def of(words):

@@ -54,7 +54,6 @@ def test_the_conclusion_is_that_of_the_rows(rows, told):
 
 @pytest.fixture(scope="module")
 def runs():
-    """Of delay and block8; periodic."""
     found = sw.compare("paper", "delay,block8", until=200, **{"drive.velocity": 2000}).runs
     return found[0], found[1]
 

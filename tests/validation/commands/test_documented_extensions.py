@@ -42,7 +42,6 @@ class Reader:
             shutil.copy(ROOT / file, folder / file)
 
     def run(self, line):
-        """The command's exit status; what it printed is `output`."""
         path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         environment = {**os.environ, "PATH": path, "PYTHONPATH": str(self.folder)}
         done = subprocess.run(line, shell=True, cwd=self.folder, env=environment, capture_output=True, text=True, timeout=3600)

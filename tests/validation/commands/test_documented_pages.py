@@ -38,7 +38,6 @@ def steps(page):
 
 
 def printed_by(kind, content, names):
-    """What the lines of a shell block, or a program, print."""
     out = io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out):
         if kind == "python":

@@ -50,7 +50,6 @@ def differences(expected, got):
 
 
 def _close(one, other):
-    """Whether all numbers of two lines of the same words are close."""
     return all(
         math.isclose(a, b, rel_tol=RELATIVE, abs_tol=ABSOLUTE) or (math.isnan(a) and math.isnan(b))
         for a, b in zip(_numbers(one), _numbers(other), strict=True)

@@ -34,7 +34,6 @@ RUN = ["run", "paper-si", "--model", "delay", "--tol", "1e-6", "--until", f"{UNT
 
 @pytest.fixture(scope="module")
 def told(tmp_path_factory):
-    """JSON and file of one run."""
     out = tmp_path_factory.mktemp("values") / "run.nc"
     with redirect_stdout(io.StringIO()) as printed:
         assert main([*RUN, "--json", "--out", str(out), "--set", 'run.record=["events", "interface"]']) == 0
@@ -139,7 +138,6 @@ RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V
 
 
 def values(axes):
-    """x and y of every line of a panel."""
     return [(np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist()) for line in axes.get_lines()]
 
 

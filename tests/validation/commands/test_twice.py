@@ -65,7 +65,6 @@ class Pair(NamedTuple):
 
     @property
     def other(self) -> str:
-        """The commands written the other way."""
         words = self.words if isinstance(self.otherwise, dict) else self.otherwise
         for old, new in self.otherwise.items() if isinstance(self.otherwise, dict) else ():
             assert old in words, old
@@ -253,7 +252,6 @@ PAIRS = {
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """A folder with all files that the pairs name."""
     folder = tmp_path_factory.mktemp("twice")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)

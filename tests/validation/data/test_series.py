@@ -283,7 +283,6 @@ def test_what_is_no_data_is_refused(words, name, told, tmp_path, monkeypatch, re
 
 @pytest.fixture
 def pipe(tmp_path):
-    """A pipe, and what writes to it."""
     os.mkfifo(tmp_path / "pipe")
 
     def writing(content):

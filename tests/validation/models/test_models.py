@@ -120,7 +120,6 @@ def block10(scene, name):
 
 @pytest.fixture
 def file(tmp_path):
-    """A file of families."""
     path = tmp_path / "mine.py"
     path.write_text(ELEMENTS)
     return path

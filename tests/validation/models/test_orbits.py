@@ -308,7 +308,6 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     guesses = {size: (flow, 1.01 * SUBCRITICAL.state(size), SUBCRITICAL.period(size)) for size in (0.2, 0.8)}
 
     def given(orbits):
-        """What is known, or an error if nothing is."""
         if orbits is None:
             raise NumericsError("none is known")
         return orbits

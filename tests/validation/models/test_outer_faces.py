@@ -58,7 +58,6 @@ class Bolt:
     """A kind of outer face that no model knows: a stiff spring and a mass, both fixed."""
 
     def termination(self, epsilon, round_trip, outermost):
-        """As `Face`."""
         return Termination(2.0 * epsilon / round_trip, 0.5 * epsilon, 0.4 * epsilon * round_trip)
 
 

@@ -39,7 +39,6 @@ def each(rows, every=1):
 
 @cache
 def whole(row):
-    """The run in one piece."""
     return play(built(row), UNTIL)
 
 

@@ -19,7 +19,6 @@ with (FOLDER / "benchmark.csv").open(newline="") as stream:
 
 @pytest.fixture(scope="module")
 def values():
-    """The program that makes the table."""
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(FOLDER)
         yield import_module("values")

@@ -17,7 +17,6 @@ FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "p
 
 
 def stored(name, *verdicts, answers=(), **parts):
-    """A study that finished."""
     named = by_claim(name, verdicts)
     result = StudyResult(answers, verdicts=named, **parts) if answers else answered("It does.", named, **parts)
     return Stored(name, f"Does {name} work?", 1.0, True, result)

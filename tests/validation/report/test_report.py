@@ -25,8 +25,6 @@ from validation.report.text import number
 
 
 class Tags(HTMLParser):
-    """The tags of a page that are still open."""
-
     def __init__(self):
         super().__init__()
         self.open = []

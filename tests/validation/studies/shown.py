@@ -76,14 +76,12 @@ def displaced(by):
 
 
 def each(change):
-    """`change` of every entry of a list or dict."""
     return lambda value: (
         {k: change(one) for k, one in value.items()} if isinstance(value, dict) else [change(one) for one in value]
     )
 
 
 def only(name, change):
-    """`change` of one entry of a dict."""
     return lambda value: value | {name: change(value[name])}
 
 
@@ -146,7 +144,6 @@ class Tape:
 
 
 def tapes_of(name):
-    """Empty tapes for the places of the study."""
     return [Tape(place) for place in PLACES[name]]
 
 
@@ -327,7 +324,6 @@ def watched(read, scenes):
 
 
 def outcomes(found):
-    """The outcomes of one verdict or of several, in words."""
     return " ".join(verdict.outcome.value for verdict in ([found] if isinstance(found, Verdict) else found))
 
 

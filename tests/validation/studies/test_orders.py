@@ -162,7 +162,6 @@ def point(log10_r, unstable, period=80.0):
 
 
 def made(model, *found, points=()):
-    """A branch of given special points."""
     return SimpleNamespace(
         model=model,
         onset=SimpleNamespace(parameter=-2.7),

@@ -89,7 +89,6 @@ STUDIES = {
 
 
 def held(name):
-    """The study's quick run, which must be what is expected of it."""
     result, expected = quick(name), STUDIES[name]
     told = [(verdict.claim, verdict.outcome) for verdict in result.verdicts]
     assert [one for one in told if one[1] is Outcome.FAIL] == []
@@ -125,7 +124,6 @@ READ_BYTES = Path.read_bytes
 
 
 def changes(monkeypatch, study, path):
-    """Whether an edit of the file `path` changes the study's key."""
     before = store.study_key(study, False)
     with monkeypatch.context() as patch:
         patch.setattr(sources, "program", lambda file: "edited" if file == path else program(file))
@@ -351,8 +349,6 @@ SURVIVES = CAUGHT | {"name": "late-nudge", "where": "reduced/delay/kernel.py::ma
 
 @pytest.fixture
 def shown(monkeypatch, tmp_path):
-    """The study on these records."""
-
     def run(faults, **held):
         figures = {figure: {"number": 100, "held": count, "width": 3.0} for figure, count in held.items()}
         kinds = {"means": {"bar": "margin", "truth": "more cycles", "evidence": "self-convergence", "figures": figures}}

@@ -19,7 +19,6 @@ from validation.sweep import store as of_store
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
-    """The folder of a sweep of three points, one a part."""
     folder = tmp_path_factory.mktemp("whole") / "map"
     sw.sweep("paper", vary={"log10_r": (-2.75, -2.2, 3)}, models="block8", measure="stability", out=folder, executor=Here())
     assert len(list((folder / "parts").iterdir())) == 3
@@ -28,7 +27,6 @@ def whole(tmp_path_factory):
 
 @pytest.fixture
 def folder(whole, tmp_path):
-    """A copy of it."""
     shutil.copytree(whole, tmp_path / "map")
     return tmp_path / "map"
 
@@ -159,14 +157,10 @@ def test_a_plan_of_too_many_points_is_refused_before_anything_is_made(folder, re
 
 @pytest.fixture
 def imported(monkeypatch):
-    """Modules that are imported from now on."""
     found = []
 
     class Watch:
-        """Finds nothing."""
-
         def find_spec(self, name, path=None, target=None):
-            """Takes note of the name."""
             found.append(name)
 
     monkeypatch.setattr(sys, "meta_path", [Watch(), *sys.meta_path])

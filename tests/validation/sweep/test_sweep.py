@@ -34,25 +34,20 @@ DISC = "tests.validation.sweep_measures:disc"
 
 
 class Here(Executor):
-    """Computes at once, in this process."""
-
     _max_workers = 2
 
     def submit(self, function, /, *given, **named):
-        """As `Executor`."""
         future = Future()
         future.set_result(function(*given, **named))
         return future
 
 
 def plan(counts=(5, 4), measure=DISC, models=("delay",), **options):
-    """A sweep over (a, b) of the paper's scene."""
     axes = [axis_of("a", f"0.001:0.019:{counts[0]}"), axis_of("b", f"0.011:0.029:{counts[1]}")]
     return plan_of(sw.read_scene("paper"), axes, models, measure, **options)
 
 
 def computed(what, folder, **where):
-    """The gathered sweep."""
     from validation.sweep.gather import dataset_of, filled_arrays
 
     store = Store(folder)
@@ -61,7 +56,6 @@ def computed(what, folder, **where):
 
 
 def same(one, other):
-    """Whether all arrays are equal to the bit."""
     return all(np.array_equal(one[name].values, other[name].values, equal_nan=one[name].dtype.kind == "f") for name in one)
 
 

@@ -19,14 +19,12 @@ _LONGEST = 600  # seconds after which a test gives up; no outcome depends on it
 
 @pytest.fixture
 def cluster(tmp_path, monkeypatch):
-    """The scheduler's address and its process."""
     import distributed
 
     monkeypatch.setenv("SLIPWAVE_TEST_MARKS", str(tmp_path))
     where = ("--scheduler-file", str(tmp_path / "scheduler.json"))
 
     def start(*words):
-        """One process of the cluster."""
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": ROOT}
         return subprocess.Popen([sys.executable, "-m", "dask", *words, *where, "--no-dashboard"], **quiet)
 

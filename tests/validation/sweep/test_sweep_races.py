@@ -36,7 +36,6 @@ def test_a_sweep_begun_by_another_process_just_now_goes_on(tmp_path):
 
 
 def begun(folder, number, **how):
-    """The store of a small sweep, with one part."""
     store = Store(folder)
     store.begin({"axes": [number]}, **how)
     store.write(np.array([number]), {"status": np.zeros(1, dtype=np.int8)})

@@ -12,7 +12,6 @@ from validation.commands.result import aligned
 
 
 def main(words: list[str]) -> None:
-    """Run the command line `words`."""
     if words[0] == "--record":
         make_record(words[1:] or KINDS)
         SUMMARY.write_text(json.dumps(summary(known_computations()), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -37,7 +37,6 @@ class Coverage(NamedTuple):
 
 
 def coverage_of(computations: Iterable[list[Held]]) -> list[Coverage]:
-    """The coverage of each figure."""
     found = sorted((held for one in computations for held in one), key=lambda held: held.figure)
     return [_covered(figure, list(members)) for figure, members in groupby(found, key=lambda held: held.figure)]
 

@@ -53,7 +53,6 @@ def of_orbit(model: str, scene: Scene, random: np.random.Generator) -> list[Held
 
 
 def any_orbit(random: np.random.Generator) -> list[Held]:
-    """Figures of an orbit of a random scene and model."""
     kind = str(random.choice(list(SLABS)))
     able = {"alike": ["delay", "kelvin-voigt", "block8", "modal:2"], "unlike": ["delay", "modal:1"], "viscous": ["sbp:6"]}
     model = str(random.choice(able.get(kind, ["delay"])))
@@ -61,7 +60,6 @@ def any_orbit(random: np.random.Generator) -> list[Held]:
 
 
 def _grid_scene(model: str, random: np.random.Generator) -> tuple[str, Scene]:
-    """A scene for a grid, and its reference model."""
     kind = str(random.choice(["alike", "unlike", "layered", "grip", "viscous"]))
     viscous = kind == "viscous"
     return WITNESS if viscous else "delay", random_scene(kind, model if viscous else "auto", random)

@@ -75,7 +75,6 @@ def computation(kind: str, number: int) -> list[Held]:
 
 
 def known_computations(path: Path = RECORD) -> Record:
-    """The computations recorded of every kind."""
     stored = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
     return {kind: [_read(each, *stored[kind]["figures"]) for each in stored[kind]["computations"]] if kind in stored else []
             for kind in KINDS}  # fmt: skip
@@ -87,7 +86,6 @@ def _read(numbers: list[float], *figures: str) -> list[Held]:
 
 
 def store_computations(record: Record, path: Path = RECORD) -> None:
-    """Write the computations, a line for each."""
     kinds = []
     for kind, found in record.items():
         figures = json.dumps(next(([held.figure for held in one] for one in found if one), []))
