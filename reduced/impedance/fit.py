@@ -40,7 +40,7 @@ def fit_scene(scene: Scene, name: str, count: int, spring: float) -> Reduction:
     longest = max(scene.upper.round_trip, scene.lower.round_trip) / scene.transit
     axis = np.concatenate([np.geomspace(1e-3, 0.3, 60), np.linspace(0.3, 2.0 * np.pi * (count + 0.5), 30 * count + 40)])
     s = 1j * axis / longest
-    target = exact_impedance(scene, s)
+    target = _exact_impedance(scene, s)
     start = np.asarray((2.0 * np.pi * np.arange(1, count + 1)) * (1j - 0.05) / longest, dtype=np.complex128)
     with one_thread(), np.errstate(divide="ignore", invalid="ignore"):  # at an undamped pole
         pairs, reals = fit_poles(s, target - spring / s, _weight(s, target), start, np.array([-0.3, -3.0]) / longest)
@@ -80,7 +80,7 @@ def _reduction(name: str, x: Array, pairs: Complex, reals: Array, spring: float)
     )
 
 
-def exact_impedance(scene: Scene, s: Complex) -> Complex:
+def _exact_impedance(scene: Scene, s: Complex) -> Complex:
     """Z/epsilon of the upper slab, s in 1/transit."""
     p, q = pair_ratio(scene, Jet.variable(s / scene.transit))
     return np.asarray(q.value / (p.value * scene.upper.epsilon), dtype=np.complex128)
@@ -135,7 +135,7 @@ def _watch(s: Complex, pairs: Complex) -> Array:
 def _require_accuracy(scene: Scene, fit: Reduction, longest: float) -> None:
     s = np.asarray(1j * np.geomspace(0.02, np.pi, 200) / longest, dtype=np.complex128)
     p, q = reduction_ratio(fit, scene.upper.epsilon, scene.transit, Jet.variable(s / scene.transit))
-    exact = exact_impedance(scene, s)
+    exact = _exact_impedance(scene, s)
     error = np.abs(q.value / (p.value * scene.upper.epsilon) - exact) / (1.0 + np.abs(exact))
     worst = int(np.argmax(error))
     if error[worst] > WORST_ALLOWED:

@@ -53,7 +53,7 @@ def periodic_orbit(
         coarse, fine = fine, _moving(close(finer, start, fine.cycle.period, _TO_ROUNDING))
         before, now, left_out = figures_of(coarse), figures_of(fine), unresolved(fine)
         orbit = Orbit(**{name: Estimate(value, max(_error(value, before[name]), left_out[name])) for name, value in now.items()})
-        settled = relative_error(orbit) < tolerance
+        settled = all(figure.error < tolerance * abs(figure.value) for figure in vars(orbit).values())
         if settled:
             break
     # an unstable multiplier magnifies the distance at which Newton's method took its derivative
@@ -71,9 +71,3 @@ def _moving(closed: Closed) -> Closed:
 def _error(value: float, before: float) -> float:
     difference, size = abs(value - before), abs(value)
     return max(difference / _LEAST_GAIN, min(2.0 * difference, _ROUNDING * size), _LEAST_ERROR * size)
-
-
-def relative_error(orbit: Orbit) -> float:
-    """The largest relative error of the figures of `orbit`."""
-    estimates: list[Estimate] = list(vars(orbit).values())
-    return max(one.error / abs(one.value) for one in estimates)

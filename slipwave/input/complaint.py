@@ -14,7 +14,10 @@ _UNKNOWN = ("extra_forbidden", "invalid_key")
 
 def complaint(failure: ValidationError) -> str:
     """The line for the first faulty key: its dotted name, its value and what is allowed there."""
-    fault = min(failure.errors(include_url=False), key=_rank)
+    # a misspelt key makes one key unknown and another missing: the unknown key comes first, because it explains both; parameters
+    # of a law come last
+    faults = failure.errors(include_url=False)
+    fault = min(faults, key=lambda fault: ("interface" in fault["loc"][:-1], fault["type"] not in _UNKNOWN))
     at = _located(fault["loc"])
     key, value = key_text(at.path), shorten(fault["input"])
     match fault["type"]:
@@ -29,12 +32,6 @@ def complaint(failure: ValidationError) -> str:
             given = fault["input"].get(word) if isinstance(fault["input"], dict) else fault["input"]
             return f"{key}.{word} = {shorten(given)}: must be {choices(at.below, given)}"
     return f"{key} = {value}: {_wanted(fault, at)}"
-
-
-def _rank(fault: ErrorDetails) -> tuple[bool, bool]:
-    """Order of reporting: a misspelt key makes one key unknown and another missing; the unknown key comes first, because it
-    explains both. The parameters of a law come last."""
-    return "interface" in fault["loc"][:-1], fault["type"] not in _UNKNOWN
 
 
 class _Located(NamedTuple):

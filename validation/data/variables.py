@@ -99,7 +99,7 @@ def attributes(quantity: Meaning, scene: Scene) -> dict[str, Any]:
     return notes if factor is None else notes | {"si_factor": factor, "si_units": IN_SI[quantity.unit][0]}
 
 
-def column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
+def _column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
     """Attributes of a column of a table of results, of `numbers` or of words, by its key: `period.mean`, `error.period`."""
     words = " ".join(_IN_WORDS.get(part, part) for part in re.split(r"[._]", key))
     figure = EVENTS.get(key.partition(".")[0])
@@ -151,7 +151,7 @@ def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) ->
     flat = [dict(leaves(row)) for row in rows]
     names = dict.fromkeys(name for row in flat for name in row)
     columns = {name: _column([row.get(name) for row in flat]) for name in names}
-    notes = {name: column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
+    notes = {name: _column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
     table = new_dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
     return table.set_coords("model") if "model" in table else table
 
