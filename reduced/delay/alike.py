@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.delay.kernel import Clock, DelayMemory, alike_lines, march_delay
+from reduced.delay.kernel import Clock, DelayMemory, alike_lines, march_delay, present
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.transmission_lines import NODES
 from slipwave.errors import SceneError
@@ -155,7 +155,7 @@ class Delay(DelayMarch):
         self._cuts = cuts_of(scene.drive)
         mesh = transit_mesh(steps or first_steps(scene, stages), self._cuts)
         self._impedance = plain_impedance(scene)
-        start = np.array([0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress])
+        start = present(0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress)
         self._remember(mesh, first_waves(scene, mesh, self.nodes), start)
         self._beginning = (mesh, self._lines.incoming.copy(), start)
         self._waiting = empty_pieces(0, stages)
@@ -191,7 +191,7 @@ class Delay(DelayMarch):
 
     def state(self) -> State:
         """As `Solver`: the memory at a whole transit (`counts`: requested steps per transit, failures, iterations, and those
-        steps at the beginning; `levels` of the steps; `now`: time, psi, y; `incoming`, `guess`), the pieces `waiting` to be
+        steps at the beginning; `levels` of the steps; `now`: `DelayMemory`; `incoming`, `guess`), the pieces `waiting` to be
         returned, and the beginning to which a march without `emit` goes back."""
         mesh, incoming, now = self._beginning
         state = {
@@ -213,11 +213,11 @@ class Delay(DelayMarch):
         shapes = {
             "incoming": (mesh.steps, self._stages),
             "guess": (2, self._stages),
-            "now": (3,),
+            "now": (4,),
             "waiting": (-1, 2 + 4 * self._stages),
         }
         if not self._emit:
-            shapes |= {"beginning.incoming": (beginning.steps, self._stages), "beginning.now": (3,)}
+            shapes |= {"beginning.incoming": (beginning.steps, self._stages), "beginning.now": (4,)}
         saved = tables(state, shapes, self.model)
         self.failures, self.iterations = failures, iterations
         self._take(mesh, saved["incoming"], DelayMemory(Interface(*saved["guess"]), saved["now"]))
@@ -236,7 +236,7 @@ class Delay(DelayMarch):
         basis = lagrange_basis(radau(NODES).nodes)
         z, psi, mu, _ = (values.reshape(times.shape) for values in values_at(cycle.pieces, basis, times.ravel(), self.scene.law))
         incoming = mu + self._lines.impedance * rates(self.scene.law, z)
-        now = np.array([interface.time, interface.psi, interface.elastic])
+        now = present(interface.time, interface.psi, interface.elastic)
         levels, waiting = np.array(mesh.levels, dtype=float)[:, None], np.empty((0, saved["waiting"].shape[1]))
         guess = np.stack([psi[0], z[0]])
         return saved | {"counts": counts, "levels": levels, "incoming": incoming, "guess": guess, "now": now, "waiting": waiting}

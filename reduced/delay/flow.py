@@ -11,7 +11,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from reduced.delay.flow_kernel import exchange_of, logs_of_return, march_tangent
-from reduced.delay.kernel import DelayMemory, clock_of, march_delay
+from reduced.delay.kernel import DelayMemory, clock_of, march_delay, present
 from reduced.delay.march import dense_resolution
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.transmission_lines import COINCIDENT, NODES, lines_of, network_of, shifted_rows
@@ -79,7 +79,7 @@ class DelayFlow:
         pieces, lines = empty_pieces(steps, NODES), self.lines_at(start)
         steady, z = np.full(NODES, self._network.base), unknown_of(scene.law, scene.velocity)
         guess, _ = first_guess(self._nodes, scene.law, scene.impedance, steady, start[-1], z)
-        memory = DelayMemory(guess, np.array([0.0, start[-1], scene.steady_stress]))
+        memory = DelayMemory(guess, present(0.0, float(start[-1]), scene.steady_stress))
         physics = Physics(scene.law, scene.forcing._replace(nudge=0.0), scene.drive.compiled, self._rule)
         clock = clock_of(0.0, 0, steps, self.length)
         march = (physics, lines, memory, nodal_of(NODES), clock, _ANY_STEP, 0)

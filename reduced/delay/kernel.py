@@ -41,10 +41,19 @@ from slipwave.step.solve import solve
 
 
 class DelayMemory(NamedTuple):
-    """The present: predicted nodal psi and z of the next step, `guess`, and `now` (3,): time (transits), psi, y."""
+    """The present: predicted nodal psi and z of the next step, `guess`, and `now` (4,): time (transits), psi, y, and what
+    rounding lost of y: a sample in a machine takes 1e8 steps, and in each y changes by a few roundings (compensated sum)."""
 
     guess: Interface
     now: Array
+
+
+LOST = 3
+
+
+def present(time: float, psi: float, y: float) -> Array:
+    """`DelayMemory.now` without lost parts."""
+    return np.array([time, psi, y, 0.0])
 
 
 class Clock(NamedTuple):
@@ -75,7 +84,7 @@ class Alike(NamedTuple):
 def alike_lines(impedance: float, incoming: Array) -> Alike:
     """The waves at the start of a transit."""
     stages = incoming.shape[1]
-    return Alike(impedance, incoming, np.empty_like(incoming), DelayMemory(Interface(*np.empty((2, stages))), np.empty(3)))
+    return Alike(impedance, incoming, np.empty_like(incoming), DelayMemory(Interface(*np.empty((2, stages))), np.empty(4)))
 
 
 @by_class(inline=True)
@@ -175,7 +184,9 @@ def march_delay(
         to_own(law, nodal.z)
         if first + k >= 0:
             elastic, step = now[ELASTIC], (start, length)
-            now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, elastic, pieces, first + k)
+            gain = now[LOST] + emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, elastic, pieces, first + k)
+            now[ELASTIC] = elastic + gain
+            now[LOST] = gain - (now[ELASTIC] - elastic)
         leave(lines, nodes, physics, n, start, length, nodal)
         now[PSI], now[TIME] = nodal.psi[s - 1], origin + clock.begin[n + 1]
         if clock.length[n + 1 if n + 1 < count else 0] != length:

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, mean_friction, powers_of, slow_parts
-from reduced.delay.kernel import DelayMemory
+from reduced.delay.kernel import DelayMemory, present
 from reduced.delay.network_kernel import lines_with
 from reduced.delay.slow_motion import Slow, SlowMotion
 from reduced.delay.stroboscopic import StroboscopicNetwork
@@ -285,7 +285,7 @@ class LeapingNetwork(StroboscopicNetwork):
         unknown = float(self._parts()[0].interface(split.slow, np.array(time)).z)
         self._done += steps
         self._lines = lines_with(self._lines.network, waves.copy(), tops.copy())
-        self._memory = DelayMemory(constant_guess(psi, unknown, self._stages), np.array([time, psi, y]))
+        self._memory = DelayMemory(constant_guess(psi, unknown, self._stages), present(time, psi, y))
 
     def _parts(self) -> tuple[SlowMotion, FrozenStep]:
         """The solvers of both parts of the motion."""

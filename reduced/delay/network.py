@@ -6,7 +6,7 @@ import numpy as np
 
 from reduced.delay.alike import TransitMesh
 from reduced.delay.flow import DelayFlow
-from reduced.delay.kernel import DelayMemory, clock_of, march_delay
+from reduced.delay.kernel import DelayMemory, clock_of, march_delay, present
 from reduced.delay.march import DelayMarch, dense_resolution, next_count
 from reduced.delay.network_kernel import Network, lines_with
 from reduced.delay.transmission_lines import COINCIDENT, NODES, Lines, lines_of, network_of
@@ -43,7 +43,7 @@ class DelayNetwork(DelayMarch):
         self._lines = lines_with(network, waves, tops)
         psi = scene.steady_psi + scene.start.jump_size
         guess = self._first_guess(scene.impedance, np.full(NODES, network.base), psi)
-        self._memory = DelayMemory(guess, np.array([0.0, psi, scene.steady_stress]))
+        self._memory = DelayMemory(guess, present(0.0, psi, scene.steady_stress))
         self._origin, self._done = 0.0, 0
 
     @property
@@ -93,7 +93,7 @@ class DelayNetwork(DelayMarch):
 
     def _present(self) -> dict[str, tuple[int, ...]]:
         """Shapes of the arrays that describe the present, in a state."""
-        return {"tops": (len(self._layers.tops), 2), "guess": (2, self._stages), "now": (3,)}
+        return {"tops": (len(self._layers.tops), 2), "guess": (2, self._stages), "now": (4,)}
 
     def flow(self, period: float, tolerance: float) -> tuple[DelayFlow, Array]:
         """The flow in steps of the present length, and the present state as its state."""
@@ -112,7 +112,7 @@ class DelayNetwork(DelayMarch):
         lines = flow.lines_at(start)
         counts[:3] = count, 0.0, flow.kept
         guess = np.stack(constant_guess(interface.psi, interface.z, self._stages))
-        now, origin = np.array([interface.time, interface.psi, interface.elastic]), np.array([interface.time])
+        now, origin = present(interface.time, interface.psi, interface.elastic), np.array([interface.time])
         return saved | {"counts": counts, "origin": origin, "waves": lines.waves, "tops": lines.tops, "guess": guess, "now": now}
 
     def _march(self, length: float, pieces: Pieces) -> tuple[int, int]:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, powers_of
-from reduced.delay.kernel import DelayMemory
+from reduced.delay.kernel import DelayMemory, present
 from reduced.delay.multirevolution import Past, extremes, no_past, stick_limit
 from reduced.delay.network import DelayNetwork
 from reduced.delay.network_kernel import INWARD, LOAD, VELOCITY, NetworkLines, lines_with
@@ -134,7 +134,7 @@ class StroboscopicNetwork(DelayNetwork):
         waves, tops, (psi, y) = self._frozen_step().empty.like(memory + walk.shift)
         self._done = walk.start + number * block.steps
         self._lines = lines_with(self._lines.network, waves.copy(), tops.copy())
-        now = np.array([self._origin + self._done * self._length, psi, y])
+        now = present(self._origin + self._done * self._length, psi, y)
         self._memory = DelayMemory(Interface(*(values.copy() for values in walk.guess)), now)
 
     def _repeating(self) -> _Block | None:

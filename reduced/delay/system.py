@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from reduced.delay.alike import MOST_FIRST_STEPS, Delay, TransitMesh, first_steps
-from reduced.delay.kernel import DelayMemory
+from reduced.delay.kernel import DelayMemory, present
 from reduced.delay.multirevolution import Past, extremes, no_past, stick_limit
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import rates, respond, unknown_of
@@ -148,7 +148,7 @@ class LeapingDelay(Delay):
         """Set the state at the beginning of the transit `number`: the memory `before` plus `change`."""
         mesh, incoming, (_, now) = before
         psi = now[PSI] + math.log1p(change[-2] * math.exp(-now[PSI]))
-        self._remember(mesh, incoming + change[:-2].reshape(incoming.shape), np.array([number, psi, now[ELASTIC] + change[-1]]))
+        self._remember(mesh, incoming + change[:-2].reshape(incoming.shape), present(number, psi, now[ELASTIC] + change[-1]))
 
     def _transit(self) -> tuple[Pieces, Array, int]:
         """March one transit; returns its pieces, the change of the state (wave, phi, y), and the verdict of the march.

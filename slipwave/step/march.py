@@ -158,7 +158,7 @@ def march(
             memory.last.psi[j], memory.last.z[j] = nodal.psi[j], nodal.z[j]
         to_own(law, nodal.z)
         step = (start, length)
-        now[ELASTIC] = emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, now[ELASTIC], pieces, k)
+        now[ELASTIC] += emit(nodes, forcing.stiffness, impedance, step, rule.integral, nodal, now[ELASTIC], pieces, k)
         take_in(port, nodes, level, rule.integral, nodal)
         # `start` is a multiple of the length: its end, without the rounding of a sum, which would miss a late break point
         now[TIME] = origin + length * (math.floor((start - origin) / length + 0.5) + 1.0)

@@ -245,7 +245,7 @@ def emit(
     k: int,
 ) -> float:
     """Piece k <- the `step` (start, length), with the stress S - K v and the elastic stress y' = stiffness (V - v). `elastic` is
-    y at the step's start; returns y at its end."""
+    y at the step's start; returns the change of y in it."""
     s, (start, length) = len(nodes), step
     pieces.time[k] = start
     pieces.length[k] = length
@@ -253,11 +253,11 @@ def emit(
         pieces.z[k, j] = nodal.z[j]
         pieces.psi[k, j] = nodal.psi[j]
         pieces.mu[k, j] = nodal.incoming[j] - own(impedance, j) * nodal.v[j] - others(impedance, nodes, j, nodal.v)
-        nodal.trial[j] = elastic
+        nodal.trial[j] = 0.0
     for m in range(s):
         factor = length * stiffness * (nodal.drive[m] - nodal.v[m])
         for j in range(s):
             nodal.trial[j] += integral[m, j] * factor
     for j in range(s):
-        pieces.y[k, j] = nodal.trial[j]
+        pieces.y[k, j] = elastic + nodal.trial[j]
     return float(nodal.trial[s - 1])
