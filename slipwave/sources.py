@@ -101,9 +101,10 @@ def cache_folder() -> Path:
 def _kept() -> dict[bytes, _Read]:
     """What this process and earlier ones have read."""
     try:
-        return dict(pickle.loads((cache_folder() / _KEPT).read_bytes()))
+        kept = dict(pickle.loads((cache_folder() / _KEPT).read_bytes()))
     except Exception:  # there is none, or a damaged one, which may raise anything
         return {}
+    return kept if all(type(one) is _Read for one in kept.values()) else {}  # else another version wrote it
 
 
 def _keep() -> None:

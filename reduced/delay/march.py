@@ -3,10 +3,12 @@
 import math
 from typing import Any
 
+import numpy as np
+
 from reduced.delay.kernel import DelayMemory
 from slipwave.errors import NumericsError
 from slipwave.friction import allows_rest, respond, said_of_rest, unknown_of
-from slipwave.observe.pieces import Array
+from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import Energy
 from slipwave.step.collocation import growth_limit, rule_of
@@ -17,6 +19,16 @@ MAX_STEPS = 4096
 """Largest number of steps per transit."""
 
 _MORE = 8  # times as many for laws that allow v <= 0: v, but for its rate, bends sharply where it changes its sign
+
+
+_SLOW = 0.98  # of V, at most, in a stick
+EXTREMES = 6
+
+
+def extremes(pieces: Pieces) -> Array:
+    """The largest z, mu, y and the largest -z, -mu, -y at the nodes."""
+    values = (pieces.z, pieces.mu, pieces.y)
+    return np.array([*(value.max() for value in values), *(-value.min() for value in values)])
 
 
 class DelayMarch:
@@ -48,6 +60,12 @@ class DelayMarch:
     def energy(self) -> Energy | None:
         """None: the delay system has no fields in the slabs, hence no energy balance."""
         return None
+
+    def _stick_limit(self, time: float) -> float:
+        """Largest z of a stick at a `time` (transits): v is below V, in a hold below V before it."""
+        drive = self.scene.drive
+        paces = [drive.initial, *(v for t, v in zip(drive.times, drive.velocities, strict=True) if t <= time and v > 0.0)]
+        return unknown_of(self.scene.law, _SLOW * paces[-1])
 
     def _first_guess(self, impedance: float, incoming: Array, psi: float) -> Interface:
         """psi and z at the nodes of a step with constant psi under the stress `incoming` (s,)."""

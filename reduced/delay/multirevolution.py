@@ -15,12 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.friction import unknown_of
-from slipwave.observe.pieces import Array, Pieces, barycentric_weights
-from slipwave.scene import Scene
-
-_SLOW = 0.98  # of V, at most, in a stick
-_EXTREMES = 6
+from slipwave.observe.pieces import Array, barycentric_weights
 
 
 class Past(NamedTuple):
@@ -37,11 +32,6 @@ class Past(NamedTuple):
         """`Past` with one more transit, without those that are too old."""
         longer = (np.append(self.number, number), np.vstack([self.change, change]), np.vstack([self.highest, highest]))
         return Past(self.order, *(values[-self.order :] for values in longer))
-
-    @property
-    def is_complete(self) -> bool:
-        """Whether there are enough transits to leap."""
-        return self.number.size == self.order
 
     def total(self, first: float, last: float) -> Array:
         """Sum (m,) of the changes in the transits `first` to `last` - 1."""
@@ -72,24 +62,6 @@ class Past(NamedTuple):
         marched = (self.number - end) / span
         terms = barycentric_weights(marched) / ((at[:, None] - end) / span - marched)
         return np.asarray(terms / terms.sum(axis=1)[:, None])
-
-
-def no_past(order: int, size: int) -> Past:
-    """Of states with `size` entries, before the first transit."""
-    return Past(order, np.empty(0), np.empty((0, size)), np.empty((0, _EXTREMES)))
-
-
-def extremes(pieces: Pieces) -> Array:
-    """The largest z, mu, y and the largest -z, -mu, -y at the nodes, for `Past.highest`."""
-    values = (pieces.z, pieces.mu, pieces.y)
-    return np.array([*(value.max() for value in values), *(-value.min() for value in values)])
-
-
-def stick_limit(scene: Scene, time: float) -> float:
-    """Largest z of a stick at a `time` (transits): v is below V, in a hold below V before it."""
-    drive = scene.drive
-    paces = [drive.initial, *(v for t, v in zip(drive.times, drive.velocities, strict=True) if t <= time and v > 0.0)]
-    return unknown_of(scene.law, _SLOW * paces[-1])
 
 
 @lru_cache(maxsize=4096)

@@ -16,7 +16,8 @@ import numpy as np
 
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, powers_of
 from reduced.delay.kernel import DelayMemory, present
-from reduced.delay.multirevolution import Past, extremes, no_past, stick_limit
+from reduced.delay.march import EXTREMES, extremes
+from reduced.delay.multirevolution import Past
 from reduced.delay.network import DelayNetwork
 from reduced.delay.network_kernel import INWARD, LOAD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.transmission_lines import COINCIDENT
@@ -71,13 +72,20 @@ class StroboscopicNetwork(DelayNetwork):
             return None
         before, shift, shown, reach, skipped = self._moment(), self._translation(), list[Pieces](), _FIRST, 0
         most = int((stop - self.time) / (block.steps * self._length) - COINCIDENT)
-        walk = _Walk(self._done, 0, self._now().vector - shift, before[1].guess, no_past(_ORDER, shift.size), shift)
+        walk = _Walk(
+            self._done,
+            0,
+            self._now().vector - shift,
+            before[1].guess,
+            Past(_ORDER, np.empty(0), np.empty((0, shift.size)), np.empty((0, EXTREMES))),
+            shift,
+        )
         while walk.number + reach < most and len(shown) < _MARCHED and reach * block.steps >= _PRICE:
             pieces, later, error = self._leapt(block, walk, reach)
             if not error <= allowed:
                 reach = _of_few_powers(max(_SHRINK, _scale(allowed, error)) * reach) if skipped else 0
                 continue
-            if walk.past.is_complete:
+            if walk.past.number.size == _ORDER:
                 for number in map(int, later.past.peaks(walk.number - 1, later.number - 1)):
                     shown.append(self._visited(block, walk, number))
                     skipped -= 1
@@ -95,12 +103,12 @@ class StroboscopicNetwork(DelayNetwork):
     def _leapt(self, block: _Block, walk: _Walk, reach: int) -> tuple[Pieces, _Walk, float]:
         """Skip `reach` blocks, or march them while the past is not complete, and march the next one: the pieces, the walk after
         it, and the leap's error, infinite if the block is not one of a stick."""
-        last, held, complete = walk.number + reach, block.powers[0], walk.past.is_complete
+        last, held, complete = walk.number + reach, block.powers[0], walk.past.number.size == _ORDER
         self._put(block, walk, self._begin(block, walk, reach) if complete else walk.now, last if complete else walk.number)
         passed = self._marched(block, 0 if complete else reach)
         begin = self._memory.now[PSI]
         pieces = self._marched(block, 1)
-        if passed is None or pieces is None or pieces.z.max() > stick_limit(self.scene, self.time):
+        if passed is None or pieces is None or pieces.z.max() > self._stick_limit(self.time):
             return empty_pieces(0, self._stages), walk, math.inf
         now, error = self._now().vector - walk.shift, 0.0
         change = block.by_slip @ (rates(self.scene.law, pieces.z) - self.scene.drive.at(self.time)).ravel()

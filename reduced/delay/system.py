@@ -14,7 +14,8 @@ import numpy as np
 
 from reduced.delay.alike import MOST_FIRST_STEPS, Delay, TransitMesh, first_steps
 from reduced.delay.kernel import DelayMemory, present
-from reduced.delay.multirevolution import Past, extremes, no_past, stick_limit
+from reduced.delay.march import EXTREMES, extremes
+from reduced.delay.multirevolution import Past
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import rates, respond, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
@@ -63,7 +64,7 @@ class LeapingDelay(Delay):
                 self._past = self._nothing()
             if now < self._next_try:
                 return self.advance(min(until, self._next_try))
-            if not (self._past.is_complete and self._leap(end)):
+            if not (self._past.number.size == _ORDER and self._leap(end)):
                 self._walk()
         return self.advance(until)
 
@@ -80,7 +81,7 @@ class LeapingDelay(Delay):
     def restore(self, state: State) -> None:
         """As `Solver`."""
         leaps = whole_numbers(state, "leaps", (0, 1, 0, 1))
-        saved = tables(state, {"past": (-1, 3 + self._past.highest.shape[1]), "past.incoming": (-1, self._stages)}, self.model)
+        saved = tables(state, {"past": (-1, 3 + EXTREMES), "past.incoming": (-1, self._stages)}, self.model)
         super().restore(state)
         number, states, highest = np.split(saved["past"], [1, 3], axis=1)
         waves = saved["past.incoming"].reshape(len(number), self._lines.incoming.size)
@@ -168,7 +169,7 @@ class LeapingDelay(Delay):
         highest = float(pieces.z.max())
         if self._past.number.size and highest > self._past.highest[-1, 0]:
             return True
-        return highest < stick_limit(self.scene, start)
+        return highest < self._stick_limit(start)
 
     def _rests(self, start: float) -> bool:
         """Whether V is constant until the waves of the transit that begins at `start` have returned."""
@@ -196,7 +197,7 @@ class LeapingDelay(Delay):
         self._pause = min(2 * self._pause, _LONGEST_PAUSE)
 
     def _nothing(self) -> Past:
-        return no_past(_ORDER, self._lines.incoming.size + 2)
+        return Past(_ORDER, np.empty(0), np.empty((0, self._lines.incoming.size + 2)), np.empty((0, EXTREMES)))
 
 
 _LONGEST_STEP = 1.0 / 3.0  # transits

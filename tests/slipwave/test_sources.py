@@ -1,5 +1,7 @@
 """What a file of the house imports, and digests that cover the program and not its comments."""
 
+import pickle
+
 import pytest
 
 from slipwave import sources
@@ -88,3 +90,14 @@ def test_a_damaged_file_of_what_was_parsed_is_replaced(started_again, tmp_path):
     sources._keep()
     started_again()
     assert len(sources._kept()) == 1
+
+
+def test_what_another_version_has_kept_is_parsed_again(started_again, tmp_path):
+    path = tmp_path / "program.py"
+    path.write_text("x = 1\n")
+    whole = program(path)
+    sources._keep()
+    (kept,) = (tmp_path / "kept").iterdir()
+    kept.write_bytes(pickle.dumps({key: tuple(one) for key, one in sources._kept().items()}))
+    started_again()
+    assert program(path) == whole
