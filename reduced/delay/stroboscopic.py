@@ -30,7 +30,7 @@ _MOST_STEPS, _MOST_ENTRIES = 256, 300  # of a block; of a state
 _FARTHEST, _MARCHED = 1 << 12, 400  # blocks that a leap skips, and blocks marched in one call, at most
 _ORDER = 8  # of a leap
 _PRICE = 600  # steps of the march that take as long as a leap
-_FIRST = 96  # blocks between the first marched ones: of closer ones rounding would be extrapolated
+_FIRST = 32  # blocks between the first marched ones: of closer ones rounding would be extrapolated
 _SHRINK, _SAFETY, _GROW = 0.2, 0.9, 2.0
 _ROUNDING = 0.02  # of the allowed error: less may be rounding, which does not grow as a leap's error
 
@@ -67,11 +67,14 @@ class StroboscopicNetwork(DelayNetwork):
     def _over_blocks(self, stop: float, allowed: float) -> Pieces | None:
         """Marched blocks of a stick before `stop`, with gaps between them; each leap errs by less than is `allowed`. None if no
         leap saves time: the motion has then not gone on."""
-        block = self._repeating()
-        if block is None:
+        steps = self._repeating_steps()
+        if not steps:
             return None
-        before, shift, shown, reach, skipped = self._moment(), self._translation(), list[Pieces](), _FIRST, 0
-        most = int((stop - self.time) / (block.steps * self._length) - COINCIDENT)
+        reach, most = max(_FIRST, _PRICE // steps + 1), int((stop - self.time) / (steps * self._length) - COINCIDENT)
+        if most < 2 * _ORDER * reach or not self._sticks(reach * steps):
+            return None
+        block = self._block = self._block or self._block_of(steps)
+        before, shift, shown, skipped = self._moment(), self._translation(), list[Pieces](), 0
         walk = _Walk(
             self._done,
             0,
@@ -105,10 +108,10 @@ class StroboscopicNetwork(DelayNetwork):
         it, and the leap's error, infinite if the block is not one of a stick."""
         last, held, complete = walk.number + reach, block.powers[0], walk.past.number.size == _ORDER
         self._put(block, walk, self._begin(block, walk, reach) if complete else walk.now, last if complete else walk.number)
-        passed = self._marched(block, 0 if complete else reach)
+        limit, passed = self._stick_limit(self.time), self._marched(block, 0 if complete else reach)
         begin = self._memory.now[PSI]
         pieces = self._marched(block, 1)
-        if passed is None or pieces is None or pieces.z.max() > self._stick_limit(self.time):
+        if passed is None or pieces is None or max(part.z.max(initial=-math.inf) for part in (passed, pieces)) > limit:
             return empty_pieces(0, self._stages), walk, math.inf
         now, error = self._now().vector - walk.shift, 0.0
         change = block.by_slip @ (rates(self.scene.law, pieces.z) - self.scene.drive.at(self.time)).ravel()
@@ -145,19 +148,30 @@ class StroboscopicNetwork(DelayNetwork):
         now = present(self._origin + self._done * self._length, psi, y)
         self._memory = DelayMemory(Interface(*(values.copy() for values in walk.guess)), now)
 
-    def _repeating(self) -> _Block | None:
-        """Two round trips of all slabs, after which waves nearly repeat at outer faces that are nearly free or rigid; None if
-        they have no common multiple, or too long a one, or the memory is too large."""
-        if self._block is None and self._layers.divisor and self._lines.waves.size < _MOST_ENTRIES:
-            travel, pairs = self._layers.travel / self._length, zip(self._layers.first, self._layers.last, strict=True)
-            steps = 2 * math.lcm(*(round(2.0 * float(travel[first : last + 1].sum())) for first, last in pairs))
-            if steps <= _MOST_STEPS:
-                held, _ = self._frozen_step().matrix(_HELD)
-                by_slip = [self._frozen_step().by_slip]
-                while len(by_slip) < steps:
-                    by_slip.insert(0, held @ by_slip[0])
-                self._block = _Block(steps, powers_of(np.linalg.matrix_power(held, steps), _FARTHEST), np.hstack(by_slip))
-        return self._block
+    def _sticks(self, steps: int) -> bool:
+        """Whether v stays that of a stick in the next `steps`; they are marched and taken back, which costs less than tables."""
+        before, limit = self._moment(), self._stick_limit(self.time)
+        pieces = empty_pieces(steps, self._stages)
+        sticks = self._march(self._length, pieces)[0] == steps and bool(pieces.z.max() < limit)
+        self._return_to(before)
+        return sticks
+
+    def _repeating_steps(self) -> int:
+        """Steps of two round trips of all slabs, after which waves nearly repeat at outer faces that are nearly free or rigid; 0
+        if these have no common multiple, or too long a one, or the memory is too large."""
+        if not self._layers.divisor or self._lines.waves.size > _MOST_ENTRIES:
+            return 0
+        travel, pairs = self._layers.travel / self._length, zip(self._layers.first, self._layers.last, strict=True)
+        steps = 2 * math.lcm(*(round(2.0 * float(travel[first : last + 1].sum())) for first, last in pairs))
+        return steps if steps <= _MOST_STEPS else 0
+
+    def _block_of(self, steps: int) -> _Block:
+        """The tables of a block of so many steps."""
+        held, _ = self._frozen_step().matrix(_HELD)
+        by_slip = [self._frozen_step().by_slip]
+        while len(by_slip) < steps:
+            by_slip.insert(0, held @ by_slip[0])
+        return _Block(steps, powers_of(np.linalg.matrix_power(held, steps), _FARTHEST), np.hstack(by_slip))
 
     def _translation(self) -> Array:
         """The memory (n,) of slabs that move apart with the present V, instead of that of steady sliding."""

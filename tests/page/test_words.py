@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 from html.parser import HTMLParser
 
 import pytest
@@ -12,11 +13,12 @@ VOID, UNREAD = {"meta", "img", "br", "input", "link"}, {"script", "style", "head
 
 
 class Words(HTMLParser):
-    """Counts words in cells of tables and all others, but those of scripts and pictures; keeps names and links."""
+    """Counts words in cells of tables and all others, but those of scripts and pictures; keeps names, links, and text with markup
+    for indices that nothing has set."""
 
     def __init__(self, page):
         super().__init__()
-        self.open, self.names, self.links, self.cells, self.text = [], [], [], 0, 0
+        self.open, self.names, self.links, self.unset, self.cells, self.text = [], [], [], [], 0, 0
         self.feed(page)
 
     def handle_starttag(self, tag, attrs):
@@ -32,6 +34,7 @@ class Words(HTMLParser):
         if not UNREAD & {*self.open}:
             self.cells += len(data.split()) * ("table" in self.open)
             self.text += len(data.split()) * ("table" not in self.open)
+            self.unset += [data] if re.search(r"[_^]\{", data) else []
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +56,10 @@ def test_no_link_is_broken(page):
     assert len(found.names) == len(set(found.names))
     assert [link for link in found.links if link[0] == "#" and link[1:] not in found.names] == []
     assert [link for link in found.links if link[0] != "#" and not (FOLDER / link).is_file()] == []
+
+
+def test_indices_are_set(page):
+    assert Words(page).unset == []
 
 
 def test_every_verdict_is_cited(page):
