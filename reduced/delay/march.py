@@ -19,10 +19,10 @@ MAX_STEPS = 4096
 """Largest number of steps per transit."""
 
 _MORE = 8  # times as many for laws that allow v <= 0: v, but for its rate, bends sharply where it changes its sign
-
-
 _SLOW = 0.98  # of V, at most, in a stick
+
 EXTREMES = 6
+"""Values of `extremes`."""
 
 
 def extremes(pieces: Pieces) -> Array:

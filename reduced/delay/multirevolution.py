@@ -23,7 +23,6 @@ class Past(NamedTuple):
     each, and the `highest` (p, q) values of q quantities in it."""
 
     order: int
-
     number: Array
     change: Array
     highest: Array

@@ -117,9 +117,7 @@ class SlowMotion:
         self._matrices, self._rule, self._shape = rule_of(stages)
         self._basis, self._nodal = lagrange_basis(self._matrices.nodes), nodal_of(stages)
         self._with_start = lagrange_basis(np.append(0.0, self._matrices.nodes))
-        self._shift = np.zeros((lines.travel.size, 2))  # waves of a slab that moves as a whole
-        self._held = np.any(self.transfer.tops != 0.0, axis=(1, 2))
-        self._shift[:, INWARD], self._shift[:, OUTWARD] = lines.impedance, -lines.impedance
+        self._apart, self._held = lines.apart, np.any(self.transfer.tops != 0.0, axis=(1, 2))
 
     def step(self, start: float, length: float, begin: Array, guess: Interface) -> Slow:
         """Solve the step of `length` from `begin` (psi, load) at the time `start`; V is constant."""
@@ -161,11 +159,11 @@ class SlowMotion:
         """Waves launched at `times` (..), as deviations, of shape (layers, 2, ..); load and velocity of each outer face, and the
         slip, at the time `now`."""
         terms = self._terms(slow, np.append(times, now))
-        drift = 0.5 * (self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity)
-        shift = (drift * self._shift).reshape(*self._shift.shape, *(1 for _ in range(times.ndim)))
+        drift = self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity
+        shift = (drift * self._apart).reshape(*self._apart.shape, *(1 for _ in range(times.ndim)))
         waves = np.tensordot(self.transfer.waves, terms[:-1].reshape(*times.shape, -1), axes=(2, -1)) + shift
         tops = np.asarray(self.transfer.tops @ terms[-1])
-        tops[self._held, VELOCITY] += drift
+        tops[self._held, VELOCITY] += 0.5 * drift
         return waves, tops, float(terms[-1, 0] - slow.load)
 
     def _terms(self, slow: Slow, times: Array) -> Array:

@@ -19,7 +19,7 @@ from reduced.delay.kernel import DelayMemory, present
 from reduced.delay.march import EXTREMES, extremes
 from reduced.delay.multirevolution import Past
 from reduced.delay.network import DelayNetwork
-from reduced.delay.network_kernel import INWARD, LOAD, VELOCITY, NetworkLines, lines_with
+from reduced.delay.network_kernel import LOAD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.transmission_lines import COINCIDENT
 from slipwave.friction import rates, respond
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
@@ -108,9 +108,9 @@ class StroboscopicNetwork(DelayNetwork):
         it, and the leap's error, infinite if the block is not one of a stick."""
         last, held, complete = walk.number + reach, block.powers[0], walk.past.number.size == _ORDER
         self._put(block, walk, self._begin(block, walk, reach) if complete else walk.now, last if complete else walk.number)
-        limit, passed = self._stick_limit(self.time), self._marched(block, 0 if complete else reach)
+        limit, passed = self._stick_limit(self.time), self._marched(0 if complete else reach * block.steps)
         begin = self._memory.now[PSI]
-        pieces = self._marched(block, 1)
+        pieces = self._marched(block.steps)
         if passed is None or pieces is None or max(part.z.max(initial=-math.inf) for part in (passed, pieces)) > limit:
             return empty_pieces(0, self._stages), walk, math.inf
         now, error = self._now().vector - walk.shift, 0.0
@@ -130,15 +130,14 @@ class StroboscopicNetwork(DelayNetwork):
     def _visited(self, block: _Block, walk: _Walk, number: int) -> Pieces:
         """The pieces of a block that is left out."""
         self._put(block, walk, self._begin(block, walk, number - walk.number), number)
-        pieces = self._marched(block, 1)
+        pieces = self._marched(block.steps)
         assert pieces is not None  # its neighbours were marched
         return pieces
 
-    def _marched(self, block: _Block, count: int) -> Pieces | None:
-        """The pieces of the next `count` blocks; None if a step fails."""
-        pieces = empty_pieces(count * block.steps, self._stages)
-        steps = self._march(self._length, pieces)[0] if count else 0
-        return pieces if steps == pieces.time.size else None
+    def _marched(self, steps: int) -> Pieces | None:
+        """The pieces of the next `steps`; None if one fails."""
+        pieces = empty_pieces(steps, self._stages)
+        return pieces if not steps or self._march(self._length, pieces)[0] == steps else None
 
     def _put(self, block: _Block, walk: _Walk, memory: Array, number: int) -> None:
         """Set the state at the beginning of the block `number`."""
@@ -151,10 +150,9 @@ class StroboscopicNetwork(DelayNetwork):
     def _sticks(self, steps: int) -> bool:
         """Whether v stays that of a stick in the next `steps`; they are marched and taken back, which costs less than tables."""
         before, limit = self._moment(), self._stick_limit(self.time)
-        pieces = empty_pieces(steps, self._stages)
-        sticks = self._march(self._length, pieces)[0] == steps and bool(pieces.z.max() < limit)
+        pieces = self._marched(steps)
         self._return_to(before)
-        return sticks
+        return pieces is not None and bool(pieces.z.max() < limit)
 
     def _repeating_steps(self) -> int:
         """Steps of two round trips of all slabs, after which waves nearly repeat at outer faces that are nearly free or rigid; 0
@@ -176,10 +174,10 @@ class StroboscopicNetwork(DelayNetwork):
     def _translation(self) -> Array:
         """The memory (n,) of slabs that move apart with the present V, instead of that of steady sliding."""
         empty, network = self._frozen_step().empty, self._lines.network
-        share = 0.5 * (self.scene.drive.at(self.time) - self.scene.velocity)
-        signed = share * np.where(np.arange(2) == INWARD, 1.0, -1.0) * network.impedance[:, None]
-        tops = np.where(np.arange(2) == VELOCITY, share * network.remembers[:, None], 0.0)
-        return Disturbance(np.broadcast_to(signed[..., None, None], empty.waves.shape), tops, empty.rest).vector
+        change = self.scene.drive.at(self.time) - self.scene.velocity
+        waves = np.broadcast_to(change * self._layers.apart[..., None, None], empty.waves.shape)
+        tops = np.where(np.arange(2) == VELOCITY, 0.5 * change * network.remembers[:, None], 0.0)
+        return Disturbance(waves, tops, empty.rest).vector
 
     def _frozen_step(self) -> FrozenStep:
         """The linear step of present length."""

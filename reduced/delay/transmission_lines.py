@@ -17,7 +17,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from reduced.commensurate import common_divisor
-from reduced.delay.network_kernel import Integers, Network
+from reduced.delay.network_kernel import INWARD, Integers, Network
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array, Basis, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
@@ -47,6 +47,11 @@ class Lines:
     last: tuple[int, ...]
     tops: tuple[Termination, ...]
     weight: float
+
+    @property
+    def apart(self) -> Array:
+        """Waves (layers, 2) of slabs that move apart as a whole, each at half of a rate of 1."""
+        return 0.5 * self.impedance[:, None] * np.where(np.arange(2) == INWARD, 1.0, -1.0)
 
     @cached_property
     def divisor(self) -> float | None:
