@@ -58,8 +58,13 @@ class MapResult(Result):
 
     def regimes(self, model: str) -> Any:
         """The regimes of one `model` of a sweep of verdicts at its points: 0 for steady sliding and the return to it,
-        another number for each other regime, -1 where there is no verdict that lasts."""
-        return decided_regimes(self.data["verdict"].sel(model=model).values)
+        another number for each other regime, -1 where there is no verdict that lasts. Raises SceneError without verdicts of this
+        model."""
+        models = self.data["model"].values.ravel().tolist() if "verdict" in self.data else []
+        if model not in models:
+            raise SceneError(f"model = {model}: the sweep has verdicts of {', '.join(models) or 'no model'}")
+        verdicts = self.data["verdict"]
+        return decided_regimes((verdicts.sel(model=model) if "model" in verdicts.dims else verdicts).values)
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -108,6 +113,8 @@ def map(source: "SceneSource | Result", options: MapOptions) -> MapResult:
 def gathered(source: "SceneSource | Result") -> Dataset:
     """The dataset of a sweep's folder or file, or of its result. Raises SceneError if there is none."""
     if isinstance(source, Result):
+        if "manifest" not in source.dataset.attrs:
+            raise SceneError(f"SCENE = {type(source).__name__}: must be the result of slipwave.sweep")
         return source.dataset
     path = Path(source) if isinstance(source, str | Path) else Path()
     if path.is_dir():

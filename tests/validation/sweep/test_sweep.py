@@ -366,3 +366,7 @@ def test_a_map_takes_the_result_of_a_sweep_and_says_regimes(tmp_path):
     swept = sw.sweep("paper", out=tmp_path / "out", vary={"log10_r": (-2.75, -2.62, 2)}, **options)
     assert sw.map(swept, against="kelvin-voigt").summary == sw.map(tmp_path / "out", against="kelvin-voigt").summary
     assert sw.map(swept).regimes("kelvin-voigt").tolist() == [0, 1]  # steady sliding, stick-slip that repeats
+    with pytest.raises(SceneError, match="model = delay: the sweep has verdicts of kelvin-voigt, quasidynamic"):
+        sw.map(swept).regimes("delay")
+    with pytest.raises(SceneError, match="SCENE = RunResult: must be the result"):
+        sw.map(sw.run("paper", model="quasidynamic", until=20.0))
