@@ -10,7 +10,7 @@ import scipy.linalg
 from reduced.impedance.transmission_line import Complex
 from reduced.orbit.closing import Closed, FlowAt, close_family
 from reduced.orbit.multipliers import floquet
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.step.flow import Flow
@@ -29,8 +29,11 @@ class FlowFamily:
         self._at = lru_cache(maxsize=8)(lambda parameter: flow.of(scene_at(parameter)))
 
     def __call__(self, parameter: float) -> Flow:
-        """The flow at a parameter."""
-        return self._at(parameter)
+        """The flow at a parameter. Raises NumericsError where there is no such scene."""
+        try:
+            return self._at(parameter)
+        except SceneError as error:
+            raise NumericsError(f"there is no scene at parameter = {parameter:.10g}: {error}") from None
 
     def on(self, flow: Flow) -> "FlowFamily":
         """The same scenes on the mesh of `flow`."""

@@ -124,6 +124,11 @@ def close_family(
 
 
 def by_parameter(flow_at: FlowAt, cycle: Cycle, parameter: float) -> Array:
-    """d end/d parameter (n,)."""
+    """d end/d parameter (n,), from the other side where there is no scene beyond `parameter`."""
     change = _BY_PARAMETER * max(abs(parameter), _SMALL)
-    return (flow_at(parameter + change).march(cycle.start, cycle.period).end - cycle.end) / change
+    try:
+        flow = flow_at(parameter + change)
+    except NumericsError:
+        change = -change
+        flow = flow_at(parameter + change)
+    return (flow.march(cycle.start, cycle.period).end - cycle.end) / change

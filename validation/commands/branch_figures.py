@@ -29,15 +29,15 @@ def chart_of_branch(branch: FollowedBranch) -> Chart:
 
 
 def _pieces(branch: FollowedBranch, name: str) -> Iterator[Trace]:
-    """The branch in pieces of one stability, which meet at the special points between them."""
-    ends = {special.place: special for special in branch.special}
+    """The branch in pieces of one stability within the range, which meet at the special points between them."""
+    ends, holds = {special.place: special for special in branch.special}, branch.over.holds
     for stable, (label, look) in _LOOKS.items():
         pieces = []
-        for own, group in groupby(enumerate(branch.points), key=lambda numbered: numbered[1].stable):
+        for (own, inside), group in groupby(enumerate(branch.points), lambda one: (one[1].stable, holds(one[1].value))):
             piece = list(group)
             first, last = ends.get(piece[0][0]), ends.get(piece[-1][0] + 1)
-            run = [one for one in (first, *(point for _, point in piece), last) if one and branch.over.holds(one.value)]
-            pieces += [([one.value for one in run], [getattr(one, name) for one in run])] if own is stable and run else []
+            run = [one for one in (first, *(point for _, point in piece), last) if one and holds(one.value)]
+            pieces += [([one.value for one in run], [getattr(one, name) for one in run])] if own is stable and inside else []
         if pieces:
             yield Trace(label, *with_gaps(pieces), look)
 

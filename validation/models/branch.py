@@ -25,10 +25,13 @@ from validation.models.own import digests
 from validation.models.parameter import Over
 from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt, point_of, special_of
 
+BEYOND = 0.25
+"""Of the range: so far outside a branch is followed, as it may return."""
+
 _FORMAT = 2
 _SMALL = 0.1  # amplitude of ln v
 _BESIDE = 1e-6  # of the range, from its end: the first orbit, if states at the end itself have another size
-_MOST_OUTSIDE = 200  # points of a branch that begins just outside of its range before it is given up
+_AT_END = 1e-6  # of the range, from its end: a branch that cannot be followed there ends at it
 _SAME = 0.03  # difference of ln v and psi between two halves
 
 _UNDECIDED = (
@@ -69,7 +72,7 @@ class FollowedBranch:
 
     @property
     def shown(self) -> list[BranchPoint]:
-        """The points within the range; the last of all may lie beyond."""
+        """The points within the range; others lie where the branch was followed outside, up to `BEYOND`."""
         return [point for point in self.points if self.over.holds(point.value)]
 
     @property
@@ -123,15 +126,23 @@ class FollowedBranch:
         return self._first(from_hopf(self.family_at(own.parameter, own.period), own.parameter, own.period, metric), metric)
 
     def follow(self, end: BranchEnd, limits: StopAt) -> Iterator[BranchEnd]:
-        """Record point after point, yielding the end after each. Stops at the limits, where the branch leaves the range, and
-        where the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed."""
+        """Record point after point, yielding the end after each. Stops at the limits, where the branch leaves the range without
+        return, and where the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed within the
+        range."""
         steps = self.steps(end, lambda _: True, Control(first=end.step))
         while True:
             reason = self._why_to_stop(end, limits)
             if reason is not None:
                 self.notes.extend([reason] if reason else [])
                 return
-            step = next(steps)
+            try:
+                step = next(steps)
+            except NumericsError as error:
+                if self.over.beyond(end.point.parameter) < -_AT_END:
+                    raise
+                reason = str(error).replace("parameter =", f"{self.over.name} =")
+                self.notes.append(self._left(end.point.parameter, f": {reason}"))
+                return
             if self.doubled and difference_of_halves(step.point) < min(_SAME, difference_of_halves(end.point)):
                 self.notes.append("the branch ends at a period doubling, where both halves of its orbits become the same")
                 return
@@ -162,9 +173,9 @@ class FollowedBranch:
         """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there
         is none."""
         over, last = self.over, end.point
-        for step in self.steps(end, lambda point: over.holds(point.parameter), Control()):
+        for step in self.steps(end, lambda point: over.beyond(point.parameter) < BEYOND, Control()):
             for special in step.special:
-                if special.kind == kind:
+                if special.kind == kind and over.holds(special.point.parameter):
                     return special, FlowFamily(special.point.closed.flow, over.scene_at)
             last = step.point
         ended = f"it was followed to {over.name} = {last.parameter:.7g} and a period of {last.closed.cycle.period:.5g} transits"
@@ -211,20 +222,20 @@ class FollowedBranch:
     def _why_to_stop(self, end: BranchEnd, limits: StopAt) -> str | None:
         """Reason to stop, empty if that needs no remark; None to continue."""
         point = end.point
-        if limits.kind and any(special.kind == limits.kind for special in self.special):
+        if limits.kind and any(special.kind == limits.kind for special in self.shown_special):
             return ""
-        if not self.over.holds(point.parameter) and not self._enters():
-            low, high = self.over.ends
-            return f"the branch leaves the range at {self.over.name} = {low if point.parameter < low else high:g}"
+        if self.over.beyond(point.parameter) >= BEYOND:
+            return self._left(point.parameter, ", and does not return within a quarter of the range")
         if point.closed.cycle.period > limits.period:
             return f"stopped at the period {limits.period:g}: --longest-period goes further"
         if len(self.points) >= limits.points:
             return f"stopped after {len(self.points)} points: --most-points goes further"
         return None
 
-    def _enters(self) -> bool:
-        """Whether the branch, from a Hopf point at the edge of the range or slightly outside, may still enter it."""
-        return [special.kind for special in self.special[:1]] == ["HB"] and len(self.points) < _MOST_OUTSIDE and not self.shown
+    def _left(self, value: float, how: str) -> str:
+        """Note on a branch that left the range for good, last seen at `value`."""
+        end = min(self.over.ends, key=lambda one: abs(one - value))
+        return f"the branch leaves the range at {self.over.name} = {end:g}{how}"
 
     def _hopf(self, onset: Onset) -> SpecialPoint:
         rate = self.over.scene_at(onset.parameter).velocity

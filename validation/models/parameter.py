@@ -57,8 +57,12 @@ class Over:
 
     def holds(self, value: float) -> bool:
         """Whether `value` lies in the range."""
+        return self.beyond(value) <= 0.0
+
+    def beyond(self, value: float) -> float:
+        """How far `value` lies outside the range, in its length; inside, minus the distance from the nearer end."""
         low, high = self.ends
-        return low <= value <= high
+        return max(low - value, value - high) / (high - low)
 
 
 def range_text(values: Values | None) -> str | None:

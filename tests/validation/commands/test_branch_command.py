@@ -27,6 +27,7 @@ from validation.references.published import reference_orbit
 RANGE = "log10_r=-2.72:-2.68"
 COARSE = ("paper", "--model", "kelvin-voigt", "--over", RANGE, "--tol", "1e-4")
 SHORT = (*COARSE, "--most-points", "24")
+FOR_GOOD = ", and does not return within a quarter of the range"
 
 
 @pytest.mark.parametrize(
@@ -106,7 +107,34 @@ def test_without_a_hopf_point_it_begins_with_an_orbit(answer):
     assert found["points"][0]["period"] == pytest.approx(reference_orbit("kelvin-voigt", -2.68)["period"], rel=1e-6)
     assert values == sorted(values, reverse=True)
     assert values[-1] >= -2.69
-    assert found["notes"] == ["the branch leaves the range at log10_r = -2.69"]
+    assert found["notes"] == [f"the branch leaves the range at log10_r = -2.69{FOR_GOOD}"]
+
+
+def test_a_branch_that_dips_out_of_its_range_comes_back(whole, tmp_path):
+    """Born at -2.69955, it turns at -2.70021, outside, as in a wider range; that fold is not listed, its orbits are in the file
+    alone, and the chart has a gap there."""
+    found = sw.branch("paper", "log10_r=-2.70:-2.69", "kelvin-voigt", tol=1e-4, out=tmp_path / "x.nc")
+    values = [point["log10_r"] for point in found.points]
+    assert (min(values) >= -2.70, min(point.value for point in found.found.points)) == (True, pytest.approx(-2.700213, abs=1e-5))
+    assert [special["type"] for special in found.special] == ["HB"]
+    periods = [point["period"] for point in found.points]
+    left = next(k for k, period in enumerate(periods) if period > 56.0)
+    assert (found.points[left - 1]["unstable"], found.points[left]["unstable"]) == (1, 0)
+    assert periods[left - 1] < 55.5 < 60.5 < periods[left] < periods[-1]
+    other = [(one["log10_r"], one["period"]) for one in whole[0].summary["points"] if one["stable"]]
+    expected = np.interp(-2.691, *zip(*other, strict=True))
+    assert np.interp(-2.691, values[left:], periods[left:]) == pytest.approx(expected, rel=1e-3)
+    assert found.summary["notes"] == [f"the branch leaves the range at log10_r = -2.69{FOR_GOOD}"]
+    drawn = [np.asarray(trace.y) for trace in found.chart().panels[0].traces[:2]]
+    assert [bool(((y > 55.5) & (y < 60.5)).any()) for y in drawn] == [False, False]
+
+
+def test_a_branch_may_end_where_scenes_do():
+    """No face reflects more than all."""
+    scene = sw.read("paper", {"slab.face": {"kind": "reflection", "coefficient": 0.999}})
+    found = sw.branch(scene, "face.coefficient=0.9999:1", tol=1e-4)
+    assert found.found.points[-1].value == pytest.approx(1.0, abs=1e-9)
+    assert found.summary["notes"][-1].startswith("the branch leaves the range at face.coefficient = 1: the branch cannot ")
 
 
 def test_undecided_stability_is_null_with_its_reason(answer, tmp_path):
