@@ -8,7 +8,7 @@ converge to a neighbouring special point.
 
 import cmath
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -31,6 +31,10 @@ LARGEST_TURN = 0.3
 
 _REACHES = (2e-4, 1e-3, 4e-3, 0.016)  # of the search on both sides, in the metric; a short one tells two near points apart
 _GROWTH = 1.5
+_APART = 2e-3  # of points on the branch, in the metric, from whose slopes that of its flattest point is interpolated
+_MEET = 0.1  # largest distance of a fold from the flattest point between it and the fold that it meets at a cusp
+_CENTRED, _CENTRINGS, _SECANTS = 0.01, 12, 12
+_BEYOND_FOLD, _CUSP = 1e-5, 1e-7  # first and last step towards a cusp, in units of the plane: slopes are known to 1e-9
 
 
 @dataclass(frozen=True)
@@ -78,11 +82,19 @@ def beginning(start: OnCurve, towards: Values, steps: Control = CURVE_STEPS) -> 
 
 
 def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Control = CURVE_STEPS) -> Iterator[Reached]:
-    """Yield the points of the curve after `reached`, without end, on meshes that keep relative errors of the figures below
-    `tolerance`. Raises NumericsError, after yielding all earlier points, where the curve cannot be followed.
+    """Yield the points of the curve after `reached` on meshes that keep relative errors of the figures below `tolerance`: without
+    end, but for a curve of folds, which ends with the cusp, of kind CP, where it meets another. Raises NumericsError, after
+    yielding all earlier points, where the curve cannot be followed.
     """
     while True:
-        new = _next(plane, reached, tolerance, steps.shortest)
+        try:
+            new = _next(plane, reached, tolerance, steps.shortest)
+        except NumericsError:
+            end = cusp_after(plane, reached) if reached.last.special.kind == "LP" else None
+            if end is None:
+                raise
+            yield end
+            return
         step = plane.at(new.parameters) - plane.at(reached.last.parameters)
         used = abs(step)
         reached = Reached(reached.last, new, (step.real / used, step.imag / used), min(steps.longest, _GROWTH * used))
@@ -148,3 +160,59 @@ def _nearest(family: FlowFamily, point: OrbitPoint, kind: str) -> Special:
         if specials:
             return min(specials, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
     raise NumericsError(f"no {kind} was found near an orbit of period {point.closed.cycle.period:.6g}")
+
+
+def cusp_after(plane: Plane, reached: Reached) -> Reached | None:
+    """The cusp right after the last point of a curve of folds, of kind CP, with the other fold that meets it there as the point
+    `before`; None if none is near.
+
+    Near it, on a line at the distance x across the curve, the slope of the parameter over the branch's arclength s is
+    g = c (x - x_c) + k s^2: its extremum m(x) passes zero at the cusp, and is regular there as the folds are not."""
+    direction, start = complex(*reached.direction), plane.at(reached.last.parameters)
+    line = direction / 1j
+    fold = reached.last.special
+    flow = fold.point.closed.flow
+
+    def family(x: float) -> FlowFamily:
+        return FlowFamily(flow, lambda along: plane.scene_at(*plane.values(start + x * direction + along * line)))
+
+    def flattest(x: float, known: OrbitPoint) -> tuple[OrbitPoint, float, float]:
+        """The point of the branch at `x`, next to `known`, at which its slope is extremal; the slope, and its curvature."""
+        point = point_near(family(x), known.unknowns, known.tangent, METRIC, known)
+        for _ in range(_CENTRINGS):
+            low, high = (
+                point_near(family(x), point.unknowns + h * point.tangent, point.tangent, METRIC, point) for h in (-_APART, _APART)
+            )
+            ends = low.tangent[-1], high.tangent[-1]
+            bend, rise = (ends[0] + ends[1] - 2.0 * point.tangent[-1]) / _APART**2, (ends[1] - ends[0]) / (2.0 * _APART)
+            shift = -rise / bend
+            if not abs(shift) < _MEET:
+                raise NumericsError("no other fold is near")
+            if abs(shift) < _CENTRED * _APART:
+                return point, float(point.tangent[-1] - 0.5 * rise**2 / bend), float(bend)
+            point = point_near(family(x), point.unknowns + shift * point.tangent, point.tangent, METRIC, point)
+        raise NumericsError("no slope of the branch is extremal near")
+
+    try:
+        first = point_near(family(0.0), np.append(fold.point.unknowns[:-1], 0.0), fold.point.tangent, METRIC)
+        middle, slope, bend = flattest(0.0, first)
+        if slope * bend >= 0.0:
+            return None
+        apart = middle.unknowns - first.unknowns  # nearly as far on the other side
+        other = point_near(family(0.0), middle.unknowns + apart, apart, METRIC, middle)
+        x, step, before, known = 0.0, _BEYOND_FOLD, slope, middle
+        for _ in range(_SECANTS):
+            x += step
+            known, slope, _ = flattest(x, known)
+            step, before = -step * slope / (slope - before), slope
+            if abs(step) < _CUSP:
+                break
+        else:
+            return None
+    except NumericsError:
+        return None
+    outside = fold.unstable_before + fold.unstable_after - middle.unstable
+    special = Special("CP", known, _CUSP, outside, outside, complex(1.0))
+    at = OnCurve(plane.values(start + x * direction + known.parameter * line), special)
+    partner = OnCurve(plane.values(start + other.parameter * line), replace(fold, point=other))
+    return Reached(partner, at, reached.direction, reached.length)

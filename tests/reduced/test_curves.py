@@ -72,6 +72,26 @@ def test_the_mesh_of_a_curve_is_refined_as_the_motion_gets_rougher():
     assert [p for (p, _), _ in points] == pytest.approx([-0.25 * (1.0 + q) ** 2 for (_, q), _ in points], abs=1e-10)
 
 
+def cubic(q):
+    """g = (s - 1)^3 + (q - 0.02) (s - 1) + q/2: folds at s = 1 +- sqrt((0.02 - q)/3), which meet at q = 0.02 with p = 0.01."""
+    return Oscillator(lambda s: (s - 1.0) ** 3 + (q - 0.02) * (s - 1.0) + 0.5 * q, lambda s: 3.0 * (s - 1.0) ** 2 + q - 0.02)
+
+
+@pytest.mark.parametrize(("begin", "side", "ahead"), [(0.8, -1.0, 9.0), (1.2, 1.0, -9.0)])
+def test_a_curve_of_folds_ends_at_a_cusp(begin, side, ahead):
+    """Either of both folds leads to it."""
+    _, points = curve("LP", cubic, begin, (0.0, 1.0), 60, replace(CURVE_STEPS, first=0.002), ahead)
+    *folds, cusp = points
+    for (p, q), special in folds:
+        apart = side * math.sqrt((0.02 - q) / 3.0)
+        assert p == pytest.approx(0.5 * q - 2.0 * apart**3, abs=1e-10)
+        assert special.kind == "LP"
+    assert (cusp.special.kind, cusp.parameters) == ("CP", (pytest.approx(0.01, abs=1e-7), pytest.approx(0.02, abs=1e-7)))
+    assert cusp.special.point.closed.cycle.period == pytest.approx(2.0 * math.pi / 1.3, rel=1e-4)
+    assert {special.unstable_before + special.unstable_after for _, special in folds} == {1}
+    assert (cusp.special.unstable_before, cusp.special.unstable_after) == (0, 0)
+
+
 def circle(q):
     """A pair passes the unit circle where (p - 0.5)^2 + q^2 = 0.04."""
     return SUPERCRITICAL._replace(beside=lambda p: (p - 0.5) ** 2 + q * q - 0.04)

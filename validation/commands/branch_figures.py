@@ -7,10 +7,11 @@ from validation.chart import BLUE, GREY, INK, ORANGE, Chart, Look, Panel, Scale,
 from validation.chart.looks import NAMES
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
-from validation.models.points import SPECIAL_KINDS
+from validation.models.points import SPECIAL_KINDS, CurvePoint
 
 _QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
 _MARKS = {"HB": (INK, "o"), "LP": (BLUE, "s"), "PD": (ORANGE, "^"), "NS": ("#009e73", "D")}
+_CUSP = Look(INK, "", "v", size=5.0)
 _LOOKS = {
     True: ("stable", Look(width=1.9)),
     False: ("unstable", Look(GREY, (0, (4, 1.5)), width=0.8)),
@@ -51,13 +52,20 @@ def _special(branch: FollowedBranch, name: str) -> Iterator[Trace]:
 
 
 def chart_of_curve(curve: Curve) -> Chart:
-    """Left: the second parameter over the first. Right: the second over the period."""
+    """Left: the second parameter over the first. Right: the second over the period. A cusp at the end is marked."""
+    cusp = [one for one in curve.points if one.kind == "CP"]
 
-    def along(name: str) -> Trace:
-        return Trace("", [getattr(one, name) for one in curve.points], [one.second for one in curve.points], Look(marker="."))
+    def along(name: str, points: list[CurvePoint], look: Look, label: str = "") -> Trace:
+        return Trace(label, [getattr(one, name) for one in points], [one.second for one in points], look)
 
     panels = [
-        Panel("", Scale(label), Scale(curve.second.name), [along(name)], grid=True)
+        Panel(
+            "",
+            Scale(label),
+            Scale(curve.second.name),
+            [along(name, curve.points, Look(marker=".")), *([along(name, cusp, _CUSP, "cusp")] if cusp else [])],
+            grid=True,
+        )
         for name, label in (("first", curve.over.name), ("period", "period $T$ / transits"))
     ]
     return Chart(panels, 4.0, 2, title=f"{curve.over.base.name}, {curve.model}: {SPECIAL_KINDS[curve.kind]}")

@@ -70,6 +70,7 @@ class CurveResult(FollowedResult):
     def _at(self, point: CurvePoint) -> dict[str, Any]:
         """A point as a dictionary; the values of both parameters have their names."""
         facts = {name: value for name, value in point._asdict().items() if not name.startswith("multiplier")}
+        facts["type"] = facts.pop("kind")
         return {self.found.over.name: facts.pop("first"), self.found.second.name: facts.pop("second")} | facts
 
     @cached_property
@@ -95,6 +96,7 @@ class CurveResult(FollowedResult):
             "period": printed_column(listed, "period", 9),
             "stress drop": printed_column(listed, "stress_drop"),
             "bracket": printed_column(listed, "bracket", 2),
+            "kind": [one.kind for one in listed],
             "multiplier": [f"{one.multiplier_re:.6f} +- {abs(one.multiplier_im):.6f} i" for one in listed],
         }
         return self._table(f"{found.kind} {SPECIAL_KINDS[found.kind]}, {len(found.points)} points", columns)

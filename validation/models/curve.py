@@ -27,7 +27,7 @@ from validation.models.own import digests
 from validation.models.parameter import Over
 from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt, curve_point_of
 
-_FORMAT = 1
+_FORMAT = 2
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Curve:
                         scene = self._scene_at(first, second)
                         period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
                         # the multiplier of the oscillation of steady sliding is 1 there
-                        self.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, 1.0, 0.0))
+                        self.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, 1.0, 0.0, "HB"))
             if not self.points:
                 raise NumericsError(f"{self.model}: steady sliding does not lose stability in this rectangle")
             return None
@@ -86,15 +86,23 @@ class Curve:
 
     def follow(self, end: Reached, limits: StopAt) -> Iterator[Reached]:
         """Record point after point, yielding the end after each, up to the number in `limits` or until the curve leaves the
-        rectangle. Raises NumericsError where the curve cannot be followed."""
+        rectangle or ends at a cusp. Raises NumericsError where the curve cannot be followed."""
         steps = follow_curve(self.plane, end, self.tolerance)
         while len(self.points) < limits.points:
+            if self.points[-1].kind == "CP":
+                return
             further = next(steps)
+            if further.last.special.kind == "CP":
+                self.points.append(curve_point_of(further.last, self.plane.scale[0]))
+                self.notes.append(self._at_cusp(end.last, further.before))
+                yield end
+                return
             if not self._holds(*further.last.parameters):
                 self.notes.append("the curve leaves the rectangle of both ranges")
                 return
-            self.points.append(curve_point_of(further.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
-            yield further
+            end = further
+            self.points.append(curve_point_of(end.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
+            yield end
         self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
 
     def saved(self, end: Reached) -> dict[str, State]:
@@ -120,6 +128,15 @@ class Curve:
 
     def _holds(self, first: float, second: float) -> bool:
         return self.over.holds(first) and self.second.holds(second)
+
+    def _at_cusp(self, *folds: OnCurve) -> str:
+        """Note on the two folds that meet at the cusp."""
+        places = " and ".join(
+            f"{self.over.name} = {one.parameters[0]:.10g}, {self.second.name} = {one.parameters[1]:.8g} "
+            f"(period {one.special.point.closed.cycle.period:.6g})"
+            for one in folds
+        )
+        return f"the curve ends at a cusp, where two folds meet and are no more; right before it they lie at {places}"
 
     def _branch(self) -> FollowedBranch:
         """The branch at the second parameter's first value."""

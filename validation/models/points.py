@@ -56,8 +56,8 @@ class SpecialPoint(NamedTuple):
 
 class CurvePoint(NamedTuple):
     """A special point at the values `first` and `second` of both parameters: figures of its orbit, the width of its `bracket` in
-    the first parameter, numbers of unstable multipliers on both sides, None where they cannot be counted, and the multiplier that
-    crosses the unit circle."""
+    the first parameter, numbers of unstable multipliers on both sides, None where they cannot be counted, the multiplier that
+    crosses the unit circle, and its `kind`: that of the curve, or CP for the cusp at its end."""
 
     first: float
     second: float
@@ -71,6 +71,7 @@ class CurvePoint(NamedTuple):
     unstable_after: int | None
     multiplier_re: float
     multiplier_im: float
+    kind: str
 
     @property
     def multiplier(self) -> tuple[float, float]:
@@ -94,8 +95,14 @@ def special_of(found: Special, place: int) -> SpecialPoint:
 def curve_point_of(one: OnCurve, share: float) -> CurvePoint:
     """The record of a point of a curve; `share`: unit of its bracket in the first parameter."""
     passing, bracket = one.special.multiplier, max(share * one.special.bracket, CLOSES_TO)
-    sides = _sides(one.special)
-    return CurvePoint(*one.parameters, bracket=bracket, multiplier_re=passing.real, multiplier_im=passing.imag, **sides)
+    own: dict[str, Any] = {
+        "kind": one.special.kind,
+        "bracket": bracket,
+        "multiplier_re": passing.real,
+        "multiplier_im": passing.imag,
+    }
+    first, second = one.parameters
+    return CurvePoint(first=first, second=second, **own, **_sides(one.special))
 
 
 def _sides(found: Special) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 import signal
 from dataclasses import replace
 from itertools import islice
@@ -301,6 +302,30 @@ def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
     with xarray.open_dataset(file) as resumed, xarray.open_dataset(whole) as direct:
         xarray.testing.assert_equal(resumed, direct)
         assert resumed["point_second"].values.tolist() == [point.second for point in expected]
+
+
+def test_a_curve_of_folds_ends_at_a_cusp(tmp_path, answer):
+    """Below an impedance of 203.3271 the branch behind grips of this stiffness has no fold: measured from 1000, too, where the
+    cusp is 3e-11 off in log10 r and 8e-7 in the impedance. Right before it both folds have nearly one place."""
+    words, file = (
+        ["paper", "--of", "LP", "--over", "log10_r=-2.75:-2.55", "--and", "face.impedance=205:1"],
+        str(tmp_path / "c.nc"),
+    )
+    for key in ("kind=grip", "stiffness=20", "impedance=205"):
+        words += ["--set", f"face.{key}"]
+    found = answer("curve", *words, "--out", file)
+    *folds, cusp = found["points"]
+    assert ({one["type"] for one in folds}, cusp["type"]) == ({"LP"}, "CP")
+    assert (cusp["log10_r"], cusp["face.impedance"]) == (pytest.approx(-2.68318631, abs=2e-8), pytest.approx(203.32709, abs=2e-4))
+    assert cusp["period"] == pytest.approx(57.5874, abs=1e-3)
+    assert (cusp["unstable_before"], cusp["unstable_after"], cusp["bracket"]) == (0, 0, pytest.approx(2e-8))
+    (note,) = found["notes"]
+    assert note.startswith(
+        "the curve ends at a cusp, where two folds meet and are no more; right before it they lie at log10_r = "
+    )
+    places = [float(value) for value in re.findall(r"log10_r = (-2\.\d+)", note)]
+    assert places == pytest.approx([cusp["log10_r"]] * 2, abs=1e-6)
+    assert answer("curve", *words, "--resume", file)["points"] == found["points"]
 
 
 OTHER = over_range(RANGE, sw.read("paper", {"interface.a": 0.03491}))
