@@ -94,8 +94,8 @@ def _root_of_modulus(slab: Slab, s: Jet) -> Jet | float:
     refer; 1 for an elastic slab."""
     if slab.viscosity is None:
         return 1.0
-    solid = slab.rheology
-    return ((1.0 + s * solid.retardation) / ((1.0 + s * solid.relaxation) * (1.0 + solid.ratio))).sqrt()
+    modulus: Jet = slab.rheology.modulus(s)
+    return modulus.sqrt()
 
 
 def _outer_face(slab: Slab, s: Jet) -> Ratio:

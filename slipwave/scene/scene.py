@@ -63,6 +63,16 @@ class Scene:
         return (self.upper, self.lower) if self.equivalent is None else (self.equivalent,)
 
     @property
+    def named_slabs(self) -> list[tuple[str, Slab]]:
+        """The slabs under the names of their tables in scene files: one if they are alike."""
+        return [("slab", self.upper)] if self.alike else [("upper", self.upper), ("lower", self.lower)]
+
+    @property
+    def is_held_rigidly(self) -> bool:
+        """Whether both outer faces move with the drive."""
+        return self.upper.termination.is_rigid and self.lower.termination.is_rigid
+
+    @property
     def is_plain(self) -> bool:
         """Whether the slabs have an `equivalent` that is plain: one wave and one delay are then sufficient."""
         return self.equivalent is not None and self.equivalent.is_plain

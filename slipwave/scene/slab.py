@@ -19,7 +19,7 @@ constant dead load.
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Self, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias
 
 from slipwave.errors import SceneError
 
@@ -52,6 +52,14 @@ class Termination:
     def has_dead_load(self) -> bool:
         """Whether there is no spring, so that the stress of steady sliding acts on the face itself."""
         return self.spring == 0.0 and not self.is_rigid
+
+    @property
+    def spring_rate(self) -> float:
+        """Angular frequency below which the spring gives more of the stress than the dashpot (K/Z_g) and the mass (sqrt(K/m)); 0
+        without a spring, infinite with nothing beside it."""
+        dashpot = self.spring / self.dashpot if self.dashpot > 0.0 else math.inf
+        mass = math.sqrt(self.spring / self.mass) if self.mass > 0.0 else math.inf
+        return min(dashpot, mass) if self.spring > 0.0 else 0.0
 
     def in_transits(self, transit: float) -> "Termination":
         """The same with time in transits, one transit being `transit` L/V*."""
@@ -157,6 +165,10 @@ class Rheology:
         """Whether the modulus grows without bound with the frequency."""
         return self.retardation > 0.0 and self.relaxation == 0.0
 
+    def modulus(self, s: Any) -> Any:
+        """G(s)/G; `s` in 1/(L/V*): a complex number, an array, or anything that adds and divides as these."""
+        return (1.0 + s * self.retardation) / ((1.0 + s * self.relaxation) * (1.0 + self.ratio))
+
 
 @dataclass(frozen=True)
 class KelvinVoigtViscosity:
@@ -257,6 +269,23 @@ class Slab:
         layers = softer * sum(layer.fraction * self.round_trip / (2.0 * self.epsilon * layer.impedance) for layer in self.layers)
         spring = self.termination.spring
         return layers + (1.0 / spring if spring > 0.0 else 0.0)
+
+    def reflection(self, s: Any) -> Any:
+        """R(s) = (Z_f - Z)/(Z_f + Z), by which the outer face sends back the velocity of a wave: 1 from a rigid face. Z_f is
+        mass s + dashpot + spring/s, Z that of the outermost layer. `s` in 1/(L/V*), not 0: a complex number or an array."""
+        held, behind = self.termination, self.epsilon * self.layers[-1].impedance * self.rheology.modulus(s) ** 0.5
+        if held.is_rigid:
+            return 1.0 + 0.0 * behind
+        face = s * held.mass + held.dashpot + held.spring / s
+        return (face - behind) / (face + behind)
+
+    @property
+    def fast_reflection(self) -> float:
+        """R of waves of endless frequency: 1 from a mass; -1 without one if viscosity makes them endlessly stiff."""
+        held, behind = self.termination, self.epsilon * self.layers[-1].impedance
+        if held.is_rigid or held.mass > 0.0:
+            return 1.0
+        return -1.0 if self.rheology.blocks_fast_waves else (held.dashpot - behind) / (held.dashpot + behind)
 
     @property
     def is_plain(self) -> bool:

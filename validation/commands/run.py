@@ -19,6 +19,7 @@ from slipwave.solve.lyapunov import Exponent
 from validation.chart import Chart
 from validation.chart.draw import Drawing, draw
 from validation.commands.command import command
+from validation.commands.faces import face_figures, watched
 from validation.commands.figures import return_map, run_chart
 from validation.commands.options import ModelOptions, NumericalOptions, RunsOptions, announced, option
 from validation.commands.result import Output, Result, aligned, rounded, save_chart
@@ -198,7 +199,7 @@ class RunResult(Result):
     def facts(self) -> dict[str, Any]:
         """As `Result`. `grid` exists only if the user did not choose its cells, `protocol`, the stages, only if the drive
         changes, `lyapunov` only if requested, `observed` only if the scene records observers by name."""
-        done, found = self.done, self.done.statistics
+        done, found, scene = self.done, self.done.statistics, self.done.solver.scene
         result: dict[str, Any] = {
             "scene": done.solver.scene.name,
             "model": done.solver.model,
@@ -218,6 +219,7 @@ class RunResult(Result):
             "ended": done.ended,
             "reasons": self.reasons,
             "failures": done.solver.failures,
+            "faces": [] if scene.is_held_rigidly else face_figures(scene, watched(scene)),
             "wall_s": done.wall_s,
         }
         if done.solver.scene.units:

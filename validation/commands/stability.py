@@ -12,14 +12,17 @@ from reduced.families import DELAY, REDUCTIONS
 from reduced.stability import Stability, analyse, friction_slopes
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from reduced.stability.in_si import PhysicalStability, stability_in_si
+from slipwave.files import FIGURES
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.chart import GREY, GUIDE, POINTS, Chart, Panel, Scale, Trace
+from validation.chart import Chart
 from validation.commands.command import command
+from validation.commands.faces import face_figures, watched
 from validation.commands.options import SceneOptions, option
 from validation.commands.reasons import on_stability
-from validation.commands.result import Result, aligned, rounded
+from validation.commands.result import Output, Result, aligned, rounded
+from validation.commands.stability_figures import stability_chart
 from validation.commands.wording import header
 from validation.data.datasets import Dataset, new_dataset
 from validation.models.by_name import one_port_of
@@ -52,6 +55,10 @@ class StabilityOptions(SceneOptions):
 class StabilityResult(Result):
     """The stability `found` of steady sliding of the `scene`."""
 
+    OUTPUTS: ClassVar = (
+        Output("--plot", FIGURES, "save_plot", "draw roots, and impedance and faces over frequency: .png, .pdf or .svg"),
+    )
+
     scene: Scene
     found: Stability
 
@@ -65,11 +72,16 @@ class StabilityResult(Result):
             **{name: getattr(found, name) for name in (*_CRITICAL, "velocity", "stable", "unstable_roots")},
             "leading_roots": [[root.real, root.imag] for root in found.leading_roots],
             "essential_abscissa": found.essential_abscissa,
+            "faces": face_figures(self.scene, watched(self.scene, self._root)),
             "notes": [*doubts(self.scene), *self.notes],
         }
         if self.physical:
             result["si"] = {f"{name}_{unit}": getattr(self.physical, name) for name, unit in _PHYSICAL.items()}
         return result
+
+    @property
+    def _root(self) -> complex:
+        return self.found.leading_roots[0] if self.found.leading_roots else 0j
 
     @property
     def leading_roots(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
@@ -100,18 +112,13 @@ class StabilityResult(Result):
         return new_dataset(values, attrs=provenance("stability", self.scene, self.found.model, {}))
 
     def chart(self) -> Chart:
-        """The leading roots in the complex plane; those right of the dashed line grow."""
-        data = self.dataset
-        roots = Trace("roots", data["root_real"].values, data["root_imaginary"].values, POINTS.but(hollow=True))
-        edge = Trace("", [0.0, 0.0], [-np.inf, np.inf], GUIDE.but(color=GREY, dashes="--"))
-        title = f"{self.scene.name}, {self.found.model}: leading roots of steady sliding"
-        sides = Scale("growth rate Re s / (V*/L)"), Scale("frequency Im s / (V*/L)")
-        return Chart([Panel("", *sides, [roots, edge])], 4.5, title=title)
+        """The leading roots, the pair's impedance and |R| of its faces over frequency."""
+        return stability_chart(self.scene, self.found, one_port_of(self.found.model))
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, the verdict with its reason, critical values and leading roots."""
         scene, found = self.scene, self.found
-        yield from header(scene)
+        yield from header(scene, root=self._root)
         verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
         verdict = "neutral" if found.stable is None else verdict
         yield f"model {found.model}: steady sliding is {verdict} at V = {found.velocity:g}"

@@ -14,9 +14,10 @@ from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import Drive
-from slipwave.scene.slab import FACES, VISCOSITIES, Face, ReflectingFace, RigidFace, Slab, Viscosity
+from slipwave.scene.slab import VISCOSITIES, Slab, Viscosity
 from slipwave.scene.units import Units
 from slipwave.solve.lyapunov import Exponent
+from validation.commands.faces import face_in_words, fields_in_words, watched
 from validation.commands.result import rounded
 from validation.data.variables import EVENTS, shown_in
 
@@ -135,12 +136,13 @@ def verdict_in_words(verdict: MotionVerdict, longer: str) -> str:
     return f"the second half{counted} is {kind}: {reason}"
 
 
-def header(scene: Scene, notes: Iterable[str] = ()) -> list[str]:
-    """A few lines: name, law, drive; each slab; the units, if the scene has them; a note for each doubt, and further `notes`."""
+def header(scene: Scene, notes: Iterable[str] = (), root: complex = 0j) -> list[str]:
+    """A few lines: name, law, drive; each slab, with what its face does at the frequency of the leading `root`, if known; the
+    units, if the scene has them; a note for each doubt, and further `notes`."""
     parameters = ", ".join(f"{key} {value:g}" for key, value in zip(scene.law._fields, scene.law, strict=True))
     lines = [f"scene {scene.name}: {name_of(scene.law)} law ({parameters}), {_drive(scene.drive)}, digest {scene.digest}"]
-    pairs = [("slabs", scene.upper)] if scene.alike else [("upper", scene.upper), ("lower", scene.lower)]
-    lines += [f"{label}: {line}" for label, slab in pairs for line in _slab(slab, scene.units, scene.alike)]
+    for name, slab in scene.named_slabs:
+        lines += [f"{name}{'s' * scene.alike}: {line}" for line in _slab(slab, scene, root)]
     if scene.equivalent and not scene.alike:
         one = "delay and full waves march one" if scene.drive.is_constant else "delay marches one"
         lines.append(f"both: to the interface as alike slabs of epsilon {rounded(scene.equivalent.epsilon)}; {one}")
@@ -154,21 +156,27 @@ def _drive(drive: Drive) -> str:
     return f"V = {drive.initial:g}{changes}"
 
 
-def _slab(slab: Slab, units: Units | None, alike: bool) -> list[str]:
-    """Numbers of a slab, with SI values in a scene with units. The round trip of `alike` slabs is the transit, which is printed
+def _slab(slab: Slab, scene: Scene, root: complex) -> list[str]:
+    """Numbers of a slab, with SI values in a scene with units. The round trip of alike slabs is the transit, which is printed
     below."""
+    units = scene.units
     lines = [f"epsilon {rounded(slab.epsilon)}, r {rounded(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"]
     if units:
-        lines.append(_in_si(slab, units, alike))
-    if not isinstance(slab.face, RigidFace):
-        in_si = _face_in_si(slab, units) if units and not slab.termination.is_rigid else ""
-        lines.append(_face(slab.face) + in_si + _reflection(slab))
+        lines.append(_in_si(slab, units, scene.alike))
+    if not scene.is_held_rigidly or _writes_a_face(scene):
+        lines += face_in_words(slab, units, watched(scene, root))
     if slab.viscosity:
         lines.append(_viscosity(slab.viscosity, units))
     if len(slab.layers) > 1:
         layers = ", ".join(f"{layer.fraction:g} of impedance {layer.impedance:g}" for layer in slab.layers)
         lines.append(f"layers from the interface outwards: {layers}")
     return lines
+
+
+def _writes_a_face(scene: Scene) -> bool:
+    """Whether a rigid face is written as one of another kind, in the limit."""
+    kinds = ((scene.tables or {}).get(name, {}).get("face", {}).get("kind", "rigid") for name in ("slab", "upper", "lower"))
+    return any(kind != "rigid" for kind in kinds)
 
 
 def _in_si(slab: Slab, units: Units, alike: bool) -> str:
@@ -181,34 +189,9 @@ def _in_si(slab: Slab, units: Units, alike: bool) -> str:
     return ", ".join(facts)
 
 
-def _face(face: Face) -> str:
-    (kind,) = (name for name, one in FACES.items() if one is type(face))
-    return f"{kind}: {_values(face)}"
-
-
-def _reflection(slab: Slab) -> str:
-    """The coefficient R by which springs and dashpots reflect fast waves, which a mass holds."""
-    held, behind = slab.termination, slab.epsilon * slab.layers[-1].impedance
-    if isinstance(slab.face, ReflectingFace) or held.is_rigid:
-        return ""
-    return f", R = {1.0 if held.mass > 0.0 else (held.dashpot - behind) / (held.dashpot + behind):.4g} for fast waves"
-
-
-def _face_in_si(slab: Slab, units: Units) -> str:
-    held, size = slab.termination, units.face
-    facts = [f"{rounded(held.spring * size['stiffness'], 6)} Pa/m", f"{rounded(held.dashpot * size['impedance'], 6)} Pa s/m"]
-    facts += [f"{rounded(held.mass * size['mass'], 6)} kg/m2"] if held.mass > 0.0 else []
-    return f" ({', '.join(facts)})"
-
-
 def _viscosity(viscosity: Viscosity, units: Units | None) -> str:
     (kind,) = (name for name, one in VISCOSITIES.items() if one is type(viscosity))
-    return f"{kind}: {_values(viscosity)}" + (f" ({rounded(viscosity.time * units.time, 6)} s)" if units else "")
-
-
-def _values(part: Face | Viscosity) -> str:
-    """The fields of a dataclass as in "stiffness 2, impedance 0.5"."""
-    return ", ".join(f"{field.name} {getattr(part, field.name):g}" for field in fields(part))
+    return f"{kind}: {fields_in_words(viscosity)}" + (f" ({rounded(viscosity.time * units.time, 6)} s)" if units else "")
 
 
 def _units(scene: Scene, units: Units) -> list[str]:

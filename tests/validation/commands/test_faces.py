@@ -1,0 +1,150 @@
+"""What outer faces do is said: |R| against closed forms, in the head, the JSON and the figure of each command."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import slipwave
+from reduced.impedance import impedance
+from reduced.impedance.transmission_line import Jet, slab_ratio
+from slipwave.friction.law import friction_slopes
+from slipwave.scene.slab import Layer
+from validation.commands.wording import header
+
+R = 0.0018
+GRIP = {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}
+UNITS = {"interface.normal_stress": "5 MPa", "interface.memory_length": "10 um", "interface.reference_velocity": "1 um/s"}
+
+
+@pytest.mark.parametrize("omega", [61.7, 1851.9, 3e5])
+def test_a_grip_reflects_by_its_closed_form(omega):
+    """|R|^2 = ((Z_g - eps)^2 + (K/omega)^2)/((Z_g + eps)^2 + (K/omega)^2), K = 10 eps/r, Z_g = 3 eps."""
+    slab, spring = slipwave.read("grip").upper, 10.0 / R
+    wanted = math.sqrt((2.0**2 + (spring / omega) ** 2) / (4.0**2 + (spring / omega) ** 2))
+    assert abs(slab.reflection(1j * omega)) == pytest.approx(wanted, rel=1e-14)
+    assert slab.termination.spring_rate == pytest.approx(10.0 / (3.0 * R), rel=1e-14)
+    assert slab.fast_reflection == pytest.approx(0.5, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("face", "viscosity", "fast", "rate"),
+    [
+        ({"kind": "machine", "stiffness": 10.0, "impedance": 0.5, "mass": 0.5}, {}, 1.0, math.sqrt(20.0) / R),
+        ({"kind": "machine", "stiffness": 10.0, "impedance": 9.0, "mass": 0.5}, {}, 1.0, 10.0 / (9.0 * R)),
+        ({"kind": "grip", "stiffness": 2.0, "impedance": 0.0}, {}, -1.0, math.inf),
+        ({"kind": "reflection", "coefficient": -0.25}, {}, -0.25, 0.0),
+        (GRIP, {"kind": "kelvin-voigt", "time": 2e-5}, -1.0, 10.0 / (3.0 * R)),
+        (GRIP, {"kind": "standard-linear", "time": 2e-5, "ratio": 0.5}, 0.5, 10.0 / (3.0 * R)),
+    ],
+)
+def test_fast_waves_and_the_reach_of_the_spring(face, viscosity, fast, rate):
+    changes = {"slab.r": R, "slab.face": face} | ({"slab.viscosity": viscosity} if viscosity else {})
+    slab = slipwave.read("paper", changes).upper
+    assert slab.fast_reflection == pytest.approx(fast, rel=1e-14)
+    assert slab.reflection(1e16j).real == pytest.approx(fast, abs=1e-4)
+    assert slab.termination.spring_rate == pytest.approx(rate, rel=1e-14)
+
+
+@pytest.mark.parametrize("scene", ["grip", "machine", "reflection", "viscous"])
+@pytest.mark.parametrize("impedance", [1.0, 2.0])
+def test_the_reflection_is_that_of_the_one_port(scene, impedance):
+    """A slab of one layer Z_c moves by w Z_c = stress (1 - R E)/(1 + R E), E the round trip of a wave through it."""
+    slab = slipwave.read(scene, {"slab.face": GRIP} if scene == "viscous" else {}).upper
+    slab = replace(slab, layers=(Layer(1.0, impedance),))
+    s = np.array([3.0 + 70.0j, 1900.0j, 20.0 + 8000.0j])
+    p, q = slab_ratio(slab, Jet.variable(s))
+    root = slab.rheology.modulus(s) ** 0.5
+    echo = slab.reflection(s) * np.exp(-s * slab.round_trip / root)
+    assert p.value / q.value * slab.epsilon * impedance * root == pytest.approx((1.0 - echo) / (1.0 + echo), rel=1e-10)
+
+
+def test_commands_say_what_faces_do(answer, printed):
+    """`run` judges at omega_c of friction, `stability` at its leading root; both in the head, the JSON and as attributes."""
+    scene = slipwave.read("grip")
+    omega = friction_slopes(scene.law, 100.0).omega_c
+    ran, told = slipwave.run("grip", until=20.0).faces, answer("run", "grip", "--until", "20")["faces"]
+    assert (
+        told
+        == ran
+        == [
+            {
+                "slab": "slab",
+                "kind": "grip",
+                "omega": pytest.approx(omega, rel=1e-12),
+                "reflection": pytest.approx(math.sqrt((4.0 + 10.0**2 / (R * omega) ** 2) / (16.0 + 10.0**2 / (R * omega) ** 2))),
+                "fast_reflection": pytest.approx(0.5),
+                "spring_rate": pytest.approx(1851.851851851852),
+            }
+        ]
+    )
+    found = slipwave.stability("grip")
+    (face,) = found.faces
+    assert face.omega == found.leading_roots[0].imag != pytest.approx(omega, rel=0.01)
+    assert face.reflection == pytest.approx(abs(scene.upper.reflection(1j * face.omega)), rel=1e-14)
+    line = "at omega = {:.4g} V*/L it reflects |R| = {:.6g}; below K/Z_g = 1852 V*/L it is its spring"
+    assert f"slabs: {line.format(face.omega, face.reflection)}" in printed("stability", "grip").splitlines()
+    assert f"# slabs: {line.format(omega, told[0]['reflection'])}" in printed("show", "grip").splitlines()
+
+
+def test_rates_are_told_in_si_too(answer, printed):
+    """A block of rock, L/V* = 10 s, between grips."""
+    slab = {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "10 m", "face": GRIP}
+    changes = UNITS | {"slab." + key: value for key, value in slab.items()} | {"drive.velocity": "1 um/s"}
+    (face,) = slipwave.stability("rock", **changes).faces
+    assert (face.omega / face.omega_per_s, face.spring_rate / face.spring_rate_per_s) == pytest.approx((10.0, 10.0), rel=1e-13)
+    scene = slipwave.read("rock", changes)
+    (line,) = [line for line in header(scene) if "it reflects" in line]
+    rate = scene.upper.termination.spring_rate
+    assert line.endswith(f"; below K/Z_g = {rate:.4g} V*/L ({rate / 10.0:.4g} rad/s) it is its spring")
+
+
+@pytest.mark.parametrize(
+    ("scene", "face", "lines"),
+    [
+        (
+            "unlike",
+            {"kind": "reflection", "coefficient": 1.0},
+            ["upper: rigid face: R = 1 for all waves", "lower: rigid face: R = 1 for all waves"],
+        ),
+        (
+            "unlike",
+            {"kind": "reflection", "coefficient": -1.0},
+            [
+                "upper: reflection: coefficient -1, R = -1 for fast waves",
+                "upper: at omega = 63.34 V*/L it reflects |R| = 1",
+                "lower: rigid face: R = 1 for all waves",
+            ],
+        ),
+        ("unlike", None, []),
+    ],
+)
+def test_a_face_of_one_side_that_reflects_everything_says_so(scene, face, lines):
+    assert [
+        line
+        for line in header(slipwave.read(scene, {"upper.face": face} if face else {}))
+        if "R" in line.split() or "|R|" in line
+    ] == lines
+
+
+def test_where_friction_strengthens_only_fast_waves_are_judged():
+    (face,) = slipwave.run("grip", until=5.0, **{"interface.b": 0.02}).faces
+    assert (face.omega, face.reflection, face.fast_reflection) == (None, None, pytest.approx(0.5))
+
+
+@pytest.mark.parametrize(("scene", "model"), [("grip", "fitted:4"), ("paper", "delay"), ("steel-on-pmma", "delay")])
+def test_the_figure_shows_impedance_and_reflection_over_frequency(scene, model):
+    found = slipwave.stability(scene, model)
+    roots, pair, *faces = found.chart().panels
+    slabs = [slab for slab in (found.scene.upper, found.scene.lower) if not slab.termination.is_rigid]
+    assert len(faces) == min(len(slabs), 1)
+    exact = pair.traces[0]
+    assert exact.name == ("delay" if model == "delay" else "exact")
+    wanted = np.abs(impedance(found.scene, 1j * exact.x)) / found.scene.impedance
+    assert np.asarray(exact.y) == pytest.approx(wanted, rel=1e-12)
+    assert [trace.x[0] for trace in pair.traces if trace.name == "leading root"] == [found.leading_roots[0].imag]
+    for panel in faces:
+        assert np.asarray(panel.traces[0].y) == pytest.approx(np.abs(slabs[0].reflection(1j * panel.traces[0].x)), rel=1e-12)
+        assert [mark.x[0] for mark in panel.traces if "spring" in mark.name] == [slabs[0].termination.spring_rate]
+    assert roots.traces[0].y == pytest.approx(found.leading_roots.imag)
