@@ -8,7 +8,7 @@ its own. A new `kind` of face or viscosity first empties its table.
 import copy
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from pydantic import BaseModel
 
@@ -73,6 +73,27 @@ def label_of(key: str, unit: str = "") -> str:
     return words.replace(" of a slab", "") + of_slab + (f" / {shown}" if slash or unit else "")
 
 
+def kinds_of(key: Iterable[str]) -> dict[str, type[BaseModel]]:
+    """Kind or law -> table, of the tables that a scene may have at `key`, as slab.face; none for a key that is no table."""
+    tables: dict[str, type[BaseModel]] = {"": scene_keys()}
+    for part in key:
+        fields = [table.model_fields[part] for table in tables.values() if part in table.model_fields]
+        tables = {kind: table for field in fields for kind, table in tables_in(field.annotation, lists=False).items()}
+    return tables
+
+
+def words_of_scenes() -> frozenset[str]:
+    """Every last word of a key, and every word that is a value of one."""
+    tables = {*_below(scene_keys())}
+    fields = [(name, field) for table in tables for name, field in table.model_fields.items()]
+    return frozenset(
+        [
+            *(name for name, _ in fields),
+            *(word for _, field in fields for word in get_args(field.annotation) if isinstance(word, str)),
+        ]
+    )
+
+
 def _below(table: type[BaseModel]) -> Iterator[type[BaseModel]]:
     """`table` and all tables in it."""
     yield table
@@ -103,10 +124,10 @@ def _parse(text: str) -> tuple[list[str], Any]:
     key, sign, value = text.partition("=") if isinstance(cast(object, text), str) else ("", "", "")
     if not sign:
         raise SceneError(f"--set {shorten(text)}: must be KEY=VALUE, as in slab.log10_r=-2.3")
-    return _key(key), _value(key.strip(), value.strip())
+    return _key(key), toml_value(key.strip(), value.strip())
 
 
-def _value(key: str, text: str) -> Any:
+def toml_value(key: str, text: str) -> Any:
     """A TOML value; a bare word (slip, kelvin-voigt) and a number with a unit (5 MPa) are taken as strings."""
     try:
         parsed = parse_toml(f"value = {text}")

@@ -15,7 +15,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
 from slipwave.friction.law import name_of
-from slipwave.input import SceneSource, read
+from slipwave.input import SceneSource
 from slipwave.input.source import is_stored, read_stored
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -30,11 +30,12 @@ from validation.data.series import read_series
 from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
 from validation.fit.orbits import CycleOfOrbit
-from validation.fit.parameters import NUISANCES, free_parameters, sizes
+from validation.fit.parameters import NUISANCES, Variants, free_parameters, schedule_of, sizes
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
 from validation.fit.which_model import CHEAP, default_model, missing_in, next_model
 from validation.models.own import digests
+from validation.models.parameter import Variation
 from validation.models.progress import log
 from validation.models.provenance import provenance
 
@@ -103,7 +104,7 @@ class FitResult(Result):
             numbers = [self.found.inner[k], self.spread.low[k], self.spread.high[k]]
             with np.errstate(over="ignore"):
                 value, low, high = (float(np.exp(x) if one and one.is_positive else x) for x in numbers)
-            row = {"value": value, "low": low, "high": high, "unit": one.unit if one else ""}
+            row = {"value": value, "low": low, "high": high, "unit": one.shown_unit if one else ""}
             found[name] = row | {"determined": bool(self.spread.determined[k]), "start": one.start if one else 0.0}
         return found
 
@@ -227,7 +228,8 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     began = time.perf_counter()
     options = _going_on(source, options)
     files, texts, model = _listed(options.data), _listed(options.free), options.model
-    scene = options.scene_of(source)
+    scenes = Variation(options.scene_of(source))
+    scene = scenes.base
     model = default_model(scene) if model == "auto" else model
     words = [word.strip() for text in texts for word in text.split(",") if word.strip()]
     if not files:
@@ -238,7 +240,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     series = [read_series(file, **options.reading) for file in files]
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
-    problem = problem_of(scene, free, words, records, model, tolerance)
+    problem = problem_of(scenes, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
     best = recalled_best(options.checkpoint, next(problem.starts()), facts_of_fit(scene.digest, files, settings))
     stopped, waves = False, next((one for one in problem.models if isinstance(one, CycleOfOrbit)), None)
@@ -248,7 +250,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
             log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
             starts = chain([best.inner], starts if is_cheap or waves else [])
         elif not is_cheap and not waves:
-            starts = _nearby(problem_of(scene, free, words, records, CHEAP, tolerance), starts)
+            starts = _nearby(problem_of(scenes, free, words, records, CHEAP, tolerance), starts)
         found = problem.by_orbits(waves, starts, best) if waves else minimise(problem, starts, best, problem.noise)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
@@ -258,7 +260,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     spread = intervals(problem, found)
     if not found.failed and is_cheap:
         spread = profiled(problem, found, spread)
-    fitted = read(scene, {one.key: one.setting(x) for one, x in zip(free, found.inner, strict=False)})
+    fitted = Variants(scenes, free, schedule_of(scene)).read(found.inner[: len(free)])
     failed = "; ".join(filter(None, [found.failed or _unexplained(problem, found, model), *_complaints(problem, found, spread)]))
     if found.failed or at_bounds(problem, found.inner):
         spread = without_ends(spread)

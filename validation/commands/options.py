@@ -12,7 +12,19 @@ from functools import cache
 from inspect import get_annotations
 from pathlib import Path
 from types import FunctionType, NoneType
-from typing import Any, ClassVar, Literal, NamedTuple, Self, TypedDict, Unpack, get_args, get_origin, get_type_hints
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Literal,
+    NamedTuple,
+    Self,
+    TypedDict,
+    Unpack,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import numpy as np
 
@@ -28,6 +40,9 @@ from validation.commands.result import PointOfBranch
 from validation.models.by_name import FAMILIES, GRIDS, Options
 from validation.models.own import load_families, require_same_family
 from validation.models.progress import log
+
+if TYPE_CHECKING:
+    from validation.models.parameter import Variation
 
 _WORDS = {bool: "True or False", int: "a whole number", float: "a number", str: "a text", NoneType: "None"}
 _WORDS |= {Path: "a text, a path", FunctionType: "a function", object: "values"}
@@ -117,6 +132,9 @@ class SceneOptions:
     )
     law: Path | None = option("run this Python file, which registers a friction law", metavar="FILE.py")
     family: Path | None = option("run this Python file, which declares a family of models", metavar="FILE.py")
+    set: Mapping[str, object] | None = option(
+        "changes of keys of the scene; a text that names a variable of the command is an expression", only="python"
+    )
     changes: Mapping[str, Any] = field(default_factory=dict)
 
     def load_own(self) -> Self:
@@ -128,24 +146,61 @@ class SceneOptions:
             load_families(self.family)
         return self
 
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """What the command varies, by name."""
+        return ()
+
     def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
-        """The scene of a call: `source` with `settings` and `changes` and, if given, another length. Doubts about it are
+        """The scene of a call: `source` with `settings`, `set` and `changes` and, if given, another length. Doubts about it are
         logged."""
         from slipwave.input.overrides import endings
         from slipwave.input.schema import SceneTable
 
         length = [] if until is None else [f"run.until={until}"]
-        settings = [self.settings] if isinstance(self.settings, str) else self.settings
-        given = read(source.scene if isinstance(source, PointOfBranch) else source, [*settings, *length])
-        for key, value in self.changes.items():
+        given = read(source.scene if isinstance(source, PointOfBranch) else source, [*self._texts, *length])
+        changes = {**(self.set or {}), **self.changes}
+        for key, value in changes.items():
             if not endings(key.split("."), given.tables or {}):
                 guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])
                 hint = f"; did you mean {guess}?" if guess else ""
                 raise SceneError(f"{shorten(key)[1:-1]} = {shorten(value)}: neither an option nor a key of a scene{hint}")
-        scene = read_scene(given, **self.changes)
+        scene = read_scene(given, **changes)
         for line in doubts(scene):
             log.warning("note: %s", line)
         return scene
+
+    @property
+    def _texts(self) -> list[str]:
+        return [self.settings] if isinstance(self.settings, str) else [*self.settings]
+
+    def scenes_of(self, source: SceneSource, until: float | str | None = None) -> "Variation":
+        """The scenes of a call over what is `varied`: settings that name a variable, and those in the table of a kind or law that
+        is varied, are set at each of its values."""
+        from slipwave.input.overrides import full_key, toml_value
+        from slipwave.input.source import load_tables
+        from validation.models.parameter import Variation, in_order, is_expression, variables_of
+
+        pairs = [(key.strip(), value.strip()) for key, _, value in (text.partition("=") for text in self._texts)]
+        changes = {**(self.set or {}), **self.changes}
+        variables = variables_of(self.varied, [*pairs, *changes.items()])
+        words = [name.split(".") for name in self.varied if name.rpartition(".")[2] in ("kind", "law")]
+        data = load_tables(source.scene if isinstance(source, PointOfBranch) else source)[1] if words else {}
+        tables = [full_key(word, "", data)[:-1] for word in words]
+
+        def waits(key: str, value: Any) -> bool:
+            """Whether the key is set at each value of what is varied."""
+            return is_expression(value, variables) or (bool(tables) and full_key(key.split("."), value, data)[:-1] in tables)
+
+        waiting = {
+            key: value if is_expression(value, variables) else toml_value(key, value) for key, value in pairs if waits(key, value)
+        }
+        waiting |= {key: value for key, value in changes.items() if waits(key, value)}
+        now = [text for text, pair in zip(self._texts, pairs, strict=True) if not waits(*pair)]
+        others = {key: value for key, value in changes.items() if key not in waiting}
+        scenes = Variation(replace(self, settings=now, set=None, changes=others).scene_of(source, until), variables=variables)
+        sets = {key if key in variables else scenes.key_of(key): value for key, value in waiting.items()}
+        return replace(scenes, sets=in_order(sets, variables))
 
     @property
     def stored(self) -> dict[str, Any]:

@@ -60,7 +60,7 @@ class OrbitOptions(ModelOptions):
     @property
     def is_default(self) -> bool:
         """Whether no option is given."""
-        return not (self.tol or self.near_period or self.others or self.cells or self.settings or self.changes)
+        return not (self.tol or self.near_period or self.others or self.cells or self.settings or self.set or self.changes)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -79,6 +79,12 @@ class SweepOptions(RunsOptions):
     dry: bool = option("compute nothing; say how long it would take, from a few points", False)
     anew: bool = option("begin again in a folder that holds another sweep, or one of another version", False)
 
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The names of the axes, or of the columns of `rows`."""
+        rows = _rows(self.rows) if self.rows else ()
+        return (*(axis.name for axis in _axes(self.vary)), *dict.fromkeys(key for row in rows for key in row))
+
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SweepResult(Result):
@@ -116,11 +122,17 @@ class SweepResult(Result):
         """As `Result`."""
         plan, audit = self.plan, self.swept.audit
         axes = [
-            {"key": axis.key, "from": axis.values[0], "to": axis.values[-1], "count": len(axis.values), "unit": axis.unit or None}
+            {
+                "key": axis.name,
+                "from": axis.values[0],
+                "to": axis.values[-1],
+                "count": len(axis.values),
+                "unit": axis.unit or None,
+            }
             for axis in plan.axes
         ]
         found: dict[str, Any] = {"scene": plan.base.name, "measure": plan.measure, "models": list(plan.models)}
-        found |= {"axes": axes, "folder": None if self.temporary else str(self.swept.store.folder)}
+        found |= {"axes": axes, "set": dict(plan.scenes.sets), "folder": None if self.temporary else str(self.swept.store.folder)}
         if self.expected is not None:
             return found | {"expected": self.expected._asdict()}
         found |= self._counts | {"regimes": self._regimes(), "wall_s": self.swept.wall_s, "computed_now": self.swept.computed}
@@ -146,9 +158,10 @@ class SweepResult(Result):
         """The axes, numbers of points by status, and reasons for points without figures."""
         plan = self.plan
         yield f"scene {plan.base.name}, {plan.measure} of {', '.join(plan.models)} at {plan.size} points"
-        for axis in summary["axes"]:
-            unit = f" {axis['unit']}" if axis["unit"] else ""
-            yield f"{axis['key']} from {axis['from']:g} to {axis['to']:g}{unit}, {axis['count']} values"
+        for axis in plan.axes:
+            ends = ", ".join(map(str, axis.values)) if axis.is_of_words else f"from {axis.values[0]:g} to {axis.values[-1]:g}"
+            yield f"{axis.name} {ends}{axis.unit and ' '}{axis.unit}, {len(axis.values)} values"
+        yield from plan.scenes.lines
         if self.expected is not None:
             yield (
                 f"{rounded(self.expected.seconds_per_point * 1e3, 3)} ms per point: about {rounded(self.expected.seconds, 3)} s "
@@ -236,12 +249,12 @@ def _where(options: SweepOptions) -> Where:
 
 
 def _plan(source: SceneSource, options: SweepOptions) -> Plan:
-    scene = options.scene_of(source, options.until)
     rows = _rows(options.rows) if options.rows else ()
     if rows and options.vary:
         raise SceneError(f"--rows = {str(options.rows)!r}: must not be given together with --vary")
     numerical = {"tol": options.tol, "cells": options.cells, "refine": options.refine}
-    return plan_of(scene, _axes(options.vary), options.models.split(","), measure_name(options.measure), rows=rows, **numerical)
+    axes, models, scenes = _axes(options.vary), options.models.split(","), options.scenes_of(source, options.until)
+    return plan_of(scenes, axes, models, measure_name(options.measure), rows=rows, **numerical)
 
 
 def _axes(vary: Iterable[str] | Mapping[str, Any]) -> list[Axis]:

@@ -59,7 +59,7 @@ class CycleOfOrbit(Forward):
     def __init__(self, variants: Variants, record: FoldedRecord, model: str) -> None:
         super().__init__(variants, model)
         self.record = record
-        self.transit = sizes(variants.base)[0]
+        self.transit = sizes(variants.scenes.base)[0]
         if record.period > MOST_TRANSITS * self.transit:
             raise SceneError(
                 f"model = {model!r}: the measured period is {record.period / self.transit:.3g} transits: a fit with every wave "

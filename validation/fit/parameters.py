@@ -3,12 +3,11 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.input import read
 from slipwave.input.assemble import validate
 from slipwave.input.overrides import full_key
 from slipwave.input.quantity import Quantity
@@ -19,6 +18,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.step.sensitivity import Sides
+from validation.models.parameter import Parameter, Variation
 
 NUISANCES = ("level", "drift")
 """Further free parameters: a constant added to the friction of each record, and its slope over the record."""
@@ -27,17 +27,16 @@ _STEP = 1e-5  # of differences of laws and tables
 _REACH = 1e4  # a positive parameter may become so much larger or smaller than at its start
 
 
-class Free(NamedTuple):
-    """A free parameter: its dotted `key`, the `start` value in `unit` (of SI, or a pure number), the least and the largest.
-    `is_positive`: its logarithm is fitted. `is_measured`: the scene takes it with its unit."""
+@dataclass(frozen=True, kw_only=True)
+class Free(Parameter):
+    """A free parameter: its `start` value, the least and the largest. `is_positive`: its logarithm is fitted. `shown_unit`:
+    that of SI, also where the scene takes bare numbers in it."""
 
-    key: str
     start: float
-    unit: str
     low: float
     high: float
     is_positive: bool
-    is_measured: bool
+    shown_unit: str
 
     def inner(self, value: float) -> float:
         """The value as least squares varies it."""
@@ -47,25 +46,24 @@ class Free(NamedTuple):
         """The inverse of `inner`: the value in its unit."""
         return math.exp(inner) if self.is_positive else inner
 
-    def setting(self, inner: float) -> float | str:
-        """The value for the scene's key."""
-        value = float(self.value(inner))
-        return f"{value!r} {self.unit}" if self.is_measured else value
-
 
 @dataclass(frozen=True)
 class Variants:
-    """The scenes that differ from `base` in the values of `free`, with `start` or, if None, from steady sliding (or the jump of
+    """The scenes with values of `free`, with `start` or, if None, from steady sliding (or the jump of
     the base); the load point is driven by the `schedule`, in SI for a scene with units, else in transits and V*."""
 
-    base: Scene
+    scenes: Variation
     free: tuple[Free, ...]
     schedule: Drive
     start: Start | None = None
 
+    def read(self, inner: Array) -> Scene:
+        """The scene with these values, with its own drive and start."""
+        return self.scenes.scene({one.name: one.written(one.value(x)) for one, x in zip(self.free, inner.tolist(), strict=True)})
+
     def scene(self, inner: Array) -> Scene:
         """The scene with these values, without nudge."""
-        changed = read(self.base, {one.key: one.setting(x) for one, x in zip(self.free, inner, strict=True)})
+        changed = self.read(inner)
         clock, pace = sizes(changed)
         drive = Drive(tuple(t / clock for t in self.schedule.times), tuple(v / pace for v in self.schedule.velocities))
         own = changed.start if changed.start.kind is StartKind.JUMP else Start(size=0.0)
@@ -128,4 +126,5 @@ def _free(key: Sequence[str], known: Any) -> Free:
     )
     if isinstance(value, Quantity):
         low, high = (start / _REACH, start * _REACH) if is_positive else (-math.inf, math.inf)
-    return Free(name, start, unit, low, high, is_positive, isinstance(value, Quantity))
+    written = unit if isinstance(value, Quantity) else ""
+    return Free(name=name, unit=written, start=start, low=low, high=high, is_positive=is_positive, shown_unit=unit)

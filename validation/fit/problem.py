@@ -10,7 +10,6 @@ import numpy as np
 from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 from validation.fit.by_orbits import fitted_orbit
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.folded import folded
@@ -21,6 +20,7 @@ from validation.fit.parameters import NUISANCES, Free, Variants, sizes
 from validation.fit.records import FINEST, Experiment
 from validation.fit.starts import other_starts, sticking_starts, unstable_starts
 from validation.models.by_name import requested
+from validation.models.parameter import Variation
 
 RINGING = ("kelvin-voigt", "modal")
 """Reductions that oscillate during stick."""
@@ -36,7 +36,7 @@ class FrictionProblem:
     nuisances: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        names = [one.key for one in self.free]
+        names = [one.name for one in self.free]
         many = len(self.records) > 1
         self.own = [(k, name) for k in range(len(self.records)) for name in self.nuisances]
         self.names = [*names, *(f"{name}[{k + 1}]" if many else name for k, name in self.own)]
@@ -114,20 +114,20 @@ class FrictionProblem:
 
 
 def problem_of(
-    scene: Scene, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Experiment], model: str, tolerance: float
+    scenes: Variation, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Experiment], model: str, tolerance: float
 ) -> FrictionProblem:
     """The problem of fitting `records` by `model`. Raises SceneError for an unknown model and one that cannot compute the
     scene."""
-    family, _, number, _ = requested(model, scene, tolerance=tolerance)
+    family, _, number, _ = requested(model, scenes.base, tolerance=tolerance)
     kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
     name = family.called(family.default if number is None else number)
     if any(one.cycle for one in records) and (kind is OfSolver or family.name in RINGING):
         if len(records) > 1:
             raise SceneError(f"model = {name!r}: with every wave one record of stick-slip at a time can be fitted")
-        return _with_waves(scene, free, words, records[0], name)
+        return _with_waves(scenes, free, words, records[0], name)
     models: list[Forward] = []
     for one in records:
-        variants = Variants(scene, free, one.schedule)
+        variants = Variants(scenes, free, one.schedule)
         if one.cycle is None:
             models.append(kind(variants, one.times, name, tolerance))
         else:
@@ -135,12 +135,14 @@ def problem_of(
     return FrictionProblem(free, records, models, tuple(name for name in NUISANCES if name in words))
 
 
-def _with_waves(scene: Scene, free: tuple[Free, ...], words: Sequence[str], record: Experiment, model: str) -> FrictionProblem:
+def _with_waves(
+    scenes: Variation, free: tuple[Free, ...], words: Sequence[str], record: Experiment, model: str
+) -> FrictionProblem:
     """The problem of a record of stick-slip with all samples of its cycles, sorted by phase."""
     assert record.samples is not None
-    cycles = folded(record.name, *record.samples, sizes(scene)[0])
+    cycles = folded(record.name, *record.samples, sizes(scenes.base)[0])
     cycles = cycles._replace(noise=max(cycles.noise, FINEST * float(np.ptp(cycles.friction))))
-    variants = disturbed(Variants(scene, free, record.schedule))
+    variants = disturbed(Variants(scenes, free, record.schedule))
     where = np.append(0.0, cycles.times - cycles.period * cycles.cycle)
     own = record._replace(
         times=where,

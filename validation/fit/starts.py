@@ -99,4 +99,4 @@ def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of
 
 
 def _word(one: Free) -> str:
-    return one.key.rpartition(".")[2]
+    return one.name.rpartition(".")[2]

@@ -13,7 +13,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Start
 from slipwave.solve import Solver, follow
 from validation.models.by_name import one_port_of
-from validation.sweep.axes import changed
+from validation.models.parameter import Variation
 
 BEFORE, AFTER = 60.0, 160.0
 STEP = 0.25
@@ -42,4 +42,6 @@ def measured_root(solver: Solver) -> complex:
 
 def counted_roots(scene: Scene, model: str, changes: Mapping[str, float]) -> int:
     """The certified number of growing roots of steady sliding of `model`, with `changes` of the scene (keys of axes)."""
-    return unstable_count(characteristic(changed(scene, changes), one_port_of(model)))
+    scenes = Variation(scene)
+    changed = scenes.scene({scenes.key_of(key): value for key, value in changes.items()})
+    return unstable_count(characteristic(changed, one_port_of(model)))

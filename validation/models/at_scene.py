@@ -11,7 +11,6 @@ from reduced.continuation.start import orbits_at
 from reduced.orbit.approach import Guess
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, is_decided
-from reduced.parameters import with_parameter
 from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
@@ -19,7 +18,7 @@ from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.followed import ends_of
 from validation.models.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined_orbit
-from validation.models.parameter import Over
+from validation.models.parameter import Over, Variation
 from validation.models.points import StopAt
 
 _LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
@@ -147,7 +146,7 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
-    over = Over(scene, _NAME, first, last, lambda value: with_parameter(scene, _NAME, value))
+    over = Over(_NAME, first=first, last=last, scenes=Variation(scene))
     points: list[OrbitPoint] = []
     try:
         for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST)):

@@ -2,17 +2,16 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-import slipwave
 from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follow_curve
 from reduced.continuation.point import FlowFamily
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_stored, stored
-from reduced.parameters import PARAMETERS, with_parameter
+from reduced.parameters import PARAMETERS
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import name_of
@@ -118,13 +117,8 @@ class Curve:
         return Reached(before, last, (along, across), length)
 
     def _scene_at(self, first: float, second: float) -> Scene:
-        """The scene at both values: a key is read, a short name is set in a scene read before, in a hundredth of the time."""
-        given = ((self.over, first), (self.second, second))
-        keyed = {over.name: over.written(value) for over, value in given if over.name not in PARAMETERS}
-        scene = slipwave.read(self.over.base, keyed) if keyed else self.over.base
-        for over, value in given:
-            scene = with_parameter(scene, over.name, value) if over.name in PARAMETERS else scene
-        return scene
+        """The scene at both values."""
+        return self.over.scenes.scene({self.over.name: self.over.written(first), self.second.name: self.second.written(second)})
 
     def _holds(self, first: float, second: float) -> bool:
         return self.over.holds(first) and self.second.holds(second)
@@ -140,9 +134,8 @@ class Curve:
 
     def _branch(self) -> FollowedBranch:
         """The branch at the second parameter's first value."""
-        over, value = self.over, self.second.first
-        scene = self._scene_at(over.first, value)
-        across = Over(scene, over.name, over.first, over.last, lambda one: self._scene_at(one, value))
+        scenes = replace(self.over.scenes, fixed={self.second.name: self.second.written(self.second.first)})
+        across = replace(self.over, scenes=scenes)
         return FollowedBranch(across, self.model, self.tolerance)
 
     def _on_curve(self, state: State) -> tuple[OnCurve, float]:

@@ -1,19 +1,24 @@
-"""The parameter of a branch: any number of a scene, by short name or key, with its range."""
+"""What a command varies: one record of a parameter of a scene for the axes of `sweep`, the ranges of `branch` and `curve` and the
+free values of `fit`, and the scenes at its values."""
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import TypeAlias
+from dataclasses import KW_ONLY, dataclass, field
+from functools import lru_cache
+from typing import Any, TypeAlias
 
 import slipwave
 from reduced.parameters import PARAMETERS
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
-from slipwave.input.quantity import KINDS, looks_measured, quantity
+from slipwave.input.overrides import full_key, kinds_of, words_of_scenes
+from slipwave.input.quantity import KINDS, quantity
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
+from validation.models.expression import FUNCTIONS, Undefined, Value, value_at, words_in
+from validation.models.points import BranchPoint, CurvePoint
 
 SHORT = {
     "slab.log10_r": "log10_r",
@@ -25,20 +30,35 @@ SHORT = {
 }
 """Short name -> key of a scene."""
 
+_TAKEN = {
+    "cycle",
+    "drift",
+    "level",
+    "model",
+    "parameter",
+    "place",
+    "point",
+    "reason",
+    "scene",
+    "special",
+    "status",
+    "type",
+    "verdict",
+}
+"""Columns and dimensions of results, beside those of points of branches."""
+
 Values: TypeAlias = str | tuple[str, float | str, float | str] | Mapping[str, tuple[float | str, float | str]]
 """A parameter with its range: "log10_r=-2.72:-2.30", ("log10_r", -2.72, -2.30) or {"log10_r": (-2.72, -2.30)}."""
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
 _RANGE = re.compile(r"(?P<name>[^=]+)=(?P<first>[^:]+):(?P<last>[^:]+)")
 
 
 @dataclass(frozen=True)
-class Over:
-    """The parameter `name` of the `base` scene between `first` and `last`; `scene_at` is the scene with a value of it."""
+class Parameter:
+    """What is varied: the `name` of a key of a scene with its dots, a short name of `reduced.parameters`, or a variable of the
+    user's own; its values are words, or numbers in `unit` (empty: as the scene takes bare numbers)."""
 
-    base: Scene
     name: str
-    first: float
-    last: float
-    scene_at: Callable[[float], Scene]
     unit: str = ""
 
     @property
@@ -46,9 +66,93 @@ class Over:
         """Its name in datasets: slab_thickness for slab.thickness."""
         return self.name.replace(".", "_")
 
-    def written(self, value: float) -> float | str:
-        """A value for the scene's key, with its unit if both ends of the range had one."""
+    def written(self, value: float | str) -> float | str:
+        """A value, a number or a word, as the scene takes it."""
         return f"{value!r} {self.unit}" if self.unit else value
+
+
+@dataclass(frozen=True)
+class Variation:
+    """The scenes that differ from `base` in the values of parameters; `fixed`: those of parameters that are not varied.
+
+    `sets`: what is set at every value, by full key: a number or a word, or, if it names one of the `variables`, an expression
+    (`validation.models.expression`). Of these, variables that others define come first."""
+
+    base: Scene
+    _: KW_ONLY
+    sets: Mapping[str, Any] = field(default_factory=dict)
+    variables: frozenset[str] = frozenset()
+    fixed: Mapping[str, float | str] = field(default_factory=dict)
+
+    def scene(self, values: Mapping[str, float | str]) -> Scene:
+        """The scene with these values of parameters, by name. Keys are read; a short name is set in the scene that was read, of
+        both slabs by the same factor, in a hundredth of the time. Raises SceneError for a value out of range, naming its key."""
+        given = {**values, **self.fixed, **values}  # in the order of `values`
+        keys = {name: value for name, value in given.items() if name not in PARAMETERS and name not in self.variables}
+        if self.sets:
+            keys = {key: value for key, value in (keys | self._set(given)).items() if _is_in(key, given)}
+        scene = slipwave.read(self.base, keys) if keys else self.base
+        for name in [name for name in given if name in PARAMETERS]:
+            scene = PARAMETERS[name](scene, _allowed(name, given[name]))
+        return scene
+
+    def _set(self, given: Mapping[str, float | str]) -> dict[str, Any]:
+        """The keys of `sets` with their values. Raises Undefined for an expression without a value."""
+        known = {name: measured_value(value) for name, value in given.items() if name in self.variables}
+        keys = dict[str, Any]()
+        for key, text in self.sets.items():
+            if not is_expression(text, self.variables):
+                keys[key] = text
+                continue
+            try:
+                value = value_at(text, known)
+            except Undefined as error:
+                where = ", ".join(f"{name} = {one.number:g}" for name, one in known.items())
+                raise Undefined(f"{key} = {shorten(text)}: {error} at {where}") from None
+            except SceneError as error:
+                raise SceneError(f"{key} = {shorten(text)}: {error}") from None
+            if key in self.variables:
+                known[key] = value
+            else:
+                keys[key] = value.written
+        return keys
+
+    def require(self, values: Mapping[str, float | str]) -> None:
+        """Raises SceneError for an expression that is none, whatever the values, and for one of an unknown key."""
+        with suppress(Undefined):
+            self._set({**values, **self.fixed})
+        for key in self.sets.keys() - self.variables:
+            table, _, last = key.rpartition(".")
+            if not any(last in one.model_fields for one in kinds_of(table.split(".")).values()):
+                slipwave.read(self.base, {key: self.sets[key]})
+                raise SceneError(f"--set {key}: is no key of a scene")
+
+    @property
+    def lines(self) -> list[str]:
+        """Lines on what is set."""
+        return [f"set {key} = {value}" for key, value in self.sets.items()]
+
+    def key_of(self, name: str) -> str:
+        """The full key of the scene that ends in `name`; `name` itself if there is none."""
+        return _key_of(self.base, name)
+
+
+@dataclass(frozen=True)
+class Over(Parameter):
+    """A parameter between `first` and `last`."""
+
+    first: float = field(kw_only=True)
+    last: float = field(kw_only=True)
+    scenes: Variation = field(kw_only=True)
+
+    @property
+    def base(self) -> Scene:
+        """The scene in which it is varied."""
+        return self.scenes.base
+
+    def scene_at(self, value: float) -> Scene:
+        """The scene with this value of the parameter."""
+        return self.scenes.scene({self.name: self.written(value)})
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -65,6 +169,62 @@ class Over:
         return max(low - value, value - high) / (high - low)
 
 
+def is_expression(text: object, variables: Iterable[str]) -> bool:
+    """Whether the value of a `--set` names one of the `variables`, and is no text, list or table."""
+    return isinstance(text, str) and text.strip()[:1] not in ("[", "{", '"', "'") and not words_in(text).isdisjoint(variables)
+
+
+def variables_of(varied: Iterable[str], pairs: Sequence[tuple[str, Any]]) -> frozenset[str]:
+    """The user's own variables: names that are `varied` and that a value of a `--set`, of `pairs` of key and value, names, and
+    names that are set by these. Raises SceneError for one with another meaning, set though varied, or used by nothing."""
+    names = {name for name in varied if name.isidentifier()}
+    found = {name for name in names if any(is_expression(text, [name]) for _, text in pairs)}
+    if not found:
+        return frozenset()
+    taken = words_of_scenes() | PARAMETERS.keys() | FUNCTIONS.keys() | _TAKEN | {*BranchPoint._fields, *CurvePoint._fields}
+    before = 0
+    while before != (before := len(found)):
+        found |= {key for key, text in pairs if key.isidentifier() and key not in taken and is_expression(text, found)}
+    for name in found:
+        if name in taken:
+            must = "must have a name that no key, parameter, law or kind of a scene, function or figure of a result has"
+            raise SceneError(f"{name}: a variable {must}")
+        if name in names and any(key == name for key, _ in pairs):
+            raise SceneError(f"--set {name}: is varied, and must not be set too")
+        if not any(is_expression(text, [name]) for _, text in pairs):
+            raise SceneError(f"--set {name}: is neither a key of the scene nor named by another --set")
+    return frozenset(found)
+
+
+def in_order(sets: Mapping[str, Any], variables: frozenset[str]) -> dict[str, Any]:
+    """`sets` with the variables among them first, each after those that define it. Raises SceneError if some define each
+    other."""
+    left, ordered = {key: text for key, text in sets.items() if key in variables}, dict[str, Any]()
+    while left:
+        ready = {key: text for key, text in left.items() if not is_expression(text, left)}
+        if not ready:
+            raise SceneError(f"--set {', '.join(left)}: defined by themselves, in a circle")
+        ordered |= ready
+        left = {key: text for key, text in left.items() if key not in ready}
+    return {**ordered, **sets}
+
+
+def _is_in(key: str, given: Mapping[str, float | str]) -> bool:
+    """Whether a table of the given kind or law has the key."""
+    table, _, last = key.rpartition(".")
+    word = given.get(f"{table}.kind", given.get(f"{table}.law"))
+    kind = kinds_of(table.split(".")).get(str(word)) if word is not None else None
+    return kind is None or last in kind.model_fields
+
+
+def measured_value(given: float | str) -> Value:
+    """A number, or a number with a unit, in SI. Raises ValueError for another text."""
+    if not isinstance(given, str):
+        return Value(float(given))
+    measured = quantity(given, *KINDS)
+    return Value(measured.value, measured.unit)
+
+
 def range_text(values: Values | None) -> str | None:
     """The parameter and its range as the text of `--over`."""
     if values is None or isinstance(values, str):
@@ -77,12 +237,12 @@ def scene_along(over: Over, value: float) -> Scene:
     """The scene with this `value` of the parameter, with tables if the parameter is one of its keys."""
     name = next((key for key, short in SHORT.items() if short == over.name), over.name)
     with suppress(SceneError):
-        return slipwave.read(over.base, {name: value})
+        return over.scenes.scene({name: value})
     return over.scene_at(value)
 
 
-def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
-    """The parameter of `--over KEY=FROM:TO`, or of another `option`, for a scene.
+def over_range(text: str, source: "SceneSource | Variation", option: str = "--over") -> Over:
+    """The parameter of `--over KEY=FROM:TO`, or of another `option`, for a scene, or for scenes with variables.
 
     Raises SceneError if the text has another form, and if the scene cannot be read at one of the ends.
     """
@@ -96,58 +256,53 @@ def over_range(text: str, source: SceneSource, option: str = "--over") -> Over:
     require(found, "must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
     assert found is not None
     key, words = found["name"].strip(), (found["first"], found["last"])
-    name, base = SHORT.get(key, key), slipwave.read(source)
-    measured = [not math.isfinite(_number(word)) and looks_measured(word) for word in words]  # 2e-5 has no unit e^-5
-    require(measured[0] is measured[1], "FROM and TO must both have a unit, or none")
-    if measured[0]:
-        ends = [_measured(name, key, base, word.strip()) for word in words]
+    scenes = source if isinstance(source, Variation) else Variation(slipwave.read(source))
+    name, base = SHORT.get(key, key), scenes.base
+    ends = [number_of(word) for word in words]
+    wrong = next((word for word, (value, _) in zip(words, ends, strict=True) if not math.isfinite(value)), None)
+    require(wrong is None, f"{shorten(wrong)} must be a number")
+    require(bool(ends[0][1]) is bool(ends[1][1]), "FROM and TO must both have a unit, or none")
+    if ends[0][1]:
+        ends = [_measured(name, key, scenes, word.strip()) for word in words]
         require(ends[0][1] == ends[1][1], "FROM and TO must have units of one kind")
-    else:
-        ends = [(_number(word), "") for word in words]
-        wrong = next((word for word, (value, _) in zip(words, ends, strict=True) if not math.isfinite(value)), None)
-        require(wrong is None, f"{shorten(wrong)} must be a number")
     (first, unit), (last, _) = ends
     require(first != last, "FROM and TO must differ")
     require(
-        name in PARAMETERS or "." in name,
-        f"{shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, or a key of the scene with its dots, as "
-        "upper.epsilon or slab.face.stiffness",
+        name in PARAMETERS or name in scenes.variables or "." in name,
+        f"{shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, a key of the scene with its dots, as "
+        "upper.epsilon or slab.face.stiffness, or a variable that a --set uses",
     )
     if not base.drive.is_constant:
         raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
-    over = Over(base, name, first, last, _reader(name, base, (first, last), unit), unit)
+    over = Over(name, unit, first=first, last=last, scenes=scenes)
+    key = next((key for key, short in SHORT.items() if short == name), "")
     for value in over.ends:
+        if key and has_key(base, key, name):  # so that an error names the key
+            slipwave.read(base, {key: value})
         over.scene_at(value)
     return over
 
 
-def _number(text: str) -> float:
-    try:
-        return float(text)
-    except ValueError:
-        return math.nan
+def number_of(text: str) -> tuple[float, str]:
+    """A number and what follows it, its unit; NaN for another text."""
+    match = _NUMBER.fullmatch(text)
+    return (float(match[1]), match[2].strip()) if match else (math.nan, "")
 
 
-def _measured(name: str, key: str, base: Scene, text: str) -> tuple[float, str]:
+def _measured(name: str, key: str, scenes: Variation, text: str) -> tuple[float, str]:
     """Value and SI unit of a parameter given with a unit; for a short name the number in the scene's own units."""
-    scene = slipwave.read(base, {key: text})
     if name in PARAMETERS:
-        return _present(name, scene), ""
-    given = quantity(text, *KINDS)
-    return given.value, given.unit
+        return _present(name, slipwave.read(scenes.base, {key: text})), ""
+    if name not in scenes.variables:
+        slipwave.read(scenes.base, {key: text})
+    return measured_value(text)
 
 
-def _reader(name: str, base: Scene, ends: tuple[float, float], unit: str) -> Callable[[float], Scene]:
-    """Function that gives the scene at a value of the parameter. A short name without a key in this scene, as epsilon of unlike
-    slabs or in SI, changes both slabs by the same factor. With a key, the scene is read at both `ends`, so that an error names
-    the key, and set in between, in a hundredth of the time."""
-    if name not in PARAMETERS:
-        return lambda value: slipwave.read(base, {name: f"{value!r} {unit}" if unit else value})
-    key = next((key for key, short in SHORT.items() if short == name), "")
-    if key and has_key(base, key, name):
-        for value in ends:
-            slipwave.read(base, {key: value})
-    return lambda value: PARAMETERS[name](base, _positive(name, value))
+@lru_cache(maxsize=256)
+def _key_of(base: Scene, name: str) -> str:
+    if name in PARAMETERS and not has_key(base, name, name):
+        return name
+    return ".".join(full_key(name.split("."), "", base.tables or {}))
 
 
 def has_key(base: Scene, key: str, name: str) -> bool:
@@ -164,7 +319,10 @@ def _present(name: str, base: Scene) -> float:
     return values[name] if name in values else float(base.law._asdict().get(name, 1.0))
 
 
-def _positive(name: str, value: float) -> float:
+def _allowed(name: str, value: float | str) -> float:
+    """A value of a short name. Raises SceneError for one that is no number, and one that must be above 0."""
+    if isinstance(value, str):
+        raise SceneError(f"{name} = {value}: must be a number without a unit")
     if name in ("r", "epsilon", "ratio_r", "ratio_epsilon") and not value > 0.0:
         raise SceneError(f"{name} = {value:g}: must be above 0")
     return value

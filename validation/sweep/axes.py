@@ -1,21 +1,16 @@
-"""An axis of a sweep: a key of the scene and its values."""
+"""An axis of a sweep: a parameter of the scene and its values, numbers or words."""
 
 import math
 import re
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from functools import lru_cache
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from typing import Any, TypeAlias
 
 import numpy as np
 
-import slipwave
-from reduced.parameters import PARAMETERS
 from slipwave.errors import SceneError
-from slipwave.input.overrides import full_key
 from slipwave.input.wording import shorten
-from slipwave.scene import Scene
-from validation.models.parameter import has_key
+from validation.models.parameter import Parameter, measured_value, number_of
 
 LONGEST = 100_000
 """Most values of an axis."""
@@ -24,30 +19,28 @@ Values: TypeAlias = str | tuple[float | str, float | str, int] | Iterable[float 
 """The values of an axis: "FROM:TO:COUNT" or "FROM:TO:COUNT:log" as text, (first, last, count), or all of them."""
 
 _PLAIN = ("slab.log10_r", "slab.r", "slab.epsilon", "interface.a", "interface.b")
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
+_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
 
 @dataclass(frozen=True)
-class Axis:
-    """The `values` of the scene's `key`, in its `unit` (empty: as the scene's key takes numbers)."""
+class Axis(Parameter):
+    """The `values` of the parameter."""
 
-    key: str
-    values: tuple[float, ...]
-    unit: str = ""
+    values: tuple[float, ...] | tuple[str, ...] = field(kw_only=True)
 
     @property
-    def name(self) -> str:
-        """The name of the coordinate: slab_thickness for slab.thickness."""
-        return self.key.rpartition(".")[2] if self.key in _PLAIN else self.key.replace(".", "_")
+    def is_of_words(self) -> bool:
+        """Whether its values are words."""
+        return isinstance(self.values[0], str)
 
-    def written(self, number: int) -> float | str:
-        """A value for the scene's key."""
-        value = self.values[number]
-        return f"{value!r} {self.unit}" if self.unit else value
+    @property
+    def column(self) -> str:
+        """The name of the coordinate: slab_thickness for slab.thickness."""
+        return self.name.rpartition(".")[2] if self.name in _PLAIN else super().column
 
 
 def axis_of(key: str, values: Values) -> Axis:
-    """The axis over `key`. Raises SceneError for no, too many, equal or invalid values, and for different units."""
+    """The axis over `key`. Raises SceneError for no, too many, equal or invalid values, and for units of different kinds."""
     where = f"--vary {key}"
     if isinstance(values, str):
         return _from_text(key, values, where)
@@ -57,64 +50,48 @@ def axis_of(key: str, values: Values) -> Axis:
     if isinstance(values, tuple) and len(listed) == 3 and isinstance(listed[2], int) and not isinstance(listed[2], bool):
         first, last, count = listed
         return _from_text(key, f"{first}:{last}:{count}", where)
-    return _checked(key, [_number(where, value) for value in listed], where)
+    return _checked(key, *_read(where, listed), where)
 
 
 def _from_text(key: str, text: str, where: str) -> Axis:
     words = text.split(":")
     if len(words) == 1:
-        return _checked(key, [_number(where, word) for word in text.split(",")], where)
+        return _checked(key, *_read(where, text.split(",")), where)
     if len(words) not in (3, 4) or (len(words) == 4 and words[3] != "log"):
         raise SceneError(f"{where}={shorten(text)}: must be KEY=FROM:TO:COUNT, KEY=FROM:TO:COUNT:log or KEY=A,B,C")
-    (first, unit), (last, other) = (_number(where, word) for word in words[:2])
     if not words[2].strip().isdecimal() or not 2 <= int(words[2]) <= LONGEST:
         raise SceneError(f"{where}={shorten(text)}: COUNT must be a whole number from 2 to {LONGEST}")
+    (first, last), unit = _read(where, words[:2])
+    if isinstance(first, str) or isinstance(last, str):
+        raise SceneError(f"{where}={shorten(text)}: FROM and TO must be numbers")
     logarithmic = len(words) == 4
     if logarithmic and not min(first, last) > 0.0:
         raise SceneError(f"{where}={shorten(text)}: FROM and TO must be above 0 on a logarithmic axis")
-    spaced = (np.geomspace if logarithmic else np.linspace)(first, last, int(words[2]))
-    return _checked(key, [(float(value), unit) for value in spaced] + ([(last, other)] if other != unit else []), where)
+    return _checked(key, (np.geomspace if logarithmic else np.linspace)(first, last, int(words[2])).tolist(), unit, where)
 
 
-def _number(where: str, value: Any) -> tuple[float, str]:
-    match = _NUMBER.fullmatch(str(value))
-    number = float(match[1]) if match else math.nan
-    if not match or not math.isfinite(number):
-        raise SceneError(f"{where}: {shorten(str(value))} must be a number, with or without a unit")
-    return number, match[2].strip()
-
-
-def _checked(key: str, values: list[tuple[float, str]], where: str) -> Axis:
-    units = sorted({unit for _, unit in values})
+def _read(where: str, given: list[Any]) -> tuple[list[float] | list[str], str]:
+    """Words, or numbers and their unit: that of all of them, or, where they differ, that of SI."""
+    texts = [str(one).strip() for one in given]
+    if all(_WORD.fullmatch(text) for text in texts):
+        return texts, ""
+    read = [number_of(text) for text in texts]
+    wrong = next((text for text, (value, _) in zip(texts, read, strict=True) if not math.isfinite(value)), None)
+    if wrong is not None:
+        raise SceneError(f"{where}: {shorten(wrong)} must be a number, with or without a unit, or all values must be words")
+    units = sorted({unit for _, unit in read})
     if len(units) > 1:
-        raise SceneError(f"{where}: all values must have the same unit, or none; found {' and '.join(map(repr, units))}")
-    numbers = tuple(value for value, _ in values)
-    if not 1 <= len(numbers) <= LONGEST or len(set(numbers)) < len(numbers):
+        try:
+            read = [measured_value(text) if unit else (value, unit) for text, (value, unit) in zip(texts, read, strict=True)]
+        except ValueError as error:
+            raise SceneError(f"{where}: {error}") from None
+    if len({unit for _, unit in read}) > 1:
+        raise SceneError(f"{where}: all values must have units of one kind, or none; found {' and '.join(map(repr, units))}")
+    return [value for value, _ in read], read[0][1] if read else ""
+
+
+def _checked(key: str, values: list[float] | list[str], unit: str, where: str) -> Axis:
+    if not 1 <= len(values) <= LONGEST or len(set(values)) < len(values):
         raise SceneError(f"{where}: must be 1 to {LONGEST} different values")
-    return Axis(key, numbers, units[0])
-
-
-def changed(base: Scene, values: Mapping[str, float | str]) -> Scene:
-    """`base` with `values` of its keys. A parameter that is no key of this scene (epsilon in SI, ratio_r ...) changes both slabs.
-
-    Raises SceneError for a value out of range, naming its key."""
-    others = {key: value for key, value in values.items() if _is_parameter(base, key)}
-    scene = slipwave.read(base, {key: value for key, value in values.items() if key not in others})
-    for key, value in others.items():
-        if isinstance(value, str):
-            raise SceneError(f"{key} = {value}: must be a number without a unit")
-        scene = PARAMETERS[key](scene, value)
-    return scene
-
-
-def whole_key(key: str, base: Scene) -> str:
-    """The full key of the scene that ends in `key`, resolved once for all points; `key` itself if there is none."""
-    if _is_parameter(base, key):
-        return key
-    return ".".join(full_key(key.split("."), "", base.tables or {}))
-
-
-@lru_cache(maxsize=256)
-def _is_parameter(base: Scene, key: str) -> bool:
-    """Whether `key` is a parameter (`reduced.parameters`), but no key of the scene."""
-    return key in PARAMETERS and not has_key(base, key, key)
+    found: Any = tuple(values)
+    return Axis(key, unit, values=found)

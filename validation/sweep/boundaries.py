@@ -30,8 +30,9 @@ def onset_lines(data: Dataset) -> tuple[Line, ...]:
     """The curves on which steady sliding loses its stability, of each model of a map over two parameters; none if an axis is no
     such parameter, or if they cannot be computed."""
     axes = [str(name) for name in data["status"].dims if name != "model"]
-    sides = [_side(data, axis) for axis in axes]
-    if len(axes) != 2 or None in sides:
+    of_words = any(data[axis].dtype.kind not in "fi" for axis in axes)
+    sides = [] if of_words else [_side(data, axis) for axis in axes]
+    if len(sides) != 2 or None in sides:
         return ()
     across, up = (side for side in sides if side is not None)
     scene = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from slipwave.errors import SceneError
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import Meaning, attributes
 from validation.models.provenance import provenance
@@ -44,8 +45,10 @@ def filled_arrays(plan: Plan, store: Store) -> dict[str, Array]:
 def dataset_of(plan: Plan, arrays: dict[str, Array]) -> Dataset:
     """The columns `filled_arrays` over (model, axes), words as CF flags. `status`: how each point ended."""
     measure = measure_of(plan.measure)
-    names = ["scene"] if plan.rows else [axis.name for axis in plan.axes]
+    names = ["scene"] if plan.rows else [axis.column for axis in plan.axes]
     dimensions = ("model", *names)
+    if twice := arrays.keys() & {*dimensions}:
+        raise SceneError(f"--vary {', '.join(twice)}: the measure returns a figure of the same name")
     variables = {
         name: (
             (*dimensions, *["cycle"] * (values.ndim - 1)),
@@ -65,7 +68,12 @@ def _coordinates(plan: Plan) -> dict[str, Any]:
         keys = dict.fromkeys(key for row in plan.rows for key in row)
         return models | {key.replace(".", "_"): ("scene", [row.get(key, np.nan) for row in plan.rows]) for key in keys}
     return models | {
-        axis.name: (axis.name, list(axis.values), {"long_name": axis.key, "units": axis.unit or "1"}) for axis in plan.axes
+        axis.column: (
+            axis.column,
+            list(axis.values),
+            {"long_name": axis.name} | ({} if axis.is_of_words else {"units": axis.unit or "1"}),
+        )
+        for axis in plan.axes
     }
 
 

@@ -14,7 +14,7 @@ from slipwave.errors import SceneError
 from slipwave.input.overrides import label_of
 from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, color_number
 from validation.data.datasets import DataArray, Dataset
-from validation.sweep.axes import changed
+from validation.models.parameter import Variation
 
 _COLOURS = {
     "steady": "#e8eef4",
@@ -53,6 +53,7 @@ def chart_of_sweep(data: Dataset, shown: str | None = None, lines: Sequence[Line
     """The chart of a gathered sweep with `lines` over its maps; `shown` is the column (default: regimes, period, stress drop).
 
     Raises SceneError for more than two axes, or a missing column."""
+    data = _words_as_models(data)
     axes = [str(name) for name in data["status" if "status" in data else next(iter(data))].dims if name != "model"]
     if shown is not None and shown not in data:
         raise SceneError(f"--show = {shown!r}: must be one of {', '.join(map(str, data.data_vars))}")
@@ -61,6 +62,16 @@ def chart_of_sweep(data: Dataset, shown: str | None = None, lines: Sequence[Line
     if len(axes) == 2:
         return _over_two(data, axes, shown, lines)
     raise SceneError(f"a figure needs one or two axes, this sweep has {len(axes)}; choose values of the others first")
+
+
+def _words_as_models(data: Dataset) -> Dataset:
+    """The data with each word of an axis of words as a further model."""
+    names = [str(name) for name in data.dims if name != "model" and name in data.coords and data[name].dtype.kind in "OU"]
+    if not names:
+        return data
+    together = (data if "model" in data.dims else data.expand_dims("model")).stack(which=("model", *names))
+    words = [", ".join(map(str, one)) for one in together["which"].values]
+    return together.drop_vars(["which", "model", *names]).rename(which="model").assign_coords(model=words)
 
 
 def _models(data: Dataset) -> list[Dataset]:
@@ -146,7 +157,7 @@ def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     in_si, first, is_power = unit == "1", float(coordinate[0]), "log10" in key
     base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
     try:
-        scene = changed(base, {key: first if in_si else f"{first!r} {unit}"}) if base.units else base
+        scene = Variation(base).scene({key: first if in_si else f"{first!r} {unit}"}) if base.units else base
     except SceneError:
         return None
     if scene.units is None:

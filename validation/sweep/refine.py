@@ -36,10 +36,12 @@ def require_refinable(plan: Plan, levels: int) -> None:
     if not 1 <= levels <= 20:
         raise SceneError(f"--refine = {levels}: must be a whole number from 1 to 20")
     for axis in plan.axes:
+        if axis.is_of_words:
+            raise SceneError(f"--refine: {axis.name} has words, between which there is nothing")
         count, step = len(axis.values), 2**levels
         if count < step + 1 or (count - 1) % step:
             near = max(round((count - 1) / step), 1) * step + 1
-            raise SceneError(f"--refine = {levels}: {axis.key} must have a multiple of {step} plus 1 values, as {near}")
+            raise SceneError(f"--refine = {levels}: {axis.name} must have a multiple of {step} plus 1 values, as {near}")
     if plan.rows:
         raise SceneError("--refine: needs axes, not a list of scenes")
 

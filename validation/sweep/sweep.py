@@ -8,6 +8,7 @@ from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,15 +19,15 @@ import slipwave
 from slipwave.errors import SceneError
 from slipwave.friction.law import name_of
 from slipwave.input.source import parse_toml, to_toml
-from slipwave.scene import Scene
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.models.by_name import parse, resolve
 from validation.models.own import digests
+from validation.models.parameter import Variation, variables_of
 from validation.models.progress import progress
 from validation.models.stopwatch import cores
 from validation.sweep import executors
-from validation.sweep.axes import Axis, axis_of, whole_key
+from validation.sweep.axes import Axis, axis_of
 from validation.sweep.engine import Engine, compute
 from validation.sweep.gather import arrays_of
 from validation.sweep.measures import MEASURES, measure_of, own_measure
@@ -73,14 +74,14 @@ class Forecast(NamedTuple):
     workers: int
 
 
-def plan_of(scene: Scene, axes: Sequence[Axis], models: Sequence[str], measure: str, **options: Any) -> Plan:
+def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], measure: str, **options: Any) -> Plan:
     """A validated plan. Raises SceneError if it is invalid."""
-    names = tuple(dict.fromkeys(resolve(name.strip(), scene)[0] for name in models))
+    names = tuple(dict.fromkeys(resolve(name.strip(), scenes.base)[0] for name in models))
     for name in names:
         parse(name)
     given = {name: value for name, value in options.items() if value}
     rows = tuple(given.pop("rows", ()))
-    plan = Plan(scene, tuple(replace(axis, key=whole_key(axis.key, scene)) for axis in axes), names, measure, given, rows)
+    plan = Plan(scenes, tuple(replace(axis, name=scenes.key_of(axis.name)) for axis in axes), names, measure, given, rows)
     if measure not in MEASURES:
         own_measure(measure)
     require_plan(plan)
@@ -93,20 +94,28 @@ def manifest_of(plan: Plan) -> dict[str, Any]:
     """The plan and the programs, ours and the user's, with which a folder must agree to be continued."""
     program = {name: version(name) for name in ("slipwave", "numpy", "scipy", "numba")} | {"code": source_digest()}
     source = {"scene_toml": to_toml(plan.base)}
-    laws = {name_of(plan.base.law), *(value for row in plan.rows for value in row.values() if isinstance(value, str))}
+    given = chain(*(axis.values for axis in plan.axes), *(row.values() for row in plan.rows), plan.scenes.sets.values())
+    laws = {name_of(plan.base.law), *(value for value in given if isinstance(value, str))}
     files = digests(laws, plan.models, None if plan.measure in MEASURES else own_measure(plan.measure))
     return dict(json.loads(json.dumps(plan.manifest | source | {"program": program, "files": files})))
+
+
+class _StoredAxis(BaseModel):
+    key: str
+    values: tuple[float, ...] | tuple[str, ...]
+    unit: str
 
 
 class _Stored(BaseModel):
     """What a manifest says of its plan."""
 
     scene_toml: str
-    axes: list[Axis]
+    axes: list[_StoredAxis]
     models: tuple[str, ...]
     measure: str
     options: dict[str, int | float]
     rows: tuple[dict[str, float | str], ...]
+    set: dict[str, Any] = {}
 
 
 def stored_plan(folder: Path) -> Plan:
@@ -119,7 +128,9 @@ def stored_plan(folder: Path) -> Plan:
         said = _Stored(**manifest)
         axes = tuple(replace(axis_of(axis.key, [*axis.values]), unit=axis.unit) for axis in said.axes)
         scene = slipwave.read_scene(parse_toml(said.scene_toml))
-        plan = Plan(scene, axes, said.models, said.measure, said.options, said.rows)
+        names = [axis.name for axis in axes] + [key for row in said.rows for key in row]
+        scenes = Variation(scene, sets=said.set, variables=variables_of(names, [*said.set.items()]))
+        plan = Plan(scenes, axes, said.models, said.measure, said.options, said.rows)
         require_plan(plan)
         if plan.options.get("refine"):
             require_refinable(plan, int(plan.options["refine"]))

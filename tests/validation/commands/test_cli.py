@@ -299,7 +299,7 @@ verify viscous --model sbp:9 | must be sbp:P with one of 2, 4, 6
 verify paper --junit v.txt | the name must end in .xml
 sweep paper --out x | --vary: missing
 sweep paper --out x --vary log10_r=-2.7:-2.2 | FROM:TO:COUNT
-sweep rock --out x --vary 'slab.thickness=1 m:2:3' | same unit
+sweep rock --out x --vary 'slab.thickness=1 m:2:3' | units of one kind
 sweep paper --out x --vary a=0:0.02:3:log | above 0
 sweep paper --out x --vary a=0.01:0.02:50000 --vary b=0.03:0.04:50000 | 1e8
 sweep paper --out x --vary a=0.01:0.02:4 --refine 2 | as 5

@@ -19,7 +19,7 @@ from validation.commands.cli import main
 from validation.commands.curve import CurveOptions, CurveResult
 from validation.models.by_name import families
 from validation.models.curve import Curve
-from validation.models.parameter import Over
+from validation.models.parameter import Over, Variation
 from validation.models.points import CurvePoint
 
 UNTIL = 4000.0
@@ -134,7 +134,10 @@ def test_stability_in_si():
     )
 
 
-RANGES = Over(PAPER, "log10_r", -2.8, -2.6, lambda value: PAPER), Over(PAPER, "V", 90.0, 120.0, lambda value: PAPER)
+RANGES = tuple(
+    Over(name, first=first, last=last, scenes=Variation(PAPER))
+    for name, first, last in (("log10_r", -2.8, -2.6), ("V", 90.0, 120.0))
+)
 
 
 def values(axes):

@@ -14,6 +14,7 @@ from validation.fit.forward import OfSolver
 from validation.fit.least_squares import Best
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import Variants, free_parameters, schedule_of
+from validation.models.parameter import Variation
 
 HEADING = "time [transits],mu"
 AWAY = ["interface.a=0.0349", "interface.b=0.0489"]
@@ -23,7 +24,7 @@ def seen(a, noise, seed, begin=2000.0):
     """16 cycles of the delay system in the scene `paper`, with noise, from a nudge."""
     scene = read("paper", {"interface.a": a})
     times = np.arange(begin, begin + 1200.0, 0.23)
-    steady = Variants(scene, (), Drive((0.0,), (scene.velocity,)))
+    steady = Variants(Variation(scene), (), Drive((0.0,), (scene.velocity,)))
     friction = OfSolver(disturbed(steady), times, "delay", 1e-7).friction(np.empty(0))
     return times - begin, friction + noise * np.random.default_rng(seed).standard_normal(times.size)
 
@@ -42,7 +43,7 @@ def test_stick_slip_of_the_delay_system_gives_a_and_b_back_from_near_and_far(a, 
 def followed():
     """An orbit of the delay system, seen at some places of its cycle."""
     scene = read("paper")
-    variants = disturbed(Variants(scene, free_parameters(scene, ["a", "b"]), schedule_of(scene)))
+    variants = disturbed(Variants(Variation(scene), free_parameters(scene, ["a", "b"]), schedule_of(scene)))
     times = np.linspace(2.0, 71.0, 40)
     made = CycleOfOrbit(variants, FoldedRecord(times, np.zeros(40), np.zeros(40), 73.47214494, 1.0), "delay")
     made.begin(np.array([one.inner(one.start) for one in variants.free]))

@@ -20,7 +20,8 @@ import slipwave as sw
 from reduced.delay import alike
 from slipwave.errors import SceneError
 from validation.commands.cli import main
-from validation.sweep.axes import axis_of, changed
+from validation.models.parameter import Variation
+from validation.sweep.axes import axis_of
 from validation.sweep.engine import Engine, compute
 from validation.sweep.executors import processes
 from validation.sweep.map_figures import chart_of_sweep, other_side
@@ -44,7 +45,7 @@ class Here(Executor):
 
 def plan(counts=(5, 4), measure=DISC, models=("delay",), **options):
     axes = [axis_of("a", f"0.001:0.019:{counts[0]}"), axis_of("b", f"0.011:0.029:{counts[1]}")]
-    return plan_of(sw.read_scene("paper"), axes, models, measure, **options)
+    return plan_of(Variation(sw.read_scene("paper")), axes, models, measure, **options)
 
 
 def computed(what, folder, **where):
@@ -70,16 +71,16 @@ def same(one, other):
 )
 def test_the_scene_of_a_point_is_the_scene_with_its_changes(scene, axes):
     """Put together from scenes with one changed key each, in any order, or read whole where two keys change one slab."""
-    what = plan_of(sw.read_scene(scene), [axis_of(key, values) for key, values in axes.items()], ["delay"], DISC)
+    what = plan_of(Variation(sw.read_scene(scene)), [axis_of(key, values) for key, values in axes.items()], ["delay"], DISC)
     for point in np.random.default_rng(4).permutation(what.size):
-        found, wanted = what.scene(int(point)), changed(what.base, what.changes(int(point)))
+        found, wanted = what.scene(int(point)), what.scenes.scene(what.changes(int(point)))
         assert (found, found.digest, found.tables) == (wanted, wanted.digest, wanted.tables)
 
 
 def test_a_point_does_not_depend_on_the_points_before_it():
     """Tables that are made once for many runs: random points in random order, and each alone with all tables made anew."""
     axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
-    what = plan_of(sw.read_scene("paper", **{"run.until": 100}), axes, ["delay"], "run", tol=1e-6)
+    what = plan_of(Variation(sw.read_scene("paper", **{"run.until": 100})), axes, ["delay"], "run", tol=1e-6)
     points = np.random.default_rng(7).permutation(what.size)[:12]
     together = compute(what, np.concatenate((points, points[::-1])))[0]
     for place, point in enumerate(points):
@@ -101,7 +102,7 @@ def test_arrays_do_not_depend_on_who_computes_them(tmp_path):
 
 def test_a_point_of_a_sweep_is_a_run(tmp_path):
     what = plan_of(
-        sw.read("paper", {"run.until": 1500.0}), [axis_of("log10_r", [-2.68, -2.6])], ["kelvin-voigt"], "run", tol=1e-8
+        Variation(sw.read("paper", {"run.until": 1500.0})), [axis_of("log10_r", [-2.68, -2.6])], ["kelvin-voigt"], "run", tol=1e-8
     )
     point = computed(what, tmp_path / "run").isel(log10_r=1)
     run = sw.run("paper", "kelvin-voigt", until=1500.0, tol=1e-8, log10_r=-2.6)
@@ -203,7 +204,7 @@ def marks(tmp_path, monkeypatch):
 
 def test_a_killed_worker_is_a_part_done_again(tmp_path, marks, forked):
     axes = [axis_of("a", [0.010, 0.011, 0.012, 0.013, 0.014, 0.015])]
-    what = plan_of(sw.read_scene("paper"), axes, ["delay"], "tests.validation.sweep_measures:deadly")
+    what = plan_of(Variation(sw.read_scene("paper")), axes, ["delay"], "tests.validation.sweep_measures:deadly")
     data = computed(what, tmp_path / "deadly", executor=None, workers=2)
     assert data["status"].values.tolist() == [0, 0, 3, 0, 0, 0]
     assert "killed 3 times" in str(data["reason"].values[2])
@@ -212,7 +213,9 @@ def test_a_killed_worker_is_a_part_done_again(tmp_path, marks, forked):
 
 def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path):
     axes = [axis_of("a", [0.011, 0.012, 0.013])]
-    data = computed(plan_of(sw.read_scene("paper"), axes, ["delay"], "tests.validation.sweep_measures:wrong"), tmp_path / "wrong")
+    data = computed(
+        plan_of(Variation(sw.read_scene("paper")), axes, ["delay"], "tests.validation.sweep_measures:wrong"), tmp_path / "wrong"
+    )
     assert data["status"].values.tolist() == [0, 2, 0]
     assert "ZeroDivisionError" in str(data["reason"].values[1])
     rows = tmp_path / "rows.csv"
@@ -274,7 +277,7 @@ def test_a_full_disk_costs_no_finished_part(tmp_path):
 
 def test_every_late_cycle_of_a_run_is_in_its_brush(tmp_path):
     scene = sw.read("paper-si", {"run.until": 1500.0})
-    what = plan_of(scene, [axis_of("log10_r", [-2.75, -2.6])], ["kelvin-voigt"], "cycles", tol=1e-8)
+    what = plan_of(Variation(scene), [axis_of("log10_r", [-2.75, -2.6])], ["kelvin-voigt"], "cycles", tol=1e-8)
     data = computed(what, tmp_path / "brush")
     steady, brush = (data.isel(log10_r=k) for k in (0, 1))
     events = sw.run(scene, "kelvin-voigt", tol=1e-8, log10_r=-2.6).done.events
@@ -349,7 +352,10 @@ def test_difference_of_two_models_in_per_cent_of_the_area():
 
 def test_a_map_shows_the_boundary_of_stability_within_a_cell(tmp_path):
     what = plan_of(
-        sw.read_scene("paper"), [axis_of("log10_r", "-2.75:-2.6:16"), axis_of("V", "10:1000:3:log")], ["delay"], "stability"
+        Variation(sw.read_scene("paper")),
+        [axis_of("log10_r", "-2.75:-2.6:16"), axis_of("V", "10:1000:3:log")],
+        ["delay"],
+        "stability",
     )
     data = computed(what, tmp_path / "map")
     stable = data["stable"].values == 1
