@@ -14,6 +14,7 @@ from slipwave.scene import Scene
 _SAMPLES = 17
 _HALVINGS = 8
 _STEPS_OUT = 12  # by factors of four
+_NEUTRAL = 1e-9  # of the rate at the other end
 ONSET_WIDTH = 1e-13
 """Width of a bracket in the parameter."""
 
@@ -58,13 +59,13 @@ def _change(
 
 
 def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Bracket of the zero of `rate`: `low` and `high`, or a nearly neutral end, where the root is not counted, and a value a
-    little beyond it."""
-    if rate(low) * rate(high) <= 0.0:
+    """Bracket of the zero of `rate`: `low` and `high`. If an end is nearly neutral, so that the sign of its rate is that of
+    rounding, or its root was not counted, the bracket goes a little beyond it."""
+    end, other = sorted((low, high), key=lambda value: abs(rate(value)))
+    if abs(rate(end)) > _NEUTRAL * abs(rate(other)) and rate(end) * rate(other) < 0.0:
         return low, high
-    end, other = (low, high) if abs(rate(low)) < abs(rate(high)) else (high, low)
     for k in range(_STEPS_OUT, 0, -1):
         beyond = end + 4.0**-k * (end - other)
-        if rate(beyond) * rate(end) <= 0.0:
-            return min(beyond, end), max(beyond, end)
+        if rate(beyond) * rate(other) < 0.0:
+            return min(beyond, other), max(beyond, other)
     return low, high

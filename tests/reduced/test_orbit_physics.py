@@ -20,7 +20,7 @@ from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
 from reduced.orbit.figures import figures_of, repeats_sooner
 from reduced.orbit.multipliers import floquet
-from reduced.stability.onsets import onsets
+from reduced.stability.onsets import _bracket, onsets
 from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.step.port_flow import flow_near
@@ -173,3 +173,11 @@ def test_onsets_in_any_parameter_are_one(model, log10_r, period):
         assert (onset.parameter, onset.period) == (pytest.approx(known, rel=1e-7), pytest.approx(period, rel=1e-7))
         assert sorted((onset.unstable_below, onset.unstable_above)) == [0, 2]
     assert onsets(scene_at, -2.8, -2.7, "delay") == []
+
+
+@pytest.mark.parametrize("ends", [(0.0, 1.0), (-1.0, 0.0)])
+def test_an_onset_on_a_sample_of_its_search_is_bracketed_beyond_rounding(ends):
+    """An end lies on the Hopf point: the sign of the crossing root's real part there is that of rounding."""
+    for rounding in (1e-16, -1e-16):
+        low, high = _bracket(lambda x, rounding=rounding: x or rounding, *ends)
+        assert low < -1e-9 < 1e-9 < high
