@@ -67,6 +67,7 @@ class EventObserver:
             _SLIPS * math.pi * scene.velocity / slopes.omega_c / scene.transit if slopes.weakening else 0.0
         )  # V* times transits
         self._loading, self._least = scene.stiffness * max(scene.drive.velocities), scene.stiffness * slip
+        self._drifts = any(slab.termination.has_dead_load for slab in scene.slabs)
         self._judged: dict[float, JudgedSwings] = {}
         self.scan(empty_pieces(0, nodes.size))  # loads the detector outside timed runs
 
@@ -100,7 +101,7 @@ class EventObserver:
             scan(empty_pieces(0, found.basis.nodes.size), 0, found)
             running = np.empty((0, COLUMNS)) if math.isnan(found.last[0]) else found.running[None, :]
             swings = np.concatenate((found.swings[: int(found.filled[0])], running))
-            self._judged[after] = judge_swings(swings, found.floor, after, self._loading, self._least)
+            self._judged[after] = judge_swings(swings, found.floor, after, self._loading, self._least, self._drifts)
         return self._judged[after]
 
     def ringing(self, velocity: float, after: float) -> float:

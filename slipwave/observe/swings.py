@@ -108,23 +108,35 @@ class JudgedSwings(NamedTuple):
         return self.prominence if self.over else self.prominence[:-1]
 
 
-def judge_swings(swings: Array, floor: float, after: float, loading: float, least: float) -> JudgedSwings:
+def judge_swings(swings: Array, floor: float, after: float, loading: float, least: float, drifts: bool = False) -> JudgedSwings:
     """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one and at least
     `floor` (normal stress) in which the stiffness times the slip is at least `least`: the fall, and what the drive adds at the
     rate `loading` (normal stress per transit) while it lasts.
 
     The size of a fall depends on how large a rise it may continue through. The largest fall is the largest of all falls that
-    continue only through rises below SHARE of their own size.
+    continue only through rises below SHARE of their own size. Behind faces without a spring the elastic stress `drifts`: in the
+    long run each cycle begins lower, and without the mean drift falls of many cycles would seem to be one.
     """
-    threshold = _threshold(swings, floor, after)
     swings = swings.copy()
+    drift = _mean_drift(swings, after) if drifts else 0.0
+    swings[:, [BEGIN, END]] -= drift * swings[:, [BEGAN, ENDED]]
+    threshold = _threshold(swings, floor, after)
     swings = swings[: _simplify(swings, 0, len(swings), threshold)]
     sizes = swings[:, DIRECTION] * (swings[:, END] - swings[:, BEGIN])
     falls = np.flatnonzero((swings[:, DIRECTION] < 0.0) & (swings[:, DATE] >= after) & (sizes >= threshold))
-    slips = (sizes + loading * (swings[:, ENDED] - swings[:, BEGAN]))[falls] >= least
+    slips = (sizes + (loading - drift) * (swings[:, ENDED] - swings[:, BEGAN]))[falls] >= least
     events = falls[slips]
     over = bool(events.size) and bool((sizes[events[-1] + 1 :] >= threshold).any())
+    swings[:, [BEGIN, END]] += drift * swings[:, [BEGAN, ENDED]]
     return JudgedSwings(swings, events, sizes[events], over, falls.size - events.size)
+
+
+def _mean_drift(swings: Array, after: float) -> float:
+    """The mean slope from the first maximum to the last one from `after` on, in normal stress per transit."""
+    falls = swings[(swings[:, DIRECTION] < 0.0) & (swings[:, BEGAN] >= after)]
+    if len(falls) < 2:
+        return 0.0
+    return float((falls[-1, BEGIN] - falls[0, BEGIN]) / (falls[-1, BEGAN] - falls[0, BEGAN]))
 
 
 def _threshold(swings: Array, floor: float, after: float) -> float:

@@ -170,3 +170,14 @@ def test_verdicts_of_runs(words, verdict, multiplicity, answer):
 def test_brief_sticks_are_counted_alike(model, options):
     """V so large that the paper's slabs stick for hardly more than one round trip."""
     assert seen_in(slipwave.read("paper", ["drive.velocity=1e4"]), 100.0, model, **options).count == 37
+
+
+def test_cycles_behind_faces_that_leak_are_counted_however_long_they_last():
+    """The elastic stress of such slabs falls a little from cycle to cycle: in 250 cycles by more than an event."""
+    leaking = slipwave.read(
+        "paper", {"slab.log10_r": -2.534172, "slab.face": {"kind": "reflection", "coefficient": 0.99}, "start.size": 0.5}
+    )
+    seen = seen_in(leaking, 20000.0)
+    assert seen.count == 253
+    assert seen.events(10000.0).period == pytest.approx(79.3532925, abs=1e-6)
+    assert seen.events().elastic_stress_drop[-1] == pytest.approx(seen.events(15000.0).elastic_stress_drop[-1], rel=1e-12)
