@@ -121,12 +121,31 @@ def stored(point: OrbitPoint, step: float) -> State:
 def from_stored(family: FlowFamily, saved: Mapping[str, Array]) -> tuple[FlowFamily, OrbitPoint, float]:
     """The family on the stored mesh, the point, and the next step."""
     *start, period, parameter = saved["unknowns"].tolist()
-    flow = family(parameter).on_mesh({name.removeprefix(_MESH): saved[name] for name in saved if name.startswith(_MESH)})
+    flow = family(parameter).on_mesh(_mesh_of(saved))
     cycle = flow.march(np.array(start), period)
     residual = float(np.abs(cycle.end - cycle.start).max())
     derivatives = (saved["monodromy"], saved["velocity"], saved["drift"])
     closed = Closed(flow, cycle, residual, *derivatives, parameter, 0)
     return family.on(flow), OrbitPoint(closed, saved["tangent"]), float(saved["step"][0])
+
+
+def from_outline(family: FlowFamily, saved: Mapping[str, Array], metric: Metric) -> tuple[FlowFamily, OrbitPoint]:
+    """The family on the stored mesh, and the point that was stored `without_derivatives`, closed again. Raises NumericsError if
+    it does not close."""
+    flow = family(float(saved["unknowns"][-1])).on_mesh(_mesh_of(saved))
+    family = family.on(flow)
+    return family, point_near(family, saved["unknowns"], saved["tangent"], metric)
+
+
+def without_derivatives(point: OrbitPoint) -> State:
+    """The arrays of `stored` without derivatives, which are large."""
+    return {
+        name: array for name, array in stored(point, 0.0).items() if name in ("unknowns", "tangent") or name.startswith(_MESH)
+    }
+
+
+def _mesh_of(saved: Mapping[str, Array]) -> State:
+    return {name.removeprefix(_MESH): saved[name] for name in saved if name.startswith(_MESH)}
 
 
 def orbits_at(points: Iterable[OrbitPoint], parameter: float, scene: Scene) -> list[Closed]:

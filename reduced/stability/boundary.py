@@ -11,7 +11,7 @@ from reduced.parameters import with_parameter
 from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.crossing import between
 from reduced.stability.spectrum import leading_roots, unstable_count
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
@@ -33,14 +33,25 @@ class Boundary:
 
 
 def boundary(
-    scene: Scene, model: str, over: tuple[str, str], ranges: tuple[tuple[float, float], tuple[float, float]]
+    scene: Scene,
+    model: str,
+    over: tuple[str, str],
+    ranges: tuple[tuple[float, float], tuple[float, float]],
+    scene_at: Callable[[float, float], Scene] | None = None,
 ) -> list[Boundary]:
     """The stability boundaries of `scene` under `model` found in the rectangle `ranges` of the parameters `over`.
 
-    Names are those of `reduced.parameters`. A curve is found where the certified number of unstable roots changes along one of
-    a few lines per parameter. It is followed both ways until it leaves the rectangle or closes.
+    Names are those of `reduced.parameters`, unless `scene_at` gives the scene at their values. A curve is found where the
+    certified number of unstable roots changes along one of a few lines per parameter. It is followed both
+    ways until it leaves the rectangle or closes.
     """
-    plane = _Plane(scene, model, over, np.array(ranges, dtype=float))
+    if scene_at is None:
+        first, second = over
+
+        def scene_at(one: float, other: float) -> Scene:
+            return with_parameter(with_parameter(scene, first, one), second, other)
+
+    plane = _Plane(scene_at, model, np.array(ranges, dtype=float))
     curves: list[Array] = []
     for start in _seeds(plane):
         apart = (np.linalg.norm(curve[:, 1:] - start[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - start[0]) for curve in curves)
@@ -54,9 +65,8 @@ def boundary(
 class _Plane:
     """Unknowns x = (ln omega, u_1, u_2) with the parameters u scaled to [0, 1]."""
 
-    scene: Scene
+    scene_at: Callable[[float, float], Scene]
     model: str
-    over: tuple[str, str]
     ranges: Array
 
     def values(self, u: Array) -> Array:
@@ -65,9 +75,7 @@ class _Plane:
 
     def problem(self, u: Array) -> Characteristic:
         """Characteristic function of the scene with these parameters."""
-        first, second = self.values(u)
-        changed = with_parameter(with_parameter(self.scene, self.over[0], first), self.over[1], second)
-        return characteristic(changed, self.model)
+        return characteristic(self.scene_at(*self.values(u).tolist()), self.model)
 
     def residual(self, x: Array) -> Array:
         """(Re, Im) of the imbalance at x = (ln omega, u)."""
@@ -75,15 +83,15 @@ class _Plane:
         return np.array([value.real, value.imag])
 
     def corrected(self, x: Array, tangent: Array) -> Array | None:
-        """Newton orthogonal to `tangent`; None if it does not converge. The Jacobian, which costs six residuals, is recomputed
-        only if the last change was not much smaller than the one before."""
+        """Newton orthogonal to `tangent`; None if it does not converge or leads where there is no scene. The Jacobian,
+        which costs six residuals, is recomputed only if the last change was not much smaller than the one before."""
         matrix, size = None, math.inf
         for _ in range(_ROUNDS):
-            if matrix is None:
-                matrix = np.vstack([_central_differences(self.residual, x), tangent])
             try:
+                if matrix is None:
+                    matrix = np.vstack([_central_differences(self.residual, x), tangent])
                 change = np.linalg.solve(matrix, np.append(-self.residual(x), 0.0))
-            except np.linalg.LinAlgError:
+            except (np.linalg.LinAlgError, SceneError):
                 return None
             before, size = size, float(np.linalg.norm(change))
             if not size <= 1.0:

@@ -166,10 +166,10 @@ class StoredScene(NamedTuple):
     facts: dict[str, Any]
 
 
-def read_stored(path: str | Path) -> StoredScene:
-    """Read the origin of a file of results. Raises SceneError if it is none of this program, and if its friction law is a user's
-    own that is not loaded or has changed."""
-    label = f"SCENE = {shorten(str(path))}"
+def read_stored(path: str | Path, option: str = "SCENE =") -> StoredScene:
+    """Read the origin of a file of results. Raises SceneError, naming the `option`, if it is none of this program, and if its
+    friction law is a user's own that is not loaded or has changed."""
+    label = f"{option} {shorten(str(path))}"
     require("files", label)
     from netCDF4 import Dataset
 

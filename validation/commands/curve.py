@@ -3,20 +3,31 @@
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
+from slipwave.input.wording import shorten
 from validation.chart import Chart
-from validation.commands.branch import BRANCH_TOLERANCE, FollowedOptions, FollowedResult, origin_of, points_option, printed_column
+from validation.commands.branch import (
+    BRANCH_TOLERANCE,
+    BranchResult,
+    FollowedOptions,
+    FollowedResult,
+    origin_of,
+    points_option,
+    printed_column,
+)
 from validation.commands.branch_figures import chart_of_curve
 from validation.commands.command import command
 from validation.commands.options import announced, option
 from validation.commands.result import thinned
 from validation.data.datasets import Dataset
 from validation.data.variables import table_of
+from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve, require_curve
-from validation.models.followed import pursue
+from validation.models.followed import pursue, read_branch
 from validation.models.orbits import flowing
 from validation.models.parameter import Values, over_range, range_text
 from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt
@@ -34,11 +45,12 @@ class CurveOptions(FollowedOptions):
 
     EXAMPLES: ClassVar = (
         "slipwave curve paper --of LP --over log10_r=-2.72:-2.68 --and V=100:120 --plot fold.png",
+        "slipwave curve --from branch.nc --point NS2 --and face.coefficient=1:0.99",
         "slipwave curve curve.nc",
     )
     DETAILS: ClassVar = (
-        "The curve begins with the first point of its kind on the branch at the second parameter's first value. A netCDF file of "
-        "a curve is computed again, with what it holds where nothing is given."
+        "The curve begins with the first point of its kind on the branch at the second parameter's first value, or with a "
+        "--point of the branch in a file. A netCDF file of a curve is computed again, with what it holds where nothing is given."
     )
 
     of: str | None = option("the kind of special point", metavar="|".join(SPECIAL_KINDS), positional=True, stored=True)
@@ -51,6 +63,14 @@ class CurveOptions(FollowedOptions):
         metavar="KEY=FROM:TO",
         positional=True,
         stored=True,
+    )
+    start: Path | BranchResult | None = option(
+        "begin on this branch, whose scene, model and range are taken: a file of `slipwave branch`, in Python also its result",
+        flag="--from",
+        metavar="FILE.nc",
+    )
+    point: str | None = option(
+        "with --from, the special point at which to begin: NS2 for the second torus point", metavar="HB1|LP1|...", stored=True
     )
     most_points: int | None = points_option(CURVE_POINTS)
 
@@ -103,30 +123,60 @@ class CurveResult(FollowedResult):
 
 
 @command
-def curve(source: SceneSource, options: CurveOptions) -> CurveResult:
-    """Follow the first special point of the kind `of` (HB, LP, PD, NS) on the branch of orbits in two parameters.
+def curve(source: "SceneSource | None" = None, options: CurveOptions = CurveOptions()) -> CurveResult:
+    """Follow the first special point of the kind `of` (HB, LP, PD, NS) on the branch of orbits in two parameters, or a `point` of
+    the branch `start`.
 
     The curve begins on the branch over `over` at the first value of `along` and is followed in this direction until it leaves one
-    of the ranges; it may turn back in both parameters. If `source` is a netCDF file of a curve, it is computed again: what it
-    holds is taken where nothing is given.
+    of the ranges or ends at a cusp; it may turn back in both parameters. If `source` is a netCDF file of a curve, it is computed
+    again: what it holds is taken where nothing is given.
 
     Raises SceneError for wrong input; NumericsError where there is no such point or the curve cannot be followed, with the part
     before as its `result`.
     """
     options = replace(options, over=range_text(options.over), along=range_text(options.along))
+    begun = _begun(source, options)
+    if begun is not None:
+        source, options = begun[0].over.base, replace(options, model=begun[0].model, of=begun[0].special[begun[1]].kind)
+    elif source is None:
+        raise SceneError("SCENE: missing; must be given, or --from FILE.nc with a --point")
     options = options.completed(source, "curve", tol=BRANCH_TOLERANCE, most_points=CURVE_POINTS)
+    if begun is None and options.point is not None and options.resume is None:
+        raise SceneError(f"--point {shorten(options.point)}: needs --from FILE.nc, a file of the branch on which it lies")
     for name, (flag, example) in _NEEDED.items():
-        if getattr(options, name) is None:
+        if getattr(options, name) is None and (begun is None or name != "over"):
             raise SceneError(f"{flag}: missing; must be given, as in {flag} {example}")
     kind, scene = str(options.of), options.scene_of(source)
     if options.resume is not None and kind == "HB":
         raise SceneError("--resume: a curve of Hopf points is computed at once; leave it out")
-    parameters = over_range(str(options.over), scene), over_range(str(options.along), scene, "--and")
-    require_curve(kind, *parameters)
-    found = Curve(kind, *parameters, announced(*flowing(options.model, scene)), options.tol or BRANCH_TOLERANCE)
+    over = begun[0].over if begun is not None and options.over is None else over_range(str(options.over), scene)
+    second = over_range(str(options.along), scene, "--and")
+    require_curve(kind, over, second)
+    found = Curve(kind, over, second, announced(*flowing(options.model, scene)), options.tol or BRANCH_TOLERANCE, begun)
+    found.require_start()
     limits = StopAt(points=options.most_points or CURVE_POINTS)
     ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
     result = CurveResult(found, options, **ended._asdict())
     if options.out is not None and result.end is None and found.points:
         result.to_netcdf(options.out)
     return result
+
+
+def _begun(source: "SceneSource | None", options: CurveOptions) -> tuple[FollowedBranch, int] | None:
+    """The branch of --from, and the index of --point on it. Raises SceneError for a point that it does not have, and for options
+    that the branch gives."""
+    start = options.start
+    if start is None:
+        return None
+    given = {"SCENE": source is not None, "--set": options.settings or options.changes, "--model": options.model != "auto"}
+    for name in (name for name, is_given in given.items() if is_given):
+        raise SceneError(f"{name}: leave it out; --from gives the scene and the model")
+    branch = start.found if isinstance(start, BranchResult) else read_branch(start, "--from")
+    known = branch.named()
+    if options.point not in known:
+        wrong = "missing" if options.point is None else shorten(options.point)
+        raise SceneError(f"--point {wrong}: must be one of the branch's special points: {', '.join(known) or 'it has none'}")
+    index = known[options.point]
+    if options.of not in (None, branch.special[index].kind):
+        raise SceneError(f"--of {shorten(options.of)}: leave it out; {options.point} has its own kind")
+    return branch, index

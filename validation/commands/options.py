@@ -112,7 +112,7 @@ class Option(NamedTuple):
         if value is not None and {"least", "most"} & self.more.keys() and not least <= value <= most:
             shown = f"{value:g}" if isinstance(value, float) else value
             raise SceneError(f"{self.name} = {shown}: must {self.more['must']}")
-        return Path(value) if value is not None and Path in get_args(self.hint) else value
+        return Path(value) if isinstance(value, str) and Path in get_args(self.hint) else value
 
 
 _STEPS = dict.fromkeys(

@@ -1,5 +1,6 @@
 """A branch of periodic orbits, from a Hopf point or from an orbit that a run leads to, followed through folds."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple
@@ -8,8 +9,18 @@ import numpy as np
 
 from reduced.continuation.branch import Control, Step, follow_branch
 from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
-from reduced.continuation.special import Special
-from reduced.continuation.start import difference_of_halves, from_doubling, from_hopf, from_orbit, from_stored, metric_for, stored
+from reduced.continuation.special import Special, critical
+from reduced.continuation.start import (
+    difference_of_halves,
+    from_doubling,
+    from_hopf,
+    from_orbit,
+    from_outline,
+    from_stored,
+    metric_for,
+    stored,
+    without_derivatives,
+)
 from reduced.orbit.closing import Closed
 from reduced.orbit.figures import amplitude
 from reduced.stability.characteristic import characteristic
@@ -28,7 +39,8 @@ from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, S
 BEYOND = 0.25
 """Of the range: so far outside a branch is followed, as it may return."""
 
-_FORMAT = 2
+_FORMAT = 3
+_OUTLINE = "special_"  # before the index of a special point
 _SMALL = 0.1  # amplitude of ln v
 _BESIDE = 1e-6  # of the range, from its end: the first orbit, if states at the end itself have another size
 _AT_END = 1e-6  # of the range, from its end: a branch that cannot be followed there ends at it
@@ -56,8 +68,8 @@ class BranchEnd(NamedTuple):
 @dataclass(frozen=True)
 class FollowedBranch:
     """The branch of `model` over a parameter, to the relative error `tolerance` of all figures. `cells` is for full waves.
-    `closed`: index of a special point -> its orbit, if computed in this process. `doubled`: the branch of orbits of twice the
-    period from the first period doubling of the scene's own branch."""
+    `closed`: index of a special point -> its orbit, if computed in this process; `outlines`: what it can be computed again from.
+    `doubled`: the branch of orbits of twice the period from the first period doubling of the scene's own branch."""
 
     what: ClassVar[str] = "branch"
     over: Over
@@ -69,6 +81,7 @@ class FollowedBranch:
     special: list[SpecialPoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     closed: dict[int, Closed] = field(default_factory=dict)
+    outlines: dict[int, State] = field(default_factory=dict)
 
     @property
     def shown(self) -> list[BranchPoint]:
@@ -94,11 +107,13 @@ class FollowedBranch:
 
     def saved(self, end: BranchEnd) -> dict[str, State]:
         """Arrays, by group and name, from which the branch continues."""
-        return {"resume": stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}}
+        resume = stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}
+        return {"resume": resume} | {f"{_OUTLINE}{index}": state for index, state in self.outlines.items()}
 
     def restored(self, saved: Mapping[str, State]) -> BranchEnd:
         """The inverse of `saved`."""
         state = saved["resume"]
+        self.outlines.update({int(name.removeprefix(_OUTLINE)): saved[name] for name in saved if name.startswith(_OUTLINE)})
         period, parameter = state["unknowns"][-2:].tolist()
         _, point, step = from_stored(self.family_at(parameter, period), state)
         return BranchEnd(point, step, Metric(*state["metric"].tolist()))
@@ -154,6 +169,7 @@ class FollowedBranch:
                 return
             for special in step.special:
                 self.closed[len(self.special)] = special.point.closed
+                self.outlines[len(self.special)] = without_derivatives(special.point)
                 self.special.append(special_of(special, len(self.points)))
             self._record(step.point)
             end = BranchEnd(step.point, step.next_step, end.metric)
@@ -168,6 +184,24 @@ class FollowedBranch:
         """The model's flows, on a mesh that resolves steady sliding and its slow oscillations with `period` (transits)."""
         solver = moving(self.model, self.over.scene_at(parameter), self.cells)
         return FlowFamily(solver.flow(period, self.tolerance)[0], self.over.scene_at)
+
+    def named(self) -> dict[str, int]:
+        """Name of each special point within the range, as NS2 for the second torus point, and its index."""
+        count: Counter[str] = Counter()
+        found = {}
+        for index, special in enumerate(self.special):
+            if self.over.holds(special.value):
+                count[special.kind] += 1
+                found[f"{special.kind}{count[special.kind]}"] = index
+        return found
+
+    def special_at(self, index: int) -> Special:
+        """A special point, but for a Hopf point, with its orbit. Raises NumericsError if that does not close again."""
+        row, state = self.special[index], self.outlines[index]
+        family = self.family_at(row.value, float(state["unknowns"][-2]))
+        _, point = from_outline(family, state, metric_for(*self.over.ends))
+        passing = complex(critical(row.kind, point.multipliers))
+        return Special(row.kind, point, row.bracket, row.unstable_before or 0, row.unstable_after or 0, passing)
 
     def first_special(self, end: BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
         """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there

@@ -11,8 +11,7 @@ from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follo
 from reduced.continuation.point import FlowFamily
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_stored, stored
-from reduced.parameters import PARAMETERS
-from reduced.stability.boundary import boundary
+from reduced.stability.boundary import Boundary, boundary
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import name_of
 from slipwave.input.wording import shorten
@@ -31,7 +30,8 @@ _FORMAT = 2
 
 @dataclass(frozen=True)
 class Curve:
-    """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`."""
+    """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`, from the special point of this index on
+    the branch `start`, if given."""
 
     what: ClassVar[str] = "curve"
     kind: str
@@ -39,6 +39,7 @@ class Curve:
     second: Over
     model: str
     tolerance: float
+    start: tuple[FollowedBranch, int] | None = None
     points: list[CurvePoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
@@ -63,10 +64,10 @@ class Curve:
 
     def begin(self) -> Reached | None:
         """Record the first point, on the branch at the second parameter's first value, or all Hopf points, which lie on the
-        boundary of stability of steady sliding. Raises NumericsError if there is none."""
+        boundary of stability of steady sliding, those of the curve through `start` if given. Raises NumericsError if there is
+        none."""
         if self.kind == "HB":
-            names, port = (self.over.name, self.second.name), one_port_of(self.model)
-            for found in boundary(self.over.base, port, names, (self.over.ends, self.second.ends)):
+            for found in self._boundaries():
                 for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
                     if self._holds(first, second):
                         scene = self._scene_at(first, second)
@@ -76,12 +77,27 @@ class Curve:
             if not self.points:
                 raise NumericsError(f"{self.model}: steady sliding does not lose stability in this rectangle")
             return None
-        branch = self._branch()
-        special, _ = branch.first_special(branch.begin(), self.kind)
+        if self.start is None:
+            branch = self._branch()
+            special, _ = branch.first_special(branch.begin(), self.kind)
+        else:
+            special = self.start[0].special_at(self.start[1])
         towards = (0.0, math.copysign(1.0, self.second.last - self.second.first))
         reached = beginning(OnCurve((special.point.parameter, self.second.first), special), towards)
         self.points.append(curve_point_of(reached.last, 1.0))
         return reached
+
+    def require_start(self) -> None:
+        """Raises SceneError unless the second parameter's first value is that of the branch `start`."""
+        if self.start is None:
+            return
+        over, second = self.start[0].over, self.second
+        if self.start[0].cells is not None:
+            raise SceneError("--from: a full wave's branch; curves are those of a model without cells")
+        if self._scene_at(over.first, second.first).digest != over.scene_at(over.first).digest:
+            raise SceneError(
+                f"--and {second.name}={second.first:g}:{second.last:g}: FROM must be the value that the branch of --from has"
+            )
 
     def follow(self, end: Reached, limits: StopAt) -> Iterator[Reached]:
         """Record point after point, yielding the end after each, up to the number in `limits` or until the curve leaves the
@@ -120,6 +136,16 @@ class Curve:
         """The scene at both values."""
         return self.over.scenes.scene({self.over.name: self.over.written(first), self.second.name: self.second.written(second)})
 
+    def _boundaries(self) -> list[Boundary]:
+        """The boundaries of stability in the rectangle; of these only the one that passes nearest to `start`, if given."""
+        names, port = (self.over.name, self.second.name), one_port_of(self.model)
+        found = boundary(self.over.base, port, names, (self.over.ends, self.second.ends), self._scene_at)
+        if self.start is None or not found:
+            return found
+        own = self.plane.at((self.start[0].special[self.start[1]].value, self.second.first))
+        scale = self.plane.scale
+        return [min(found, key=lambda one: float(np.abs(one.first / scale[0] + 1j * one.second / scale[1] - own).min()))]
+
     def _holds(self, first: float, second: float) -> bool:
         return self.over.holds(first) and self.second.holds(second)
 
@@ -157,12 +183,8 @@ def _saved(one: OnCurve, length: float) -> dict[str, Array]:
 
 
 def require_curve(kind: str, over: Over, second: Over) -> None:
-    """Raises SceneError for an unknown kind, for two equal parameters, and, for Hopf points, for a parameter without a short
-    name."""
+    """Raises SceneError for an unknown kind and for two equal parameters."""
     if kind not in SPECIAL_KINDS:
         raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(SPECIAL_KINDS)}")
-    for option, name in (("--over", over.name), ("--and", second.name)):
-        if kind == "HB" and name not in PARAMETERS:
-            raise SceneError(f"{option} {shorten(name)}: a curve of Hopf points needs one of {', '.join(PARAMETERS)}")
     if over.name == second.name:
         raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")

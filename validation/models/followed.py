@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from reduced.continuation.branch import BRANCH_TOLERANCE
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import reason_of, whole_or_absent
+from slipwave.input.source import read_stored
+from slipwave.input.wording import shorten
 from slipwave.solve import State
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
+from validation.models.parameter import over_range
 from validation.models.points import StopAt
 from validation.models.progress import progress
 
@@ -85,7 +89,20 @@ def write_followed(path: Path, found: Followed, end: End, complete: bool, origin
         file.setncattr("contents", _digest(file))
 
 
-def read_followed(path: Path, found: Followed) -> End:
+def read_branch(path: Path, option: str) -> FollowedBranch:
+    """The branch in a file of `slipwave branch`. Raises SceneError, naming the `option`, if it is none or damaged."""
+    stored = read_stored(path, option)
+    if stored.command != "branch":
+        raise SceneError(f"{option} {shorten(str(path))}: is a result of slipwave {stored.command}, not of slipwave branch")
+    given = stored.options
+    over = over_range(str(given.get("over")), stored.tables, option)
+    doubled, tolerance = given.get("switch") == "PD", float(given.get("tol") or BRANCH_TOLERANCE)
+    found = FollowedBranch(over, stored.model, tolerance, given.get("cells"), doubled)
+    read_followed(path, found, option)
+    return found
+
+
+def read_followed(path: Path, found: Followed, option: str = "--resume") -> End:
     """Fill an empty `found` from the file, without notes on its end; returns its end. The tolerance may differ: the mesh is
     refined at the next point if necessary. Raises SceneError if the file cannot be read, or has other `facts`."""
     from netCDF4 import Dataset
@@ -96,7 +113,8 @@ def read_followed(path: Path, found: Followed) -> End:
             for name, value in json.loads(json.dumps(found.facts)).items():
                 if facts.get(name) != value:
                     differs = f"{name} is {facts.get(name)!r}; this {found.what} has {value!r}"
-                    raise SceneError(f"--resume {str(path)!r}: {differs}; without --resume it begins anew")
+                    anew = "; without --resume it begins anew" if option == "--resume" else ""
+                    raise SceneError(f"{option} {str(path)!r}: {differs}{anew}")
             if file.getncattr("contents") != _digest(file):
                 raise ValueError("its contents have changed since it was written")
             for kind, (record, rows) in found.tables.items():
@@ -107,7 +125,7 @@ def read_followed(path: Path, found: Followed) -> End:
     except SceneError:
         raise
     except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:
-        raise SceneError(f"--resume {str(path)!r}: is no file of a {found.what}, or damaged: {reason_of(error)}") from None
+        raise SceneError(f"{option} {str(path)!r}: is no file of a {found.what}, or damaged: {reason_of(error)}") from None
     found.notes.extend(note for note in notes if not note.startswith(("stopped ", f"the {found.what} leaves ")))
     if before != found.tolerance:
         until = f"up to {found.over.name} = {last:.10g}, {len(found.points)} in all"

@@ -283,7 +283,7 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
     monkeypatch.setattr("validation.commands.curve.pursue", lambda *parts: Ended(0.0, None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
-    call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100}
+    call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100, "point": None}
     assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
     assert (other.options.stored, other.found.second.ends) == (call | {"and": "V=90:91", "tol": 1e-4}, (90.0, 91.0))
 
@@ -302,6 +302,56 @@ def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
     with xarray.open_dataset(file) as resumed, xarray.open_dataset(whole) as direct:
         xarray.testing.assert_equal(resumed, direct)
         assert resumed["point_second"].values.tolist() == [point.second for point in expected]
+
+
+@pytest.mark.parametrize("kept", ["file", "result"])
+def test_a_curve_begins_at_any_point_of_a_branch(kept, whole):
+    """Of a file or of a result in Python; it is the curve that begins with the first point of this kind."""
+    start = whole[1] if kept == "file" else whole[0]
+    found = sw.curve(start=start, point="LP1", along="V=100:120", tol=1e-4, most_points=3).found.points
+    first = sw.curve("paper", "LP", RANGE, "V=100:120", "kelvin-voigt", tol=1e-4, most_points=3).found.points
+    for one, other in zip(found, first, strict=True):
+        assert one[:7] == pytest.approx(other[:7], rel=1e-7)
+        assert (one.kind, one.unstable_before, one.unstable_after) == ("LP", 1, 0)
+    assert found[0].first == pytest.approx(-2.700213011, abs=5e-8)
+    hopf = sw.curve(start=start, point="HB1", along="V=100:101").found.points
+    assert min(abs(one.first + 2.69954994745) for one in hopf) < 1e-6
+
+
+def test_a_curve_of_period_doublings_begins_at_its_second_point(tmp_path):
+    """The scene's own branch doubles at -2.595727667 and returns at -2.579381814. A curve needs no guess."""
+    scene = sw.branch("paper", "log10_r=-2.6:-2.57", "kelvin-voigt", tol=1e-5, out=tmp_path / "x.nc").summary["scene"]
+    found = sw.curve(start=tmp_path / "x.nc", point="PD2", along="V=100:101", tol=1e-5, most_points=3).summary
+    assert (scene, found["type"], found["points"][0]["log10_r"]) == ("paper", "PD", pytest.approx(-2.579381814, abs=1e-8))
+    for point in found["points"]:
+        assert point["multiplier"] == pytest.approx([-1.0, 0.0], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--point", "NS9"], "--point 'NS9': must be one of the branch's special points: HB1, LP1"),
+        (["--point", "LP1", "--and", "V=90:100"], "--and V=90:100: FROM must be the value that the branch of --from has"),
+        (["--point", "LP1", "--model", "delay"], "--model: leave it out; --from gives the scene and the model"),
+        (["--point", "LP1", "--of", "HB"], "--of 'HB': leave it out; LP1 has its own kind"),
+        (["--point", "LP1", "--from", "run.nc"], "--from 'run.nc': no such file"),
+        (["--from", "README.md", "--point", "LP1"], "--from 'README.md': holds no scene that can be computed again"),
+    ],
+)
+def test_a_point_that_is_not_there_is_one_line(words, told, whole, refused):
+    given = [
+        *words,
+        *([] if "--from" in words else ["--from", str(whole[1])]),
+        *([] if "--and" in words else ["--and", "V=100:110"]),
+    ]
+    assert told in refused("curve", *given)
+
+
+def test_hopf_points_of_a_key_are_those_of_its_short_name():
+    scene = sw.read("paper", ["face.kind=grip", "face.stiffness=20", "face.impedance=1000"])
+    short = sw.curve(scene, "HB", "log10_r=-2.75:-2.55", "grip_impedance=1000:900").found.points
+    keyed = sw.curve(scene, "HB", "log10_r=-2.75:-2.55", "face.impedance=1000:900").found.points
+    assert (len(keyed) > 5, [one[:3] for one in keyed]) == (True, [pytest.approx(one[:3], rel=1e-9) for one in short])
 
 
 def test_a_curve_of_folds_ends_at_a_cusp(tmp_path, answer):

@@ -289,7 +289,6 @@ branch paper --over log10_r=-2.72:-2.68 --resume missing.nc | no such file
 branch paper --over log10_r=-2.6:-2.5 --set start.size=0 | 3: made 0 cycles
 curve paper --of XX --over log10_r=-2.72:-2.68 --and V=100:120 | slipwave: --of 'XX': must be one of HB, LP, PD, NS
 curve paper --of LP --over log10_r=-2.72:-2.68 --and log10_r=-2:-3 | --and 'log10_r': must be another parameter than --over
-curve paper --of HB --over log10_r=-2.72:-2.68 --and interface.a_star=0.3:0.4 | of Hopf points needs one of r, epsilon, V
 curve paper --of HB --over r=1e-3:2e-3 --and V=1:2 --resume x.nc | --resume: a curve of Hopf points is computed at once
 curve paper --over log10_r=-2.72:-2.68 --and V=100:120 | slipwave: --of: missing; must be given, as in --of LP
 curve paper --of PD --over log10_r=-2.72:-2.695 --and V=100:120 --tol 1e-4 | 3: no period doubling was found on the branch
