@@ -28,7 +28,7 @@ from validation.data.variables import EVENTS, variables
 from validation.models.branch import FollowedBranch
 from validation.models.followed import End, Followed, pursue, write_followed
 from validation.models.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
-from validation.models.parameter import Values, over_range, range_text, scene_along
+from validation.models.parameter import Values, names_of, over_range, range_text, scene_along
 from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 from validation.models.provenance import provenance
 
@@ -106,6 +106,11 @@ class BranchOptions(FollowedOptions):
     most_points: int | None = points_option(BRANCH_POINTS)
 
     @property
+    def varied(self) -> tuple[str, ...]:
+        """The name of the parameter."""
+        return names_of(self.over)
+
+    @property
     def limits(self) -> StopAt:
         """Where the branch ends. Raises SceneError naming an option that makes no sense."""
         if self.stop_at is not None and self.stop_at not in SPECIAL_KINDS:
@@ -137,6 +142,7 @@ class FollowedResult(Result):
             "scene": found.over.base.name,
             "model": found.model,
             "clock": "transit",
+            **found.over.scenes.facts,
             **self._rows,
             "wall_s": self.wall_s,
             "notes": [*doubts(found.over.base), *found.notes],
@@ -173,6 +179,7 @@ class FollowedResult(Result):
     def _table(self, first: str, columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
         """Lines of the scene, the line `first`, the columns, and the run time."""
         yield from header(self.found.over.base)
+        yield from self.found.over.scenes.lines
         yield from (f"note: {note}" for note in self.found.notes)
         yield f"model {self.found.model}: {first}"
         yield ""
@@ -310,7 +317,7 @@ def branch(source: SceneSource, options: BranchOptions) -> BranchResult:
     limits = options.limits
     if options.over is None:
         raise SceneError("--over: missing; must be KEY=FROM:TO, as in log10_r=-2.72:-2.60")
-    parameter = over_range(str(options.over), options.scene_of(source))
+    parameter = over_range(str(options.over), options.scenes_of(source))
     name = announced(*flowing(options.model, parameter.base))
     found = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
     ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))

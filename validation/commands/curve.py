@@ -29,7 +29,7 @@ from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve, require_curve
 from validation.models.followed import pursue, read_branch
 from validation.models.orbits import flowing
-from validation.models.parameter import Values, over_range, range_text
+from validation.models.parameter import Values, names_of, over_ranges, range_text
 from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt
 
 CURVE_POINTS = 100
@@ -73,6 +73,11 @@ class CurveOptions(FollowedOptions):
         "with --from, the special point at which to begin: NS2 for the second torus point", metavar="HB1|LP1|...", stored=True
     )
     most_points: int | None = points_option(CURVE_POINTS)
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The names of both parameters."""
+        return names_of(self.over, self.along)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -137,7 +142,9 @@ def curve(source: "SceneSource | None" = None, options: CurveOptions = CurveOpti
     options = replace(options, over=range_text(options.over), along=range_text(options.along))
     begun = _begun(source, options)
     if begun is not None:
-        source, options = begun[0].over.base, replace(options, model=begun[0].model, of=begun[0].special[begun[1]].kind)
+        branch, index = begun
+        source, kept = branch.over.base, {key: text for key, text in branch.over.scenes.sets.items() if key not in options.varied}
+        options = replace(options, model=branch.model, of=branch.special[index].kind, over=options.over or branch.over.text, set=kept)
     elif source is None:
         raise SceneError("SCENE: missing; must be given, or --from FILE.nc with a --point")
     options = options.completed(source, "curve", tol=BRANCH_TOLERANCE, most_points=CURVE_POINTS)
@@ -146,13 +153,13 @@ def curve(source: "SceneSource | None" = None, options: CurveOptions = CurveOpti
     for name, (flag, example) in _NEEDED.items():
         if getattr(options, name) is None and (begun is None or name != "over"):
             raise SceneError(f"{flag}: missing; must be given, as in {flag} {example}")
-    kind, scene = str(options.of), options.scene_of(source)
+    kind, scenes = str(options.of), options.scenes_of(source)
     if options.resume is not None and kind == "HB":
         raise SceneError("--resume: a curve of Hopf points is computed at once; leave it out")
-    over = begun[0].over if begun is not None and options.over is None else over_range(str(options.over), scene)
-    second = over_range(str(options.along), scene, "--and")
+    over, second = over_ranges({"--over": str(options.over), "--and": str(options.along)}, scenes)
     require_curve(kind, over, second)
-    found = Curve(kind, over, second, announced(*flowing(options.model, scene)), options.tol or BRANCH_TOLERANCE, begun)
+    model = announced(*flowing(options.model, scenes.base))
+    found = Curve(kind, over, second, model, options.tol or BRANCH_TOLERANCE, begun)
     found.require_start()
     limits = StopAt(points=options.most_points or CURVE_POINTS)
     ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
@@ -168,7 +175,7 @@ def _begun(source: "SceneSource | None", options: CurveOptions) -> tuple[Followe
     start = options.start
     if start is None:
         return None
-    given = {"SCENE": source is not None, "--set": options.settings or options.changes, "--model": options.model != "auto"}
+    given = {"SCENE": source is not None, "--set": options.settings or options.set or options.changes, "--model": options.model != "auto"}
     for name in (name for name, is_given in given.items() if is_given):
         raise SceneError(f"{name}: leave it out; --from gives the scene and the model")
     branch = start.found if isinstance(start, BranchResult) else read_branch(start, "--from")

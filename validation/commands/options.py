@@ -170,42 +170,66 @@ class SceneOptions:
             log.warning("note: %s", line)
         return scene
 
+    def with_expressions(self, stored: Mapping[str, str]) -> Self:
+        """The options with expressions of a file of results, where these name what is varied and none is given."""
+        whole = replace(self, set={**stored, **(self.set or {})})
+        return whole if whole.expressions and not self.expressions else self
+
     @property
     def _texts(self) -> list[str]:
         return [self.settings] if isinstance(self.settings, str) else [*self.settings]
+
+    @property
+    def _pairs(self) -> list[tuple[str, Any]]:
+        """Key and value of all that is set."""
+        texts = [(key.strip(), value.strip()) for key, _, value in (text.partition("=") for text in self._texts)]
+        return [*texts, *(self.set or {}).items(), *self.changes.items()]
 
     def scenes_of(self, source: SceneSource, until: float | str | None = None) -> "Variation":
         """The scenes of a call over what is `varied`: settings that name a variable, and those in the table of a kind or law that
         is varied, are set at each of its values."""
         from slipwave.input.overrides import full_key, toml_value
         from slipwave.input.source import load_tables
-        from validation.models.parameter import Variation, in_order, is_expression, variables_of
+        from validation.models.parameter import Variation, is_expression, scenes_with, variables_of
 
-        pairs = [(key.strip(), value.strip()) for key, _, value in (text.partition("=") for text in self._texts)]
-        changes = {**(self.set or {}), **self.changes}
-        variables = variables_of(self.varied, [*pairs, *changes.items()])
+        pairs, changes = self._pairs, {**(self.set or {}), **self.changes}
+        variables = variables_of(self.varied, pairs)
         words = [name.split(".") for name in self.varied if name.rpartition(".")[2] in ("kind", "law")]
         data = load_tables(source.scene if isinstance(source, PointOfBranch) else source)[1] if words else {}
         tables = [full_key(word, "", data)[:-1] for word in words]
 
+        def is_own(key: str, value: Any) -> bool:
+            """Whether a variable is set, or a key by one."""
+            return key in variables or is_expression(value, variables)
+
         def waits(key: str, value: Any) -> bool:
             """Whether the key is set at each value of what is varied."""
-            return is_expression(value, variables) or (bool(tables) and full_key(key.split("."), value, data)[:-1] in tables)
+            return is_own(key, value) or (bool(tables) and full_key(key.split("."), value, data)[:-1] in tables)
 
-        waiting = {
-            key: value if is_expression(value, variables) else toml_value(key, value) for key, value in pairs if waits(key, value)
-        }
+        texts = {text: pair for text, pair in zip(self._texts, pairs, strict=False) if waits(*pair)}
+        waiting = {key: value if is_own(key, value) else toml_value(key, value) for key, value in texts.values()}
         waiting |= {key: value for key, value in changes.items() if waits(key, value)}
-        now = [text for text, pair in zip(self._texts, pairs, strict=True) if not waits(*pair)]
+        now = [text for text in self._texts if text not in texts]
         others = {key: value for key, value in changes.items() if key not in waiting}
-        scenes = Variation(replace(self, settings=now, set=None, changes=others).scene_of(source, until), variables=variables)
-        sets = {key if key in variables else scenes.key_of(key): value for key, value in waiting.items()}
-        return replace(scenes, sets=in_order(sets, variables))
+        base = replace(self, settings=now, set=None, changes=others).scene_of(source, until)
+        known = Variation(base)
+        sets = {key if key in variables else known.key_of(key): value for key, value in waiting.items()}
+        return scenes_with(base, self.varied, sets)
 
     @property
     def stored(self) -> dict[str, Any]:
         """Name in files -> value, of the options that a file of results stores."""
-        return {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.more.get("stored")}
+        known = {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.more.get("stored")}
+        return known | ({"set": self.expressions} if self.varied and self.expressions else {})
+
+    @property
+    def expressions(self) -> dict[str, str]:
+        """The settings that name a variable."""
+        from validation.models.parameter import is_expression, variables_of
+
+        pairs = self._pairs
+        variables = variables_of(self.varied, pairs)
+        return {key: value for key, value in pairs if key in variables or is_expression(value, variables)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -226,10 +250,12 @@ class ModelOptions(SceneOptions):
         if not is_stored(source):
             return self
         known = {one.stored_as: one for one in options_of(type(self)).values() if one.more.get("stored")}
-        model, found = recall(source, command, self.model, {name: getattr(self, one.name) for name, one in known.items()})
+        given = {name: getattr(self, one.name) for name, one in known.items()} | {"set": None}
+        model, found = recall(source, command, self.model, given)
         require_same_family(model, read_stored(Path(str(source))).facts, f"SCENE = {shorten(str(source))}")
         new = {one.name: one.checked(found[name]) for name, one in known.items() if one.name not in without}
-        return replace(self, model=model, **new)
+        again = replace(self, model=model, **new)
+        return again.with_expressions(found["set"] or {})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,7 +18,7 @@ from slipwave.input.wording import shorten
 from slipwave.solve import State
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
-from validation.models.parameter import over_range
+from validation.models.parameter import names_of, over_range, scenes_with
 from validation.models.points import StopAt
 from validation.models.progress import progress
 
@@ -95,7 +95,8 @@ def read_branch(path: Path, option: str) -> FollowedBranch:
     if stored.command != "branch":
         raise SceneError(f"{option} {shorten(str(path))}: is a result of slipwave {stored.command}, not of slipwave branch")
     given = stored.options
-    over = over_range(str(given.get("over")), stored.tables, option)
+    text = str(given.get("over"))
+    over = over_range(text, scenes_with(read(stored.tables), names_of(text), given.get("set", {})), option)
     doubled, tolerance = given.get("switch") == "PD", float(given.get("tol") or BRANCH_TOLERANCE)
     found = FollowedBranch(over, stored.model, tolerance, given.get("cells"), doubled)
     read_followed(path, found, option)

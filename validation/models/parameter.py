@@ -5,7 +5,7 @@ import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import KW_ONLY, dataclass, field
+from dataclasses import KW_ONLY, dataclass, field, replace
 from functools import lru_cache
 from typing import Any, TypeAlias
 
@@ -101,11 +101,11 @@ class Variation:
         known = {name: measured_value(value) for name, value in given.items() if name in self.variables}
         keys = dict[str, Any]()
         for key, text in self.sets.items():
-            if not is_expression(text, self.variables):
+            if key not in self.variables and not is_expression(text, self.variables):
                 keys[key] = text
                 continue
             try:
-                value = value_at(text, known)
+                value = value_at(str(text), known)
             except Undefined as error:
                 where = ", ".join(f"{name} = {one.number:g}" for name, one in known.items())
                 raise Undefined(f"{key} = {shorten(text)}: {error} at {where}") from None
@@ -128,6 +128,11 @@ class Variation:
                 raise SceneError(f"--set {key}: is no key of a scene")
 
     @property
+    def facts(self) -> dict[str, Any]:
+        """What is set, if anything, for files."""
+        return {"set": dict(self.sets)} if self.sets else {}
+
+    @property
     def lines(self) -> list[str]:
         """Lines on what is set."""
         return [f"set {key} = {value}" for key, value in self.sets.items()]
@@ -144,6 +149,11 @@ class Over(Parameter):
     first: float = field(kw_only=True)
     last: float = field(kw_only=True)
     scenes: Variation = field(kw_only=True)
+
+    @property
+    def text(self) -> str:
+        """As the text of `--over`."""
+        return f"{self.name}={self.written(self.first)}:{self.written(self.last)}"
 
     @property
     def base(self) -> Scene:
@@ -174,31 +184,33 @@ def is_expression(text: object, variables: Iterable[str]) -> bool:
     return isinstance(text, str) and text.strip()[:1] not in ("[", "{", '"', "'") and not words_in(text).isdisjoint(variables)
 
 
-def variables_of(varied: Iterable[str], pairs: Sequence[tuple[str, Any]]) -> frozenset[str]:
-    """The user's own variables: names that are `varied` and that a value of a `--set`, of `pairs` of key and value, names, and
-    names that are set by these. Raises SceneError for one with another meaning, set though varied, or used by nothing."""
-    names = {name for name in varied if name.isidentifier()}
-    found = {name for name in names if any(is_expression(text, [name]) for _, text in pairs)}
-    if not found:
-        return frozenset()
+def variables_of(varied: Sequence[str], pairs: Sequence[tuple[str, Any]]) -> frozenset[str]:
+    """The user's own variables in a command: what is `varied`, and what is set though it is no key, of `pairs` of key and value,
+    if a value names it. Raises SceneError for one with another meaning, and for one that is set though varied."""
+    names, keys = {name for name in varied if name.isidentifier()}, {key for key, _ in pairs}
     taken = words_of_scenes() | PARAMETERS.keys() | FUNCTIONS.keys() | _TAKEN | {*BranchPoint._fields, *CurvePoint._fields}
-    before = 0
-    while before != (before := len(found)):
-        found |= {key for key, text in pairs if key.isidentifier() and key not in taken and is_expression(text, found)}
-    for name in found:
-        if name in taken:
-            must = "must have a name that no key, parameter, law or kind of a scene, function or figure of a result has"
-            raise SceneError(f"{name}: a variable {must}")
-        if name in names and any(key == name for key, _ in pairs):
-            raise SceneError(f"--set {name}: is varied, and must not be set too")
-        if not any(is_expression(text, [name]) for _, text in pairs):
-            raise SceneError(f"--set {name}: is neither a key of the scene nor named by another --set")
+    found = {
+        name
+        for name in names | {key for key in keys - taken if varied and key.isidentifier()}
+        if any(is_expression(text, [name]) for _, text in pairs)
+    }
+    for name in found & taken:
+        must = "must have a name that no key, parameter, law or kind of a scene, function or figure of a result has"
+        raise SceneError(f"{name}: a variable {must}")
+    for name in found & names & keys:
+        raise SceneError(f"--set {name}: is varied, and must not be set too")
     return frozenset(found)
 
 
-def in_order(sets: Mapping[str, Any], variables: frozenset[str]) -> dict[str, Any]:
-    """`sets` with the variables among them first, each after those that define it. Raises SceneError if some define each
-    other."""
+def scenes_with(base: Scene, varied: Sequence[str], sets: Mapping[str, Any]) -> Variation:
+    """The scenes over what is `varied` with these `sets`, by full key or variable. Raises SceneError as `variables_of`, and if
+    variables define each other."""
+    variables = variables_of(varied, [*sets.items()])
+    return Variation(base, sets=_in_order(sets, variables), variables=variables)
+
+
+def _in_order(sets: Mapping[str, Any], variables: frozenset[str]) -> dict[str, Any]:
+    """`sets` with the variables among them first, each after those that define it."""
     left, ordered = {key: text for key, text in sets.items() if key in variables}, dict[str, Any]()
     while left:
         ready = {key: text for key, text in left.items() if not is_expression(text, left)}
@@ -233,6 +245,11 @@ def range_text(values: Values | None) -> str | None:
     return ",".join(f"{name}={first}:{last}" for name, first, last in ranges)
 
 
+def names_of(*ranges: Values | None) -> tuple[str, ...]:
+    """The names of parameters with ranges."""
+    return tuple(text.partition("=")[0].strip() for text in map(range_text, ranges) if text)
+
+
 def scene_along(over: Over, value: float) -> Scene:
     """The scene with this `value` of the parameter, with tables if the parameter is one of its keys."""
     name = next((key for key, short in SHORT.items() if short == over.name), over.name)
@@ -246,6 +263,31 @@ def over_range(text: str, source: "SceneSource | Variation", option: str = "--ov
 
     Raises SceneError if the text has another form, and if the scene cannot be read at one of the ends.
     """
+    return over_ranges({option: text}, source)[0]
+
+
+def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> list[Over]:
+    """As `over_range` for several options: each varies with the variables among the others at their first ends."""
+    scenes = source if isinstance(source, Variation) else Variation(slipwave.read(source))
+    if not scenes.base.drive.is_constant:
+        raise SceneError(f"scene {scenes.base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
+    ranges = [_range(text, scenes, option) for option, text in texts.items()]
+    first = {one.name: one.written(one.first) for one in ranges if one.name in scenes.variables}
+    found = []
+    for one in ranges:
+        over = replace(one, scenes=replace(scenes, fixed={name: value for name, value in first.items() if name != one.name}))
+        over.scenes.require({one.name: one.written(one.first)})
+        key = next((key for key, short in SHORT.items() if short == one.name), "")
+        for value in over.ends:
+            if key and has_key(over.base, key, over.name):  # so that an error names the key
+                slipwave.read(over.base, {key: value})
+            over.scene_at(value)
+        found.append(over)
+    return found
+
+
+def _range(text: str, scenes: Variation, option: str) -> Over:
+    """The range, whose ends may be no values of the scene."""
 
     def require(holds: object, reason: str) -> None:
         """Raises SceneError with the `reason` unless it holds."""
@@ -256,8 +298,7 @@ def over_range(text: str, source: "SceneSource | Variation", option: str = "--ov
     require(found, "must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
     assert found is not None
     key, words = found["name"].strip(), (found["first"], found["last"])
-    scenes = source if isinstance(source, Variation) else Variation(slipwave.read(source))
-    name, base = SHORT.get(key, key), scenes.base
+    name = SHORT.get(key, key)
     ends = [number_of(word) for word in words]
     wrong = next((word for word, (value, _) in zip(words, ends, strict=True) if not math.isfinite(value)), None)
     require(wrong is None, f"{shorten(wrong)} must be a number")
@@ -270,17 +311,9 @@ def over_range(text: str, source: "SceneSource | Variation", option: str = "--ov
     require(
         name in PARAMETERS or name in scenes.variables or "." in name,
         f"{shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, a key of the scene with its dots, as "
-        "upper.epsilon or slab.face.stiffness, or a variable that a --set uses",
+        "upper.epsilon or slab.face.stiffness, or a variable that a --set names",
     )
-    if not base.drive.is_constant:
-        raise SceneError(f"scene {base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
-    over = Over(name, unit, first=first, last=last, scenes=scenes)
-    key = next((key for key, short in SHORT.items() if short == name), "")
-    for value in over.ends:
-        if key and has_key(base, key, name):  # so that an error names the key
-            slipwave.read(base, {key: value})
-        over.scene_at(value)
-    return over
+    return Over(name, unit, first=first, last=last, scenes=scenes)
 
 
 def number_of(text: str) -> tuple[float, str]:
@@ -295,7 +328,10 @@ def _measured(name: str, key: str, scenes: Variation, text: str) -> tuple[float,
         return _present(name, slipwave.read(scenes.base, {key: text})), ""
     if name not in scenes.variables:
         slipwave.read(scenes.base, {key: text})
-    return measured_value(text)
+    try:
+        return measured_value(text)
+    except ValueError as error:
+        raise SceneError(f"{name} = {shorten(text)}: {error}") from None
 
 
 @lru_cache(maxsize=256)

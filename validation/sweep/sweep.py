@@ -23,7 +23,7 @@ from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.models.by_name import parse, resolve
 from validation.models.own import digests
-from validation.models.parameter import Variation, variables_of
+from validation.models.parameter import Variation, scenes_with
 from validation.models.progress import progress
 from validation.models.stopwatch import cores
 from validation.sweep import executors
@@ -129,8 +129,7 @@ def stored_plan(folder: Path) -> Plan:
         axes = tuple(replace(axis_of(axis.key, [*axis.values]), unit=axis.unit) for axis in said.axes)
         scene = slipwave.read_scene(parse_toml(said.scene_toml))
         names = [axis.name for axis in axes] + [key for row in said.rows for key in row]
-        scenes = Variation(scene, sets=said.set, variables=variables_of(names, [*said.set.items()]))
-        plan = Plan(scenes, axes, said.models, said.measure, said.options, said.rows)
+        plan = Plan(scenes_with(scene, names, said.set), axes, said.models, said.measure, said.options, said.rows)
         require_plan(plan)
         if plan.options.get("refine"):
             require_refinable(plan, int(plan.options["refine"]))

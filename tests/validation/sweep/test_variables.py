@@ -156,7 +156,7 @@ def test_a_point_without_a_value_has_a_status(capsys):
         (["q=1:2:3", "slab.r=0.002*q", "q=2*q"], "--set q: is varied, and must not be set too"),
         (["q=1:2:3", "slab.r=0.002*z", "z=w*q", "w=z+q"], "--set z, w: defined by themselves, in a circle"),
         (["q=1:2:3", "slab.r=0.002*z", "z=z*q"], "--set z: defined by themselves, in a circle"),
-        (["q=1:2:3", "slab.r=0.002*q", "z=2*q"], "--set z: is neither a key of the scene nor named by another --set"),
+        (["q=1:2:3", "slab.r=0.002*q", "z=2*q"], "z = '2*q': unknown key"),
         (["q=1:2:3", "slab.rr=0.002*q"], "slab.rr = '0.002*q': unknown key; did you mean r?"),
         (["q=1:2:3", "slab.r=sin(q)"], "slab.r = 'sin(q)': 'sin' is no function"),
         (["q=1:2:3", "slab.r=0.002*q)"], "slab.r = '0.002*q)': unexpected ')'"),
