@@ -142,9 +142,7 @@ def curve(source: "SceneSource | None" = None, options: CurveOptions = CurveOpti
     options = replace(options, over=range_text(options.over), along=range_text(options.along))
     begun = _begun(source, options)
     if begun is not None:
-        branch, index = begun
-        source, kept = branch.over.base, {key: text for key, text in branch.over.scenes.sets.items() if key not in options.varied}
-        options = replace(options, model=branch.model, of=branch.special[index].kind, over=options.over or branch.over.text, set=kept)
+        source, options = begun[0].over.base, _of_branch(options, *begun)
     elif source is None:
         raise SceneError("SCENE: missing; must be given, or --from FILE.nc with a --point")
     options = options.completed(source, "curve", tol=BRANCH_TOLERANCE, most_points=CURVE_POINTS)
@@ -175,7 +173,8 @@ def _begun(source: "SceneSource | None", options: CurveOptions) -> tuple[Followe
     start = options.start
     if start is None:
         return None
-    given = {"SCENE": source is not None, "--set": options.settings or options.set or options.changes, "--model": options.model != "auto"}
+    changes = options.settings or options.set or options.changes
+    given = {"SCENE": source is not None, "--set": changes, "--model": options.model != "auto"}
     for name in (name for name, is_given in given.items() if is_given):
         raise SceneError(f"{name}: leave it out; --from gives the scene and the model")
     branch = start.found if isinstance(start, BranchResult) else read_branch(start, "--from")
@@ -187,3 +186,10 @@ def _begun(source: "SceneSource | None", options: CurveOptions) -> tuple[Followe
     if options.of not in (None, branch.special[index].kind):
         raise SceneError(f"--of {shorten(options.of)}: leave it out; {options.point} has its own kind")
     return branch, index
+
+
+def _of_branch(options: CurveOptions, branch: FollowedBranch, index: int) -> CurveOptions:
+    """The options completed by those of the branch; what it sets and the curve varies is no longer set."""
+    kept = {key: text for key, text in branch.over.scenes.sets.items() if key not in options.varied}
+    kind, over = branch.special[index].kind, options.over or branch.over.text
+    return replace(options, model=branch.model, of=kind, over=over, set=kept)

@@ -30,12 +30,11 @@ from validation.data.series import read_series
 from validation.fit.kept import facts_of_fit, recalled_best
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
 from validation.fit.orbits import CycleOfOrbit
-from validation.fit.parameters import NUISANCES, Variants, free_parameters, schedule_of, sizes
+from validation.fit.parameters import NUISANCES, Free, Variants, begun, schedule_of, sizes
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
 from validation.fit.which_model import CHEAP, default_model, missing_in, next_model
 from validation.models.own import digests
-from validation.models.parameter import Variation
 from validation.models.progress import log
 from validation.models.provenance import provenance
 
@@ -59,8 +58,9 @@ class FitOptions(RecordOptions, ModelOptions):
         metavar="FILE ...",
         stored=True,
     )
-    free: Iterable[str] = option(
-        "what is fitted: keys of the scene, with commas; level and drift: of the friction of each record",
+    free: Iterable[str] | Mapping[str, float] = option(
+        "what is fitted: keys of the scene, with commas; NAME=START: a variable that a --set names; level and drift: of the "
+        "friction of each record",
         (),
         metavar="KEY,KEY",
         stored=True,
@@ -74,6 +74,17 @@ class FitOptions(RecordOptions, ModelOptions):
         "keep the best values here during the fit, and go on from them if FILE exists", metavar="FILE.json"
     )
     tol: float | None = option("relative error of the model's motion", stored=True)
+
+    @property
+    def words(self) -> list[str]:
+        """What is fitted, one by one."""
+        texts = [f"{name}={start}" for name, start in self.free.items()] if isinstance(self.free, Mapping) else _listed(self.free)
+        return [word.strip() for text in texts for word in text.split(",") if word.strip()]
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The names of what is fitted."""
+        return tuple(word.partition("=")[0].strip() for word in self.words)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -154,6 +165,7 @@ class FitResult(Result):
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The parameters with their intervals, and the residual."""
         yield from header(self.scene)
+        yield from (f"set {key} = {text}" for key, text in self.options.get("set", {}).items())
         residual = summary["residual"]
         size = f"{residual['samples']} samples, residual {residual['rms']:.4g} (root mean square)"
         yield f"model {self.model}: {size}, {self.wall_s:.3g} s"
@@ -227,16 +239,14 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     """
     began = time.perf_counter()
     options = _going_on(source, options)
-    files, texts, model = _listed(options.data), _listed(options.free), options.model
-    scenes = Variation(options.scene_of(source))
-    scene = scenes.base
-    model = default_model(scene) if model == "auto" else model
-    words = [word.strip() for text in texts for word in text.split(",") if word.strip()]
+    files, words, scenes = _listed(options.data), options.words, options.scenes_of(source)
     if not files:
         raise SceneError("--data: missing; must be a file of measured friction")
     if not set(words).difference(NUISANCES):
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
-    free = free_parameters(scene, words)
+    scenes, free = begun(scenes, words)
+    scene = scenes.base
+    model = default_model(scene) if options.model == "auto" else options.model
     series = [read_series(file, **options.reading) for file in files]
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
@@ -271,7 +281,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         found,
         spread,
         time.perf_counter() - began,
-        options.stored,
+        options.stored | {"free": _from_best(words, free, found.inner)},
         remarks=missing_in(model, scene),
         failed=f"fit: {failed}" if failed else "",
         stopped=stopped,
@@ -284,11 +294,16 @@ def _going_on(source: SceneSource, options: FitOptions) -> FitOptions:
         return options
     stored, names = read_stored(str(source)), ("data", "free", "window", *options.reading)
     known: dict[str, Any] = {name: getattr(options, name) or stored.options.get(name) for name in names}
-    return replace(
-        options,
-        **{name: value for name, value in known.items() if value},
-        model=stored.model if options.model == "auto" else options.model,
-    )
+    model = stored.model if options.model == "auto" else options.model
+    whole = replace(options, **{name: value for name, value in known.items() if value}, model=model)
+    return whole.with_expressions(stored.options.get("set", {}))
+
+
+def _from_best(words: list[str], free: Iterable[Free], inner: Array) -> list[str]:
+    """What is fitted, variables with their best values as starts."""
+    best = {one.name: one.written(one.value(x)) for one, x in zip(free, inner.tolist(), strict=False)}
+    names = [word.partition("=")[0].strip() for word in words]
+    return [f"{name}={best[name]}" if "=" in word else word for word, name in zip(words, names, strict=True)]
 
 
 def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:

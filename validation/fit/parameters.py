@@ -18,7 +18,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.step.sensitivity import Sides
-from validation.models.parameter import Parameter, Variation
+from validation.models.parameter import Parameter, Variation, measured_value, number_of
 
 NUISANCES = ("level", "drift")
 """Further free parameters: a constant added to the friction of each record, and its slope over the record."""
@@ -91,16 +91,46 @@ def schedule_of(scene: Scene) -> Drive:
     return Drive(tuple(t * clock for t in scene.drive.times), tuple(v * pace for v in scene.drive.velocities))
 
 
-def free_parameters(scene: Scene, words: Sequence[str]) -> tuple[Free, ...]:
-    """The free keys among `words`, without nuisances. Raises SceneError for a key that the scene lacks or that is no number, and
-    for a repeated key."""
-    _, data = tables_of(scene)
-    known = validate(data)
-    keys = [full_key(word.split("."), "free", data) for word in words if word not in NUISANCES]
-    twice = next((key for key in keys if keys.count(key) > 1), None)
+def free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...]:
+    """The free keys, and variables with their starts, among `words`, without nuisances. Raises SceneError for a key that the
+    scene lacks or that is no number, for a repeated key, and for a variable without a start."""
+    _, data = tables_of(scenes.base)
+    known, found = validate(data), list[Free]()
+    for name, sign, start in (word.partition("=") for word in words if word not in NUISANCES):
+        if name.strip() in scenes.variables:
+            found.append(_variable(name.strip(), start))
+        elif sign:
+            raise SceneError(f"--free {name.strip()}: is no variable that a --set names; a key begins at its value in the scene")
+        else:
+            found.append(_free(full_key(name.split("."), "free", data), known))
+    names = [one.name for one in found]
+    twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
-        raise SceneError(f"--free {key_text(twice)}: is given more than once")
-    return tuple(_free(key, known) for key in keys)
+        raise SceneError(f"--free {twice}: is given more than once")
+    return tuple(found)
+
+
+def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[Free, ...]]:
+    """The scenes, with the variables of the base at their starts, and `free_parameters`. Raises SceneError as these, and for a
+    scene that cannot be read at the starts."""
+    free = free_parameters(scenes, words)
+    start = {one.name: one.written(one.start) for one in free if one.name in scenes.variables}
+    if start:
+        scenes.require(start)
+        scenes = replace(scenes, base=scenes.scene(start))
+    return scenes, free
+
+
+def _variable(name: str, text: str) -> Free:
+    """A variable that begins at a number, with or without a unit."""
+    try:
+        start, unit = measured_value(text) if number_of(text)[1] else number_of(text)
+    except ValueError:
+        start, unit = math.nan, ""
+    if not math.isfinite(start):
+        raise SceneError(f"--free {name}{text and '='}{text}: must be a variable with its start, as {name}=1")
+    low, high = (start / _REACH, start * _REACH) if start > 0.0 else (-math.inf, math.inf)
+    return Free(name=name, unit=unit, start=start, low=low, high=high, is_positive=start > 0.0, shown_unit=unit)
 
 
 def _free(key: Sequence[str], known: Any) -> Free:

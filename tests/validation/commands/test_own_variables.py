@@ -18,6 +18,7 @@ UNLIKE = {
     "lower.r": "0.00209*p*(1+q)/(q+p)",
 }
 """Unlike slabs: q the ratio of impedances, p that of round trips, at one impedance and stiffness of the interface."""
+TRIPS = {"upper.r": "0.00209*s", "lower.r": "0.00209*s"}
 ALIKE = {key: UNLIKE[key] for key in ("upper.epsilon", "lower.epsilon")}
 
 
@@ -87,6 +88,16 @@ def test_a_curve_of_hopf_points_over_variables_is_where_roots_are_neutral(capsys
         assert abs(root[0]) < 1e-7 * abs(root[1])
 
 
+def test_a_curve_begins_on_a_branch_over_variables(tmp_path):
+    """With its expressions; what the branch sets and the curve varies is no longer set."""
+    sets, out = ALIKE | {"q": 2}, tmp_path / "b.nc"
+    branch = sw.branch("paper", over="s=0.912:1", set=sets | TRIPS, stop_at="LP", out=out)
+    assert [one["type"] for one in branch.special][-1] == "LP"
+    own = sw.curve(start=out, point="LP1", along="q=2:3", most_points=2)
+    assert own.summary["points"][0]["s"] == pytest.approx(branch.special[-1]["s"], abs=1e-7)
+    assert own.summary["set"] == ALIKE | TRIPS
+
+
 @pytest.mark.parametrize(
     ("line", "told"),
     [
@@ -107,3 +118,49 @@ def test_bad_variables_are_one_line(line, told, refused):
     import shlex
 
     assert told in refused(*shlex.split(line))
+
+
+def test_a_fit_finds_a_variable(tmp_path):
+    """a = s, b = q s, L = 2 h: the same scenes as those of a, b and L, so that the intervals agree; then again from its file."""
+    times, thin = np.linspace(0.0, 119.0, 1500), {"slab.thickness": "20 cm"}
+    run = sw.run("velocity-steps", "quasidynamic", interface=True, **thin)
+    transit = sw.read("velocity-steps", thin).units.size("transit", sw.read("velocity-steps", thin).transit)
+    friction = np.interp(times, run.dataset["time"].values * transit, run.dataset["interface_stress"].values)
+    noise = 1e-4 * np.random.default_rng(3).standard_normal(times.size)
+    np.savetxt(tmp_path / "steps.csv", np.column_stack([times, friction + noise]))
+    call = {"data": [str(tmp_path / "steps.csv")], "columns": "time,friction", "model": "quasidynamic"}
+    sets = {**thin, "interface.a": "s", "interface.b": "q*s", "interface.memory_length": "2*h"}
+    found = sw.fit("velocity-steps", free=["s=0.013", "q=1.2,h=8 um"], set=sets, **call)
+    rows = found.summary["parameters"]
+    for name, value in {"s": 0.01, "q": 1.5, "h": 5e-6}.items():
+        assert rows[name]["low"] < value < rows[name]["high"], name
+        assert rows[name]["high"] - rows[name]["low"] < 0.05 * value
+    assert (rows["h"]["unit"], rows["h"]["start"]) == ("m", 8e-6)
+    keys = ["interface.a", "interface.b", "interface.memory_length"]
+    aside = {**thin, "interface.a": 0.013, "interface.memory_length": "16 um"}
+    own = sw.fit("velocity-steps", free=keys, **aside, **call).summary
+    assert rows["s"]["value"] == pytest.approx(own["parameters"]["interface.a"]["value"], rel=1e-4)
+    assert rows["s"]["high"] == pytest.approx(own["parameters"]["interface.a"]["high"], rel=1e-3)
+    assert rows["q"]["value"] == pytest.approx(own["parameters"]["interface.b"]["value"] / rows["s"]["value"], rel=1e-4)
+    found.to_netcdf(tmp_path / "fit.nc")
+    again = sw.fit(tmp_path / "fit.nc")
+    assert again.summary["parameters"]["q"]["start"] == pytest.approx(rows["q"]["value"], rel=1e-12)
+    assert again.summary["evaluations"] < found.summary["evaluations"]
+
+
+@pytest.mark.parametrize(
+    ("free", "sets", "told"),
+    [
+        ("q=1", {}, "--free q: is no variable that a --set names; a key begins at its value in the scene"),
+        ("a=0.01", {}, "--free a: is no variable"),
+        ("q", {"interface.a": "0.01*q"}, "--free q: must be a variable with its start, as q=1"),
+        ("q=x", {"interface.a": "0.01*q"}, "--free q=x: must be a variable with its start"),
+        ("q=1,q=2", {"interface.a": "0.01*q"}, "--free q: is given more than once"),
+        ("q=0", {"interface.a": "0.01/q"}, "interface.a = '0.01/q': division by zero at q = 0"),
+        ("q=1", {"interface.a": "0.01*q+"}, "interface.a = '0.01*q+': ends too early"),
+        ("level=1", {"interface.a": "0.01*level"}, "level: a variable must have a name"),
+    ],
+)
+def test_bad_free_variables_are_one_line(free, sets, told, refused, tmp_path):
+    (tmp_path / "x.csv").write_text("time,friction\n0,0.6\n1,0.61\n2,0.6\n")
+    assert told in refused("fit", "velocity-steps", "--data", str(tmp_path / "x.csv"), "--free", free, *words(sets))

@@ -28,7 +28,7 @@ NOISE = 1e-4
 
 def of_model(model, words, times, tolerance=1e-11):
     scene = read("velocity-steps", THIN)
-    variants = Variants(Variation(scene), free_parameters(scene, words), schedule_of(scene))
+    variants = Variants(Variation(scene), free_parameters(Variation(scene), words), schedule_of(scene))
     return OfReduction(variants, times, model, tolerance), np.array([one.inner(one.start) for one in variants.free])
 
 
@@ -63,7 +63,7 @@ def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model):
 def test_the_derivative_of_the_delay_system_is_that_of_differences():
     scene, words = read("velocity-steps"), [*KEYS, "interface.a_star"]
     schedule = Drive((0.0, 1.0, 1.0, 3.0, 3.0), (1e-6, 1e-6, 1e-5, 1e-5, 1e-6))
-    variants = Variants(Variation(scene), free_parameters(scene, words), schedule)
+    variants = Variants(Variation(scene), free_parameters(Variation(scene), words), schedule)
     made = OfSolver(variants, np.linspace(0.01, 5.0, 300), "delay", 1e-10)
     assert_slopes(made, np.array([one.inner(one.start) for one in variants.free]), 1e-4)
 
@@ -83,7 +83,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     for seed in range(30):
         noise = NOISE * np.random.default_rng(seed).standard_normal(times.size)
         noisy = experiment._replace(friction=friction + noise)
-        problem = problem_of(Variation(scene), free_parameters(scene, KEYS), [], [noisy], "quasidynamic", 1e-8)
+        problem = problem_of(Variation(scene), free_parameters(Variation(scene), KEYS), [], [noisy], "quasidynamic", 1e-8)
         found = minimise(problem, [inner], Best(inner), 1.0)
         spread = intervals(problem, found)
         held += (spread.low < inner) & (inner < spread.high)
@@ -138,7 +138,7 @@ STICKING = {
 
 def sticking(model="quasidynamic"):
     scene = read(STICKING)
-    variants = Variants(Variation(scene), free_parameters(scene, [*KEYS, "slab.face.stiffness"]), schedule_of(scene))
+    variants = Variants(Variation(scene), free_parameters(Variation(scene), [*KEYS, "slab.face.stiffness"]), schedule_of(scene))
     made = CycleOfReduction(disturbed(variants), 36.0, model, 1e-10)
     return made, np.array([one.inner(one.start) for one in variants.free])
 
@@ -228,7 +228,7 @@ def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_
 def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(tmp_path):
     """A spring of 0.96 of the critical stiffness: the first periods are 13.8, 14.0 and 14.1 s, the later ones 14.3 s."""
     scene = read(STICKING, ["slab.face.stiffness='4.8387 GPa/m'"])
-    variants = disturbed(Variants(Variation(scene), free_parameters(scene, KEYS), schedule_of(scene)))
+    variants = disturbed(Variants(Variation(scene), free_parameters(Variation(scene), KEYS), schedule_of(scene)))
     times, inner = np.arange(100.0, 400.0, 0.1), np.array([one.inner(one.start) for one in variants.free])
     friction = OfReduction(variants, times, "quasidynamic", 1e-8).friction(inner)
     path = tmp_path / "near.csv"
@@ -324,7 +324,9 @@ def test_values_that_are_no_minimum_have_no_interval(steps, monkeypatch, tmp_pat
 def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free():
     face = {"kind": "machine", "stiffness": "2 GPa/m", "impedance": "5 MPa s/m", "mass": "100000 kg/m2"}
     scene = read(STICKING | {"slab": STICKING["slab"] | {"face": face}})
-    variants = disturbed(Variants(Variation(scene), free_parameters(scene, ["a", "slab.face.mass"]), schedule_of(scene)))
+    variants = disturbed(
+        Variants(Variation(scene), free_parameters(Variation(scene), ["a", "slab.face.mass"]), schedule_of(scene))
+    )
     heavy, light = (CycleOfReduction(variants, 40.0, model, 1e-7) for model in ("fitted:1", "quasidynamic"))
     inner = np.array([one.inner(one.start) for one in variants.free])
     period, by = heavy.friction(inner)[0], heavy.slopes(inner)[0]

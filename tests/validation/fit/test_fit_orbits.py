@@ -43,7 +43,7 @@ def test_stick_slip_of_the_delay_system_gives_a_and_b_back_from_near_and_far(a, 
 def followed():
     """An orbit of the delay system, seen at some places of its cycle."""
     scene = read("paper")
-    variants = disturbed(Variants(Variation(scene), free_parameters(scene, ["a", "b"]), schedule_of(scene)))
+    variants = disturbed(Variants(Variation(scene), free_parameters(Variation(scene), ["a", "b"]), schedule_of(scene)))
     times = np.linspace(2.0, 71.0, 40)
     made = CycleOfOrbit(variants, FoldedRecord(times, np.zeros(40), np.zeros(40), 73.47214494, 1.0), "delay")
     made.begin(np.array([one.inner(one.start) for one in variants.free]))
