@@ -58,7 +58,7 @@ class FitOptions(RecordOptions, ModelOptions):
         metavar="FILE ...",
         stored=True,
     )
-    free: Iterable[str] | Mapping[str, float] = option(
+    free: Iterable[str] | Mapping[str, float | str] = option(
         "what is fitted: keys of the scene, with commas; NAME=START: a variable that a --set names; level and drift: of the "
         "friction of each record",
         (),

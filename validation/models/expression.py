@@ -44,6 +44,7 @@ class Value(NamedTuple):
         return f"{self.number!r} {self.unit}" if self.unit else self.number
 
 
+@lru_cache(maxsize=256)
 def words_in(text: str) -> frozenset[str]:
     """The words of a text."""
     return frozenset(_WORD.findall(text))

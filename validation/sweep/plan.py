@@ -122,7 +122,7 @@ def require_plan(plan: Plan) -> None:
             raise SceneError(f"--vary {name}: is neither a key of the scene nor a variable that a --set names")
         if name in measure_of(plan.measure).columns:
             raise SceneError(f"--vary {name}: a variable must have a name that no figure of --measure {plan.measure} has")
-    plan.scenes.require({axis.name: axis.written(axis.values[0]) for axis in plan.axes})
+    plan.scenes.require(plan.changes(0))
     scenes = Variation(plan.base) if plan.scenes.variables else plan.scenes
     words = {axis.name: axis.values[0] for axis in plan.axes if axis.is_of_words and scenes is plan.scenes}
     for axis in plan.axes:

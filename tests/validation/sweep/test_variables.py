@@ -202,3 +202,13 @@ def test_units_may_differ_along_an_axis():
     )
     assert mixed == metres
     assert mixed.unit == "m"
+
+
+def test_a_table_of_scenes_may_have_variables(tmp_path):
+    (tmp_path / "rows.csv").write_text("q,interface.law\n1,ageing\n3,slip\n,slip\n")
+    rows = str(tmp_path / "rows.csv")
+    found = sw.sweep("paper", rows=rows, set={"slab.epsilon": "2.8e-5*q"}, measure=OURS, out=tmp_path / "rows", workers=1)
+    assert found.plan.scene(1) == sw.read("paper", {"slab.epsilon": 2.8e-5 * 3.0, "interface.law": "slip"})
+    again = sw.sweep(tmp_path / "rows", measure=OURS, gather=True)
+    assert again.dataset["status"].values.tolist() == [0, 0, 1]
+    assert again.dataset["reason"].values[2].startswith("slab.epsilon = '2.8e-5*q': 'q' is no variable")
