@@ -98,7 +98,7 @@ class Variation:
 
     def _set(self, given: Mapping[str, float | str]) -> dict[str, Any]:
         """The keys of `sets` with their values. Raises Undefined for an expression without a value."""
-        known = {name: measured_value(value) for name, value in given.items() if name in self.variables}
+        known = {name: _number_of_variable(name, value) for name, value in given.items() if name in self.variables}
         keys = dict[str, Any]()
         for key, text in self.sets.items():
             if key not in self.variables and not is_expression(text, self.variables):
@@ -122,8 +122,8 @@ class Variation:
         with suppress(Undefined):
             self._set({**values, **self.fixed})
         for key in self.sets.keys() - self.variables:
-            table, _, last = key.rpartition(".")
-            if not any(last in one.model_fields for one in kinds_of(table.split(".")).values()):
+            *table, last = key.split(".")
+            if not any(last in one.model_fields for one in kinds_of(table).values()):
                 slipwave.read(self.base, {key: self.sets[key]})
                 raise SceneError(f"--set {key}: is no key of a scene")
 
@@ -229,6 +229,13 @@ def _is_in(key: str, given: Mapping[str, float | str]) -> bool:
     return kind is None or last in kind.model_fields
 
 
+def _number_of_variable(name: str, given: float | str) -> Value:
+    try:
+        return measured_value(given)
+    except ValueError:
+        raise SceneError(f"{name} = {shorten(given)}: must be a number, with a unit of a scene or none") from None
+
+
 def measured_value(given: float | str) -> Value:
     """A number, or a number with a unit, in SI. Raises ValueError for another text."""
     if not isinstance(given, str):
@@ -328,10 +335,7 @@ def _measured(name: str, key: str, scenes: Variation, text: str) -> tuple[float,
         return _present(name, slipwave.read(scenes.base, {key: text})), ""
     if name not in scenes.variables:
         slipwave.read(scenes.base, {key: text})
-    try:
-        return measured_value(text)
-    except ValueError as error:
-        raise SceneError(f"{name} = {shorten(text)}: {error}") from None
+    return _number_of_variable(name, text)
 
 
 @lru_cache(maxsize=256)

@@ -160,6 +160,8 @@ def test_a_point_without_a_value_has_a_status(capsys):
         (["q=1:2:3", "slab.rr=0.002*q"], "slab.rr = '0.002*q': unknown key; did you mean r?"),
         (["q=1:2:3", "slab.r=sin(q)"], "slab.r = 'sin(q)': 'sin' is no function"),
         (["q=1:2:3", "slab.r=0.002*q)"], "slab.r = '0.002*q)': unexpected ')'"),
+        (["q=rigid,grip", "slab.r=0.002*q"], "q = 'rigid': must be a number"),
+        (["q=1xyz:2xyz:3", "slab.r=0.002*q"], "q = '1.0 xyz': must be a number, with a unit of a scene or none"),
         (["q=1,slip", "slab.r=0.002*q"], "--vary q: 'slip' must be a number"),
         (["slab.thickness=1m:2s:3"], "--vary slab.thickness: all values must have units of one kind"),
         (["interface.law=ageing,agein"], "interface.law = 'agein': must be"),
