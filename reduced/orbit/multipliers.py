@@ -23,8 +23,8 @@ _NONE = np.zeros((0, 0))
 class Multipliers(NamedTuple):
     """`values` (m,), largest modulus first, without the trivial one, whose distance from 1 is `trivial_defect`, and those of idle
     modes; `essential_radius`: that of the disk in which infinitely many accumulate (0 if there are finitely many); `stable` is
-    None if the values do not decide, for the `reason`: idle modes may hide stability, never instability. `idle`: the modes that
-    friction damps least, if the radius is 1."""
+    None if the values do not decide, for the `reason`; where some modes are exactly idle it is said without them. `idle`: the
+    modes that friction damps least, if the radius is 1."""
 
     values: Complex
     trivial_defect: float
@@ -46,10 +46,11 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
     if not is_decided(closed):
         from reduced.stability.idle import idle_modes
 
-        modes = idle_modes(closed.flow.scene)
+        modes, rest = idle_modes(closed.flow.scene), np.abs(values)
         grows = bool(np.any(np.abs(isolated) > 1.0 + _AGREE))
-        reason = _undamped(modes, closed.cycle.period, grows)
-        return Multipliers(isolated, defect, max(radius, 1.0), False if grows else None, reason, modes)
+        settles = not closed.flow.undecided and max(radius, rest.max(initial=0.0)) < 1.0 - _NEUTRAL
+        reason = _undamped(modes, closed.cycle.period, grows, settles)
+        return Multipliers(isolated, defect, max(radius, 1.0), False if grows else True if settles else None, reason, modes)
     largest = float(np.abs(isolated).max(initial=0.0))
     if abs(largest - 1.0) < _NEUTRAL:
         reason = f"the largest multiplier has modulus {largest:.9f}: neutral within the error of the computation"
@@ -76,14 +77,16 @@ def floquet(monodromy: Array, idle: Array = _NONE) -> tuple[Complex, float]:
     return rest[np.argsort(-np.abs(rest), kind="stable")], float(abs(values[trivial] - 1.0))
 
 
-def _undamped(modes: "tuple[IdleMode, ...]", period: float, grows: bool) -> str:
-    """Text: which modes friction does not damp, and, unless a multiplier `grows`, that multipliers therefore do not decide."""
+def _undamped(modes: "tuple[IdleMode, ...]", period: float, grows: bool, settles: bool) -> str:
+    """Text: which modes friction does not damp, and, unless a multiplier `grows` or all else `settles`, that multipliers
+    therefore do not decide."""
     from reduced.stability.idle import named
 
     exact = bool(modes) and not modes[0].decay
     said = "left out of the multipliers" if exact else "they lose little in a period, and others of high frequency less"
     listed = f" ({named(modes, period)}; {said})" if modes else ""
     decided = "but a multiplier outside of it decides" if grows else "and multipliers cannot decide stability"
+    decided = "but for which the orbit is stable" if settles else decided
     return (
         "the waves' own multipliers reach a radius of 1: some motion of the slabs is never damped by friction, "
         f"{decided}: idle modes, in which both slabs swing alike without slip or stress at the interface{listed}"

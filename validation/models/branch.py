@@ -39,7 +39,7 @@ from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, S
 BEYOND = 0.25
 """Of the range: so far outside a branch is followed, as it may return."""
 
-_FORMAT = 3
+_FORMAT = 4
 _OUTLINE = "special_"  # before the index of a special point
 _SMALL = 0.1  # amplitude of ln v
 _BESIDE = 1e-6  # of the range, from its end: the first orbit, if states at the end itself have another size
@@ -48,12 +48,12 @@ _SAME = 0.03  # difference of ln v and psi between two halves
 
 _UNDECIDED = (
     "stability is not decided where the essential radius is 1: some motion of the slabs is never damped by friction there, and "
-    "multipliers cannot tell; "
+    "multipliers cannot tell; they accumulate at the unit circle and are not counted, so of the special points only HB and LP "
+    "are found"
 )
-_UNCOUNTED = "they accumulate at the unit circle and are not counted, so of the special points only HB and LP are found"
 _WITHOUT_IDLE = (
-    "numbers of unstable multipliers, and PD and NS found by them, leave out idle modes, in which both slabs swing alike without "
-    "slip or stress at the interface: slipwave orbit names them"
+    "stability, numbers of unstable multipliers, and PD and NS found by them, are said without idle modes, in which both slabs "
+    "swing alike without slip or stress at the interface, and which friction never damps: slipwave orbit names them"
 )
 
 
@@ -223,8 +223,9 @@ class FollowedBranch:
 
     def _record(self, point: OrbitPoint) -> None:
         self.points.append(point_of(point))
-        if self.points[-1].stable is None:
-            note = _UNDECIDED + (_UNCOUNTED if point.closed.flow.undecided else _WITHOUT_IDLE)
+        last = self.points[-1]
+        if last.stable is None or last.idle:
+            note = _UNDECIDED if last.stable is None else _WITHOUT_IDLE
             self.notes.extend([] if note in self.notes else [note])
 
     def _from_orbit(self, port: str) -> BranchEnd:

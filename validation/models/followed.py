@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from netCDF4 import Dataset
 
 _UNCOUNTED = -1  # stands for None in a column of numbers
-_KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"), int) | {"stable": bool}
+_KINDS = dict.fromkeys(("unstable", "unstable_before", "unstable_after", "place"), int) | {"stable": bool, "idle": bool}
 End: TypeAlias = Any
 """The end of a branch or a curve, from which it continues."""
 

@@ -7,7 +7,6 @@ from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special
 from reduced.orbit.closing import CLOSES_TO
 from reduced.orbit.figures import figures_of
-from reduced.orbit.multipliers import is_decided
 
 SPECIAL_KINDS = {"HB": "Hopf", "LP": "fold", "PD": "period doubling", "NS": "torus"}
 """Kinds of special points, and their names."""
@@ -24,7 +23,8 @@ class StopAt(NamedTuple):
 
 class BranchPoint(NamedTuple):
     """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, None
-    where they cannot be counted, and whether it is `stable`, None if multipliers do not decide."""
+    where they cannot be counted, and whether it is `stable`, None if multipliers do not decide; `idle`: whether both are said
+    without the idle modes that the orbit has (`reduced.stability.idle`)."""
 
     value: float
     period: float
@@ -34,6 +34,7 @@ class BranchPoint(NamedTuple):
     v_min: float
     unstable: int | None
     stable: bool | None
+    idle: bool
 
 
 class SpecialPoint(NamedTuple):
@@ -83,8 +84,8 @@ def point_of(point: OrbitPoint) -> BranchPoint:
     """The record of an orbit."""
     closed = point.closed
     unstable = None if closed.flow.undecided else point.unstable
-    stable = False if unstable else True if is_decided(closed) else None
-    return BranchPoint(point.parameter, **figures_of(closed), unstable=unstable, stable=stable)
+    stable = None if unstable is None else unstable == 0
+    return BranchPoint(point.parameter, **figures_of(closed), unstable=unstable, stable=stable, idle=bool(closed.flow.idle.size))
 
 
 def special_of(found: Special, place: int) -> SpecialPoint:

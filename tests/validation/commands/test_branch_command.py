@@ -148,6 +148,25 @@ def test_undecided_stability_is_null_with_its_reason(answer, tmp_path):
     assert found["notes"][0].endswith("so of the special points only HB and LP are found")
 
 
+def test_stability_is_said_without_idle_modes():
+    """Round trips in a ratio of 1:3: neutral modes that the interface does not feel. The orbit called stable is where a run
+    settles; on the way the unstable pair of orbits between two folds is told apart."""
+    scene = sw.read("unlike", ["upper.r=0.00244", "lower.r=0.00732"])
+    found = sw.branch(scene, "log10_r=-2.78:-2.69", tol=1e-4)
+    points = found.summary["points"]
+    assert all(point["idle"] for point in points)
+    assert [special["type"] for special in found.special] == ["HB", "LP", "LP", "LP"]
+    assert {(point["stable"], point["unstable"]) for point in points} == {(False, 1), (True, 0)}
+    assert found.summary["notes"][0].startswith(
+        "stability, numbers of unstable multipliers, and PD and NS found by them, are said "
+    )
+    last = found.points[-1]
+    orbit, run = sw.orbit(last, tol=1e-6), sw.run(last.scene)
+    assert (orbit.stable, last["stable"]) == (True, True)
+    assert any("but for which the orbit is stable" in note for note in orbit.notes)
+    assert (run.summary["verdict"], run.summary["period"]["mean"]) == ("periodic", pytest.approx(orbit.period, rel=1e-4))
+
+
 def test_it_ends_where_orbits_shrink_to_steady_sliding():
     """The first small orbit, followed the wrong way: the Hopf point is met again, and nothing is counted twice."""
     found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
