@@ -9,6 +9,7 @@ converge to a neighbouring special point.
 import cmath
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +34,7 @@ _REACHES = (2e-4, 1e-3, 4e-3, 0.016)  # of the search on both sides, in the metr
 _GROWTH = 1.5
 _APART = 2e-3  # of points on the branch, in the metric, from whose slopes that of its flattest point is interpolated
 _MEET = 0.1  # largest distance of a fold from the flattest point between it and the fold that it meets at a cusp
+_TURN, _CROSSING = 1e-3, 1e-9  # relative accuracy of the place of a turn, and that of a crossing in units of the plane
 _CENTRED, _CENTRINGS, _SECANTS = 0.01, 12, 12
 _BEYOND_FOLD, _CUSP = 1e-5, 1e-7  # first and last step towards a cusp, in units of the plane: slopes are known to 1e-9
 
@@ -160,6 +162,45 @@ def _nearest(family: FlowFamily, point: OrbitPoint, kind: str) -> Special:
         if specials:
             return min(specials, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
     raise NumericsError(f"no {kind} was found near an orbit of period {point.closed.cycle.period:.6g}")
+
+
+def turn(plane: Plane, reached: Reached, near: Reached, beyond: Reached, sign: float, tolerance: float) -> tuple[OnCurve, float]:
+    """The point between those `reached` and `beyond`, around that `near`, at which `sign` times the second parameter is largest,
+    and the width that contains this parameter's extreme."""
+    from scipy.optimize import minimize_scalar
+
+    at = _Line(plane, reached, tolerance, (near.last, beyond.last))
+    low, middle, high = sorted(at.known)
+    minimize_scalar(lambda length: -sign * at(length), bracket=(low, middle, high), tol=_TURN)
+    best, next_best = sorted(at.known, key=lambda length: -sign * at(length))[:2]
+    return at.known[best], abs(at(best) - at(next_best))
+
+
+def crossing(plane: Plane, reached: Reached, beyond: Reached, second: float, tolerance: float) -> OnCurve:
+    """The point between those `reached` and `beyond` at which the second parameter has the value `second`."""
+    from scipy.optimize import brentq
+
+    at = _Line(plane, reached, tolerance, (beyond.last,))
+    low, high = sorted(at.known)
+    brentq(lambda length: at(length) - second, low, high, xtol=_CROSSING)
+    return at.known[min(at.known, key=lambda length: abs(at(length) - second))]
+
+
+class _Line:
+    """Points of a curve by their distance ahead of the last one `reached`, along its direction; some are known from the start.
+    Calling it gives the second parameter."""
+
+    def __init__(self, plane: Plane, reached: Reached, tolerance: float, others: tuple[OnCurve, ...]) -> None:
+        self._across = partial(_across, plane, reached, tolerance=tolerance)
+        own = plane.at(reached.last.parameters)
+        ahead = [((plane.at(one.parameters) - own) / complex(*reached.direction)).real for one in others]
+        self.known = {0.0: reached.last, **dict(zip(ahead, others, strict=True))}
+
+    def __call__(self, length: float) -> float:
+        """The second parameter at this distance."""
+        if length not in self.known:
+            self.known[length] = self._across(length)
+        return self.known[length].parameters[1]
 
 
 def cusp_after(plane: Plane, reached: Reached) -> Reached | None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from reduced.continuation.branch import Control, follow_branch
-from reduced.continuation.curve import CURVE_STEPS, METRIC, OnCurve, Plane, beginning, follow_curve
+from reduced.continuation.curve import CURVE_STEPS, METRIC, OnCurve, Plane, beginning, crossing, follow_curve, turn
 from reduced.continuation.point import FlowFamily, direction
 from reduced.continuation.start import from_hopf, from_orbit, metric_for
 from reduced.delay.flow import DelayFlow
@@ -107,6 +107,20 @@ def test_a_curve_that_turns_back_in_both_parameters():
     assert (np.diff(angles) > 0.0).all()
     assert angles[-1] > 2.0 * math.pi
     assert all(special.bracket < 3e-9 for _, special in points)
+
+
+def test_where_a_curve_turns_and_returns():
+    """The circle's highest point, from neighbours up to 0.04 away, and where it is back at the height of its beginning."""
+    plane, steps = Plane(scene_of, (1.0, 1.0)), Control(2e-2, 1e-5, 0.04)
+    start, points = curve("NS", circle, 0.2, (0.0, 1.0), 20, steps)
+    trail = list(itertools.islice(follow_curve(plane, beginning(start, (0.0, 1.0), steps), 1e-8, steps), 20))
+    top = max(range(20), key=lambda k: points[k].parameters[1])
+    found, width = turn(plane, trail[top - 1], trail[top], trail[top + 1], 1.0, 1e-8)
+    assert found.parameters == (pytest.approx(0.5, abs=1e-4), pytest.approx(0.2, abs=1e-8))
+    assert width < 1e-6
+    below = next(k for k in range(20) if points[k].parameters[1] < 0.0)
+    back = crossing(plane, trail[below - 1], trail[below], 0.0, 1e-8)
+    assert back.parameters == (pytest.approx(0.7, abs=1e-8), pytest.approx(0.0, abs=1e-8))
 
 
 def test_a_curve_that_ends_says_where():

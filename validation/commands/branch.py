@@ -1,7 +1,9 @@
 """`slipwave.branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
 
 import math
+import time
 from abc import abstractmethod
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -26,6 +28,7 @@ from validation.commands.wording import header
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import EVENTS, variables
 from validation.models.branch import FollowedBranch
+from validation.models.ends import CurveEnd, SpecialEnds, ends_over
 from validation.models.followed import End, Followed, pursue, write_followed
 from validation.models.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
 from validation.models.parameter import Values, names_of, over_range, range_text, scene_along
@@ -83,6 +86,8 @@ class BranchOptions(FollowedOptions):
 
     EXAMPLES: ClassVar = (
         "slipwave branch paper --model kelvin-voigt --over log10_r=-2.72:-2.60 --plot branch.png",
+        "slipwave branch paper --set face.kind=reflection --set face.coefficient=1 --over log10_r=-2.72:-2.65 "
+        "--ends face.coefficient=1,0.999,0.99",
         "slipwave branch branch.nc",
     )
     DETAILS: ClassVar = (
@@ -104,11 +109,16 @@ class BranchOptions(FollowedOptions):
     )
     longest_period: float | None = option("stop at this period", metavar="TRANSITS", stored=True)
     most_points: int | None = points_option(BRANCH_POINTS)
+    ends: str | None = option(
+        "the special points left at each value of a second parameter, and its extreme on the curves through those at the first",
+        metavar="KEY=VALUE,VALUE,...",
+        stored=True,
+    )
 
     @property
     def varied(self) -> tuple[str, ...]:
-        """The name of the parameter."""
-        return names_of(self.over)
+        """The name of the parameter, and of that of `ends`."""
+        return names_of(self.over, self.ends)
 
     @property
     def limits(self) -> StopAt:
@@ -193,15 +203,40 @@ class FollowedResult(Result):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class BranchResult(FollowedResult):
-    """A branch."""
+    """A branch, and where its special points end as a second parameter changes, if asked."""
 
     found: FollowedBranch
+    ends: SpecialEnds | None = None
 
     @property
     def _rows(self) -> dict[str, Any]:
         found = self.found
         points, special = ([self._at(row) for row in rows] for rows in (found.shown, found.shown_special))
-        return {"parameter": found.over.name, "points": points, "special": special}
+        ends = {} if self.ends is None else {"ends": self._ends(self.ends)}
+        return {"parameter": found.over.name, "points": points, "special": special} | ends
+
+    def _ends(self, ends: SpecialEnds) -> dict[str, Any]:
+        """The special points at each value of the second parameter, and its extremes, by kind."""
+        second, first = ends.second.name, self.found.over.name
+        rows = [
+            {second: value, "special": [self._at(row) for row in branch.shown_special], "notes": branch.notes}
+            for value, branch in zip(ends.values, ends.branches, strict=True)
+        ]
+
+        def facts(one: CurveEnd) -> dict[str, Any]:
+            return {
+                second: one.extreme,
+                first: one.first,
+                "period": one.period,
+                "bracket": one.bracket,
+                "reason": one.reason or None,
+            }
+
+        extremes = {
+            kind: facts(ends.extreme(kind)) | {"curves": [{"points": list(one.points)} | facts(one) for one in curves]}
+            for kind, curves in ends.curves.items()
+        }
+        return {"parameter": second, "values": rows, "extremes": extremes}
 
     def _at(self, row: BranchPoint | SpecialPoint) -> dict[str, Any]:
         """A point as a dictionary; the parameter's value has the parameter's name."""
@@ -273,6 +308,34 @@ class BranchResult(FollowedResult):
             ],
         }
         yield from [*aligned(list(columns), list(zip(*columns.values(), strict=True))), ""] if special else []
+        yield from [] if self.ends is None else self._ends_lines(self.ends)
+
+    def _ends_lines(self, ends: SpecialEnds) -> Iterator[str]:
+        """How many special points of each kind are left at each value, and how far their curves lead."""
+        name = ends.second.name
+        counts = [Counter(special.kind for special in branch.shown_special) for branch in ends.branches]
+        left = [
+            [f"{value:g}", *(str(count[kind]) for kind in SPECIAL_KINDS)]
+            for value, count in zip(ends.values, counts, strict=True)
+        ]
+        yield from aligned([name, *SPECIAL_KINDS], left)
+        yield ""
+        rows = []
+        for kind in ends.curves:
+            one = ends.extreme(kind)
+            figures = [one.extreme, one.bracket, one.first, one.period]
+            shown = (
+                ["none"] + [""] * 3
+                if one.extreme is None
+                else [rounded(f, n) for f, n in zip(figures, (11, 2, 11, 9), strict=True)]
+            )
+            rows.append([f"{kind} {SPECIAL_KINDS[kind]}", str(len(ends.curves[kind])), *shown, one.reason])
+        yield from (
+            []
+            if not rows
+            else aligned(["kind", "curves", f"extreme {name}", "bracket", self.found.over.name, "period", ""], rows)
+        )
+        yield ""
 
 
 def origin_of(found: Followed, options: FollowedOptions) -> dict[str, Any]:
@@ -317,8 +380,19 @@ def branch(source: SceneSource, options: BranchOptions) -> BranchResult:
     limits = options.limits
     if options.over is None:
         raise SceneError("--over: missing; must be KEY=FROM:TO, as in log10_r=-2.72:-2.60")
-    parameter = over_range(str(options.over), options.scenes_of(source))
+    scenes, ends = options.scenes_of(source), None
+    if options.ends is None:
+        parameter = over_range(str(options.over), scenes)
+    else:
+        parameter, ends = ends_over(options.ends, str(options.over), scenes)
     name = announced(*flowing(options.model, parameter.base))
     found = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
     ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
-    return BranchResult(found, options, **ended._asdict())
+    if ends is not None and not ended.failed:
+        began = time.perf_counter()
+        try:
+            ends.follow(found, limits)
+        except KeyboardInterrupt:
+            ended = ended._replace(failed="interrupted in --ends", stopped=True)
+        ended = ended._replace(wall_s=ended.wall_s + time.perf_counter() - began)
+    return BranchResult(found, options, **ended._asdict(), ends=None if ended.failed else ends)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -28,10 +28,23 @@ from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt, curve_po
 _FORMAT = 2
 
 
+class Left(NamedTuple):
+    """A curve leaves the range of the parameter `name` at its `end`; the first point outside is that `reached`."""
+
+    name: str
+    end: float
+    reached: Reached
+
+    @property
+    def where(self) -> str:
+        """The end as text."""
+        return f"{self.name} = {self.end:g}"
+
+
 @dataclass(frozen=True)
 class Curve:
     """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`, from the special point of this index on
-    the branch `start`, if given."""
+    the branch `start`, if given; `left`: where it leaves the rectangle, if it does."""
 
     what: ClassVar[str] = "curve"
     kind: str
@@ -42,6 +55,7 @@ class Curve:
     start: tuple[FollowedBranch, int] | None = None
     points: list[CurvePoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    left: list[Left] = field(default_factory=list)
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -113,7 +127,10 @@ class Curve:
                 yield end
                 return
             if not self._holds(*further.last.parameters):
-                self.notes.append("the curve leaves the rectangle of both ranges")
+                pairs = zip((self.over, self.second), further.last.parameters, strict=True)
+                crossed, value = max(pairs, key=lambda pair: pair[0].beyond(pair[1]))
+                self.left.append(Left(crossed.name, min(crossed.ends, key=lambda one: abs(one - value)), further))
+                self.notes.append(f"the curve leaves the rectangle of both ranges at {self.left[0].where}")
                 return
             end = further
             self.points.append(curve_point_of(end.last, self.plane.scale[0]))  # brackets of lines are shares of a scale

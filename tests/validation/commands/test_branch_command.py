@@ -11,14 +11,17 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray
+from scipy.optimize import minimize_scalar
 
 import slipwave as sw
+from reduced.stability.critical import critical_round_trip
 from tests.copies import interrupted
 from validation.commands.branch_figures import chart_of_branch
 from validation.commands.cli import INTERRUPTED
 from validation.models import followed
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
+from validation.models.ends import SpecialEnds
 from validation.models.followed import Ended, ends_of, read_followed
 from validation.models.parameter import over_range
 from validation.models.points import StopAt
@@ -273,7 +276,7 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
     assert points[0]["period"] == pytest.approx(78.2632597, abs=2e-6)
     assert points[0]["multiplier"] == pytest.approx([-0.111491, 0.993765], abs=2e-6)
     assert all(2.8e-5 <= point["epsilon"] <= 2.806e-5 and point["bracket"] < 1e-9 for point in points)
-    assert result.summary["notes"] == ["the curve leaves the rectangle of both ranges"]
+    assert result.summary["notes"] == ["the curve leaves the rectangle of both ranges at epsilon = 2.806e-05"]
     assert result.dataset.attrs["command"] == "curve"
 
 
@@ -395,6 +398,53 @@ def test_a_curve_of_folds_ends_at_a_cusp(tmp_path, answer):
     places = [float(value) for value in re.findall(r"log10_r = (-2\.\d+)", note)]
     assert places == pytest.approx([cusp["log10_r"]] * 2, abs=1e-6)
     assert answer("curve", *words, "--resume", file)["points"] == found["points"]
+
+
+def test_where_special_points_end():
+    """Behind these grips two folds meet at an impedance of 203.3271, from wherever a curve begins; the Hopf point goes on."""
+    scene = sw.read("paper", ["face.kind=grip", "face.stiffness=20", "face.impedance=230"])
+    result = sw.branch(scene, "log10_r=-2.69:-2.68", ends="face.impedance=210,205,200", tol=1e-4)
+    ends = result.summary["ends"]
+    kinds = [[special["type"] for special in row["special"]] for row in ends["values"]]
+    assert (ends["parameter"], [row["face.impedance"] for row in ends["values"]]) == ("face.impedance", [210.0, 205.0, 200.0])
+    assert kinds == [["HB", "LP", "LP"], ["HB", "LP", "LP"], ["HB"]]
+    assert ends["values"][0]["special"] == result.summary["special"]
+    fold, hopf = ends["extremes"]["LP"], ends["extremes"]["HB"]
+    assert (fold["face.impedance"], fold["log10_r"]) == (pytest.approx(203.32709, abs=1e-4), pytest.approx(-2.68318631, abs=1e-7))
+    assert [curve["points"] for curve in fold["curves"]] == [["LP1"], ["LP2"]]
+    assert [curve["face.impedance"] for curve in fold["curves"]] == [pytest.approx(203.32709, abs=1e-4)] * 2
+    assert (hopf["face.impedance"], hopf["reason"]) == (None, "HB1: the curve leaves the range at face.impedance = 200")
+    table = "\n".join(result.lines({})).splitlines()
+    assert [line.split() for line in table if line.startswith("20")] == [["205", "1", "2", "0", "0"], ["200", "1", "0", "0", "0"]]
+
+
+def test_a_hopf_point_ends_where_its_curve_turns():
+    """Behind grips of this stiffness steady sliding is stable up to the r at which its two onsets over the grips' impedance meet:
+    the largest critical round trip of all impedances."""
+    scene = sw.read("paper", ["face.kind=grip", "face.stiffness=20", "face.impedance=30"])
+    over, second = over_range("log10_grip_impedance=0:4", scene), over_range("log10_r=-2.75:-1.5", scene)
+    curve = Curve("HB", over, second, "delay", 1e-6)
+    curve.begin()
+    found = SpecialEnds(second, (-2.75, -1.5)).of_hopf(curve, "HB1")
+    best = minimize_scalar(lambda one: -critical_round_trip(over.scene_at(one))[0], bracket=(2.3, 2.5, 2.7), tol=1e-6)
+    assert (found.extreme, found.first) == (pytest.approx(math.log10(-best.fun), abs=1e-8), pytest.approx(best.x, abs=1e-3))
+    assert (found.points, found.reason) == (("HB1",), "")
+
+
+@pytest.mark.parametrize(
+    ("ends", "told"),
+    [
+        ("V", "--ends 'V': must be KEY=VALUE,VALUE,..., as in face.coefficient=1,0.999,0.99"),
+        ("V=100", "must be KEY=VALUE,VALUE,..."),
+        ("V=100,120,110", "--ends 'V=100,120,110': values must rise or fall throughout"),
+        ("V=100,fast", "must be a number"),
+        ("interface.law=ageing,slip", "must be a number"),
+        ("log10_r=-2.7,-2.6", "--ends 'log10_r=-2.7,-2.6': must be another parameter than --over"),
+        ("face.coefficient=1,0.99", "slab.face.coefficient"),
+    ],
+)
+def test_ends_over_nothing_is_one_line(ends, told, refused):
+    assert told in refused("branch", "paper", "--over", RANGE, "--ends", ends)
 
 
 OTHER = over_range(RANGE, sw.read("paper", {"interface.a": 0.03491}))

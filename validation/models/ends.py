@@ -1,0 +1,195 @@
+"""Where the special points of a branch end as a second parameter changes: those left at each of its values, and its extreme on
+the curves through the points at the first one."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.continuation.curve import Reached, crossing, turn
+from reduced.stability.characteristic import characteristic
+from slipwave.errors import NumericsError, SceneError
+from slipwave.input import SceneSource
+from slipwave.input.wording import shorten
+from slipwave.observe.pieces import Array
+from validation.models.branch import FollowedBranch
+from validation.models.by_name import one_port_of
+from validation.models.curve import Curve
+from validation.models.followed import ends_of
+from validation.models.parameter import Over, Variation, over_ranges
+from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt
+
+_CURVE = StopAt(points=400)
+_SAME = 1e-5  # of the range: distance of two points of a branch that are one
+_TURN = 1e-4  # relative accuracy of the place at which a curve of Hopf points turns
+
+
+class CurveEnd(NamedTuple):
+    """A curve through special points: their names on the branch at the first value; the extreme of the second parameter, and the
+    first one and the period (transits) there, or None for the `reason`; `bracket`, the width that contains the extreme."""
+
+    points: tuple[str, ...]
+    extreme: float | None
+    first: float | None
+    period: float | None
+    bracket: float | None
+    reason: str
+
+
+@dataclass(frozen=True)
+class SpecialEnds:
+    """The `branches` of one scene at `values` of the parameter `second`; `curves`: kind -> the curves of it through all points of
+    the first branch."""
+
+    second: Over
+    values: tuple[float, ...]
+    branches: list[FollowedBranch] = field(default_factory=list)
+    curves: dict[str, list[CurveEnd]] = field(default_factory=dict)
+
+    def extreme(self, kind: str) -> CurveEnd:
+        """Of all curves of the kind, that which leads farthest; without an extreme if one of them has none."""
+        curves = self.curves[kind]
+        none = [one for one in curves if one.extreme is None]
+        if none:
+            return none[0]._replace(reason="; ".join(f"{', '.join(one.points)}: {one.reason}" for one in none))
+        return max(curves, key=lambda one: self._progress(one.extreme or 0.0))
+
+    def follow(self, own: FollowedBranch, limits: StopAt) -> None:
+        """Fill it, with the branch `own` at the first value, which was followed before."""
+        self.branches.append(own)
+        for value in self.values[1:]:
+            self.branches.append(self._branch(own, value, limits))
+        names = own.named()
+        for kind in SPECIAL_KINDS:
+            left = {name: index for name, index in names.items() if own.special[index].kind == kind}
+            while left:
+                self.curves.setdefault(kind, []).append(self._curve(own, left))
+
+    def at(self, over: Over, value: float) -> Over:
+        """The parameter `over` of the scene with this `value` of the second one."""
+        fixed = {**over.scenes.fixed, self.second.name: self.second.written(value)}
+        return replace(over, scenes=replace(over.scenes, fixed=fixed))
+
+    def _branch(self, own: FollowedBranch, value: float, limits: StopAt) -> FollowedBranch:
+        branch = FollowedBranch(self.at(own.over, value), own.model, own.tolerance, own.cells, own.doubled)
+        try:
+            for _ in ends_of(branch, limits):
+                pass
+        except (NumericsError, SceneError) as error:  # SceneError: no orbits in the range
+            branch.notes.append(str(error))
+        return branch
+
+    def _curve(self, own: FollowedBranch, left: dict[str, int]) -> CurveEnd:
+        """The curve through the first point that is `left`; takes its points out of `left`."""
+        name, index = next(iter(left.items()))
+        curve = Curve(own.special[index].kind, own.over, self.second, own.model, own.tolerance, (own, index))
+        del left[name]
+        trail, failed = list[Reached](), ""
+        try:
+            trail.extend(end for end in ends_of(curve, _CURVE))
+        except NumericsError as error:
+            failed = str(error)
+        if curve.kind == "HB" and not failed:
+            return self.of_hopf(curve, name)
+        points = [name]
+        if curve.left and (curve.left[0].name, curve.left[0].end) == (self.second.name, self.second.first) and not failed:
+            back = crossing(curve.plane, trail[-1], curve.left[0].reached, self.second.first, curve.tolerance)
+            other = _named_at(own, left, back.parameters[0], back.special.point.closed.cycle.period)
+            points += [other] if other else []
+            left.pop(other, None)
+        elif curve.left and not failed:
+            failed = f"the curve leaves the range at {curve.left[0].where}"
+        elif not failed and curve.points[-1].kind != "CP":
+            failed = curve.notes[-1]
+        best = max(range(len(curve.points)), key=lambda k: self._progress(curve.points[k].second))
+        if failed:
+            return CurveEnd(tuple(points), None, None, None, None, failed)
+        return CurveEnd(tuple(points), *self._extreme(curve, trail, best), "")
+
+    def _extreme(self, curve: Curve, trail: list[Reached], best: int) -> tuple[float, float, float, float]:
+        """Second and first parameter and period at the extreme near the point `best`, and the bracket of the second."""
+        top = curve.points[best]
+        if top.kind == "CP":
+            width = top.bracket * abs(self.second.last - self.second.first) / abs(curve.over.last - curve.over.first)
+            return top.second, top.first, top.period, width
+        reached, later = (trail[best - 1], trail[min(best + 1, len(trail) - 1)]) if best else (trail[0], trail[1])
+        sign = math.copysign(1.0, self.second.last - self.second.first)
+        found, width = turn(curve.plane, reached, trail[best], later, sign, curve.tolerance)
+        return found.parameters[1], found.parameters[0], found.special.point.closed.cycle.period, width
+
+    def of_hopf(self, curve: Curve, name: str) -> CurveEnd:
+        """The curve of Hopf points that was begun, through the point `name`."""
+        from scipy.optimize import minimize_scalar
+
+        points, progress = curve.points, [self._progress(one.second) for one in curve.points]
+        best = int(np.argmax(progress))
+        if best in (0, len(points) - 1):
+            return CurveEnd((name,), None, None, None, None, _leaves(curve.over, self.second, points[best]))
+        places = [curve.plane.at((one.first, one.second)).real for one in points[best - 1 : best + 2]]
+        if not (places[1] - places[0]) * (places[2] - places[1]) > 0.0:
+            return CurveEnd((name,), None, None, None, None, "its curve turns too sharply")
+        sign = math.copysign(1.0, self.second.last - self.second.first)
+        neutral = partial(_neutral, curve, near=points[best])
+        low, middle, high = (one.first for one in points[best - 1 : best + 2])
+        best_first = minimize_scalar(lambda first: -sign * neutral(first)[0], bracket=(low, middle, high), tol=_TURN).x
+        second, period = neutral(float(best_first))
+        width = abs(second - neutral(float(best_first) + _TURN * (high - low))[0])
+        return CurveEnd((name,), second, float(best_first), period, width, "")
+
+    def _progress(self, second: float) -> float:
+        """How far from the first value towards the last."""
+        return (second - self.second.first) / (self.second.last - self.second.first)
+
+
+def _neutral(curve: Curve, first: float, near: CurvePoint) -> tuple[float, float]:
+    """Value of the second parameter `near` a Hopf point at which steady sliding oscillates neutrally at this `first` one, and the
+    period (transits)."""
+    from scipy.optimize import root
+
+    scene_at, scale = curve.plane.scene_at, curve.plane.scale[1]
+
+    def residual(unknown: Array) -> list[float]:
+        scene = scene_at(first, near.second + scale * float(unknown[0]))
+        omega = 2.0 * math.pi / (near.period * math.exp(float(unknown[1])) * scene.transit)
+        value = complex(characteristic(scene, one_port_of(curve.model)).imbalance(1j * omega))
+        return [value.real, value.imag]
+
+    shift, stretch = root(residual, [0.0, 0.0], tol=1e-12).x.tolist()
+    return near.second + scale * shift, near.period * math.exp(stretch)
+
+
+def _leaves(over: Over, second: Over, last: CurvePoint) -> str:
+    """Reason: which range the curve leaves after its `last` point within both."""
+    one, value = max(((over, last.first), (second, last.second)), key=lambda pair: pair[0].beyond(pair[1]))
+    return f"the curve leaves the range at {one.name} = {min(one.ends, key=lambda end: abs(end - value)):g}"
+
+
+def _named_at(own: FollowedBranch, left: Mapping[str, int], first: float, period: float) -> str:
+    """The name of the point of the branch, of those `left`, at this value and period; empty if there is none."""
+    low, high = own.over.ends
+    for name, index in left.items():
+        special = own.special[index]
+        if abs(special.value - first) < _SAME * (high - low) and abs(special.period / period - 1.0) < _SAME:
+            return name
+    return ""
+
+
+def ends_over(text: str, over: str, source: "SceneSource | Variation") -> tuple[Over, SpecialEnds]:
+    """The parameter of `--over` at the first value of `--ends KEY=VALUE,VALUE,...`, and the latter, for a scene, or scenes with
+    variables. Raises SceneError for another form."""
+    key, equals, values = text.partition("=")
+    words = [word.strip() for word in values.split(",")]
+    if not equals or not key.strip() or len(words) < 2:
+        raise SceneError(f"--ends {shorten(text)}: must be KEY=VALUE,VALUE,..., as in face.coefficient=1,0.999,0.99")
+    pairs = [over_ranges({"--over": over, "--ends": f"{key}={words[0]}:{word}"}, source) for word in words[1:]]
+    found = [pairs[0][1].first, *(second.last for _, second in pairs)]
+    if not all(np.diff(found) > 0.0) and not all(np.diff(found) < 0.0):
+        raise SceneError(f"--ends {shorten(text)}: values must rise or fall throughout")
+    first, second = pairs[-1]
+    if first.name == second.name:
+        raise SceneError(f"--ends {shorten(text)}: must be another parameter than --over")
+    ends = SpecialEnds(second, tuple(found))
+    return ends.at(first, found[0]), ends
