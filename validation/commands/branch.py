@@ -96,8 +96,8 @@ class BranchOptions(FollowedOptions):
     )
 
     over: Values | None = option(
-        "the parameter: log10_r, epsilon, V, a, b, or any key of the scene, as upper.epsilon; in Python also "
-        '("log10_r", -2.72, -2.30)',
+        "the parameter: log10_r, epsilon, V, a, b, any key of the scene, as upper.epsilon, or a variable that a --set names; in "
+        'Python also ("log10_r", -2.72, -2.30)',
         metavar="KEY=FROM:TO",
         positional=True,
         stored=True,

@@ -128,7 +128,10 @@ class SceneOptions:
     DETAILS: ClassVar[str] = ""
 
     settings: Iterable[str] = option(
-        "change one key of the scene, as in slab.log10_r=-2.3; may be repeated", (), flag="--set", metavar="KEY=VALUE ..."
+        "change one key of the scene, as in slab.log10_r=-2.3, or by an expression in what the command varies; may be repeated",
+        (),
+        flag="--set",
+        metavar="KEY=VALUE ...",
     )
     law: Path | None = option("run this Python file, which registers a friction law", metavar="FILE.py")
     family: Path | None = option("run this Python file, which declares a family of models", metavar="FILE.py")

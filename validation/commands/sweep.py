@@ -45,6 +45,7 @@ class SweepOptions(RunsOptions):
 
     EXAMPLES: ClassVar = (
         "slipwave sweep paper --vary log10_r=-2.75:-2.2:33 --vary V=10:1000:17:log --out map",
+        'slipwave sweep paper --vary q=1:10:9 --set "upper.epsilon=1.4e-5*(1+q)/q" --set "lower.epsilon=1.4e-5*(1+q)" --out q',
         "slipwave sweep map",
         "slipwave sweep map --gather --plot map.png",
     )
@@ -54,7 +55,8 @@ class SweepOptions(RunsOptions):
     )
 
     vary: Iterable[str] | Mapping[str, object] = option(
-        "an axis: a key of the scene with FROM:TO:COUNT, FROM:TO:COUNT:log or A,B,C; may be repeated",
+        "an axis: a key of the scene, or a variable that a --set names, with FROM:TO:COUNT, FROM:TO:COUNT:log or A,B,C; may be "
+        "repeated",
         (),
         metavar="KEY=VALUES ...",
     )
