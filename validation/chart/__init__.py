@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from slipwave.family import PlotStyle
 from slipwave.observe.pieces import Array
-from validation.chart.colors import legible
+from validation.chart.colors import PAPER, legible
 
 INK, GREY, PALE, BLUE, ORANGE = "#111111", "#777777", "#b5b5b0", "#0072b2", "#d55e00"
 WIDTH = 7.4
@@ -33,7 +33,8 @@ class Look:
 
     `kind`: "line"; "steps-pre"; "smooth", a spline through the points; "guide", a line whose infinite ends lie on the edges of
     the panel; "area", within an outline; "text", the name of the trace at its points, aligned by `marker`; "cells", a picture:
-    `colors` are those of the values 0, 1 ..., with their words, or a map of matplotlib, with the name of the trace at its bar."""
+    `colors` are those of the values 0, 1 ..., with their words, or a map of matplotlib, with the name of the trace at its bar;
+    `hatches` are the patterns over the cells of some of the words."""
 
     color: str = INK
     dashes: Any = "-"
@@ -43,6 +44,7 @@ class Look:
     hollow: bool = False
     kind: str = "line"
     colors: str | Mapping[str, str] = "viridis"
+    hatches: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, style: PlotStyle, **changes: Any) -> "Look":
@@ -51,8 +53,9 @@ class Look:
 
     @property
     def ink(self) -> str:
-        """Its colour as drawn: darker, except of an area, where it would not be clear on white paper."""
-        return self.color if self.kind == "area" else legible(self.color)
+        """Its colour as drawn: darker, except of an area, where it would not be clear on white paper; a line of the paper's own
+        colour parts another one from what is below."""
+        return self.color if self.kind == "area" or self.color == PAPER else legible(self.color)
 
     def but(self, **changes: Any) -> "Look":
         """This look with `changes`."""
@@ -146,7 +149,8 @@ class Panel:
 class Chart:
     """Panels row by row in `columns`, or as the rows of `layout` place their numbers; sizes in inches, `widths` and `heights`
     of columns and rows relative to each other. Panels of one label `share` their limits along x in a "column" and along y in a
-    "row"; or "all" do, or none (""). `legend`: its place, for `keys` or all traces."""
+    "row"; or "all" do, or none (""). `legend`: its place, for `keys` or all traces. `letters`: their size over
+    the usual one; `is_exact`: whether a file has this size to the last point, not without white margins."""
 
     panels: Sequence[Panel]
     height: float = 4.0
@@ -160,6 +164,8 @@ class Chart:
     legend_columns: int = 1
     keys: Sequence[Trace] = ()
     title: str = ""
+    letters: float = 1.0
+    is_exact: bool = False
 
     @property
     def grid(self) -> list[list[int]]:
@@ -178,6 +184,23 @@ def outline(x: ArrayLike, low: ArrayLike, high: ArrayLike) -> tuple[Array, Array
     """Outline of the area between two curves."""
     x, low, high = (np.asarray(values, float) for values in (x, low, high))
     return np.concatenate((x, x[::-1])), np.concatenate((low, high[::-1]))
+
+
+def cell_edges(centres: ArrayLike, kind: str = "linear") -> Array:
+    """Edges of the cells of a picture around their `centres`, half way between them on a scale of this `kind`; of one centre
+    alone 5 % away, of 0 alone one half; above half the least one if all are above 0."""
+    values = np.asarray(centres, float)
+    values = np.log(values) if kind == "log" else values
+    if values.size == 1:
+        away = 0.05 if kind == "log" else 0.05 * abs(float(values[0])) or 0.5
+        edges = np.array([values[0] - away, values[0] + away])
+    else:
+        middle = 0.5 * (values[:-1] + values[1:])
+        edges = np.concatenate([[2.0 * values[0] - middle[0]], middle, [2.0 * values[-1] - middle[-1]]])
+    if kind == "log":
+        return np.asarray(np.exp(edges))
+    least = float(values.min())
+    return np.maximum(edges, 0.5 * least) if least > 0.0 else edges
 
 
 def with_gaps(parts: Iterable[tuple[ArrayLike, ArrayLike]]) -> tuple[Array, Array]:

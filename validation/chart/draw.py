@@ -8,7 +8,7 @@ import numpy as np
 
 from slipwave.extras import require
 from slipwave.observe.pieces import Array
-from validation.chart import EMPTY, Chart, Look, Panel, Scale, Trace, with_limits
+from validation.chart import EMPTY, Chart, Look, Panel, Scale, Trace, cell_edges, with_limits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes as Axes
@@ -41,12 +41,14 @@ STYLE: Any = {
     "legend.fontsize": 10,
     "lines.linewidth": 1.4,
     "lines.markersize": 5,
+    "hatch.linewidth": 0.5,
     "svg.fonttype": "none",
     "svg.hashsalt": "slipwave",
     "savefig.bbox": "tight",
     "savefig.pad_inches": 0.04,
     "path.simplify_threshold": 0.5,
 }
+_HATCHED = "#888888"
 _MANY, _SMALL = 12, 8.5  # entries of a legend, from which on its letters are small
 _CLOUD = 5000  # points, from which on they are drawn as a picture
 _DECADES, _PLAIN = 300.0, (1e-4, 1e5)  # ratio and values of the ends of a scale with ticks at 1, 2 and 5
@@ -54,17 +56,19 @@ _FINE = 6  # points of a spline for each interval
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 
 
-def styled() -> Any:
-    """Context in which drawings have the common style: where they are made, and where they are saved."""
+def styled(letters: float = 1.0) -> Any:
+    """Context in which drawings have the common style, sizes of letters times `letters`: where they are made, and where they are
+    saved."""
     require("plot", "a figure")
     import matplotlib as mpl
 
-    return mpl.rc_context(STYLE)
+    sizes = {name: size * letters for name, size in STYLE.items() if name.endswith("size") and letters != 1.0}
+    return mpl.rc_context(STYLE | sizes)
 
 
 def draw(chart: Chart) -> Drawing:
     """Draw the chart; lines darker where they would not be clear on white paper."""
-    with styled():
+    with styled(chart.letters):
         from matplotlib.figure import Figure
 
         whole = with_limits(chart)
@@ -79,7 +83,7 @@ def draw(chart: Chart) -> Drawing:
         if chart.title:
             figure.suptitle(chart.title, x=0.0, ha="left", size="medium")
         if chart.legend and keys:
-            size = _SMALL if len(keys) > _MANY else None
+            size = _SMALL * chart.letters if len(keys) > _MANY else None
             place: Any = chart.legend
             figure.legend(handles=keys, loc=place, ncols=chart.legend_columns, handlelength=2.8, fontsize=size)
         return figure
@@ -102,18 +106,15 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
 
 
 def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
-    from matplotlib.ticker import LogLocator, MaxNLocator
+    from matplotlib.ticker import MaxNLocator
 
     lines: Any = getattr(axes, f"{which}axis")
-    low, high = axis.ends
     if axis.ticks is not None:
         lines.set_ticks(list(axis.ticks), list(axis.ticks.values()))
         lines.set_minor_locator(MaxNLocator(1))
         lines.set_minor_formatter("")
-    elif axis.kind == "log" and (high < 10.0 * low or (high < _DECADES * low and _PLAIN[0] < low and high < _PLAIN[1])):
-        lines.set_minor_formatter("")  # powers of ten alone would be a tick or two, and words at all ticks too many
-        lines.set_major_locator(MaxNLocator(5) if high < 10.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
-        lines.set_major_formatter("{x:g}")
+    elif axis.kind == "log":
+        _label_powers(lines, *axis.ends)
     if axis.second:
         label, factor, is_power = axis.second
         functions: Any = (lambda values: factor * values, lambda values: values / factor)
@@ -122,6 +123,21 @@ def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
             functions = (lambda values: there(10.0**values), lambda values: np.log10(np.maximum(back(values), 1e-300)))
         other: Any = axes.secondary_xaxis("top", functions) if which == "x" else axes.secondary_yaxis("right", functions)
         other.set(**{f"{which}label": label})
+        if axis.kind == "log" and not is_power:
+            _label_powers(getattr(other, f"{which}axis"), *(factor * end for end in axis.ends))
+
+
+def _label_powers(lines: Any, low: float, high: float) -> None:
+    """Ticks of a short logarithmic scale at 1, 2 and 5 times powers of ten, or in equal steps: powers of ten alone would be a
+    tick or two, and words at all ticks too many."""
+    from matplotlib.ticker import LogFormatterSciNotation, LogLocator, MaxNLocator
+
+    if high >= _DECADES * low:
+        return
+    lines.set_minor_formatter("")
+    lines.set_major_locator(MaxNLocator(5) if high < 10.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
+    is_plain = _PLAIN[0] < low and high < _PLAIN[1]
+    lines.set_major_formatter("{x:g}" if is_plain else LogFormatterSciNotation(minor_thresholds=(np.inf, np.inf)))
 
 
 def _draw_trace(axes: Axes, panel: Panel, trace: Trace) -> None:
@@ -131,7 +147,7 @@ def _draw_trace(axes: Axes, panel: Panel, trace: Trace) -> None:
         for values, move, axis in zip(panel.placed(trace), trace.shift, (panel.x, panel.y), strict=True)
     )
     if look.kind == "cells":
-        _draw_cells(axes, trace)
+        _draw_cells(axes, panel, trace)
     elif look.kind == "area":
         axes.fill(x, y, color=look.ink, linewidth=0.0)
     elif look.kind == "text":
@@ -172,7 +188,7 @@ def _smooth(x: Array, y: Array) -> tuple[Array, Array]:
     return whole[:, 0], whole[:, 1]
 
 
-def _draw_cells(axes: Axes, trace: Trace) -> None:
+def _draw_cells(axes: Axes, panel: Panel, trace: Trace) -> None:
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     look, values = trace.look, np.ma.masked_invalid(np.asarray(trace.value, float))
@@ -181,10 +197,30 @@ def _draw_cells(axes: Axes, trace: Trace) -> None:
     if not isinstance(look.colors, str):  # values below 0 are absent
         norm = BoundaryNorm(np.arange(-1.5, len(look.colors) + 0.5), len(look.colors) + 1)
         colors = ListedColormap(["#ffffff", *look.colors.values()])
-    x, y = np.asarray(trace.x, float), np.asarray(trace.y, float)
-    mesh = axes.pcolormesh(x, y, values, shading="nearest", cmap=colors, norm=norm, rasterized=True)
+    x, y = cell_edges(trace.x, panel.x.kind), cell_edges(trace.y, panel.y.kind)
+    mesh = axes.pcolormesh(x, y, values, shading="flat", cmap=colors, norm=norm, rasterized=True)
     if isinstance(look.colors, str):
         axes.figure.colorbar(mesh, ax=axes, label=trace.name)
+        return
+    for number, word in enumerate(look.colors):
+        if word in look.hatches and (values == number).any():
+            _hatch(axes, x, y, np.ma.filled(values == number, False), look.hatches[word])
+
+
+def _hatch(axes: Axes, x: Array, y: Array, there: Any, pattern: str) -> None:
+    """A pattern over the cells that are `there`, between the edges x and y: one shape, in which it runs on from cell to cell."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    shapes = []
+    for row, cells in enumerate(there):
+        changes = np.flatnonzero(np.diff(np.r_[False, cells, False]))
+        for begin, end in changes.reshape(-1, 2).tolist():
+            corners = [(x[begin], y[row]), (x[end], y[row]), (x[end], y[row + 1]), (x[begin], y[row + 1])]
+            shapes.append(Path([*corners, corners[0]], closed=True))
+    axes.add_patch(
+        PathPatch(Path.make_compound_path(*shapes), facecolor="none", edgecolor=_HATCHED, hatch=pattern, linewidth=0.0)
+    )
 
 
 def _keys(traces: Sequence[Trace]) -> list[Any]:
@@ -198,7 +234,10 @@ def _keys(traces: Sequence[Trace]) -> list[Any]:
             there = set(np.asarray(trace.value, float).ravel().tolist())
             words = {} if isinstance(look.colors, str) else look.colors
             for color in (color for number, color in enumerate(words.items()) if number in there):
-                keys.setdefault(color[0], Patch(facecolor=color[1], edgecolor="#888888", linewidth=0.4, label=color[0]))
+                hatch = look.hatches.get(color[0])
+                keys.setdefault(
+                    color[0], Patch(facecolor=color[1], edgecolor=_HATCHED, linewidth=0.4, label=color[0], hatch=hatch)
+                )
         elif name and look.kind == "area":
             keys.setdefault(name, Patch(facecolor=look.ink, label=name))
         elif name:

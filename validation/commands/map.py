@@ -1,7 +1,7 @@
 """`slipwave.map`: figures of a sweep: regimes with theoretical boundaries, figures, and differences of models."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -13,11 +13,11 @@ from validation.chart import Chart
 from validation.commands.command import command
 from validation.commands.options import SceneOptions, option
 from validation.commands.result import Output, Result, aligned, rounded
-from validation.data.datasets import Dataset, load_dataset
+from validation.data.datasets import Dataset, flag_numbers, load_dataset, words_of_flags
 from validation.sweep.boundaries import lines_of_curve, onset_lines
 from validation.sweep.difference import decided_regimes, difference, difference_rows
 from validation.sweep.gather import dataset_of, filled_arrays
-from validation.sweep.map_figures import Line, chart_of_sweep
+from validation.sweep.map_figures import SIZES, Line, chart_of_sweep, in_print
 from validation.sweep.store import Store
 from validation.sweep.sweep import stored_plan
 
@@ -29,6 +29,7 @@ class MapOptions(SceneOptions):
     EXAMPLES: ClassVar = (
         "slipwave map map --plot map.png",
         "slipwave map map/sweep.nc --show period --plot period.svg",
+        "slipwave map map --size single --title 'Regimes of a block of granite' --plot figure-1.pdf",
         "slipwave map both --against kelvin-voigt --plot difference.png",
     )
     DETAILS: ClassVar = "SCENE is the folder of a sweep or the netCDF file gathered from it."
@@ -37,12 +38,15 @@ class MapOptions(SceneOptions):
     model: str | None = option("one of the models (default: all)", positional=True)
     against: str | None = option("draw where this model has another regime, and by how much its period and stress drop differ")
     curve: Iterable[str] = option("netCDF files of `slipwave curve` to be drawn over the map", (), metavar="FILE.nc ...")
+    title: str = option("a title above the figure", "")
+    size: str | None = option("size for print: single (8.5 cm wide) or double (17 cm) column", metavar="single|double")
     plain: bool = option("without the boundary on which steady sliding loses its stability", False)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class MapResult(Result):
-    """A gathered sweep `data`, `differences` of its models from one of them, and the `boundaries` over it."""
+    """A gathered sweep `data`, `differences` of its models from one of them, and the `boundaries` over it; `notes` on what is not
+    drawn; `title` and `size` of the figure."""
 
     OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw it: .png, .pdf or .svg", default="map.png", key="figure"),)
 
@@ -50,6 +54,9 @@ class MapResult(Result):
     differences: Dataset | None
     boundaries: tuple[Line, ...]
     shown: str | None
+    notes: list[str]
+    title: str
+    size: str | None
 
     @property
     def dataset(self) -> Dataset:
@@ -64,7 +71,7 @@ class MapResult(Result):
         if model not in models:
             raise SceneError(f"model = {model}: the sweep has verdicts of {', '.join(models) or 'no model'}")
         verdicts = self.data["verdict"]
-        return decided_regimes((verdicts.sel(model=model) if "model" in verdicts.dims else verdicts).values)
+        return decided_regimes(flag_numbers(verdicts.sel(model=model) if "model" in verdicts.dims else verdicts))
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -74,12 +81,13 @@ class MapResult(Result):
         found: dict[str, Any] = {"scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
         if self.differences is not None:
             found["differences"] = difference_rows(self.differences)
-        return found | {"boundaries": [line.name for line in self.boundaries]}
+        return found | {"boundaries": [line.name for line in self.boundaries], "notes": self.notes}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """A line on the figure, and the differences as a table."""
         yield f"scene {summary['scene']} over {', '.join(summary['axes'])}"
         yield from (f"boundary: {line.name}" for line in self.boundaries)
+        yield from (f"note: {note}" for note in self.notes)
         rows = [
             [row["model"], *(rounded(row[name], 4) for name in ("other_regime_percent", "period", "stress_drop"))]
             for row in summary.get("differences", [])
@@ -89,8 +97,9 @@ class MapResult(Result):
             yield from aligned(["model", "other regime [%]", "largest error of T", "of the stress drop"], rows)
 
     def chart(self) -> Chart:
-        """The map."""
-        return chart_of_sweep(self.dataset, self.shown, self.boundaries)
+        """The map, in its size for print if one is given."""
+        chart = replace(chart_of_sweep(self.dataset, self.shown, self.boundaries), title=self.title)
+        return chart if self.size is None else in_print(chart, self.size)
 
 
 @command
@@ -99,15 +108,18 @@ def map(source: "SceneSource | Result", options: MapOptions) -> MapResult:
 
     Raises SceneError for a file or folder without a sweep."""
     data = gathered(source)
+    if options.size is not None and options.size not in SIZES:
+        raise SceneError(f"--size = {options.size!r}: must be {' or '.join(SIZES)}")
+    looks = options.title, options.size
     if options.against is not None:
-        return MapResult(data, difference(data, options.against), (), options.show)
+        return MapResult(data, difference(data, options.against), (), options.show, [], *looks)
     if options.model is not None and "model" in data.dims:
         names = [str(name) for name in data["model"].values]
         if options.model not in names:
             raise SceneError(f"model = {options.model!r}: must be one of the sweep's, {', '.join(names)}")
         data = data.sel(model=options.model)
-    boundaries = () if options.plain else onset_lines(data)
-    return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show)
+    boundaries, notes = ((), []) if options.plain else onset_lines(data)
+    return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show, notes, *looks)
 
 
 def gathered(source: "SceneSource | Result") -> Dataset:
@@ -124,4 +136,4 @@ def gathered(source: "SceneSource | Result") -> Dataset:
     data = load_dataset(path, f"SCENE = {str(source)!r}: neither a folder nor a netCDF file")
     if "manifest" not in data.attrs:
         raise SceneError(f"SCENE = {str(source)!r}: holds no sweep; slipwave sweep DIR --gather writes one")
-    return data
+    return words_of_flags(data, ("verdict", "stable"))

@@ -14,7 +14,7 @@ from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
 from validation.chart import Chart
 from validation.chart.draw import Drawing, draw, styled
-from validation.data.datasets import Dataset
+from validation.data.datasets import Dataset, as_flags
 from validation.data.variables import leaves
 from validation.models.provenance import SCHEMA
 
@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from reduced.orbit.closing import Closed
 
 Row = TypeVar("Row")
+_PRINTED = 300
+"""Points per inch of a picture of exact size, for print."""
 
 
 class Facts(dict[str, Any]):
@@ -156,7 +158,7 @@ class Result(ABC):
         """Write the dataset. Raises SceneError if the file cannot be written."""
         with whole_or_absent(Path(path)) as temporary:
             whole = {name: {"_FillValue": None} for name in self.dataset.coords}  # of a coordinate no value is missing
-            self.dataset.to_netcdf(temporary, engine="netcdf4", encoding=whole)
+            as_flags(self.dataset).to_netcdf(temporary, engine="netcdf4", encoding=whole)
 
     def save_plot(self, path: str | Path) -> None:
         """Write the figure as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
@@ -196,8 +198,12 @@ class Stopped(KeyboardInterrupt):
 
 def save_chart(path: str | Path, chart: Callable[[], Chart]) -> None:
     """Write a chart as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
-    with styled(), whole_or_absent(Path(path)) as temporary:
-        draw(chart()).savefig(temporary, dpi=150)
+    with whole_or_absent(Path(path)) as temporary:
+        made = chart()
+        with styled(made.letters):
+            figure = draw(made)
+            exact: Any = {"bbox_inches": figure.bbox_inches, "dpi": _PRINTED} if made.is_exact else {"dpi": 150}
+            figure.savefig(temporary, **exact)
 
 
 def _scalars(facts: Mapping[str, Any]) -> Iterator[tuple[str, str]]:

@@ -25,8 +25,10 @@ from validation.chart import Chart
 from validation.commands.command import command
 from validation.commands.options import RunsOptions, option
 from validation.commands.result import Output, Result, aligned, rounded
+from validation.commands.run import run
 from validation.data.datasets import Dataset
 from validation.sweep.axes import Axis, axis_of
+from validation.sweep.boundaries import onset_lines
 from validation.sweep.gather import dataset_of, filled_arrays
 from validation.sweep.map_figures import chart_of_sweep
 from validation.sweep.measures import MEASURES, measure_name, measure_of
@@ -35,6 +37,7 @@ from validation.sweep.store import STATUS, Store
 from validation.sweep.sweep import Forecast, Swept, Where, forecast, perform_sweep, plan_of, stored_plan
 
 _SHOWN = 5  # reasons why points have no figures
+_FEW = 12  # points that are printed one by one
 GATHERED = "sweep.nc"
 """The file that `--gather` writes into the folder of a sweep."""
 
@@ -181,15 +184,49 @@ class SweepResult(Result):
             yield ""
             words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
             yield from aligned(words, [[str(row.get(word, "-")) for word in words] for row in summary["regimes"]])
+        if 0 < plan.size <= _FEW and not plan.rows:
+            yield ""
+            yield from aligned(*self._table())
         if "needed" in self._arrays:
-            ratio = self._arrays["needed"] / self._arrays["until"]
-            longer = ratio.max(initial=0.0, where=ratio < np.inf)
-            if longer > 1.0:
-                yield f"runs that are too short have enough cycles if they are up to {longer:.2g} times as long"
+            needed, until = self._arrays["needed"], self._arrays["until"]
+            short = np.isfinite(needed) & (needed > until)
+            if short.any():
+                yield f"runs that are too short have enough cycles with --until {float(f'{needed[short].max():.2g}'):g}"
+
+    def _table(self) -> tuple[list[str], list[list[str]]]:
+        """Heading and rows of a sweep of a few points: where they are, regime, and the first figures, or why there are none."""
+        plan, arrays, measure = self.plan, self._arrays, measure_of(self.plan.measure)
+        words = [name for name in measure.words if name in arrays]
+        usual = [name for name in ("period", "stress_drop", "v_max") if name in arrays]
+        others = [
+            name
+            for name, values in arrays.items()
+            if name not in ("status", *words) and values.ndim == 1 and values.dtype.kind == "f"
+        ]
+        shown = usual or others[:3]
+        rows = []
+        for point in range(plan.size):
+            where = [str(value) if isinstance(value, str) else f"{value:.7g}" for value in plan.changes(point).values()]
+            said = [measure.words[name][arrays[name][point]] if arrays[name][point] >= 0 else "-" for name in words]
+            rows.append(
+                [
+                    plan.model(point),
+                    *where,
+                    *said,
+                    *(rounded(arrays[name][point], 7) for name in shown),
+                    str(arrays["reason"][point]),
+                ]
+            )
+        return ["model", *(axis.name for axis in plan.axes), *words, *(name.replace("_", " ") for name in shown), ""], rows
 
     def chart(self) -> Chart:
-        """The map over two axes, or the figures over one."""
-        return chart_of_sweep(self.dataset)
+        """The map over two axes with the boundary of stability, the figures over one, or the motion at the only point."""
+        plan = self.plan
+        if plan.size == 1 and "verdict" in self.dataset:
+            given = {name: value for name, value in plan.options.items() if name in ("tol", "cells")}
+            one = run(plan.scene(0), plan.model(0), until=float(self._arrays["until"][0]), **given)
+            return one.chart()
+        return chart_of_sweep(self.dataset, lines=onset_lines(self.dataset)[0])
 
     def to_go_on(self, options: SweepOptions) -> str:
         """As `Result`."""

@@ -1,7 +1,10 @@
 """Datasets of results: `xarray` is loaded only when one is made or read."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
@@ -19,6 +22,36 @@ def new_dataset(*parts: Any, **named: Any) -> Dataset:
     import xarray
 
     return xarray.Dataset(*parts, **named)
+
+
+def words_of_flags(data: Dataset, names: Iterable[str]) -> Dataset:
+    """The dataset whose CF flags `names` are words, so that `data.verdict == "too short"` compares; "" where there is none."""
+    flags = [name for name in names if "flag_meanings" in data.get(name, data).attrs and data[name].dtype.kind in "iuf"]
+    return data.assign({name: _said(data[name]) for name in flags})
+
+
+def _said(flags: DataArray) -> DataArray:
+    words = np.array([*_words(flags), ""])
+    numbers = np.nan_to_num(flags.values, nan=-1.0).astype(int)
+    return flags.copy(data=words[np.where((numbers >= 0) & (numbers < len(words)), numbers, -1)])
+
+
+def as_flags(data: Dataset) -> Dataset:
+    """The dataset as in files: words that are CF flags as their numbers, -1 where there is none."""
+    told = {str(name): one for name, one in data.data_vars.items() if "flag_meanings" in one.attrs and one.dtype.kind == "U"}
+    return data.assign({name: one.copy(data=flag_numbers(one)) for name, one in told.items()})
+
+
+def flag_numbers(flags: DataArray) -> "np.ndarray[Any, np.dtype[np.int8]]":
+    """The numbers of CF flags, whether these are in words or not."""
+    if flags.dtype.kind != "U":
+        return np.asarray(np.nan_to_num(flags.values, nan=-1.0), dtype=np.int8)
+    known = {word: number for number, word in enumerate(_words(flags))}
+    return np.array([known.get(str(word), -1) for word in flags.values.ravel()], dtype=np.int8).reshape(flags.shape)
+
+
+def _words(flags: DataArray) -> list[str]:
+    return [word.replace("_", " ") for word in flags.attrs["flag_meanings"].split()]
 
 
 def load_dataset(path: str | Path, problem: str) -> Dataset:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from slipwave.errors import SceneError
-from validation.data.datasets import Dataset
+from validation.data.datasets import Dataset, flag_numbers
 from validation.sweep.measures import VERDICTS
 
 _KINDS = {"steady": 0, "decaying": 0, "periodic": 1, "torus": 2, "irregular": 3, "growing": 4}
@@ -32,10 +32,10 @@ def difference(data: Dataset, reference: str) -> Dataset:
     if "verdict" not in data:
         raise SceneError("--against: needs a sweep with verdicts (--measure verdict, run or lyapunov)")
     ours, others = data.sel(model=reference), data.sel(model=[name for name in names if name != reference])
-    here, there = decided_regimes(ours["verdict"].values), decided_regimes(others["verdict"].values)
+    here, there = (decided_regimes(flag_numbers(one["verdict"])) for one in (ours, others))
     decided = (here >= 0) & (there >= 0)
-    differences = others[["verdict"]].rename(verdict="other_regime").astype(float)
-    differences["other_regime"].values[...] = np.where(decided, here != there, np.nan)
+    differences = others[["verdict"]].rename(verdict="other_regime")
+    differences["other_regime"] = others["verdict"].copy(data=np.where(decided, here != there, np.nan))
     differences["other_regime"].attrs = {"long_name": f"regime differs from that of {reference}", "units": "1"}
     both = (here == _KINDS["periodic"]) & (there == _KINDS["periodic"])
     for name in _COMPARED:

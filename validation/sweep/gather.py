@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from slipwave.errors import SceneError
-from validation.data.datasets import Dataset, new_dataset
+from validation.data.datasets import Dataset, new_dataset, words_of_flags
 from validation.data.variables import Meaning, attributes
 from validation.models.provenance import provenance
-from validation.sweep.measures import Measure, measure_of
+from validation.sweep.measures import VERDICTS, Measure, measure_of
 from validation.sweep.plan import Plan
 from validation.sweep.refine import fill, regime_numbers
 from validation.sweep.store import STATUS, Store
@@ -43,12 +43,15 @@ def filled_arrays(plan: Plan, store: Store) -> dict[str, Array]:
 
 
 def dataset_of(plan: Plan, arrays: dict[str, Array]) -> Dataset:
-    """The columns `filled_arrays` over (model, axes), words as CF flags. `status`: how each point ended."""
+    """The columns `filled_arrays` over (model, axes); verdicts are words, which files hold as CF flags. `status`: how each point
+    ended. The reason of a point that is too short says how long it would take."""
     measure = measure_of(plan.measure)
     names = ["scene"] if plan.rows else [axis.column for axis in plan.axes]
     dimensions = ("model", *names)
     if twice := arrays.keys() & {*dimensions}:
         raise SceneError(f"--vary {', '.join(twice)}: the measure returns a figure of the same name")
+    if "needed" in arrays:
+        arrays = arrays | {"reason": _lengths(arrays, plan)}
     variables = {
         name: (
             (*dimensions, *["cycle"] * (values.ndim - 1)),
@@ -59,7 +62,19 @@ def dataset_of(plan: Plan, arrays: dict[str, Array]) -> Dataset:
     }
     facts = provenance("sweep", plan.base, ", ".join(plan.models), {**plan.options, "measure": plan.measure})
     data = new_dataset(variables, coords=_coordinates(plan), attrs=facts | {"manifest": json.dumps(plan.manifest)})
+    data = words_of_flags(data, measure.words)
     return data if len(plan.models) > 1 else data.isel(model=0)
+
+
+def _lengths(arrays: dict[str, Array], plan: Plan) -> Array:
+    """The reasons, with those of points that are too short."""
+    reasons = arrays["reason"].copy()
+    for point in np.flatnonzero((arrays["verdict"] == VERDICTS.index("too short")) & (arrays["status"] == 0)).tolist():
+        needed, seconds = arrays["needed"][point], arrays.get("needed_s")
+        unit = f" ({seconds[point]:.2g} s)" if plan.base.units and seconds is not None else ""
+        told = f"about {needed:.2g} transits{unit} would do" if np.isfinite(needed) else "one takes longer than a run can be"
+        reasons[point] = f"too short: {told}"
+    return reasons
 
 
 def _coordinates(plan: Plan) -> dict[str, Any]:

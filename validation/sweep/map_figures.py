@@ -1,9 +1,12 @@
-"""Charts of a sweep: regimes over two axes with boundaries, a column over two axes, or all columns over one."""
+"""Charts of a sweep: regimes over two axes with boundaries, a column over two axes, or regimes and all columns over one."""
 
+import itertools
+import json
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,32 +15,42 @@ import slipwave
 from reduced.parameters import LABELS
 from slipwave.errors import SceneError
 from slipwave.input.overrides import label_of
-from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, color_number
-from validation.data.datasets import DataArray, Dataset
-from validation.models.parameter import Variation
+from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, cell_edges, color_number
+from validation.chart.colors import PAPER
+from validation.data.datasets import DataArray, Dataset, flag_numbers
+from validation.models.parameter import Variation, scenes_with
 
-_COLOURS = {
-    "steady": "#e8eef4",
-    "decaying": "#cfe0ee",
-    "settling": "#dddddd",
-    "growing": "#b9b4d8",
-    "periodic": "#f3c77a",
-    "torus": "#5aa28c",
-    "irregular": "#c5523f",
-    "driven": "#bbbbbb",
-    "protocol": "#bbbbbb",
-    "too short": "#f6f6f6",
-    "no": "#f3c77a",
-    "yes": "#e8eef4",
+REGIMES = {
+    "steady": "#f4f8fc",
+    "decaying": "#cfe3f5",
+    "settling": "#cacac0",
+    "growing": "#9a76c4",
+    "periodic": "#e69f00",
+    "torus": "#146a55",
+    "irregular": "#66152f",
 }
-_OTHER = "#999999"
-_LINE = Look(dashes=(0, (4, 1.5)))
+"""Colours of regimes, which differ in grey and for colour-blind eyes too: from quiet to wild they darken."""
+
+_COLOURS = REGIMES | {"driven": "#1a1a1a", "protocol": "#1a1a1a", "too short": PAPER, "no": "#e69f00", "yes": "#f4f8fc"}
+_OTHER = {"the same regime": "#dfe6ec", "another regime": "#66152f"}
+_ABSENT = ("no figures", "not computed")
+HATCHES = {"too short": "////", "no figures": "xxx", "not computed": "..."}
+"""Patterns of cells without a regime, the last two for points that were refused or failed and for those still to be computed."""
+
+_LINE, _HALO = Look(dashes=(0, (4, 1.5))), Look(PAPER, width=3.2)
 _ABREAST = 3
 _PICTURES = ("period", "stress_drop")
 _BRUSH = ("cycle_period", "cycle_stress_drop")
+_STRIP = 0.16
+"""Height of a strip of regimes over one axis, for each model, over that of a panel."""
 
 _VELOCITIES, _TRANSITS = ("V", "drive.velocity"), ("r", "log10_r", "slab.r", "slab.log10_r", "slab.thickness")
 """Keys whose values (for a logarithm, its power of ten) are proportional to V and to the transit."""
+
+SIZES = {"single": 8.5, "double": 17.0}
+"""Widths of columns of a paper, cm."""
+
+_PRINT, _MOST_READ = 8.0 / 11.0, 20_000
 
 
 class Line(NamedTuple):
@@ -49,12 +62,17 @@ class Line(NamedTuple):
     model: str
 
 
+def axes_of(data: Dataset) -> list[str]:
+    """The names of the axes of a sweep, without the models."""
+    return [str(name) for name in data["status" if "status" in data else next(iter(data))].dims if name != "model"]
+
+
 def chart_of_sweep(data: Dataset, shown: str | None = None, lines: Sequence[Line] = ()) -> Chart:
     """The chart of a gathered sweep with `lines` over its maps; `shown` is the column (default: regimes, period, stress drop).
 
     Raises SceneError for more than two axes, or a missing column."""
     data = _words_as_models(data)
-    axes = [str(name) for name in data["status" if "status" in data else next(iter(data))].dims if name != "model"]
+    axes = axes_of(data)
     if shown is not None and shown not in data:
         raise SceneError(f"--show = {shown!r}: must be one of {', '.join(map(str, data.data_vars))}")
     if len(axes) == 1:
@@ -65,13 +83,25 @@ def chart_of_sweep(data: Dataset, shown: str | None = None, lines: Sequence[Line
 
 
 def _words_as_models(data: Dataset) -> Dataset:
-    """The data with each word of an axis of words as a further model."""
-    names = [str(name) for name in data.dims if name != "model" and name in data.coords and data[name].dtype.kind in "OU"]
-    if not names:
+    """The data with each word of an axis of words beside an axis of numbers as a further model."""
+    names = [name for name in axes_of(data) if name in data.coords and data[name].dtype.kind in "OU"]
+    if not names or len(names) == len(axes_of(data)):
         return data
     together = (data if "model" in data.dims else data.expand_dims("model")).stack(which=("model", *names))
     words = [", ".join(map(str, one)) for one in together["which"].values]
     return together.drop_vars(["which", "model", *names]).rename(which="model").assign_coords(model=words)
+
+
+def in_print(chart: Chart, size: str) -> Chart:
+    """The chart in one of `SIZES`, with letters of 8 points, in one column or two."""
+    width, columns = SIZES[size] / 2.54, min(chart.columns, 1 if size == "single" else 2)
+    rows = math.ceil(len(chart.panels) / columns)
+    before = math.ceil(len(chart.panels) / chart.columns)
+    height = chart.height * rows / before * (width / columns) / (chart.width / chart.columns)
+    heights = chart.heights if columns == chart.columns else ()
+    legend = max(2, min(6, round(2.6 * width / 2.54)))
+    changes: dict[str, Any] = {"columns": columns, "heights": heights, "legend_columns": legend}
+    return replace(chart, width=width, height=height, letters=_PRINT, is_exact=True, **changes)
 
 
 def _models(data: Dataset) -> list[Dataset]:
@@ -79,38 +109,127 @@ def _models(data: Dataset) -> list[Dataset]:
 
 
 def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Sequence[Line]) -> Chart:
-    columns = [shown] if shown else [name for name in ("verdict", "stable", "other_regime", *_PICTURES) if name in data]
+    usual = [name for name in ("verdict", "stable", "other_regime", *_PICTURES) if name in data]
+    columns = [shown] if shown else [name for name in usual if name not in _PICTURES or np.isfinite(data[name].values).any()]
     columns = columns or [str(next(iter(data.data_vars)))]
     panels = []
     for model in _models(data):
         across, up = (_scale(data, model[name]) for name in names)
         for column in columns:
-            title = model["model"].item() if len(columns) == 1 else f"{model['model'].item()}: {column.replace('_', ' ')}"
+            title = str(model["model"].item())
+            title = title if len(columns) == 1 else f"{title}: {'regime' if column == 'verdict' else column.replace('_', ' ')}"
             own = [line for line in lines if line.model in ("", model["model"].item())]
-            edges = [Trace(line.name.partition(",")[0], line.across, line.up, _LINE) for line in own]
-            panels.append(Panel(title, across, up, [_cells(model, names, column), *edges]))
+            edges = [Trace("", line.across, line.up, _HALO) for line in own]
+            edges += [Trace(line.name.partition(",")[0], line.across, line.up, _LINE) for line in own]
+            panels.append(Panel(title, across, up, [*_cells(model, names, column), *edges]))
     width = min(len(panels), _ABREAST) if len(columns) == 1 else len(columns)
-    height = 3.2 * math.ceil(len(panels) / width)
-    return Chart(panels, height, width, 3.7 * width, legend="outside lower center", legend_columns=6)
+    height = 3.6 * math.ceil(len(panels) / width)
+    return Chart(panels, height, width, 4.0 * width, legend="outside lower center", legend_columns=6)
 
 
-def _cells(data: Dataset, names: Sequence[str], column: str) -> Trace:
-    """One column of a model as a picture."""
-    across, up = (data[name].values for name in names)
-    values = data[column].transpose(names[1], names[0])
-    name, words = str(values.attrs.get("in_units_of", column)), {}
+def _cells(data: Dataset, names: Sequence[str], column: str) -> list[Trace]:
+    """One column of a model as a picture, over hatched cells where it has no figures."""
+    across, up = (_positions(data[name]) for name in names)
     if column == "other_regime":
-        words = {"the same regime": "#dfe6ec", "another regime": "#c5523f"}
-    elif "flag_meanings" in values.attrs:
-        said = [word.replace("_", " ") for word in values.attrs["flag_meanings"].split()]
-        words = {word: _COLOURS.get(word, _OTHER) for word in said}
-    return Trace(name, across, up, Look(kind="cells", colors=words or "viridis"), value=values.values)
+        look = Look(kind="cells", colors=_OTHER)
+        return [Trace(column, across, up, look, value=data[column].transpose(names[1], names[0]).values)]
+    words, numbers = _regimes(data, column if "flag_meanings" in data[column].attrs else "")
+    there, turned = Look(kind="cells", colors=words, hatches=HATCHES), numbers.transpose(names[1], names[0]).values
+    if "flag_meanings" in data[column].attrs:
+        return [Trace("regime", across, up, there, value=turned)]
+    values, label = _figures(data, column)
+    hatched = np.isin(turned, [number for number, word in enumerate(words) if word in HATCHES])
+    under = [Trace("", across, up, there, value=np.where(hatched, turned, -1))] if hatched.any() else []
+    if not np.isfinite(values.values).any():
+        return [*under, _without(across, up)]
+    return [*under, Trace(label, across, up, Look(kind="cells"), value=values.transpose(names[1], names[0]).values)]
+
+
+def _without(across: Any, up: Any) -> Trace:
+    x, y = (float(side[len(side) // 2]) for side in (across, up))
+    return Trace("no cycles at any point", [x], [y], Look(kind="text", marker="center"))
+
+
+def _regimes(data: Dataset, column: str = "") -> tuple[Mapping[str, str], DataArray]:
+    """Colours by word, and the number of each point's word; without `column` those of verdicts, if there are any."""
+    column = column or next((name for name in ("verdict", "stable") if name in data), "")
+    if not column:
+        return dict.fromkeys(_ABSENT, PAPER), _absent(data, -np.ones(data["status"].shape), 0)
+    flags = data[column]
+    said = [word.replace("_", " ") for word in flags.attrs["flag_meanings"].split()]
+    words = {word: _COLOURS.get(word, "#999999") for word in said} | dict.fromkeys(_ABSENT, PAPER)
+    return words, _absent(data, flag_numbers(flags), len(said))
+
+
+def _absent(data: Dataset, numbers: Any, first: int) -> DataArray:
+    """The `numbers` of words, where there is none that of the reason: `first` for a point without figures, the next for one that
+    is not computed."""
+    status = data["status"]
+    reasons = np.where(status.values > 0, first, np.where(status.values < 0, first + 1, -1))
+    return status.copy(data=np.where(numbers >= 0, numbers, reasons))
+
+
+def _figures(data: Dataset, column: str) -> tuple[DataArray, str]:
+    """A column with its label: in SI for a scene in units, and periods in L/V* where the transit changes along an axis."""
+    name = column.replace("_", " ")
+    for ending, unit in (("_s", "s"), ("_Pa", "Pa"), ("_m_per_s", "(m/s)")):
+        if f"{column}{ending}" in data:
+            return data[f"{column}{ending}"], f"{name} / {unit}"
+    unit = str(data[column].attrs.get("units", "1"))
+    clock = str(data[column].attrs.get("in_units_of", ""))
+    if clock == "transit" and (sizes := _transits(data)):
+        return reduce(lambda values, size: values * size, sizes, data[column]), f"{name} / (L/V*)"
+    told = {"transit": "transits"}.get(clock, clock) or ("" if unit == "1" else unit)
+    return data[column], f"{name} / {told}" if told else name
+
+
+def _transits(data: Dataset) -> list[DataArray]:
+    """The transit (L/V*) at the points of a sweep, as factors along the axes that change it each on its own; none if it is the
+    same everywhere."""
+    names = [name for name in axes_of(data) if name in data.coords and data[name].dtype.kind in "iuf"]
+    if "scene_toml" not in data.attrs or not names:
+        return []
+    base, sets = (
+        slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"])),
+        json.loads(data.attrs.get("manifest", "{}")).get("set", {}),
+    )
+    written = {name: _written(data[name]) for name in names}
+    scenes = scenes_with(base, [key for key, _ in written.values()], sets)
+    found = list[DataArray]()
+    for axes in [names] if sets else [[name] for name in names]:  # what is set may depend on all of them
+        points = list(itertools.product(*(written[name][1] for name in axes)))
+        if len(points) > _MOST_READ:
+            continue
+        try:
+            known = [scenes.scene(dict(zip((written[name][0] for name in axes), point, strict=True))).transit for point in points]
+        except SceneError:
+            continue
+        if max(known) > min(known):
+            over = data["status"].isel({name: 0 for name in data["status"].dims if name not in axes}, drop=True).transpose(*axes)
+            found.append(over.copy(data=np.reshape(known, over.shape) / (base.transit if found else 1.0)))
+    return found
+
+
+def _written(coordinate: DataArray) -> tuple[str, list[float | str]]:
+    """The key of an axis, and its values as scenes take them."""
+    key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
+    return key, [f"{value!r} {unit}" if unit != "1" else value for value in coordinate.values.tolist()]
+
+
+def _positions(coordinate: DataArray) -> Any:
+    """Where the values of an axis are drawn: words at 0, 1, 2 ..."""
+    values = coordinate.values
+    return values if values.dtype.kind in "iuf" else np.arange(float(values.size))
 
 
 def _scale(data: Dataset, coordinate: DataArray) -> Scale:
-    """The scale along a coordinate, with its second one where there are units."""
-    kind = "log" if is_logarithmic(coordinate.values) else "linear"
-    ends = float(coordinate.min()), float(coordinate.max())
+    """The scale along a coordinate, with its second one where there are units; one of words has them at its ticks."""
+    places = _positions(coordinate)
+    kind = "log" if is_logarithmic(places) else "linear"
+    edges = cell_edges(places, kind)
+    ends = float(edges.min()), float(edges.max())
+    if coordinate.values.dtype.kind not in "iuf":
+        return Scale(_label(coordinate), kind, ends, ticks={float(at): str(word) for at, word in enumerate(coordinate.values)})
     return Scale(_label(coordinate), kind, ends, second=other_side(data, coordinate))
 
 
@@ -132,21 +251,39 @@ def is_logarithmic(values: Any) -> bool:
 
 
 def _over_one(data: Dataset, name: str, shown: str | None) -> Chart:
+    """Columns over one axis, and below them a strip with the regimes of each model."""
     usual = _BRUSH if _BRUSH[0] in data else _PICTURES
     columns = [shown] if shown else [name for name in usual if name in data] or [str(next(iter(data.data_vars)))]
-    along = replace(_scale(data, data[name]), limits=(None, None), second=None)
+    models, along = _models(data), _scale(data, data[name])
+    flags = next((column for column in ("verdict", "stable") if column in data), None)
     panels = list[Panel]()
     for column in columns:
-        traces = []
-        for number, model in enumerate(_models(data)):
-            values = model[column].values.reshape(model.sizes[name], -1)
-            across = np.repeat(model[name].values, values.shape[1])
-            look = POINTS.but(color=color_number(number), marker=".", size=2.5)
+        if column == flags or (flags and not np.isfinite(data[column].values).any()):
+            continue
+        traces, label = [], column
+        for number, model in enumerate(models):
+            figures, label = _figures(model, column)
+            values = figures.values.reshape(model.sizes[name], -1)
+            across = np.repeat(_positions(model[name]), values.shape[1])
+            look = POINTS.but(color=color_number(number), marker="osv^Dp"[number % 6], size=3.5, hollow=number > 0)
             traces.append(Trace(str(model["model"].item()), across, values.ravel(), look))
-        unit = data[column].attrs.get("units", "1")
-        label = column.replace("_", " ") + (f" [{unit}]" if unit != "1" else "")
-        panels.append(Panel("", along, Scale(label), traces, legend="best" if "model" in data.dims and not panels else ""))
-    return Chart(panels, 2.9 * len(columns))
+        panels.append(Panel("", along if not panels else replace(along, second=None), Scale(label), traces))
+    strip = _strip(models, name, replace(along, second=along.second if not panels else None)) if flags else None
+    heights = (*[1.0] * len(panels), *([_STRIP * (1 + len(models))] if strip else []))
+    panels += [strip] if strip else []
+    several = "outside lower center"
+    return Chart(panels, 2.9 * sum(heights) + 0.6, heights=heights, legend=several, legend_columns=6)
+
+
+def _strip(models: Sequence[Dataset], name: str, along: Scale) -> Panel:
+    ticks = {float(number): str(model["model"].item()) for number, model in enumerate(models)}
+    colours, _ = _regimes(models[0])
+    values = np.array([_regimes(model)[1].values for model in models])
+    cells = Trace(
+        "regime", _positions(models[0][name]), np.arange(float(len(models))), Look(kind="cells", colors=colours, hatches=HATCHES)
+    )
+    side = Scale("regime", limits=(-0.5, len(models) - 0.5), ticks=ticks)
+    return Panel("", along, side, [replace(cells, value=values)])
 
 
 def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
@@ -162,8 +299,8 @@ def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
         return None
     if scene.units is None:
         return None
-    (plain, value), (label, size) = ("r", scene.transit), ("transit [s]", scene.units.size("transit", scene.transit))
+    (plain, value), (label, size) = ("r", scene.transit), ("transit / s", scene.units.size("transit", scene.transit))
     if key in _VELOCITIES:
-        (plain, value), (label, size) = ("V/V*", scene.velocity), ("V [m/s]", scene.velocity * scene.units.reference_velocity)
+        (plain, value), (label, size) = ("V/V*", scene.velocity), ("V / (m/s)", scene.velocity * scene.units.reference_velocity)
     here = 10.0**first if is_power else first
     return Second(label, size / here, is_power) if in_si else Second(plain, value / here, is_power)

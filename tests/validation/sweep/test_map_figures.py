@@ -1,0 +1,260 @@
+"""Maps for a paper: colours that everyone can tell apart, verdicts by name, boundaries, clocks, hatches, sizes."""
+
+import itertools
+import struct
+from dataclasses import replace
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+import slipwave as sw
+from slipwave.errors import SceneError
+from validation.chart import Chart, Panel, Scale, cell_edges
+from validation.chart.draw import draw
+from validation.data.datasets import as_flags
+from validation.sweep.boundaries import onset_lines
+from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, chart_of_sweep, in_print
+from validation.sweep.measures import VERDICTS
+
+SEEN = {
+    "everyone": np.eye(3),
+    "without red": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+    "without green": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+    "without blue": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+}
+"""Linear RGB as eyes without one kind of cones see it (Machado, Oliveira and Fernandes 2009, severity 1)."""
+TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+
+
+def linear(color):
+    sent = np.array([int(color[k : k + 2], 16) / 255.0 for k in (1, 3, 5)])
+    return np.where(sent <= 0.04045, sent / 12.92, ((sent + 0.055) / 1.055) ** 2.4)
+
+
+def lab(rgb):
+    """CIE L*a*b* of linear RGB, in which a difference of 2.3 is just seen."""
+    xyz = TO_XYZ @ np.clip(rgb, 0.0, 1.0) / [0.9505, 1.0, 1.089]
+    x, y, z = np.where(xyz > 216.0 / 24389.0, np.cbrt(xyz), (24389.0 / 27.0 * xyz + 16.0) / 116.0)
+    return np.array([116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)])
+
+
+def test_regimes_differ_in_grey_and_for_the_colour_blind():
+    pairs = list(itertools.combinations(REGIMES.values(), 2))
+    assert min(abs(lab(linear(one))[0] - lab(linear(other))[0]) for one, other in pairs) > 7.5
+    for matrix in SEEN.values():
+        apart = [np.linalg.norm(lab(matrix @ linear(one)) - lab(matrix @ linear(other))) for one, other in pairs]
+        assert min(apart) > 10.0
+    patterns = [HATCHES[word] for word in ("too short", "no figures", "not computed")]
+    assert len(set(patterns)) == 3
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory):
+    """A map of six points of slabs in SI, and its folder."""
+    folder = tmp_path_factory.mktemp("map") / "out"
+    vary = {"thickness": ["2 cm", "5 cm", "10 cm"], "drive.velocity": [100.0, 2000.0]}
+    return sw.sweep("paper-si", vary=vary, models="block8", until=400.0, tol=1e-6, workers=1, out=folder), folder
+
+
+def test_verdicts_have_names_in_xarray_and_numbers_in_files(swept, tmp_path):
+    found, folder = swept
+    data = found.dataset
+    assert (data.verdict == "periodic").values.sum() == found.regimes[0].periodic
+    sw.sweep(folder, gather=True)
+    with xarray.open_dataset(folder / "sweep.nc") as file:
+        assert file["verdict"].dtype == np.int8
+        assert file["verdict"].attrs["flag_meanings"].split()[8] == VERDICTS[8].replace(" ", "_")
+        told = [VERDICTS[number] if number >= 0 else "" for number in file["verdict"].values.ravel()]
+        assert told == data["verdict"].values.ravel().tolist()
+    for source in (folder, folder / "sweep.nc", found):
+        again = sw.map(source).dataset
+        assert again["verdict"].values.tolist() == data["verdict"].values.tolist()
+    assert np.array_equal(
+        as_flags(data)["verdict"], [[VERDICTS.index(word) if word else -1 for word in row] for row in data["verdict"].values]
+    )
+
+
+def test_a_point_that_is_too_short_says_how_long_it_would_take(swept):
+    data = swept[0].dataset
+    short = data.verdict == "too short"
+    assert short.values.any()
+    for reason, needed, seconds in zip(*(data[name].values[short] for name in ("reason", "needed", "needed_s")), strict=True):
+        assert reason == f"too short: about {needed:.2g} transits ({seconds:.2g} s) would do"
+    assert (data["reason"].values[~short.values & (data["status"].values == 0)] == "").all()
+    longest = float(data["needed"].max())
+    assert f"runs that are too short have enough cycles with --until {float(f'{longest:.2g}'):g}" in [
+        *swept[0].lines(swept[0].summary)
+    ]
+
+
+def test_a_scene_in_si_has_its_periods_in_seconds(swept):
+    data = swept[0].dataset
+    panels = chart_of_sweep(data).panels
+    assert [panel.traces[-1].name for panel in panels] == ["regime", "period / s", "stress drop / Pa"]
+    assert np.array_equal(panels[1].traces[-1].value, data["period_s"].values.T, equal_nan=True)
+    assert (panels[0].x.second.label, panels[0].y.second.label) == ("r", "V / (m/s)")
+
+
+def test_periods_along_a_changing_transit_are_on_a_clock_that_does_not_change():
+    found = sw.sweep("paper", vary={"log10_r": [-2.7, -2.5, -2.3]}, models="block8", until=3000.0, tol=1e-6, workers=1).dataset
+    panel = chart_of_sweep(found).panels[0]
+    assert panel.y.label == "period / (L/V*)"
+    assert panel.traces[0].y == pytest.approx(found["period"].values * 10.0 ** found["log10_r"].values, rel=1e-12, nan_ok=True)
+    fixed = sw.sweep("paper", vary={"V": [500.0, 2000.0]}, models="block8", until=600.0, tol=1e-6, workers=1).dataset
+    panel = chart_of_sweep(fixed).panels[0]
+    assert panel.y.label == "period / transits"
+    assert np.array_equal(panel.traces[0].y, fixed["period"].values, equal_nan=True)
+
+
+def lattice(axes, **attrs):
+    return xarray.Dataset(
+        {"status": (tuple(axes), np.zeros([len(values) for values, *_ in axes.values()], dtype=int))},
+        coords={name: (name, values, {"long_name": key, "units": unit}) for name, (values, key, unit) in axes.items()}
+        | {"model": "delay"},
+        attrs=attrs,
+    )
+
+
+def test_the_boundary_over_thickness_is_that_over_the_round_trip():
+    """paper-si: r is proportional to the thickness, V to the velocity in m/s."""
+    scene = sw.read_scene("paper-si")
+    thick, rates = np.geomspace(2.0, 8.0, 5), np.geomspace(50.0, 2000.0, 4)
+    trips = [sw.read("paper-si", {"slab.thickness": f"{value} cm"}).transit for value in thick.tolist()]
+    speeds = rates * scene.units.reference_velocity
+    text = sw.show("paper-si")
+    physical = lattice({"h": (thick, "slab.thickness", "cm"), "v": (speeds, "drive.velocity", "m/s")}, scene_toml=text)
+    plain = lattice({"r": (np.log10(trips), "slab.log10_r", "1"), "v": (rates, "drive.velocity", "1")}, scene_toml=text)
+    ours, theirs = (onset_lines(data)[0][0] for data in (physical, plain))
+    per_cm = trips[0] / thick[0]
+    at = np.log10(np.geomspace(60.0, 1900.0, 9))
+    curve = np.interp(
+        at,
+        *np.array(sorted(zip(np.log10(ours.up / scene.units.reference_velocity), np.log10(ours.across * per_cm), strict=True))).T,
+    )
+    assert curve == pytest.approx(
+        np.interp(at, *np.array(sorted(zip(np.log10(theirs.up), theirs.across, strict=True))).T), abs=2e-3
+    )
+
+
+@pytest.mark.parametrize(
+    ("axes", "note"),
+    [
+        ({"h": ([1.0, 2.0], "slab.density", "g/cm3"), "v": ([1.0, 2.0], "drive.velocity", "1")}, "it is not computed over h"),
+        (
+            {"w": (["ageing", "slip"], "interface.law", "1"), "v": ([1.0, 2.0], "drive.velocity", "1")},
+            "it is not computed over w",
+        ),
+        (
+            {"r": ([-2.5, -2.4], "slab.log10_r", "1"), "v": ([100.0, 110.0], "drive.velocity", "1")},
+            "steady sliding does not change its stability on this map",
+        ),
+    ],
+)
+def test_a_map_without_boundary_says_why(axes, note):
+    lines, notes = onset_lines(lattice(axes, scene_toml=sw.show("paper")))
+    assert (lines, [one.partition(": ")[2] for one in notes]) == ((), [note])
+
+
+def test_an_axis_of_words_is_drawn_with_its_words():
+    data = lattice(
+        {"w": (["ageing", "slip", "own"], "interface.law", "1"), "v": ([1.0, 2.0, 4.0], "drive.velocity", "1")},
+        scene_toml=sw.show("paper"),
+    )
+    data["period"] = data["status"].copy(data=np.arange(9.0).reshape(3, 3))
+    (panel, *_) = chart_of_sweep(data.isel(v=0), "period").panels
+    assert (panel.x.ticks, panel.x.limits) == ({0.0: "ageing", 1.0: "slip", 2.0: "own"}, (-0.5, 2.5))
+    draw(chart_of_sweep(data.isel(v=0), "period"))
+    (panel,) = chart_of_sweep(data, "period").panels  # beside numbers each word is a curve
+    assert [trace.name for trace in panel.traces] == ["delay, ageing", "delay, slip", "delay, own"]
+    assert [list(trace.y) for trace in panel.traces] == np.arange(9.0).reshape(3, 3).tolist()
+
+
+def test_points_without_a_regime_are_hatched_by_their_reason():
+    data = lattice({"a": ([1.0, 2.0, 3.0, 4.0], "a", "1"), "b": ([1.0, 2.0], "b", "1")})
+    words = [["periodic", ""], ["too short", ""], ["periodic", "steady"], ["irregular", "torus"]]
+    data["verdict"] = data["status"].copy(data=np.array(words))
+    data["verdict"].attrs["flag_meanings"] = " ".join(word.replace(" ", "_") for word in VERDICTS)
+    data["status"].values[:2, 1] = -1, 2
+    (cells,) = chart_of_sweep(data, "verdict").panels[0].traces
+    told = [[list(cells.look.colors)[number] for number in row] for row in cells.value]
+    assert told == [["periodic", "too short", "periodic", "irregular"], ["not computed", "no figures", "steady", "torus"]]
+    hatched = [one.get_hatch() for one in draw(chart_of_sweep(data, "verdict")).axes[0].patches]
+    assert sorted(hatched) == sorted(HATCHES.values())
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_a_figure_has_the_size_of_a_column(swept, tmp_path, size):
+    found = sw.map(swept[0], size=size, title="Slabs in SI")
+    found.save_plot(tmp_path / "map.png")
+    width = struct.unpack(">I", (tmp_path / "map.png").read_bytes()[16:20])[0]
+    assert width / 300.0 * 2.54 == pytest.approx(SIZES[size], abs=0.01)
+    figure = found.plot()
+    assert figure.get_suptitle() == "Slabs in SI"
+    assert max(text.get_fontsize() for text in figure.findobj(matplotlib.text.Text)) < 9.0
+    with pytest.raises(SceneError, match="must be single or double"):
+        sw.map(swept[0], size="huge")
+
+
+def texts_of(figure):
+    """All that is written: legend, titles, labels, and ticks within their axes."""
+    every = [axes for outer in figure.axes for axes in (outer, *outer.child_axes)]
+    found = [text for legend in figure.legends for text in legend.get_texts()]
+    for axes in every:
+        found += [getattr(axes, "_left_title", axes.title), axes.title]
+        for axis in (axes.xaxis, axes.yaxis):
+            low, high = sorted(axis.get_view_interval())
+            places = zip(axis.get_majorticklocs(), axis.get_majorticklabels(), strict=False)
+            found += [axis.label, *(text for at, text in places if low <= at <= high)]
+    return [text for text in found if text.get_visible() and text.get_text().strip()]
+
+
+@pytest.mark.parametrize("size", [None, *SIZES])
+def test_labels_do_not_collide(swept, size):
+    chart = sw.map(swept[0]).chart()
+    figure = draw(chart if size is None else in_print(chart, size))
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts_of(figure)]
+    assert len(boxes) > 40
+    assert [(one, other) for (one, a), (other, b) in itertools.combinations(boxes, 2) if a.overlaps(b)] == []
+
+
+@pytest.mark.parametrize(("low", "high", "told"), [(1e-5, 1e-4, 3), (50.0, 1000.0, 4), (2e-7, 3e-6, 3), (1.0, 6.0, 4)])
+def test_a_short_logarithmic_scale_has_labelled_ticks(low, high, told):
+    figure = draw(Chart([Panel("", Scale("x", "log", (low, high)), Scale("y", limits=(0.0, 1.0)), [])]))
+    axis = figure.axes[0].xaxis
+    labels = axis.get_major_formatter().format_ticks([at for at in axis.get_majorticklocs() if low <= at <= high])
+    assert len(labels) >= told
+    assert all(labels)
+
+
+def test_edges_of_cells_lie_half_way_on_their_scale():
+    assert cell_edges([1.0, 2.0, 4.0]).tolist() == [0.5, 1.5, 3.0, 5.0]
+    assert cell_edges([1.0, 100.0], "log") == pytest.approx([0.1, 10.0, 1000.0])
+    assert cell_edges([0.0]).tolist() == [-0.5, 0.5]
+    assert cell_edges([100.0, 1000.0]).tolist() == [50.0, 550.0, 1450.0]
+
+
+def test_one_axis_shows_figures_and_regimes_and_one_point_its_run():
+    one = sw.sweep("paper", vary={"V": [500.0, 2000.0]}, models="block8,kelvin-voigt", until=600.0, tol=1e-6, workers=1)
+    *figures, strip = one.chart().panels
+    assert [panel.y.label for panel in figures] == ["period / transits", "stress drop / normal stress"]
+    assert [[VERDICTS[number] for number in row] for row in strip.traces[0].value] == one.dataset["verdict"].values.tolist()
+    assert list(strip.y.ticks.values()) == ["block8", "kelvin-voigt"]
+    point = sw.sweep("paper", vary={"V": [2000.0]}, models="kelvin-voigt", until=200.0, workers=1)
+    assert "friction stress" in point.chart().panels[0].y.label
+    row = [line.split() for line in point.lines(point.summary)][-1]
+    assert row[:3] == ["kelvin-voigt", "2000", "periodic"]
+    assert float(row[3]) == pytest.approx(float(point.dataset["period"].values[0]), rel=1e-6)
+
+
+def test_a_size_keeps_the_figure_in_one_column_or_two():
+    chart = Chart([Panel(str(k), Scale(), Scale(), []) for k in range(3)], 3.6, 3, 12.0)
+    single, double = in_print(chart, "single"), in_print(chart, "double")
+    assert (single.columns, double.columns) == (1, 2)
+    assert single.height == pytest.approx(3.0 * 3.6 * (8.5 / 2.54) / 4.0)
+    assert double.height == pytest.approx(2.0 * 3.6 * (8.5 / 2.54) / 4.0)
+    assert replace(double, height=1.0).is_exact
