@@ -19,6 +19,9 @@ from validation.sweep.map_figures import Line, axes_of, is_logarithmic, other_si
 _PLAIN = {"r": "r", "V/V*": "V"}
 """Label of the other side of an axis in SI -> parameter."""
 
+_FACES = {"coefficient": "reflection", "impedance": "grip_impedance", "stiffness": "grip_stiffness", "mass": "machine_mass"}
+"""Key of a face of both slabs -> parameter, in a scene without units."""
+
 
 class _Side(NamedTuple):
     """An axis as a `parameter` of boundaries: its values times `factor`, or the logarithm of that."""
@@ -39,6 +42,8 @@ def _side(data: Dataset, axis: str) -> _Side | None:
         return None
     values, key = np.asarray(data[axis].values, dtype=float), str(data[axis].attrs.get("long_name", axis))
     name, factor, other = SHORT.get(key, key), 1.0, other_side(data, data[axis])
+    if key.startswith("slab.face.") and "normal_stress" not in data.attrs["scene_toml"]:
+        name = _FACES.get(key.removeprefix("slab.face."), key)
     if other is not None and other.label in _PLAIN:  # the axis is in SI
         name, factor = _PLAIN[other.label], other.factor
     if is_logarithmic(values) and f"log10_{name}" in PARAMETERS:

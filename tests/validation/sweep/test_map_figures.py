@@ -158,6 +158,20 @@ def test_a_map_without_boundary_says_why(axes, note):
     assert (lines, [one.partition(": ")[2] for one in notes]) == ((), [note])
 
 
+def test_the_boundary_over_a_coefficient_is_where_the_stability_changes():
+    axes = {
+        "r": (np.linspace(-2.72, -2.6, 5), "slab.log10_r", "1"),
+        "c": (np.linspace(0.99, 1.0, 3), "slab.face.coefficient", "1"),
+    }
+    (line,) = onset_lines(lattice(axes, scene_toml=sw.show("reflection")))[0]
+    at = len(line.up) // 2
+    stable = [
+        sw.stability("reflection", log10_r=float(line.across[at]) + beside, **{"face.coefficient": float(line.up[at])}).stable
+        for beside in (-1e-4, 1e-4)
+    ]
+    assert stable == [True, False]
+
+
 def test_an_axis_of_words_is_drawn_with_its_words():
     data = lattice(
         {"w": (["ageing", "slip", "own"], "interface.law", "1"), "v": ([1.0, 2.0, 4.0], "drive.velocity", "1")},
