@@ -9,8 +9,9 @@ from slipwave.observe.statistics import Estimate
 from validation.measure.cycle import SYMBOLS
 from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.models.by_name import grid_of
+from validation.references import others
 from validation.references.published import half_digit, reference_orbit
-from validation.report import PAPER, WITNESS, Evidence, Verdict, claim, every, holding
+from validation.report import PAPER, PROGRAM, Evidence, Omission, Verdict, claim, every, holding
 from validation.report.text import minus, places
 
 ERRORS = 4.0
@@ -18,6 +19,9 @@ ERRORS = 4.0
 
 OTHERS = 9e-11
 """How far periods of other programs may be off beyond half of the last digit that is known, relative: those of `block8` are."""
+
+_EXTRAPOLATED = 2e-11
+"""How far values of another program, printed to 15 digits and extrapolated, may be off."""
 
 JUST_BELOW = 0.01
 """Largest relative distance below the onset of a fold that is "just below" it."""
@@ -52,17 +56,30 @@ def error_after(model: str, error: float, coarse: int, fine: int) -> float:
     return float(2.0 * abs(error) * (coarse / fine) ** declared_order(model))
 
 
-def as_known(title: str, model: str, log10_r: float, ours: Mapping[str, float], others: float = OTHERS) -> Iterator[Verdict]:
+def as_known(title: str, model: str, log10_r: float, ours: Mapping[str, float], theirs: float = OTHERS) -> Iterator[Verdict]:
     """Verdict, if anything is known, on figures (names of `Orbit`) of a model's orbit at one r: half of the last known digit is
-    allowed, and what the `others` or we may be off by beyond it, relative; shown is the worst."""
+    allowed, and what `theirs` or ours may be off by beyond it, relative; shown is the worst."""
     known = {name: value for name, value in reference_orbit(model, log10_r).items() if name in ours}
     off = {name: abs(ours[name] / value - 1.0) for name, value in known.items()}
-    allowed = {name: half_digit(value) / abs(value) + others for name, value in known.items()}
+    allowed = {name: half_digit(value) / abs(value) + theirs for name, value in known.items()}
     if known:
         worst = max(known, key=lambda name: off[name] / allowed[name])
         symbols = ", ".join(map(SYMBOLS.__getitem__, known))
         where = f"`{model}` at {places([log10_r])}: {symbols}" + (f"; shown: {SYMBOLS[worst]}" if len(known) > 1 else "")
-        yield claim(title, WITNESS, off[worst], allowed[worst], where)
+        yield claim(title, PROGRAM, off[worst], allowed[worst], where)
+
+
+OTHERS_AT = (8.0, 20.0, 40.0, 100.0)
+"""Times (transits of the upper slab) at which psi of another program is known."""
+
+
+NO_OTHERS = () if others.FILES else (Omission("Results of another program", "They lie in a checkout, not in a wheel."),)
+
+
+def as_foreign(title: str, name: str, psi: Mapping[float, float]) -> Verdict:
+    """Verdict on psi at some times in a scene, by its name in the file of another program, whose values are extrapolated."""
+    off = max(abs(ours - others.sem2dpack()[f"{name}.psi.{t:g}"]) for t, ours in psi.items())
+    return claim(title, PROGRAM, off, _EXTRAPOLATED, f"`{name}`, at t = {places(psi)}")
 
 
 def as_printed(title: str, printed: float, ours: float) -> Verdict:

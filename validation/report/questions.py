@@ -67,7 +67,7 @@ def _asked(question: Question, mine: Sequence[Stored], studies: Sequence[Stored]
     elif question.name == "trust":
         verdicts = verdicts_of(studies)
         kinds = [f"{sum(v.evidence is kind for v in verdicts)} {kind.value}" for kind in Evidence]
-        said += [f"The {len(verdicts)} verdicts rest on five kinds of evidence: {', '.join(kinds)}."]
+        said += [f"The {len(verdicts)} verdicts rest on six kinds of evidence: {', '.join(kinds)}."]
     elif question.name == "changed":
         said = [changed]
     doubts = [

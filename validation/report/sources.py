@@ -22,7 +22,7 @@ _DRAWN_BY = Path(render.__file__)
 _SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in by_name.FAMILIES]
 """Files that `models.by_name` imports by name: only its facts mention them, no import statement does."""
 
-_READ = (".py", ".toml", ".json")
+_READ = (".py", ".toml", ".json", ".csv")
 
 
 def sources_digest(study: Study) -> str:

@@ -23,16 +23,17 @@ class Outcome(StrEnum):
 
 
 class Evidence(StrEnum):
-    """Five kinds of evidence, never mixed: what a claim was compared with."""
+    """Six kinds of evidence, never mixed: what a claim was compared with. A witness is of ours, another program is not."""
 
     EXACT = "exact"
     SELF = "self-convergence"
     WITNESS = "independent witness"
+    PROGRAM = "another program"
     PAPER = "paper"
     ASYMPTOTIC = "asymptotics"
 
 
-EXACT, SELF, WITNESS, PAPER, ASYMPTOTIC = Evidence
+EXACT, SELF, WITNESS, PROGRAM, PAPER, ASYMPTOTIC = Evidence
 
 RUN_TIMES = ("s", "ms", "μs", "of times")
 """Units of columns that hold run times, or ratios of run times; in sentences these stand between ~{ and }."""
@@ -109,7 +110,7 @@ def claim(
     check that agrees to the last bit, which was compared with itself. A claim of the paper that does not hold is a finding, no
     failure of this program. `shown`: text appended to the remark."""
     size = abs(ours - near)
-    holds = size < within and not (evidence is WITNESS and size == 0.0)
+    holds = size < within and not (evidence in (WITNESS, PROGRAM) and size == 0.0)
     outcome, known = judge(holds, _otherwise(evidence)), size if math.isfinite(size) else None
     expected, found = (f"{words} {unit}".strip() for words in around(near, ours, within))
     remark = "; ".join(filter(None, (remark, shown)))

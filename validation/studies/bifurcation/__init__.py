@@ -11,7 +11,7 @@ from validation.references.published import half_digit, reference
 from validation.report import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
 from validation.report.known import JUST_BELOW
 from validation.report.text import minus, plain
-from validation.report.verdict import EXACT, WITNESS, Verdict, claim, holding, of_paper
+from validation.report.verdict import EXACT, PROGRAM, WITNESS, Verdict, claim, holding, of_paper
 from validation.studies.bifurcation.charts import CAPTION, PLANES, diagram, orbits_in_planes
 from validation.studies.bifurcation.doubling import PAIRS, Doubled, bubble, doubled, doubling_verdicts
 from validation.studies.bifurcation.folds import fold_at, fold_verdicts, folds_over_drive
@@ -188,7 +188,7 @@ def published(branches: Iterable[Branch]) -> Iterator[Verdict]:
         off, allowed = max(errors, key=lambda one: one[0] / one[1])
         others = "AUTO-07p" if branch.model == "kelvin-voigt" else "lifted shooting and DDE-BIFTOOL"
         remark = f"`{branch.model}`: log_{{10}} r of {len(pairs)} points, Hopf point included, against {others}"
-        yield claim("Special points are where other programs find them", WITNESS, off, allowed, remark)
+        yield claim("Special points are where other programs find them", PROGRAM, off, allowed, remark)
 
 
 def index(branches: Iterable[Branch]) -> Verdict:

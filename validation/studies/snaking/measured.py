@@ -25,7 +25,7 @@ from validation.measure.over_r import Branch, scene_at
 from validation.models.build import build
 from validation.models.orbit_start import BEGIN, state_on
 from validation.references.published import reference
-from validation.report import ASYMPTOTIC, SELF, WITNESS, Verdict, claim, every, holding
+from validation.report import ASYMPTOTIC, PROGRAM, SELF, WITNESS, Verdict, claim, every, holding
 from validation.report.text import minus
 
 _MOST = 9000.0
@@ -207,5 +207,5 @@ def on_torus(rotation: float, period: Estimate) -> Iterator[Verdict]:
     title = "A run on the torus has the rotation number and the mean period that another program finds"
     known = reference()["torus"]
     where = minus(f"log_{{10}} r = {known['log10_r']:g}")
-    yield claim(title, WITNESS, rotation, _ROTATION, f"rotation number, {where}", near=known["rotation_number"])
-    yield claim(title, WITNESS, period.value, period.error, f"mean T with its margin, {where}", near=known["mean_period"])
+    yield claim(title, PROGRAM, rotation, _ROTATION, f"rotation number, {where}", near=known["rotation_number"])
+    yield claim(title, PROGRAM, period.value, period.error, f"mean T with its margin, {where}", near=known["mean_period"])

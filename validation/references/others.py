@@ -1,0 +1,32 @@
+"""Results of programs that nobody here wrote (docs/benchmark/others), extrapolated to steps of length zero."""
+
+import csv
+from functools import cache
+
+import numpy as np
+
+from slipwave.sources import ROOT
+
+SEM2DPACK = "SEM2DPACK 2.3.8"
+_FILE = ROOT / "docs" / "benchmark" / "others" / "sem2dpack.csv"
+FILES = (_FILE,) if _FILE.exists() else ()
+"""The files that a checkout has; a wheel has none."""
+_POWERS = (0, 2, 3, 4)
+"""Of the step, in its error: Newmark's scheme is of order 2."""
+
+
+@cache
+def sem2dpack(scheme: str = "newmark") -> dict[str, float]:
+    """id -> value of SEM2DPACK, extrapolated from its runs at the four shortest steps. A row with fewer runs is left out."""
+    runs: dict[str, dict[float, float]] = {}
+    with _FILE.open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            if row["scheme"] == scheme:
+                runs.setdefault(row["id"], {})[1.0 / float(row["steps_per_transit"])] = float(row["value"])
+    return {name: _extrapolated(values) for name, values in runs.items() if len(values) >= len(_POWERS)}
+
+
+def _extrapolated(values: dict[float, float]) -> float:
+    steps = np.array(sorted(values)[: len(_POWERS)])
+    powers = (steps[:, None] / steps[0]) ** np.array(_POWERS)
+    return float(np.linalg.solve(powers, [values[step] for step in steps])[0])
