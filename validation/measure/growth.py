@@ -1,19 +1,14 @@
 """Growth rate of a small disturbance, measured in a run."""
 
 import dataclasses
-from collections.abc import Mapping
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from reduced.stability.characteristic import characteristic
-from reduced.stability.spectrum import unstable_count
 from slipwave.observe import HistoryObserver
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start
 from slipwave.solve import Solver, follow
-from validation.models.by_name import one_port_of
-from validation.models.parameter import Variation
 
 BEFORE, AFTER = 60.0, 160.0
 STEP = 0.25
@@ -38,10 +33,3 @@ def measured_root(solver: Solver) -> complex:
     twice_cosine, product = np.linalg.lstsq(rows, x[2 * gap :], rcond=None)[0]
     roots = np.roots([1.0, -twice_cosine, -product])
     return complex(np.log(roots[np.argmax(roots.imag)])) / (gap * STEP)
-
-
-def counted_roots(scene: Scene, model: str, changes: Mapping[str, float]) -> int:
-    """The certified number of growing roots of steady sliding of `model`, with `changes` of the scene (keys of axes)."""
-    scenes = Variation(scene)
-    changed = scenes.scene({scenes.key_of(key): value for key, value in changes.items()})
-    return unstable_count(characteristic(changed, one_port_of(model)))

@@ -202,10 +202,12 @@ PLACES = {
         Place("onset:analyse", (part("log10_r_c"),), unjudged=("paper",), few=True),
     ),
     "energy": (Place("energy:balance", (lambda found: (found[0] | {"residual": found[0]["residual"] + 1e-6}, found[1]),)),),
-    "partial-reflection": (
-        Place("partial_reflection:settled_cycle_of"),
-        Place("partial_reflection:end_of"),
-        Place("partial_reflection:states_in_grips", (lambda pair: (pair[0], 1.001 * pair[1]),)),
+    "reflection": (
+        Place("reflection:state_at", S, 2),
+        Place("reflection:face_onset"),
+        Place("reflection:motion_at", (DISPLACED,)),
+        Place("reflection:branch_points", (each(part("log10_r")),)),
+        Place("reflection:relative_costs"),
     ),
     "which-model": (
         Place("which_model:costs_at"),
@@ -229,11 +231,11 @@ PLACES = {
         Place("regime_map:model_regimes", (lambda found: np.roll(found, 4, axis=0),)),
     ),
     "asymmetry": (
-        Place("asymmetry:state_of", S, 1),
-        Place("asymmetry:error_of_delay"),
-        Place("asymmetry:swept_ratios"),
-        Place("asymmetry:growing_roots", (lambda counts: counts[::-1],)),
-        Place("asymmetry:model_regimes", (lambda found: np.roll(found, 2, axis=0),)),
+        Place("asymmetry:state_at", S, 2),
+        Place("asymmetry:period_as_two", S),
+        Place("asymmetry:motion_at", (DISPLACED,)),
+        Place("asymmetry:fold_of", (part("log10_r"),)),
+        Place("asymmetry:relative_costs"),
     ),
     "bifurcation": (
         Place("bifurcation:branch_of", (part("onset.parameter"),)),

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 
 from validation.chart import WIDTH, Chart, Panel, Scale, Trace
 from validation.chart.looks import model_marks
+from validation.measure.on_record import on_record
 from validation.measure.over_r import scene_at
 from validation.measure.regimes import Regime, regime_of
 from validation.report import Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, stated
@@ -14,7 +15,7 @@ from validation.report.model_table import ModelColumn, ModelTable
 from validation.report.text import places, power
 from validation.studies.which_model import judged, laws, periods, scenes
 from validation.studies.which_model.judged import WAVE, ByModel
-from validation.studies.which_model.means import on_record, paper_at, record_verdicts
+from validation.studies.which_model.means import paper_at, record_verdicts
 
 NAME = "which-model"
 QUESTION = "Which model may I use, at what error, at what cost?"

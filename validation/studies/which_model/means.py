@@ -1,37 +1,20 @@
-"""Means of motions that never repeat: a record of runs so long that their errors are small beside the 1 % that they judge. A
-report reads it and computes a few again; `python -m tests.verification.means` makes it."""
+"""Means of motions that never repeat: of runs so long that their errors are small beside the 1 % that they judge
+(`validation.measure.on_record`). A report computes a few again."""
 
-import json
 import math
 from collections.abc import Callable, Iterator
-from functools import cache
-from pathlib import Path
 
-from pydantic import TypeAdapter
-
+from validation.measure.on_record import motions
 from validation.measure.regimes import TOLERANCE, Regime
-from validation.references import published
 from validation.report import SELF, Verdict, claim, every
 from validation.report.advice import JUDGED
 from validation.report.known import ERRORS
 from validation.report.text import places
 
-RECORD = Path(published.__file__).with_name("means.json")
 _AGAIN = (-2.65, -2.5)
 """log10 r at which motions of the paper's scene are computed again. On a torus they stay near each other, so that means repeat;
 an irregular motion differs between processors, so that its mean repeats within its error."""
 _SHORT = 10000.0  # transits
-
-
-@cache
-def recorded() -> dict[str, dict[str, Regime]]:
-    """The motions on record: model -> scene and options, as in a command -> motion."""
-    return TypeAdapter(dict[str, dict[str, Regime]]).validate_python(json.loads(RECORD.read_bytes())["means"])
-
-
-def on_record(model: str, settings: str) -> Regime | None:
-    """The motion of a model, given its scene and options."""
-    return recorded().get(model, {}).get(settings)
 
 
 def paper_at(log10_r: float) -> str:
@@ -41,9 +24,9 @@ def paper_at(log10_r: float) -> str:
 
 def record_verdicts(again: Callable[[str, float, float], Regime]) -> Iterator[Verdict]:
     """Whether the present code, `again` (model, log10 r, transits), has the means on record."""
-    found = [(model, x, by_scene.get(paper_at(x))) for model, by_scene in recorded().items() for x in _AGAIN]
+    places_of = {paper_at(x): x for x in _AGAIN}
     repeated = []
-    for model, x, one in ((model, x, one) for model, x, one in found if one and one.cycles):
+    for model, x, one in ((model, places_of[scene], one) for (model, scene), one in motions().items() if scene in places_of):
         torus = one.words == "torus"
         now = again(model, x, float(one.command.split()[2]) if torus else _SHORT)
         pairs = [(now.figures[symbol], one.figures[symbol]) for symbol in JUDGED if symbol in now.figures]

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 import slipwave
+from validation.measure.in_words import able
 from validation.measure.regimes import UNTRIED, Regime, regime_of
 from validation.report import Cell, Number, Table, table
 from validation.report.compared import EXACT_MODEL, compared_table, critical_r
@@ -58,13 +59,9 @@ def regime_there(model: str, where: Place, until: float, cells: int | None, tole
     """The regime of a run to `until`, and its orbit to the `tolerance`; UNTRIED where the model cannot compute the scene, or
     where a rational fit would find the modes of another model."""
     scene = where[1]
-    if not _able(model, scene) or (model.startswith("fitted:") and _able(f"modal:{model[7:]}", scene)):
+    if not able(model, scene) or (model.startswith("fitted:") and able(f"modal:{model[7:]}", scene)):
         return Regime(UNTRIED)
     return regime_of(model, scene, until, cells, tolerance)
-
-
-def _able(model: str, scene: slipwave.Scene) -> bool:
-    return model.partition(":")[0] in (pattern.partition(":")[0] for pattern in slipwave.models(scene))
 
 
 def scene_table(places: Sequence[Place], regimes: Mapping[str, Sequence[Regime]]) -> ModelTable:

@@ -1,0 +1,117 @@
+"""Models over so many scenes that a table has one row a model: how often each is right, its largest errors, and which is the
+first that may be used everywhere. Motions are on record (`validation.measure.on_record`)."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+from slipwave.observe.statistics import Estimate
+from validation.measure.on_record import on_record
+from validation.measure.regimes import UNDECIDED, UNKNOWN, Regime
+from validation.report import SELF, WITNESS, Table, Verdict, claim, every, table
+from validation.report.advice import GOOD, JUDGED, is_good
+from validation.report.compared import EXACT_MODEL, compared_table
+from validation.report.known import ERRORS
+from validation.report.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
+from validation.report.text import minus
+from validation.report.verdict import ROUNDING
+
+_SHORT = 20000.0  # transits
+
+
+def recorded_table(
+    name: str, columns: Sequence[ModelColumn], models: Iterable[str], costed: str, costs: dict[str, float]
+) -> ModelTable:
+    """The motions on record of every model in the scenes of the `columns`, against the exact ones; `costs` in the column
+    titled `costed`. A model without a motion there counts as undecided."""
+    found = {model: [on_record(model, one.settings) or Regime(UNDECIDED) for one in columns] for model in models}
+    return compared_table(name, "", "scene", columns, found, {}, {costed: costs})
+
+
+def summary(found: ModelTable, where: str, remark: str = "") -> Table:
+    """One row a model; the largest errors by the groups of the columns. `where` names the scenes, `remark` ends the caption."""
+    groups = list(dict.fromkeys(one.group for one in found.columns))
+    rows = []
+    for row in found.rows[1:]:
+        cells = _decided(found, row)
+        right = sum(cell.right for _, cell in cells)
+        largest = [_largest(cells, symbol, group) for group in groups for symbol in JUDGED]
+        good, of = _good(found, row.model)
+        rows.append([row.model, f"{right} of {len(cells)}", *largest, f"{good} of {of}", row.costs[0]])
+    each = " | ".join(f"{group}: T [%] | Δμ [%]" for group in groups)
+    caption = (
+        f"Reduced models {where}: in how many the regime is the exact one; the largest errors, with two standard errors where "
+        f"they are of means; in how many the model is good (right regime, T and Δμ right to {100.0 * GOOD:g} % or to that and "
+        f"two standard errors); processor time over that of the delay system in {found.costed[0]}.{remark}"
+    )
+    return table("models", caption, f"model | right regime | {each} | good | cost [of times] .2g", rows)
+
+
+def first_in_words(found: ModelTable, ladder: Sequence[str], where: str) -> str:
+    """Which model of the ladder is the first that is right everywhere, and in how many scenes the others are."""
+    first = _first(found, ladder)
+    beyond = ladder[ladder.index(first) :]
+    others = ", ".join(f"`{row.model}` in {_good(found, row.model)[0]}" for row in found.rows[1:] if row.model not in beyond)
+    return (
+        f"`{first}` is the first ODE right to {100.0 * GOOD:g} % {where} ({_good(found, first)[1]} motions); "
+        f"of the others good are {others}."
+    )
+
+
+def first_good(found: ModelTable, ladder: Sequence[str], title: str) -> Verdict:
+    """Whether a model of the `ladder` is good everywhere."""
+    first = _first(found, ladder)
+    return every(title, WITNESS, *_good(found, first), f"`{first}`, every motion that both decide", "motions")
+
+
+def repeated(
+    title: str, again: Iterable[tuple[str, ModelColumn]], motion_at: Callable[[str, str, float], Regime]
+) -> Iterator[Verdict]:
+    """Whether the present code has the motions on record of some models in columns: orbits but for rounding, means within their
+    errors."""
+    for model, column in again:
+        known, now = on_record(model, column.settings), motion_at(model, column.settings, _SHORT)
+        where = f"`{model}`, {column.title}: T and Δμ"
+        if not (known and known.figures and now.figures):
+            yield claim(title, SELF, math.nan, 1.0, where)
+        elif known.cycles:
+            off = (abs(now.figures[one].value - known.figures[one].value) / now.figures[one].error for one in JUDGED)
+            yield claim(title, SELF, max(off), ERRORS, where, unit="standard errors")
+        else:
+            off = (abs(now.figures[one].value / known.figures[one].value - 1.0) for one in JUDGED)
+            yield claim(title, SELF, max(off), ROUNDING, where)
+
+
+def with_bar(one: Estimate | None, scale: float = 1.0) -> str | None:
+    """A figure times `scale`, with the digits that its error leaves, and with two standard errors if it is a mean."""
+    if one is None:
+        return None
+    bar = 2.0 * one.error * scale
+    digits = min(6, max(2, 1 - math.floor(math.log10(bar)))) if bar > 0.0 else 6
+    return f"{one.value * scale:.{digits}f}" + (f" ± {bar:.{digits}f}" if bar > 1e-6 else "")
+
+
+def _decided(found: ModelTable, row: ModelRow) -> list[tuple[ModelColumn, ModelCell]]:
+    """The cells of a model in the scenes where its regime and the exact one are known."""
+    cells = zip(found.columns, found.row(EXACT_MODEL).cells, row.cells, strict=True)
+    return [(one, cell) for one, exact, cell in cells if {exact.regime, cell.regime}.isdisjoint(UNKNOWN)]
+
+
+def _largest(cells: Sequence[tuple[ModelColumn, ModelCell]], symbol: str, group: str) -> str | None:
+    """The largest error of a quantity in a group, in per cent, with two standard errors if it is one of means."""
+    errors = [cell.figures[symbol] for one, cell in cells if one.group == group and symbol in cell.figures]
+    errors = [one for one in errors if one.error is not None]
+    if not errors:
+        return None
+    worst = max(errors, key=lambda one: abs(one.error or 0.0))
+    bar = 200.0 * worst.standard_error
+    return minus(f"{100.0 * (worst.error or 0.0):+.2g}") + (f" ± {bar:.1g}" if bar > 1e-4 else "")
+
+
+def _good(found: ModelTable, model: str) -> tuple[int, int]:
+    """In how many scenes the model is good, of how many."""
+    cells = [cell for _, cell in _decided(found, found.row(model))]
+    return sum(map(is_good, cells)), len(cells)
+
+
+def _first(found: ModelTable, ladder: Sequence[str]) -> str:
+    return next((model for model in ladder if len(set(_good(found, model))) == 1), ladder[-1])

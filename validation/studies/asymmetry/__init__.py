@@ -1,0 +1,273 @@
+"""Slabs that differ: what the ratio of round trips changes, and that of impedances with it, at one impedance and one stiffness
+of the interface; where stick-slip ends; the exact solution against full waves and another program; which model may be used."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import slipwave as sw
+from validation.chart import DASHED, DOTTED, INK, Chart, Look, Panel, Scale, Trace
+from validation.measure.in_words import motion_at, scene_of, state_at
+from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
+from validation.measure.regimes import UNDECIDED, Regime
+from validation.references import others
+from validation.report import SELF, WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Table, stated, table
+from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
+from validation.report.everywhere import first_good, first_in_words, recorded_table, repeated, summary, with_bar
+from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign
+from validation.report.model_table import ModelColumn
+from validation.report.text import minus, places, plain
+from validation.report.verdict import ROUNDING, Verdict, claim
+from validation.studies.asymmetry.pairs import IMPEDANCE, IMPEDANCES, ROUND_TRIPS, Pair, pairs_at
+
+NAME = "asymmetry"
+QUESTION = "What does it change that the slabs differ, and which model may be used for them?"
+SCENES = ("unlike", "unlike-irrational", "layered", "paper")
+FILES = (MOTIONS, SPECIAL_POINTS, *others.FILES)
+SECONDS = (15.0, 30.0)
+
+LOG10_R = (-2.68, -2.6)
+PAIRS = tuple(pair for log10_r in LOG10_R for pair in pairs_at(log10_r))
+MODELS = (EXACT_MODEL, "modal:8", "modal:4", "modal:2", "kelvin-voigt", "block8", "block12", "quasidynamic")
+UNTIL = 600.0
+TOLERANCE = 1e-11
+"""Tolerance of the delay system."""
+
+_LADDER = ("modal:2", "modal:4", "modal:8")
+_COSTED = Pair(3.0, 2.0, -2.68)
+_WITNESSED = {
+    "unlike": "round trips 2 : 1",
+    "unlike-irrational": "round trips √2 : 1",
+    Pair(10.0, 5.0, -2.68).settings: "round trips 5 : 1",
+}
+_GRIDS = {True: (("dg:7", 4), ("sbp:6", 64)), False: (("dg:7", 6), ("sbp:6", 96))}
+"""Quick report -> full waves and cells per slab."""
+_AGAIN = {
+    True: ((EXACT_MODEL, Pair(3.0, 5.0, -2.68)), ("modal:4", Pair(3.0, 10.0, -2.68)), (EXACT_MODEL, Pair(3.0, 2.0, -2.6))),
+    False: (
+        (EXACT_MODEL, Pair(10.0, 10.0, -2.68)),
+        ("modal:4", Pair(1.0, 10.0, -2.68)),
+        ("block8", Pair(3.0, 3.0, -2.6)),
+        ("kelvin-voigt", Pair(10.0, 2.0, -2.6)),
+        ("modal:8", Pair(1.0, 5.0, -2.6)),
+    ),
+}
+"""Quick report -> motions on record that are computed again; a full report computes both."""
+
+
+def run(budget: Budget) -> StudyResult:
+    """March three scenes with full waves; orbits of pairs of equal round trips; a few motions and folds on record again."""
+    delay = {name: state_at(name, UNTIL, tol=TOLERANCE) for name in _WITNESSED}
+    coarse = {name: state_at(name, UNTIL, tol=10.0 * TOLERANCE) for name in _WITNESSED}
+    known = {name: max(ROUNDING, abs(coarse[name] - psi)) for name, psi in delay.items()}
+    grids = _GRIDS[budget.quick]
+    waves = {(name, of): state_at(name, UNTIL, of, cells=n, time="explicit") for name in _WITNESSED for of, n in grids}
+    budget.report(0.4)
+    alike, *two = map(period_as_two, IMPEDANCES)
+    exact = {pair: on_record(EXACT_MODEL, pair.settings) or Regime(UNDECIDED) for pair in PAIRS}
+    ends = {pair: end_of(pair) for pair in pairs_at(LOG10_R[0])}
+    budget.report(0.6)
+    timed, rounds = [one for one in MODELS if one != "quasidynamic"], 3 if budget.quick else 5
+    costs = relative_costs(timed, {}, scene_of(_COSTED.settings), rounds)
+    compared = recorded_table(NAME, [_column(pair) for pair in PAIRS], MODELS, _COSTED.title, costs)
+    again = [(model, _column(pair)) for model, pair in _AGAIN[True] + (() if budget.quick else _AGAIN[False])]
+    return StudyResult(
+        answers=_answers(exact, ends, alike, first_in_words(compared, _LADDER, "at every p and q of the table")),
+        figures=(
+            Figure("periods", _PERIODS, lambda: periods(exact)),
+            Figure("ends", _ENDS, lambda: ends_over_ratio(ends)),
+        ),
+        tables=(_motions(exact, ends), summary(compared, "over all pairs of the table of motions", _FITTED)),
+        verdicts=(
+            *_one_pair(alike, two),
+            *_agreements(delay, waves, known),
+            *_foreign(),
+            first_good(compared, _LADDER, f"{_FIRST} has the exact regimes, and T and Δμ to 1 %"),
+            *repeated("Motions of pairs on record are found again", again, motion_at),
+            *_folds_again(ends),
+        ),
+        numbers={f"{name}: ψ({UNTIL:.0f})": stated(delay[name], known[name]) for name in SCENES[:2]}
+        | {f"T at q = {one.impedances:g}, p = {one.round_trips:.4g}": _number(exact[one], one) for one in _settled(exact)},
+        omissions=NO_OTHERS,
+    )
+
+
+_FIRST = "The first modal ladder that is good in every pair"
+_FITTED = " `fitted:N` finds the modes of `modal:N` in these slabs."
+
+
+def _column(pair: Pair) -> ModelColumn:
+    scene = scene_of(pair.settings)
+    over_onset = scene.transit / critical_r(EXACT_MODEL, scene)
+    return ModelColumn(pair.title, pair.log10_r, over_onset, f"log_{{10}} r = {places([pair.log10_r])}", pair.settings)
+
+
+def period_as_two(impedances: float) -> float:
+    """Period of the orbit at equal round trips, of the two slabs as such: the upper one is written in halves, which hides that
+    one slab is sufficient."""
+    scene, halves = scene_of(Pair(impedances, 1.0, LOG10_R[0]).settings), [{"fraction": 0.5, "impedance": 1.0}] * 2
+    scene = sw.read(scene, {"upper.layers": halves}) if impedances > 1.0 else scene
+    return float(sw.orbit(scene, EXACT_MODEL, tol=TOLERANCE).summary["period"])
+
+
+def fold_of(pair: Pair) -> KnownPoint:
+    """The first fold of the pair's branch: the least r with cycles near the onset."""
+    scene = scene_of(pair.settings)
+    onset = math.log10(critical_r(EXACT_MODEL, scene))
+    found = sw.branch(scene, {"log10_r": (onset - 0.02, onset + 0.01)}, model=EXACT_MODEL, stop_at="LP", tol=1e-9)
+    fold = found.summary["special"][-1]
+    return KnownPoint(fold["type"], fold["log10_r"], fold["period"])
+
+
+def end_of(pair: Pair) -> tuple[float, float]:
+    """log10 r of the alike slabs at the onset of stick-slip and at the fold where its cycles end."""
+    shift = math.log10(pair.clock)
+    (fold,) = special_points().get(pair.settings, (KnownPoint("LP", math.nan, math.nan),))
+    return math.log10(critical_r(EXACT_MODEL, scene_of(pair.settings))) - shift, fold.log10_r - shift
+
+
+def _settled(exact: Mapping[Pair, Regime]) -> Iterator[Pair]:
+    """The pairs whose motion repeats once a cycle."""
+    yield from (pair for pair, motion in exact.items() if motion.words == "periodic" and pair.log10_r == LOG10_R[0])
+
+
+def _number(motion: Regime, pair: Pair) -> Number:
+    period = motion.figures["T"]
+    return stated(period.value * pair.clock, max(period.error, 1e-9 * period.value) * pair.clock)
+
+
+def _answers(
+    exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]], alike: float, of_models: str
+) -> tuple[StudyAnswer, ...]:
+    near = {
+        pair: motion.figures["T"].value * pair.clock
+        for pair, motion in exact.items()
+        if pair.log10_r == LOG10_R[0] and motion.figures
+    }
+    least = min(near, key=near.__getitem__)
+    first = ends[pairs_at(LOG10_R[0])[0]]
+    lower = max(first[0] - onset for onset, _ in ends.values())
+    width = [onset - fold for onset, fold in ends.values()]
+    return (
+        StudyAnswer(
+            "With rigid faces and equal round trips the interface cannot tell slabs of any impedances from alike ones of "
+            f"ε = 2 Z, 1/Z = 1/ε_{{1}} + 1/ε_{{2}}: T = {alike:.9f} at q = {_listed(IMPEDANCES)}. Where round trips differ, "
+            f"{of_models}",
+            ("Slabs of equal round trips", _FIRST, "Motions of pairs"),
+        ),
+        StudyAnswer(
+            "What counts is the ratio p of round trips, and with it that of impedances, q: at one Z and one stiffness T "
+            "falls from "
+            f"{alike:.1f} to {near[least]:.1f} transits of the alike slabs at q = {least.impedances:g}, p = "
+            f"{least.round_trips:g}, "
+            f"and log_{{10}} r = {places(LOG10_R[:1])}.",
+            ("Motions of pairs",),
+        ),
+        StudyAnswer(
+            f"Stick-slip begins at nearly the same r: the onset lies lower by at most {lower:.4f} in log_{{10}} r, and cycles "
+            f"go on {min(width):.4f} to {max(width):.4f} below it.",
+            ("Folds on record",),
+        ),
+        StudyAnswer(
+            f"The exact solution agrees with full waves{f' and with {others.SEM2DPACK}' if others.FILES else ''}.",
+            ("Unlike slabs: ψ", *(("Another program",) if others.FILES else ())),
+        ),
+    )
+
+
+def _listed(values: tuple[float, ...]) -> str:
+    return f"{places(values[:-1])} and {values[-1]:g}"
+
+
+def _one_pair(alike: float, two: list[float]) -> Iterator[Verdict]:
+    title = "Slabs of equal round trips have the period of alike slabs, marched as two slabs"
+    for ratio, period in zip(IMPEDANCES[1:], two, strict=True):
+        yield claim(title, WITNESS, period / alike - 1.0, 1e-12, f"orbit by `{EXACT_MODEL}`, impedances {ratio:g} : 1")
+
+
+def _agreements(
+    delay: Mapping[str, float], waves: Mapping[tuple[str, str], float], known: Mapping[str, float]
+) -> Iterator[Verdict]:
+    title = f"Unlike slabs: ψ({UNTIL:.0f}) of the delay network and of two full waves agree"
+    for (name, model), psi in waves.items():
+        yield claim(title, WITNESS, psi - delay[name], known[name], f"`{model}`, {_WITNESSED[name]}")
+
+
+def _foreign() -> Iterator[Verdict]:
+    title = f"Another program, {others.SEM2DPACK}, has the exact solution’s ψ in slabs that differ and in layers"
+    for name in SCENES[:3] if others.FILES else ():
+        yield as_foreign(title, name, {t: state_at(name, t, tol=1e-12) for t in OTHERS_AT})
+
+
+def _folds_again(ends: Mapping[Pair, tuple[float, float]]) -> Iterator[Verdict]:
+    title = "Folds on record of pairs are found again"
+    for pair in (Pair(3.0, 2.0, LOG10_R[0]), Pair(10.0, math.sqrt(2.0), LOG10_R[0])):
+        off = fold_of(pair).log10_r - math.log10(pair.clock) - ends[pair][1]
+        yield claim(title, SELF, off, ROUNDING, f"log_{{10}} r, q = {pair.impedances:g}, p = {pair.round_trips:.4g}")
+
+
+def _motions(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]]) -> Table:
+    rows = []
+    for pair, (onset, fold) in ends.items():
+        row: list[Any] = [pair.impedances if pair.round_trips > 1.0 else "any", pair.round_trips, onset, fold]
+        for log10_r in LOG10_R:
+            at = pair._replace(log10_r=log10_r)
+            figures = exact[at].figures
+            row += [exact[at].words, *(with_bar(figures.get(name), scale) for name, scale in (("T", at.clock), ("Δμ", 1.0)))]
+        rows.append(row)
+    each = " | ".join(f"log_{{10}} r = {places([x])} | T [transits] | Δμ [σ]" for x in LOG10_R)
+    return table("motions", _MOTIONS, f"q .3g | p .5g | onset, log_{{10}} r .6f | fold .6f | {each}", rows)
+
+
+_CLOCK = "in transits of the alike slabs, a clock that does not change"
+_HELD = f"Z = {plain(IMPEDANCE)} and the interface’s stiffness Z/r as in the paper’s scene"
+_MOTIONS = (
+    f"The exact motion over the ratios of impedances q and of round trips p, lower over upper slab, at {_HELD}: onset of "
+    f"stick-slip and the fold below which it has no cycles, log_{{10}} r of the alike slabs; regimes, periods {_CLOCK}, and "
+    "stress drops at two r, where motions do not repeat means with two standard errors."
+)
+_PERIODS = f"Period of the exact motion over the ratio of round trips, at {_HELD}, {_CLOCK}. Bars: two standard errors of means."
+_ENDS = "Where stick-slip begins and ends over the ratio of round trips: onset (solid) and fold (dashed), log_{10} r."
+_COLORS = (INK, "#0072b2", "#d55e00")
+_RATIO = "ratio of round trips $p$"
+_TICKS = {1.0: "1", 2.0: "2", 3.0: "3", 5.0: "5", 10.0: "10"}
+
+
+def _of(impedances: float, log10_r: float) -> list[Pair]:
+    """Pairs over the ratio of round trips."""
+    return [Pair(impedances if p > 1.0 else 1.0, p, log10_r) for p in ROUND_TRIPS]
+
+
+def periods(exact: Mapping[Pair, Regime]) -> Chart:
+    """T over p, one line for each q, at both r."""
+    panels = []
+    for log10_r in LOG10_R:
+        traces = []
+        for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):
+            known = [(pair, exact[pair].figures.get("T")) for pair in _of(q, log10_r)]
+            values = [one.value * pair.clock if one else math.nan for pair, one in known]
+            bars = [2.0 * one.error * pair.clock if one else 0.0 for pair, one in known]
+            look = Look(color, DOTTED, marker=marker)
+            traces.append(Trace(f"$q = {q:g}$", ROUND_TRIPS, values, look, y_error=bars))
+        panels.append(
+            Panel(
+                rf"$\log_{{10}} r = {minus(f'{log10_r:g}')}$",
+                Scale(_RATIO, "log", ticks=_TICKS),
+                Scale("$T$ (transits of alike slabs)"),
+                traces,
+                grid=True,
+            )
+        )
+    return Chart(panels, 3.4, 2, legend="outside upper left", legend_columns=3)
+
+
+def ends_over_ratio(ends: Mapping[Pair, tuple[float, float]]) -> Chart:
+    """Onset and fold over p."""
+    traces = []
+    for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):
+        known = [ends[pair] for pair in _of(q, LOG10_R[0])]
+        onset, fold = ([pair[which] for pair in known] for which in (0, 1))
+        traces.append(Trace(f"onset, $q = {q:g}$", ROUND_TRIPS, onset, Look(color, marker=marker)))
+        traces.append(Trace(f"fold, $q = {q:g}$", ROUND_TRIPS, fold, Look(color, DASHED, marker=marker, hollow=True)))
+    panel = Panel("", Scale(_RATIO, "log", ticks=_TICKS), Scale(r"$\log_{10} r$ of alike slabs"), traces, grid=True)
+    return Chart([panel], 3.4, width=5.6, legend="outside right center")
