@@ -30,7 +30,7 @@ from validation.data.datasets import Dataset
 from validation.sweep.axes import Axis, axis_of
 from validation.sweep.boundaries import onset_lines
 from validation.sweep.gather import dataset_of, filled_arrays
-from validation.sweep.map_figures import chart_of_sweep
+from validation.sweep.map_figures import chart_of_sweep, figures_on_clock
 from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Plan
 from validation.sweep.store import STATUS, Store
@@ -204,20 +204,17 @@ class SweepResult(Result):
             if name not in ("status", *words) and values.ndim == 1 and values.dtype.kind == "f"
         ]
         shown = usual or others[:3]
+        figures = [figures_on_clock(self.dataset, name) for name in shown]
+        labels = [
+            label.removesuffix(" / transits").removesuffix(" / normal stress").removesuffix(" / V*") for _, label in figures
+        ]
         rows = []
         for point in range(plan.size):
             where = [str(value) if isinstance(value, str) else f"{value:.7g}" for value in plan.changes(point).values()]
             said = [measure.words[name][arrays[name][point]] if arrays[name][point] >= 0 else "-" for name in words]
-            rows.append(
-                [
-                    plan.model(point),
-                    *where,
-                    *said,
-                    *(rounded(arrays[name][point], 7) for name in shown),
-                    str(arrays["reason"][point]),
-                ]
-            )
-        return ["model", *(axis.name for axis in plan.axes), *words, *(name.replace("_", " ") for name in shown), ""], rows
+            told = [rounded(float(values.values.ravel()[point]), 7) for values, _ in figures]
+            rows.append([plan.model(point), *where, *said, *told, str(arrays["reason"][point])])
+        return ["model", *(axis.name for axis in plan.axes), *words, *labels, ""], rows
 
     def chart(self) -> Chart:
         """The map over two axes with the boundary of stability, the figures over one, or the motion at the only point."""

@@ -137,7 +137,7 @@ def _cells(data: Dataset, names: Sequence[str], column: str) -> list[Trace]:
     there, turned = Look(kind="cells", colors=words, hatches=HATCHES), numbers.transpose(names[1], names[0]).values
     if "flag_meanings" in data[column].attrs:
         return [Trace("regime", across, up, there, value=turned)]
-    values, label = _figures(data, column)
+    values, label = figures_on_clock(data, column)
     hatched = np.isin(turned, [number for number, word in enumerate(words) if word in HATCHES])
     under = [Trace("", across, up, there, value=np.where(hatched, turned, -1))] if hatched.any() else []
     if not np.isfinite(values.values).any():
@@ -169,7 +169,7 @@ def _absent(data: Dataset, numbers: Any, first: int) -> DataArray:
     return status.copy(data=np.where(numbers >= 0, numbers, reasons))
 
 
-def _figures(data: Dataset, column: str) -> tuple[DataArray, str]:
+def figures_on_clock(data: Dataset, column: str) -> tuple[DataArray, str]:
     """A column with its label: in SI for a scene in units, and periods in L/V* where the transit changes along an axis."""
     name = column.replace("_", " ")
     for ending, unit in (("_s", "s"), ("_Pa", "Pa"), ("_m_per_s", "(m/s)")):
@@ -262,7 +262,7 @@ def _over_one(data: Dataset, name: str, shown: str | None) -> Chart:
             continue
         traces, label = [], column
         for number, model in enumerate(models):
-            figures, label = _figures(model, column)
+            figures, label = figures_on_clock(model, column)
             values = figures.values.reshape(model.sizes[name], -1)
             across = np.repeat(_positions(model[name]), values.shape[1])
             look = POINTS.but(color=color_number(number), marker="osv^Dp"[number % 6], size=3.5, hollow=number > 0)

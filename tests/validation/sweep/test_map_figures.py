@@ -1,6 +1,7 @@
 """Maps for a paper: colours that everyone can tell apart, verdicts by name, boundaries, clocks, hatches, sizes."""
 
 import itertools
+import json
 import struct
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ from validation.chart import Chart, Panel, Scale, cell_edges
 from validation.chart.draw import draw
 from validation.data.datasets import as_flags
 from validation.sweep.boundaries import onset_lines
-from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, chart_of_sweep, in_print
+from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, chart_of_sweep, figures_on_clock, in_print
 from validation.sweep.measures import VERDICTS
 
 SEEN = {
@@ -107,6 +108,18 @@ def test_periods_along_a_changing_transit_are_on_a_clock_that_does_not_change():
     panel = chart_of_sweep(fixed).panels[0]
     assert panel.y.label == "period / transits"
     assert np.array_equal(panel.traces[0].y, fixed["period"].values, equal_nan=True)
+
+
+def test_periods_over_variables_of_ones_own_are_on_that_clock_too():
+    """q and p set both round trips: at each point the period in transits times the upper slab's."""
+    sets = {"upper.r": "0.002*(1+q)/(q+p)", "lower.r": "0.002*p*(1+q)/(q+p)"}
+    axes = {"q": (np.array([1.0, 3.0]), "q", "1"), "p": (np.array([1.0, 2.0, 4.0]), "p", "1")}
+    data = lattice(axes, scene_toml=sw.show("unlike"), manifest=json.dumps({"set": sets}))
+    data["period"] = data["status"].copy(data=np.full((2, 3), 50.0)).assign_attrs(in_units_of="transit")
+    values, label = figures_on_clock(data, "period")
+    q, p = np.array([[1.0], [3.0]]), np.array([1.0, 2.0, 4.0])
+    assert label == "period / (L/V*)"
+    assert values.values == pytest.approx(50.0 * 0.002 * (1.0 + q) / (q + p), rel=1e-12)
 
 
 def lattice(axes, **attrs):
