@@ -22,7 +22,7 @@ _LOOKS = {
 def chart_of_branch(branch: FollowedBranch) -> Chart:
     """One panel per quantity."""
     panels = [
-        Panel("", Scale(branch.over.name), Scale(label), [*_pieces(branch, name), *_special(branch, name)])
+        Panel("", Scale(branch.over.label), Scale(label), [*_pieces(branch, name), *_special(branch, name)])
         for name, label in _QUANTITIES.items()
     ]
     title = f"{branch.over.base.name}, {branch.model}: periodic orbits"
@@ -62,10 +62,10 @@ def chart_of_curve(curve: Curve) -> Chart:
         Panel(
             "",
             Scale(label),
-            Scale(curve.second.name),
+            Scale(curve.second.label),
             [along(name, curve.points, Look(marker=".")), *([along(name, cusp, _CUSP, "cusp")] if cusp else [])],
             grid=True,
         )
-        for name, label in (("first", curve.over.name), ("period", "period $T$ / transits"))
+        for name, label in (("first", curve.over.label), ("period", "period $T$ / transits"))
     ]
     return Chart(panels, 4.0, 2, title=f"{curve.over.base.name}, {curve.model}: {SPECIAL_KINDS[curve.kind]}")

@@ -10,10 +10,10 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 import slipwave
-from reduced.parameters import PARAMETERS
+from reduced.parameters import LABELS, PARAMETERS
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
-from slipwave.input.overrides import full_key, kinds_of, words_of_scenes
+from slipwave.input.overrides import full_key, kinds_of, label_of, words_of_scenes
 from slipwave.input.quantity import KINDS, quantity
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
@@ -65,6 +65,14 @@ class Parameter:
     def column(self) -> str:
         """Its name in datasets: slab_thickness for slab.thickness."""
         return self.name.replace(".", "_")
+
+    @property
+    def label(self) -> str:
+        """Its label in figures: title, symbol and unit."""
+        name, power = self.name.removeprefix("log10_"), r"$\log_{10}$"
+        if name in LABELS:
+            return LABELS[name] if name == self.name else f"{power} of the {LABELS[name]}"
+        return label_of(self.name, self.unit).replace("log₁₀", power)  # the report's font has no small figures
 
     def written(self, value: float | str) -> float | str:
         """A value, a number or a word, as the scene takes it."""

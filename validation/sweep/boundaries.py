@@ -1,20 +1,19 @@
 """Theoretical lines over a map: the stability boundary of steady sliding, and special curves of orbits."""
 
-import tomllib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-import slipwave
 from reduced.parameters import PARAMETERS
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 from validation.data.datasets import Dataset, load_dataset
 from validation.models.by_name import one_port_of
-from validation.models.parameter import SHORT
-from validation.sweep.map_figures import Line, axes_of, is_logarithmic, other_side
+from validation.models.parameter import SHORT, Variation
+from validation.sweep.map_figures import Line, axes_of, is_logarithmic, other_side, parameter_of, scenes_over
 
 _PLAIN = {"r": "r", "V/V*": "V"}
 """Label of the other side of an axis in SI -> parameter."""
@@ -38,9 +37,7 @@ class _Side(NamedTuple):
 
 def _side(data: Dataset, axis: str) -> _Side | None:
     """None for an axis that is no such parameter, as a density. Thickness is a round trip, a velocity in SI one in V*."""
-    if data[axis].dtype.kind not in "iuf":
-        return None
-    values, key = np.asarray(data[axis].values, dtype=float), str(data[axis].attrs.get("long_name", axis))
+    values, key = np.asarray(data[axis].values, dtype=float), parameter_of(data[axis]).name
     name, factor, other = SHORT.get(key, key), 1.0, other_side(data, data[axis])
     if key.startswith("slab.face.") and "normal_stress" not in data.attrs["scene_toml"]:
         name = _FACES.get(key.removeprefix("slab.face."), key)
@@ -51,23 +48,42 @@ def _side(data: Dataset, axis: str) -> _Side | None:
     return _Side(name, factor * values, factor, False) if name in PARAMETERS else None
 
 
+def _own_sides(data: Dataset, scenes: Variation) -> tuple[list[_Side], Callable[[float, float], Scene]]:
+    """Two axes of numbers as they are, over any keys and variables, and the scene at values of both."""
+    sides = list[_Side]()
+    for axis in axes_of(data):
+        values = np.asarray(data[axis].values, dtype=float)
+        is_power = is_logarithmic(values)
+        sides.append(_Side(axis, np.log10(values) if is_power else values, 1.0, is_power))
+    parameters = [parameter_of(data[axis]) for axis in axes_of(data)]
+
+    def scene_at(*found: float) -> Scene:
+        """The scene at values of both sides."""
+        at = [float(side.on_axis(np.asarray(value))) for side, value in zip(sides, found, strict=True)]
+        return scenes.scene({one.name: one.written(value) for one, value in zip(parameters, at, strict=True)})
+
+    return sides, scene_at
+
+
 def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     """The curves on which steady sliding loses its stability, of each model of a map over two axes, and for each without one a
     line why not."""
     axes = axes_of(data)
     if len(axes) != 2:
         return (), []
-    sides = [_side(data, axis) for axis in axes]
-    unknown = [axis for axis, side in zip(axes, sides, strict=True) if side is None]
-    if unknown:
-        return (), [f"no boundary of stability: it is not computed over {' and '.join(unknown)}"]
-    across, up = (side for side in sides if side is not None)
-    scene = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
+    words = [axis for axis in axes if data[axis].dtype.kind not in "iuf"]
+    if words:
+        return (), [f"no boundary of stability: it is not computed over {' and '.join(words)}"]
+    scenes, scene_at = scenes_over(data, axes), None
+    sides = [side for axis in axes if (side := _side(data, axis))]
+    if len(sides) < len(axes) or scenes.sets:
+        sides, scene_at = _own_sides(data, scenes)
+    across, up = sides
     ranges = tuple((float(side.values.min()), float(side.values.max())) for side in (across, up))
     lines, notes = [], []
     for model in (str(name) for name in np.atleast_1d(data["model"].values)):
         try:
-            curves = boundary(scene, one_port_of(model), (across.parameter, up.parameter), (ranges[0], ranges[1]))
+            curves = boundary(scenes.base, one_port_of(model), (across.parameter, up.parameter), (ranges[0], ranges[1]), scene_at)
         except (NumericsError, SceneError, ValueError) as error:
             notes.append(f"no boundary of stability of {model}: {error}")
             continue

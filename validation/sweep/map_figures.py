@@ -4,7 +4,7 @@ import itertools
 import json
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from typing import Any, NamedTuple
@@ -12,13 +12,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import slipwave
-from reduced.parameters import LABELS
 from slipwave.errors import SceneError
-from slipwave.input.overrides import label_of
 from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, cell_edges, color_number
 from validation.chart.colors import PAPER
 from validation.data.datasets import DataArray, Dataset, flag_numbers
-from validation.models.parameter import Variation, scenes_with
+from validation.models.parameter import Parameter, Variation, scenes_with
 
 REGIMES = {
     "steady": "#f4f8fc",
@@ -189,12 +187,12 @@ def _transits(data: Dataset) -> list[DataArray]:
     names = [name for name in axes_of(data) if name in data.coords and data[name].dtype.kind in "iuf"]
     if "scene_toml" not in data.attrs or not names:
         return []
-    base, sets = (
-        slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"])),
-        json.loads(data.attrs.get("manifest", "{}")).get("set", {}),
-    )
-    written = {name: _written(data[name]) for name in names}
-    scenes = scenes_with(base, [key for key, _ in written.values()], sets)
+    scenes = scenes_over(data, names)
+    sets = scenes.sets
+    written = {
+        name: (one.name, [one.written(value) for value in data[name].values.tolist()])
+        for name, one in ((name, parameter_of(data[name])) for name in names)
+    }
     found = list[DataArray]()
     for axes in [names] if sets else [[name] for name in names]:  # what is set may depend on all of them
         points = list(itertools.product(*(written[name][1] for name in axes)))
@@ -206,14 +204,21 @@ def _transits(data: Dataset) -> list[DataArray]:
             continue
         if max(known) > min(known):
             over = data["status"].isel({name: 0 for name in data["status"].dims if name not in axes}, drop=True).transpose(*axes)
-            found.append(over.copy(data=np.reshape(known, over.shape) / (base.transit if found else 1.0)))
+            found.append(over.copy(data=np.reshape(known, over.shape) / (scenes.base.transit if found else 1.0)))
     return found
 
 
-def _written(coordinate: DataArray) -> tuple[str, list[float | str]]:
-    """The key of an axis, and its values as scenes take them."""
-    key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
-    return key, [f"{value!r} {unit}" if unit != "1" else value for value in coordinate.values.tolist()]
+def scenes_over(data: Dataset, axes: Iterable[str]) -> Variation:
+    """The scenes of a gathered sweep over these axes."""
+    base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
+    sets = json.loads(data.attrs.get("manifest", "{}")).get("set", {})
+    return scenes_with(base, [parameter_of(data[axis]).name for axis in axes], sets)
+
+
+def parameter_of(coordinate: DataArray) -> Parameter:
+    """What is varied along an axis of a sweep."""
+    unit = str(coordinate.attrs.get("units", "1"))
+    return Parameter(str(coordinate.attrs.get("long_name", coordinate.name)), "" if unit == "1" else unit)
 
 
 def _positions(coordinate: DataArray) -> Any:
@@ -228,18 +233,10 @@ def _scale(data: Dataset, coordinate: DataArray) -> Scale:
     kind = "log" if is_logarithmic(places) else "linear"
     edges = cell_edges(places, kind)
     ends = float(edges.min()), float(edges.max())
+    label = parameter_of(coordinate).label
     if coordinate.values.dtype.kind not in "iuf":
-        return Scale(_label(coordinate), kind, ends, ticks={float(at): str(word) for at, word in enumerate(coordinate.values)})
-    return Scale(_label(coordinate), kind, ends, second=other_side(data, coordinate))
-
-
-def _label(coordinate: DataArray) -> str:
-    """Label of an axis of a sweep: title, symbol and unit."""
-    key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
-    name, power = key.removeprefix("log10_"), r"$\log_{10}$"
-    if name in LABELS:
-        return LABELS[name] if name == key else f"{power} of the {LABELS[name]}"
-    return label_of(key, "" if unit == "1" else unit).replace("log₁₀", power)  # the report's font has no small figures
+        return Scale(label, kind, ends, ticks={float(at): str(word) for at, word in enumerate(coordinate.values)})
+    return Scale(label, kind, ends, second=other_side(data, coordinate))
 
 
 def is_logarithmic(values: Any) -> bool:
@@ -288,13 +285,14 @@ def _strip(models: Sequence[Dataset], name: str, along: Scale) -> Panel:
 
 def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     """The other scale of this axis of a sweep; None for a scene without units, and for a key that is no velocity or thickness."""
-    key, unit = str(coordinate.attrs.get("long_name", coordinate.name)), str(coordinate.attrs.get("units", "1"))
+    own = parameter_of(coordinate)
+    key = own.name
     if key not in (*_VELOCITIES, *_TRANSITS) or "scene_toml" not in data.attrs:
         return None
-    in_si, first, is_power = unit == "1", float(coordinate[0]), "log10" in key
+    in_si, first, is_power = not own.unit, float(coordinate[0]), "log10" in key
     base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
     try:
-        scene = Variation(base).scene({key: first if in_si else f"{first!r} {unit}"}) if base.units else base
+        scene = Variation(base).scene({key: own.written(first)}) if base.units else base
     except SceneError:
         return None
     if scene.units is None:

@@ -242,7 +242,7 @@ def test_a_curve_has_both_parameters_and_the_period_in_their_places():
     first, second, period = ([getattr(point, name) for point in points] for name in ("first", "second", "period"))
     left, right = found.plot().axes
     assert (values(left), values(right)) == ([(first, second)], [(period, second)])
-    assert (left.get_xlabel(), left.get_ylabel()) == ("log10_r", "V")
+    assert (left.get_xlabel(), left.get_ylabel()) == (r"round trip $\log_{10}$ r", "velocity of the drive V / V*")
     rows = table(
         "\n".join(found.lines({})).splitlines(), ["log10_r", "V", "period", "stress drop", "bracket", "kind", "multiplier"]
     )

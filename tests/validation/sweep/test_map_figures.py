@@ -152,10 +152,30 @@ def test_the_boundary_over_thickness_is_that_over_the_round_trip():
     )
 
 
+def test_the_boundary_over_variables_is_that_of_the_scenes_written_out():
+    """q changes the impedance of one slab and s, on a logarithmic axis, both round trips."""
+    sets = {"upper.epsilon": "2.8e-5*q", "lower.epsilon": 2.8e-5, "upper.r": "0.002*s", "lower.r": "0.0028*s"}
+    data = lattice(
+        {"q": (np.linspace(0.5, 3.0, 5), "q", "1"), "s": (np.geomspace(0.2, 3.0, 5), "s", "1")},
+        scene_toml=sw.show("paper"),
+        manifest=json.dumps({"set": sets}),
+    )
+    (line, *_), notes = onset_lines(data)
+    assert notes == []
+    for q, s in list(zip(line.across.tolist(), line.up.tolist(), strict=True))[1:-1:9]:
+        slabs = {"upper.epsilon": 2.8e-5 * q, "lower.epsilon": 2.8e-5, "upper.r": 0.002 * s, "lower.r": 0.0028 * s}
+        root = sw.stability("paper", **slabs).summary["leading_roots"][0]
+        assert abs(root[0]) < 1e-6 * abs(root[1])
+
+
 @pytest.mark.parametrize(
     ("axes", "note"),
     [
-        ({"h": ([1.0, 2.0], "slab.density", "g/cm3"), "v": ([1.0, 2.0], "drive.velocity", "1")}, "it is not computed over h"),
+        (
+            {"h": ([1.0, 2.0], "slab.density", "g/cm3"), "v": ([1.0, 2.0], "drive.velocity", "1")},
+            "slab.density = 1000: must come with interface.normal_stress, memory_length and reference_velocity (SI), or be "
+            "replaced by epsilon and r",
+        ),
         (
             {"w": (["ageing", "slip"], "interface.law", "1"), "v": ([1.0, 2.0], "drive.velocity", "1")},
             "it is not computed over w",
