@@ -30,7 +30,7 @@ METRIC = Metric(20.0, 1.0)
 LARGEST_TURN = 0.3
 """Radians between a step and the one before it."""
 
-_REACHES = (2e-4, 1e-3, 4e-3, 0.016)  # of the search on both sides, in the metric; a short one tells two near points apart
+_REACHES = (2e-4, 1e-3, 4e-3, 0.016, 2e-5, 2e-6)  # of the search on both sides, in the metric; short ones tell near points apart
 _GROWTH = 1.5
 _APART = 2e-3  # of points on the branch, in the metric, from whose slopes that of its flattest point is interpolated
 _MEET = 0.1  # largest distance of a fold from the flattest point between it and the fold that it meets at a cusp
@@ -74,8 +74,10 @@ class Reached(NamedTuple):
     length: float
 
 
-CURVE_STEPS = Control(2e-3, 1e-5, 0.05)
-"""Lengths of steps in the plane, in units of its scales."""
+CURVE_STEPS = Control(2e-3, 1e-9, 0.05)
+"""Lengths of steps in the plane, in units of its scales; where a torus ends its curve may turn within 1e-5."""
+
+_AT_CUSP = 1e-5  # shortest step of a curve of folds: those at a cusp are too near to be told apart
 
 
 def beginning(start: OnCurve, towards: Values, steps: Control = CURVE_STEPS) -> Reached:
@@ -90,7 +92,8 @@ def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Contro
     """
     while True:
         try:
-            new = _next(plane, reached, tolerance, steps.shortest)
+            folds = reached.last.special.kind == "LP"
+            new = _next(plane, reached, tolerance, max(steps.shortest, _AT_CUSP) if folds else steps.shortest)
         except NumericsError:
             end = cusp_after(plane, reached) if reached.last.special.kind == "LP" else None
             if end is None:
