@@ -24,6 +24,7 @@ from validation.models.by_name import FAMILIES
 from validation.report.answer import PAGES as ANSWERED
 from validation.report.answer import block_of, read_table, with_block
 from validation.studies.which_model import ORBITS, SHOWN
+from validation.sweep.map_figures import SIZES
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
@@ -96,8 +97,8 @@ HELP = {
     "sweep --refine": "2.0",
     "sweep --until": "validation.sweep.measures.TRANSITS",
 }
-RANGES = {"--cfl": {0.0, 1.0}}
-"""Whose ends are refused or taken in `tests/fullwave`."""
+RANGES = {"--cfl": {0.0, 1.0}, "--size": set(SIZES.values())}
+"""Several numbers; the ends of --cfl are refused or taken in `tests/fullwave`."""
 
 
 def value(expression):
