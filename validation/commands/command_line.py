@@ -130,7 +130,7 @@ def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> 
         summary = (
             {} if result.is_empty else result.summary | {one.key: str(path) for one, path in files.items() if one.key and path}
         )
-        show = partial(print_json, summary) if json else lambda: print("\n".join(result.lines(summary)))
+        show = partial(_print_json, summary) if json else lambda: print("\n".join(result.lines(summary)))
         writers = [partial(getattr(result, one.method), path) for one, path in files.items() if path]
         for write in (partial(printed, show), *writers) if summary else ():
             try:
@@ -153,7 +153,7 @@ def printed(show: Callable[[], None]) -> None:
         raise SceneError(f"the result cannot be written to stdout: {reason_of(error)}") from None
 
 
-def print_json(result: Mapping[str, Any]) -> None:
+def _print_json(result: Mapping[str, Any]) -> None:
     """`result` as JSON on stdout."""
     import json  # imported here to keep start-up fast
 

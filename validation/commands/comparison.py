@@ -191,10 +191,10 @@ def remarks(summary: _Row) -> list[str]:
     wanders = any("difference" in row for row in rows)
     bars = ["+-: half the width of the 95 % interval of a mean of motion that never repeats"] * wanders
     notes = (line for line in summary.get("notes", []) if line.startswith("nothing to compare"))
-    return [*bars, *without_errors(rows), *failed.values(), *notes, *filter(None, [summary["conclusion"]])]
+    return [*bars, *_without_errors(rows), *failed.values(), *notes, *filter(None, [summary["conclusion"]])]
 
 
-def without_errors(rows: Sequence[_Row]) -> list[str]:
+def _without_errors(rows: Sequence[_Row]) -> list[str]:
     """One line for each verdict without period and errors (a transient has none), with its models."""
     models: dict[str, dict[str, None]] = {}
     for row in rows:

@@ -27,7 +27,7 @@ def face_figures(scene: Scene, omega: float) -> list[dict[str, Any]]:
     """For each face that is not rigid: |R| at `omega`, R of fast waves with its sign, and the rate below which it is its spring;
     rates in V*/L, and in 1/s for a scene with units."""
     return [
-        {"slab": name, "kind": kind_of(slab.face), "omega": omega, **_figures(slab, omega), **_in_si(slab, omega, scene.units)}
+        {"slab": name, "kind": _kind_of(slab.face), "omega": omega, **_figures(slab, omega), **_in_si(slab, omega, scene.units)}
         for name, slab in scene.named_slabs
         if not slab.termination.is_rigid
     ]
@@ -49,7 +49,7 @@ def face_in_words(slab: Slab, units: Units | None, omega: float) -> Iterator[str
     if held.is_rigid:
         yield "rigid face: R = 1 for all waves"
         return
-    values = f"{kind_of(slab.face)}: {fields_in_words(slab.face)}{_sizes(slab, units)}"
+    values = f"{_kind_of(slab.face)}: {fields_in_words(slab.face)}{_sizes(slab, units)}"
     yield f"{values}, R = {slab.fast_reflection:.4g} for fast waves"
     facts = []
     if omega > 0.0:
@@ -75,7 +75,7 @@ def _sizes(slab: Slab, units: Units | None) -> str:
     return f" ({', '.join(facts)})"
 
 
-def kind_of(face: Face) -> str:
+def _kind_of(face: Face) -> str:
     """The name of a face's kind in scene files."""
     (kind,) = (name for name, one in FACES.items() if one is type(face))
     return kind

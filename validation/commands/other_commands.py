@@ -23,7 +23,7 @@ EXAMPLES = {
 }
 
 
-def print_scenes() -> None:
+def _print_scenes() -> None:
     """The gallery's scenes, one line each."""
     from slipwave.input.source import gallery_titles
 
@@ -55,7 +55,7 @@ def print_scene(source: str, options: Any, files: Mapping[Any, Any], as_json: bo
     printed(lambda: print("\n".join([*comments, "", to_toml(scene)]), end=""))
 
 
-WITHOUT_SCENE: dict[str, Callable[..., None]] = {"scenes": print_scenes, "schema": schema}
+WITHOUT_SCENE: dict[str, Callable[..., None]] = {"scenes": _print_scenes, "schema": schema}
 """Commands whose options are declared here, by name."""
 
 PROOF = {"report": "validation.report.command:report", "schema": "validation.report.record:report_schema"}

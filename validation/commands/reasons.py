@@ -46,10 +46,10 @@ def on_stability(scene: Scene, found: "Stability") -> str:
         return f"steady sliding is {word}"
     within = 1.0 / abs(found.rate * scene.transit)
     change = f"a disturbance {'decays' if found.stable else 'grows'} by a factor e in {_time(within, scene)}"
-    return "; ".join(filter(None, [f"steady sliding is {word}", change, what_would_change(scene, found)]))
+    return "; ".join(filter(None, [f"steady sliding is {word}", change, _what_would_change(scene, found)]))
 
 
-def what_would_change(scene: Scene, found: "Stability") -> str:
+def _what_would_change(scene: Scene, found: "Stability") -> str:
     """Text: the thickness or normal stress, or r or epsilon, beyond which the stability changes; empty if there is none, or at
     neutral stability."""
     from reduced.stability.in_si import stability_in_si
@@ -77,10 +77,10 @@ def _is_beyond(distance: float, sign: int, stable: bool | None) -> bool:
 
 
 def _limit(name: str, here: float, critical: float, unit: str, sign: int) -> str:
-    return f"{name} {'over' if here < critical else 'under'} {engineering(critical, unit)} (here {engineering(here, unit)})"
+    return f"{name} {'over' if here < critical else 'under'} {_engineering(critical, unit)} (here {_engineering(here, unit)})"
 
 
-def engineering(value: float, unit: str) -> str:
+def _engineering(value: float, unit: str) -> str:
     """Three figures, with a prefix to a unit: 150 MPa, 6 m."""
     if not unit or value == 0.0:
         return f"{value:.3g}"
@@ -102,5 +102,5 @@ def _on_cycles(run: Run, model: str) -> str:
 
 def _time(transits: float, scene: Scene) -> str:
     """A time in transits and, for a scene with units, in seconds."""
-    seconds = f" ({engineering(transits * scene.transit * scene.units.time, 's')})" if scene.units else ""
+    seconds = f" ({_engineering(transits * scene.transit * scene.units.time, 's')})" if scene.units else ""
     return f"{transits:.3g} transits{seconds}"

@@ -32,7 +32,7 @@ class Facts(dict[str, Any]):
     def __getattr__(self, name: str) -> Any:
         if name not in self:
             raise AttributeError(f"no {name!r} here, only {', '.join(self)}")
-        return as_facts(self[name])
+        return _as_facts(self[name])
 
 
 class PointOfBranch(Facts):
@@ -49,10 +49,10 @@ class PointOfBranch(Facts):
         self.scene, self.model, self.closed, self.tolerance = scene, model, closed, tolerance
 
 
-def as_facts(value: Any) -> Any:
+def _as_facts(value: Any) -> Any:
     """A part of a summary with its tables as `Facts`."""
     if isinstance(value, list):
-        return [as_facts(item) for item in value]
+        return [_as_facts(item) for item in value]
     return Facts(value) if isinstance(value, dict) and not isinstance(value, Facts) else value
 
 
@@ -174,7 +174,7 @@ class Result(ABC):
             raise AttributeError(
                 f"{type(self).__name__} has no attribute {name!r}" + (f"; it has {', '.join(known)}" if known else "")
             )
-        return as_facts(known[name])
+        return _as_facts(known[name])
 
     def __dir__(self) -> list[str]:
         return sorted({*super().__dir__(), *self.summary})

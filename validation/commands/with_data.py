@@ -83,10 +83,10 @@ def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
     noise = f"noise of friction {data['noise']:.2g}" if data["noise"] else "no noise"
     text = f"slip rate from {data['slip_rate_from']}; {noise}; smoothed by a parabola over {smoothing['samples']} samples"
     yield text if smoothing["samples"] > 1 else text.rpartition(";")[0] + "; not smoothed"
-    yield from effect_in_words(smoothing, scene)
+    yield from _effect_in_words(smoothing, scene)
 
 
-def effect_in_words(smoothing: Mapping[str, Any], scene: Scene) -> Iterator[str]:
+def _effect_in_words(smoothing: Mapping[str, Any], scene: Scene) -> Iterator[str]:
     """Text on the change by half the smoothing, and on events in the smoothed record."""
     if smoothing["samples"] == 1:
         return

@@ -102,7 +102,7 @@ def events_in_words(count: int | None, verdict: MotionVerdict | None, longer: st
     """The number of slip events of a run and its verdict, in one line; `longer`: the length of a run that is not too short."""
     if count is None or verdict is None:
         return "events were not watched (run.record is empty)"
-    return f"{count} slip event{'s' if count != 1 else ''}; {verdict_in_words(verdict, longer)}"
+    return f"{count} slip event{'s' if count != 1 else ''}; {_verdict_in_words(verdict, longer)}"
 
 
 def longer_in_words(needed: float, scene: Scene) -> str:
@@ -113,7 +113,7 @@ def longer_in_words(needed: float, scene: Scene) -> str:
     return f"try --until {float(f'{needed:.2g}'):g}{f' ({needed * size:.2g} {unit})' if scene.units else ''}"
 
 
-def verdict_in_words(verdict: MotionVerdict, longer: str) -> str:
+def _verdict_in_words(verdict: MotionVerdict, longer: str) -> str:
     """The verdict on the second half of a run, with the reason; `longer`: see `events_in_words`."""
     change = f"{abs(verdict.change):.2g}"
     falls = f"the drop of elastic stress falls by {change} of itself from the first of its events to the last"

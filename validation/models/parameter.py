@@ -294,7 +294,7 @@ def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> 
         over.scenes.require({one.name: one.written(one.first)})
         key = next((key for key, short in SHORT.items() if short == one.name), "")
         for value in over.ends:
-            if key and has_key(over.base, key, over.name):  # so that an error names the key
+            if key and _has_key(over.base, key, over.name):  # so that an error names the key
                 slipwave.read(over.base, {key: value})
             over.scene_at(value)
         found.append(over)
@@ -348,12 +348,12 @@ def _measured(name: str, key: str, scenes: Variation, text: str) -> tuple[float,
 
 @lru_cache(maxsize=256)
 def _key_of(base: Scene, name: str) -> str:
-    if name in PARAMETERS and not has_key(base, name, name):
+    if name in PARAMETERS and not _has_key(base, name, name):
         return name
     return ".".join(full_key(name.split("."), "", base.tables or {}))
 
 
-def has_key(base: Scene, key: str, name: str) -> bool:
+def _has_key(base: Scene, key: str, name: str) -> bool:
     """Whether the scene has the key of a parameter: whether it can be read again with its present value."""
     with suppress(SceneError):
         slipwave.read(base, {key: _present(name, base)})

@@ -71,7 +71,7 @@ def with_block(page: str, block: str) -> str:
     return before + block + after
 
 
-def take_answer(out: Path) -> None:
+def _take_answer(out: Path) -> None:
     """Copy the table of the report in `out` to the baseline, and rewrite the pages."""
     record = json.loads((out / "data" / _STUDY / "result.json").read_bytes())
     TABLE.parent.mkdir(parents=True, exist_ok=True)
@@ -84,4 +84,4 @@ def take_answer(out: Path) -> None:
 
 
 if __name__ == "__main__":
-    take_answer(Path(sys.argv[1]))
+    _take_answer(Path(sys.argv[1]))

@@ -116,14 +116,14 @@ def _run(
     timed = [tasks[study.NAME] for study in longest_first if getattr(study, "TIMED", False)]
     shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]
     if processes > 1 and len(shared) > 1:
-        for task, result in share_out(perform, shared, processes, lambda task, share: tell(task.name, share)):
+        for task, result in share_out(_perform, shared, processes, lambda task, share: tell(task.name, share)):
             yield result or store.Stored(task.name, study_called(task.name).QUESTION, 0.0, True, error=_DIED)
     else:
         timed = shared + timed
-    yield from (perform(task, partial(tell, task.name)) for task in timed)
+    yield from (_perform(task, partial(tell, task.name)) for task in timed)
 
 
-def perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
+def _perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
     """Run a study and store its result; any exception becomes the result of this study."""
     study = cast(Study, import_module(task.module))
     began = time.perf_counter()

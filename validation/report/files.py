@@ -28,7 +28,7 @@ def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) ->
     an empty `patch` removes an old one."""
     texts = {table.csv: csv_of(table.columns, table.rows) for table in report.tables}
     texts |= {one.csv: _text_of_rows(_lines(cell_records(one.table))) for one in report.model_tables}
-    texts |= {"junit.xml": junit_of(report, red), "badge.svg": badge_of(report, red), NAME: text_of(report)}
+    texts |= {"junit.xml": _junit_of(report, red), "badge.svg": _badge_of(report, red), NAME: text_of(report)}
     if patch:
         texts["baseline.patch"] = patch
     else:
@@ -70,7 +70,7 @@ def _headings(columns: Iterable[ColumnRecord]) -> Iterator[str]:
         yield unique if seen[unique] == 1 else f"{unique} {seen[unique]}"
 
 
-def junit_of(report: Record, red: tuple[Word, ...]) -> str:
+def _junit_of(report: Record, red: tuple[Word, ...]) -> str:
     """A suite for each study, with every case of every verdict and every number that was compared. A finding is no failure."""
     root = xml.Element("testsuites", name="slipwave report")
     for study in report.studies:
@@ -111,7 +111,7 @@ def _legal(words: str) -> str:
     return _CONTROL.sub("?", bare(words))
 
 
-def badge_of(report: Record, red: tuple[Word, ...]) -> str:
+def _badge_of(report: Record, red: tuple[Word, ...]) -> str:
     """The outcomes as a badge (SVG): green only if something holds and nothing is red."""
     count = report.outcomes
     bad = count["fail"] + count["broken"] + len(report.changes.of(*red))

@@ -41,7 +41,7 @@ def _names(verdicts: Sequence[Verdict]) -> Iterator[str]:
     """Yield the name of each, with a number appended to repeated names."""
     seen = Counter[str]()
     for verdict in verdicts:
-        name = _name(verdict, [other for other in verdicts if slug(other.claim) == slug(verdict.claim)])
+        name = _name(verdict, [other for other in verdicts if _slug(other.claim) == _slug(verdict.claim)])
         seen[name] += 1
         yield f"{name}-{seen[name]}" if seen[name] > 1 else name
 
@@ -51,14 +51,14 @@ def _name(verdict: Verdict, alike: Sequence[Verdict]) -> str:
     clauses = _clauses(verdict)
     apart = (n for n in range(len(clauses) + 1) if sum(_clauses(other)[:n] == clauses[:n] for other in alike) == 1)
     count = next(apart, 1)
-    return ".".join(filter(None, (slug(verdict.claim), slug(" ".join(clauses[:count])))))
+    return ".".join(filter(None, (_slug(verdict.claim), _slug(" ".join(clauses[:count])))))
 
 
 def _clauses(verdict: Verdict) -> list[str]:
     return [verdict.evidence.name, *re.split("[;,:] ", verdict.remark)]
 
 
-def slug(words: str) -> str:
+def _slug(words: str) -> str:
     """The first words in lower case, joined by hyphens: Latin letters, numerals and points; names for the rest."""
     spelled = "".join(map(_spelled, bare(words).replace("^-", "^−")))
     return "-".join(re.findall(r"[a-z0-9]+(?:\.[0-9]+)*", spelled.lower())[:_WORDS])

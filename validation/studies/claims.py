@@ -100,10 +100,10 @@ def run(budget: Budget) -> StudyResult:
     deep = {model: run_deep(model, 6000.0 if budget.quick else 16000.0) for model in WAVES}
     ripples = {model: measure_ripples(model) for model in WAVES}
     scenes = [sw.read(name) for name in SCENES[:3]]
-    of_orbits = (*orbit_claims(orbits), *ripple_claims(ripples), *stable_branch_claims(orbits))
-    of_cycles = (*load_claims(orbits, deep, ripples), *irregular_claims(deep))
-    verdicts = (*onset_claims(), *of_orbits, *of_cycles, *scene_claims(*scenes[:2]))
-    onset = onset_at(100.0)
+    of_orbits = (*_orbit_claims(orbits), *_ripple_claims(ripples), *_stable_branch_claims(orbits))
+    of_cycles = (*_load_claims(orbits, deep, ripples), *_irregular_claims(deep))
+    verdicts = (*_onset_claims(), *of_orbits, *of_cycles, *_scene_claims(*scenes[:2]))
+    onset = _onset_at(100.0)
     numbers = {"r_c delay": onset.r_delay, "r_c kelvin-voigt": onset.r_kelvin_voigt, "omega_c": onset.omega_c}
     return StudyResult(
         answers=_answers(verdicts),
@@ -135,7 +135,7 @@ def _answers(verdicts: tuple[Verdict, ...]) -> tuple[StudyAnswer, ...]:
         ),
         StudyAnswer(
             "Two numbers govern the slabs, the impedance ratio ε and the round trip r, beside the drive V and friction: the "
-            f"paper’s scene lies {100 * (paper.transit / onset_at(100.0).r_delay - 1.0):.1f} % beyond the onset of stick-slip.",
+            f"paper’s scene lies {100 * (paper.transit / _onset_at(100.0).r_delay - 1.0):.1f} % beyond the onset of stick-slip.",
             ("SI input and (ε, r) input", "Table 1’s paper material"),
         ),
     )
@@ -202,7 +202,7 @@ _OMISSIONS = (
 )
 
 
-def scene_claims(paper: sw.Scene, same: sw.Scene) -> Iterator[Verdict]:
+def _scene_claims(paper: sw.Scene, same: sw.Scene) -> Iterator[Verdict]:
     """The scene in SI is that in epsilon and r; Table 1."""
     gap = max(abs(same.upper.epsilon / paper.upper.epsilon - 1), abs(same.transit / paper.transit - 1))
     yield claim("SI input and (ε, r) input give the same scene", EXACT, gap, rounding(_OPERATIONS))
@@ -235,10 +235,10 @@ def measure_ripples(model: str) -> Ripples:
     scene = sw.read("paper")
     settled = memo.settled(model, scene, 1e-10, 1e-9)
     cycle = one_cycle(settled, per_piece=16)
-    return Ripples(ripple_period(cycle), loading_of(settled.orbit, cycle, scene))
+    return Ripples(ripple_period(cycle), _loading_of(settled.orbit, cycle, scene))
 
 
-def loading_of(orbit: Orbit, cycle: OneCycle, scene: sw.Scene) -> Loading:
+def _loading_of(orbit: Orbit, cycle: OneCycle, scene: sw.Scene) -> Loading:
     """The parts of a period, from samples over one cycle: y' = eps (V - v), so that y rises by eps (V t_rise - s_rise)."""
     period = orbit.period.value
     since = np.mod(cycle.time - cycle.time[np.argmin(cycle.elastic_stress)], period)
@@ -250,13 +250,13 @@ def loading_of(orbit: Orbit, cycle: OneCycle, scene: sw.Scene) -> Loading:
     return Loading(period, orbit.elastic_stress_drop.value / load, period - float(np.ptp(since[rises])), slip / scene.velocity)
 
 
-def onset_at(velocity: float) -> CriticalValues:
+def _onset_at(velocity: float) -> CriticalValues:
     """Closed forms of the paper's material at drive `velocity` (V*)."""
     scene = sw.read("paper")
     return onset_of(scene.law, scene.upper.epsilon, velocity)
 
 
-def spread_of(values: np.ndarray) -> float:
+def _spread_of(values: np.ndarray) -> float:
     """Standard deviation over mean."""
     return float(np.std(values) / np.mean(values))
 
@@ -270,18 +270,18 @@ def recurrence(values: np.ndarray) -> float:
     return float(min(steps) / (np.std(values) * 2.0**0.5))
 
 
-def onset_claims() -> Iterator[Verdict]:
+def _onset_claims() -> Iterator[Verdict]:
     """P1 and P2, by closed forms; `onset` compares these with roots."""
-    onsets = [math.log10(r) for r in (onset_at(100.0).r_delay, onset_at(100.0).r_kelvin_voigt)]
+    onsets = [math.log10(r) for r in (_onset_at(100.0).r_delay, _onset_at(100.0).r_kelvin_voigt)]
     paper = reference()["paper"]["log10_r_c"]
     title = "P1 Delay system and ODE share ω_{c}; both r_{c} are close to 10^{-2.6996} at V = 100"
     both = minus(", ".join(f"{value:.7f}" for value in onsets))
     away, digit = max(abs(value - paper) for value in onsets), 2.0 * half_digit(paper)
     yield holding(title, PAPER, minus(f"{paper} ± {digit:.4f}"), both, away < digit, "log_{10} r_{c}").with_margin(away, digit)
-    yield from error_of_27(*(abs(onset_at(v).r_kelvin_voigt / onset_at(v).r_delay - 1.0) for v in (1e3, 1e4)))
+    yield from _error_of_27(*(abs(_onset_at(v).r_kelvin_voigt / _onset_at(v).r_delay - 1.0) for v in (1e3, 1e4)))
 
 
-def error_of_27(slow: float, fast: float) -> Iterator[Verdict]:
+def _error_of_27(slow: float, fast: float) -> Iterator[Verdict]:
     """P2, which the paper's Fig 2 shows: the largest error up to V = 10^3, and that at V = 10^4."""
     small = "read as: below a tenth of the error that is claimed for V = 10^{4}"
     yield claim("P2 the error of (27) is very small for V < 10^{3}", PAPER, slow, _VERY_SMALL, small)
@@ -289,7 +289,7 @@ def error_of_27(slow: float, fast: float) -> Iterator[Verdict]:
     yield in_range("P2 it grows to the order of 10 % at V = 10^{4}", PAPER, _ORDER_OF_TEN_PER_CENT, [fast], large, ".1%")
 
 
-def orbit_claims(orbits: Orbits) -> Iterator[Verdict]:
+def _orbit_claims(orbits: Orbits) -> Iterator[Verdict]:
     """P3 and P4, and the digits known from other programs."""
     paper, here = reference()["paper"], orbits[-2.68]
     yield as_printed("P3 Period of the ODE at r = 10^{-2.68}", paper["T_ode"], here["kelvin-voigt"].period.value)
@@ -300,7 +300,7 @@ def orbit_claims(orbits: Orbits) -> Iterator[Verdict]:
         )
 
 
-def ripple_claims(ripples: dict[str, Ripples]) -> Iterator[Verdict]:
+def _ripple_claims(ripples: dict[str, Ripples]) -> Iterator[Verdict]:
     """P5."""
     ode, delay = ripples["kelvin-voigt"].period, ripples["delay"].period
     title = "P5 Period of the fast ripples: π/√6 transits in the ODE, exactly one in the delay system"
@@ -312,7 +312,7 @@ def ripple_claims(ripples: dict[str, Ripples]) -> Iterator[Verdict]:
     yield claim(title, PAPER, 100.0 * (delay / ode - 1.0), 0.5, slip, near=28.0, unit="%")
 
 
-def stable_branch_claims(orbits: Orbits) -> Iterator[Verdict]:
+def _stable_branch_claims(orbits: Orbits) -> Iterator[Verdict]:
     """P6, P7 and P11 on orbits on which runs settle."""
     figures = {r: {model: orbit.values() for model, orbit in found.items()} for r, found in orbits.items()}
     where, here = range_of_r(list(orbits)), figures[-2.68]
@@ -345,7 +345,7 @@ def stable_branch_claims(orbits: Orbits) -> Iterator[Verdict]:
     )
 
 
-def load_claims(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> Iterator[Verdict]:
+def _load_claims(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> Iterator[Verdict]:
     """P12: the identity, whether periods are proportional to drops, and whether they are nearly equal deep inside."""
     parts = {model: ripple.loading for model, ripple in ripples.items()}
     off = max(abs((part.drop + part.falling + part.slipped) / part.period - 1.0) for part in parts.values())
@@ -385,7 +385,7 @@ def _load_rate() -> float:
     return float(scene.upper.epsilon * scene.velocity)
 
 
-def overtones(run: Deep, ripple: float) -> np.ndarray:
+def _overtones(run: Deep, ripple: float) -> np.ndarray:
     """In the slow phase of each recorded cycle, the share of the ripples' power that is not a sine of period `ripple` (transits):
     of the stress over `_SLOW` such periods, without its cubic trend."""
     found = []
@@ -400,11 +400,11 @@ def overtones(run: Deep, ripple: float) -> np.ndarray:
     return np.array(found)
 
 
-def irregular_claims(deep: dict[str, Deep]) -> Iterator[Verdict]:
+def _irregular_claims(deep: dict[str, Deep]) -> Iterator[Verdict]:
     """P13: the ODE's cycles neither repeat nor keep their size; the delay system's vary little in comparison."""
     ode, delay = deep["kelvin-voigt"].events, deep["delay"].events
     found = [recurrence(values) for values in (ode.period, ode.stress_drop, np.log(ode.v_max))]
-    ratios = {name: spread_of(getattr(ode, name)) / spread_of(getattr(delay, name)) for name in _CONTRAST}
+    ratios = {name: _spread_of(getattr(ode, name)) / _spread_of(getattr(delay, name)) for name in _CONTRAST}
     largest = {model: float(run.events.v_max.max()) for model, run in deep.items()}
     yield at_least(
         "P13 At r = 10^{-2.3} the ODE is irregular",
@@ -416,7 +416,7 @@ def irregular_claims(deep: dict[str, Deep]) -> Iterator[Verdict]:
     )
     title = "P13 At r = 10^{-2.3} the delay system’s stress drops are nearly constant"
     over = f"standard deviation over mean, {delay.period.size} cycles"
-    yield claim(title, PAPER, spread_of(delay.stress_drop), _CONSTANT, over)
+    yield claim(title, PAPER, _spread_of(delay.stress_drop), _CONSTANT, over)
     yield of_paper(
         "P13 At r = 10^{-2.3} the ODE’s drops, periods and events vary more than the delay system’s",
         ", ".join(f"{times:g}" for times in _CONTRAST.values()) + " times or more",
@@ -425,7 +425,7 @@ def irregular_claims(deep: dict[str, Deep]) -> Iterator[Verdict]:
         "spreads (standard deviation over mean) of T, Δμ and v_{max}; largest v_{max} "
         f"{largest['kelvin-voigt']:.0e} against {largest['delay']:.0e} V*",
     ).with_margin(max(times / ratios[name] for name, times in _CONTRAST.items()), 1.0)
-    rest = {model: overtones(deep[model], period) for model, period in _RIPPLE.items()}
+    rest = {model: _overtones(deep[model], period) for model, period in _RIPPLE.items()}
     most, least = max(rest["kelvin-voigt"], default=math.inf), min(rest["delay"], default=0.0)
     yield of_paper(
         "P13 At r = 10^{-2.3} the ODE’s ripples remain sinusoidal, the delay system’s have new structures",

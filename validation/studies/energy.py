@@ -56,7 +56,7 @@ def run(budget: Budget) -> StudyResult:
         answers=(StudyAnswer(answer(residuals["fd"], orders, shares), (CONSERVES, SQUARED, CLOSES)),),
         figures=(Figure("closure", _CLOSURE, lambda: closure(residuals)),),
         tables=(table("shares", _SHARES, " | ".join(["scene", *(f"{name} [% of input] .4g" for name in _SINKS)]), rows),),
-        verdicts=tuple(balance_verdicts(ladders["fd"], orders, high)),
+        verdicts=tuple(_balance_verdicts(ladders["fd"], orders, high)),
         numbers={f"order of {model}": stated(found.order, found.half_width) for model, found in orders.items()},
     )
 
@@ -81,7 +81,7 @@ def balance(model: str, cells: int, scene: str = "paper") -> Balance:
     return done.energy or {}, rounding(_UNTIL / done.step)
 
 
-def balance_verdicts(
+def _balance_verdicts(
     fd: Sequence[Balance], orders: Mapping[str, Fit], high: Mapping[tuple[str, str], Balance]
 ) -> Iterator[Verdict]:
     """The leapfrog on every grid; the order of every model that does not conserve, with its 95 % interval; models of high degree

@@ -57,11 +57,11 @@ def run(budget: Budget) -> StudyResult:
         answers=(StudyAnswer(_answer(errors), ("Orbits", "The full wave")),),
         figures=(
             Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
-            Figure("ode-orbit", _ODE_ORBIT, lambda: ode_orbit(cycles), paper="Fig 4", carries=("P3 ", "P5 "), zoom=True),
+            Figure("ode-orbit", _ODE_ORBIT, lambda: _ode_orbit(cycles), paper="Fig 4", carries=("P3 ", "P5 "), zoom=True),
             Figure("panels", _PANELS_CAPTION, lambda: panels(cycles), paper="Fig 5", carries=("P4 ", "P5 ", "P6 ")),
         ),
         tables=(_orbits(runs),),
-        verdicts=tuple(cycle_verdicts(runs)),
+        verdicts=tuple(_cycle_verdicts(runs)),
         notes=(reference()["how"],),
         numbers={
             f"delay {name}": stated(found.value, found.error, known, half_digit(known))
@@ -135,7 +135,7 @@ def run_model(model: str) -> CycleRun:
     return CycleRun(found.orbit, memo.cycle_of(found.closed, _MARGIN, _MARGIN))
 
 
-def cycle_verdicts(runs: Mapping[str, CycleRun]) -> Iterator[Verdict]:
+def _cycle_verdicts(runs: Mapping[str, CycleRun]) -> Iterator[Verdict]:
     """Every orbit against other programs', the leapfrog's against the delay system's."""
     for model, own in runs.items():
         yield from as_known("Orbits are those of other programs", model, LOG10_R, own.orbit.values())
@@ -180,7 +180,7 @@ def panels(cycles: Mapping[str, OneCycle]) -> Chart:
     return Chart(shown, 5.2, 2, share=("all", "all"))
 
 
-def ode_orbit(cycles: Mapping[str, OneCycle]) -> Chart:
+def _ode_orbit(cycles: Mapping[str, OneCycle]) -> Chart:
     """The cycle of the paper's ODE over time, and in the planes of stress and state over slip rate."""
     cycle = cycles["kelvin-voigt"]
     time, rate, stress = cycle.time, cycle.slip_rate, cycle.stress

@@ -66,7 +66,7 @@ def run(budget: Budget) -> StudyResult:
     """Compute the curves, trace the boundaries, compare both with the closed forms; count roots on both sides of every onset."""
     paper = slipwave.read("paper")
     velocity = np.geomspace(1.0, 1e4, 25 if budget.quick else 81)
-    critical = {model: critical_over_velocity(paper, model, velocity) for model in budget.each(FORMS, 0.2)}
+    critical = {model: _critical_over_velocity(paper, model, velocity) for model in budget.each(FORMS, 0.2)}
     traced = {model: boundary(paper, model, ("log10_r", "log10_epsilon"), _WINDOW) for model in budget.each(FORMS, 0.6, 0.2)}
     onsets = {f"`{model}`": (paper, model, math.log10(critical_round_trip(paper, model)[0])) for model in _ONSETS}
     others = {name: slipwave.read(name) for name in SCENES[1:]}
@@ -81,13 +81,13 @@ def run(budget: Budget) -> StudyResult:
             StudyAnswer("A further term of the paper’s expansion makes an ODE that grows where sliding is stable.", (TAYLOR,)),
         ),
         figures=(
-            Figure("critical-r", _FIG_2, lambda: critical_curves(velocity, critical), paper="Fig 2", carries=("P1 ", "P2 ")),
-            Figure("planes", _FIG_3, lambda: boundaries_in_plane(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),
+            Figure("critical-r", _FIG_2, lambda: _critical_curves(velocity, critical), paper="Fig 2", carries=("P1 ", "P2 ")),
+            Figure("planes", _FIG_3, lambda: _boundaries_in_plane(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),
         ),
         verdicts=(
-            *closed_form_verdicts(paper, velocity, critical),
-            *fig_3(traced, slopes, paper),
-            thin_slabs(slopes),
+            *_closed_form_verdicts(paper, velocity, critical),
+            *_fig_3(traced, slopes, paper),
+            _thin_slabs(slopes),
             *map(crossed, onsets, onsets.values()),
             taylor(paper),
         ),
@@ -125,7 +125,7 @@ _FIG_3 = (
 )
 
 
-def critical_curves(velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Chart:
+def _critical_curves(velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Chart:
     """The paper's Fig 2."""
     over, dashes = Scale("$V/V^*$", "log"), {"delay": "-", "kelvin-voigt": DASHED}
     lines = [model_line(model, velocity, values, dashes=dashes[model]) for model, values in critical.items()]
@@ -138,7 +138,7 @@ def critical_curves(velocity: np.ndarray, critical: Mapping[str, np.ndarray]) ->
     return Chart(panels, 3.1, 2)
 
 
-def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Chart:
+def _boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Chart:
     """The paper's Fig 3: both systems' boundaries, traced (marks) and in closed form (lines)."""
     r, series = np.geomspace(10**-3.2, 10**-0.75, 1000), list[Trace]()
     for model, (_, closed) in FORMS.items():
@@ -156,12 +156,12 @@ def boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: Fricti
     return Chart([Panel("", *plane, series, "upper left")], 4.0)
 
 
-def critical_over_velocity(paper: slipwave.Scene, model: str, velocity: np.ndarray) -> np.ndarray:
+def _critical_over_velocity(paper: slipwave.Scene, model: str, velocity: np.ndarray) -> np.ndarray:
     """r_c(V) from the impedance of the slabs."""
     return np.array([critical_round_trip(scaled(paper, velocity=v), model)[0] for v in velocity.tolist()])
 
 
-def closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Iterator[Verdict]:
+def _closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Iterator[Verdict]:
     """The closed forms against each other and against roots found from impedance."""
     epsilon = paper.upper.epsilon
     known = [[closed(friction_slopes(paper.law, v), epsilon) for v in velocity.tolist()] for closed, _ in FORMS.values()]
@@ -190,7 +190,7 @@ def gaps_at(paper: slipwave.Scene, velocity: float) -> dict[str, float]:
     }
 
 
-def fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Iterator[Verdict]:
+def _fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Iterator[Verdict]:
     """The branches of Fig 3, traced and counted."""
     off = [
         np.abs(10**curve.second / np.array([closed(slopes, 10**x) for x in curve.first]) - 1.0).max()
@@ -215,7 +215,7 @@ def fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pape
     ).with_margin(abs(second / asymptote - 1.0), _FIRST_TRACED)
 
 
-def thin_slabs(slopes: FrictionSlopes) -> Verdict:
+def _thin_slabs(slopes: FrictionSlopes) -> Verdict:
     """The asymptote that the paper names below (28)."""
     quasistatic = -slopes.healing * slopes.steady * _THIN
     off = max(abs(closed(slopes, _THIN) / quasistatic - 1.0) for _, closed in FORMS.values())

@@ -150,7 +150,7 @@ class TorusEnd(NamedTuple):
     log10_r: float
 
 
-def torus_end(kind: str) -> TorusEnd:
+def _torus_end(kind: str) -> TorusEnd:
     """The largest 1 - R of the curve through both ends of the first torus, of which it is the extreme; the error is the distance
     to the next largest of its points."""
     face, key = LeakyFace(kind, True, 0.99), "coefficient" if kind == "bare" else "impedance"
@@ -168,7 +168,7 @@ def torus_end(kind: str) -> TorusEnd:
     return TorusEnd(best["leak"], best["leak"] - second["leak"], best["log10_r"])
 
 
-def torus_points(kind: str, leak: float) -> int:
+def _torus_points(kind: str, leak: float) -> int:
     """How many torus points the branch has up to the period at which the first torus ends."""
     words = LeakyFace(kind, True, 1.0 - leak).settings(-2.68)
     found = sw.branch(scene_of(words), _FIRST_TORUS, model=EXACT_MODEL, longest_period=_PERIOD).summary["special"]
@@ -189,12 +189,12 @@ def run(budget: Budget) -> StudyResult:
     again = [(model, titles[f"{face.title}, r = {over:g} r_{{c}}"]) for model, face, over in _AGAIN]
     known = {face: special_points().get(face.settings(-2.68), ()) for face in BRANCHES}
     budget.report(0.7)
-    torus = {kind: torus_end(kind) for kind in (("bare",) if budget.quick else ("bare", "grip"))}
+    torus = {kind: _torus_end(kind) for kind in (("bare",) if budget.quick else ("bare", "grip"))}
     return StudyResult(
         answers=_answers(known, torus, first_in_words(compared, _LADDER, "behind every face")),
         figures=(
             Figure("plane", _PLANE, lambda: plane(known)),
-            Figure("orbits", _ORBITS, lambda: over_leak(exact)),
+            Figure("orbits", _ORBITS, lambda: _over_leak(exact)),
         ),
         tables=(_motions(exact), _points(known), summary(compared, "behind all faces of the table of motions")),
         verdicts=(
@@ -311,7 +311,7 @@ def _torus_gone(torus: Mapping[str, TorusEnd]) -> Iterator[Verdict]:
     """Whether the torus is there before the end of its curve and gone beyond it."""
     title = "The first torus has two ends before the extreme of their curve, and none beyond"
     for kind, end in torus.items():
-        counts = [torus_points(kind, end.leak * (1.0 + aside)) for aside in (-_BESIDE, _BESIDE)]
+        counts = [_torus_points(kind, end.leak * (1.0 + aside)) for aside in (-_BESIDE, _BESIDE)]
         held = (counts[0] == 2) + (counts[1] == 0)
         remark = f"{kind}, both faces: {counts[0]} and {counts[1]} torus points at 1 − R {100 * _BESIDE:g} % below and above"
         yield every(title, WITNESS, held, 2, remark, "sides")
@@ -386,7 +386,7 @@ def plane(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Chart:
     return Chart(panels, 3.6, 2, legend="outside upper left", legend_columns=4)
 
 
-def over_leak(exact: Mapping[str, Regime]) -> Chart:
+def _over_leak(exact: Mapping[str, Regime]) -> Chart:
     """T and stress drop of orbits over 1 - R."""
     looks = {("bare", True): Look(), ("bare", False): Look(dashes=DASHED)}
     looks |= {("grip", True): Look(BLUE), ("grip", False): Look(BLUE, DASHED)}

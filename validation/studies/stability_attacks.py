@@ -86,7 +86,7 @@ def run(budget: Budget) -> StudyResult:
         *(state_verdict(model, state_reach(model)) for model in CELLS),
         stop_verdict({model: stops_beyond(model, BEYOND) for model in CELLS}),
         *(attack_verdict(name, outcomes) for name, outcomes in attacks.items()),
-        advice_verdict(advice),
+        _advice_verdict(advice),
         *(noise_verdict(model, locked_noise(model, transits), transits) for model in budget.each(CELLS, 1.0, 0.8)),
     )
     return StudyResult(
@@ -214,7 +214,7 @@ def advised(model: str) -> Cure:
     return cure
 
 
-def advice_verdict(advice: Mapping[str, Cure]) -> Verdict:
+def _advice_verdict(advice: Mapping[str, Cure]) -> Verdict:
     """Whether more cells cured the runs that asked for them."""
     right = sum(cure.error <= GOOD for cure in advice.values())
     asked = f"{sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked"

@@ -56,8 +56,8 @@ def rows_of_family(model: str) -> Iterator[Verdict]:
 def rows_on_scene(model: str, scene: Scene) -> Iterator[Verdict]:
     """Energy balance and order of the error of psi against the delay system, or against a finer grid where it cannot compute the
     scene."""
-    cells = grids_for(model)
-    yield ledger_row(model, scene, cells)
+    cells = _grids_for(model)
+    yield _ledger_row(model, scene, cells)
     if not starts_smoothly(scene):
         return
     witness = not DELAY.refusal(scene)
@@ -81,7 +81,7 @@ def starts_smoothly(scene: Scene) -> bool:
     return scene.drive.is_constant and scene.start.kind == "nudge"
 
 
-def grids_for(model: str) -> list[int]:
+def _grids_for(model: str) -> list[int]:
     """Cells per slab of a few grids, from the coarsest of the member's ladder on."""
     family, number = grid_of(model)
     cells = [max(2, min(ladder_of(family, number).first, family.cells))]
@@ -118,7 +118,7 @@ def _falling(row: Verdict, what: str, declared: float, sizes: dict[int, float], 
     return replace(row, ours=f"order {found.rounded}", outcome=Outcome.OPEN if unknown and not holds else judge(holds))
 
 
-def ledger_row(model: str, scene: Scene, cells: list[int]) -> Verdict:
+def _ledger_row(model: str, scene: Scene, cells: list[int]) -> Verdict:
     """Whether the energy balance closes (work of the drive, dissipation by friction, faces and viscosity, stored energy) up to
     losses that decrease with the grid at the order of the fields."""
     family, number = grid_of(model)

@@ -36,7 +36,7 @@ def rows_of_law(name: str, scene: Scene) -> Iterator[Verdict]:
     yield holding("It compiles into the solvers", EXACT, "no error", refused or "no error", not refused, f"`{name}`")
     if refused:
         return
-    yield growth_row(name, scene)
+    yield _growth_row(name, scene)
     yield from rows_on_scene(_WITNESS, scene)
 
 
@@ -85,7 +85,7 @@ def _not_compiled(scene: Scene) -> str:
     return ""
 
 
-def growth_row(name: str, scene: Scene) -> Verdict:
+def _growth_row(name: str, scene: Scene) -> Verdict:
     """Growth of a small disturbance of steady sliding in a run, compared with the root of the characteristic equation, which uses
     only the law's slopes."""
     title = "A small disturbance grows as the law’s slopes say"

@@ -69,7 +69,7 @@ def few_cells(model: str) -> int:
     return CELLS.get(model, grid_of(model)[0].cells)
 
 
-def with_step(model: str, scene: Scene, share: float) -> FieldSolver:
+def _with_step(model: str, scene: Scene, share: float) -> FieldSolver:
     """The solver at `share` of its declared step limit, which may exceed 1, unlike for users."""
     return build_full_wave(model, scene, cells=few_cells(model), cfl=AnyShare(share))
 
@@ -92,7 +92,7 @@ def ageing(relaxation: float) -> Scene:
 
 def growth(model: str, scene: Scene, share: float, steps: int = STEPS) -> float:
     """Largest field after `steps` at `share` of the limit, over the noise's amplitude; infinite if the run broke down."""
-    solver = with_step(model, scene, share)
+    solver = _with_step(model, scene, share)
     noise = 1e-3 * scene.velocity
     draw = np.random.default_rng(2).standard_normal
     solver.disturb(lambda size: noise * draw(size))
@@ -116,11 +116,11 @@ def state_reach(model: str) -> float:
     if grid_of(model)[0].implicit_state:
         return math.inf
     scene = ageing(1e4)
-    return _largest(lambda share: _calms_down(model, scene, share)) * with_step(model, scene, 1.0).step * 1e4
+    return _largest(lambda share: _calms_down(model, scene, share)) * _with_step(model, scene, 1.0).step * 1e4
 
 
 def _calms_down(model: str, scene: Scene, share: float) -> bool:
-    solver = with_step(model, scene, share)
+    solver = _with_step(model, scene, share)
     return _goes_through(solver, STEPS * solver.step) and solver.failures == 0
 
 
@@ -158,4 +158,4 @@ def around_the_limit(model: str, medium: str) -> tuple[float, float]:
 
 def stops_beyond(model: str, share: float) -> bool:
     """Whether a run of the paper's scene at `share` of the declared step stops with a message."""
-    return not _goes_through(with_step(model, slipwave.read("paper"), share), _LONG)
+    return not _goes_through(_with_step(model, slipwave.read("paper"), share), _LONG)

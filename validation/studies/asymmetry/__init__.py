@@ -75,7 +75,7 @@ def run(budget: Budget) -> StudyResult:
         answers=_answers(exact, ends, alike, first_in_words(compared, _LADDER, "at every p and q of the table")),
         figures=(
             Figure("periods", _PERIODS, lambda: periods(exact)),
-            Figure("ends", _ENDS, lambda: ends_over_ratio(ends)),
+            Figure("ends", _ENDS, lambda: _ends_over_ratio(ends)),
         ),
         tables=(_motions(exact, ends), summary(compared, "over all pairs of the table of motions", _FITTED)),
         verdicts=(
@@ -261,7 +261,7 @@ def periods(exact: Mapping[Pair, Regime]) -> Chart:
     return Chart(panels, 3.4, 2, legend="outside upper left", legend_columns=3)
 
 
-def ends_over_ratio(ends: Mapping[Pair, tuple[float, float]]) -> Chart:
+def _ends_over_ratio(ends: Mapping[Pair, tuple[float, float]]) -> Chart:
     """Onset and fold over p."""
     traces = []
     for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):

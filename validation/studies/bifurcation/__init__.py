@@ -87,10 +87,10 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             *published(branches.values()),
             index(branches.values()),
-            *same_orbits(waves),
-            mildly_subcritical(delay, ode),
+            *_same_orbits(waves),
+            _mildly_subcritical(delay, ode),
             *fold_verdicts(folds, fold_at(folds["delay"][-1][1])),
-            *(() if budget.quick else bubbles_of(ode)),
+            *(() if budget.quick else _bubbles_of(ode)),
             *doubling_verdicts(orbits, ode, bubbles),
             unlike(delay, ode),
         ),
@@ -206,7 +206,7 @@ def index(branches: Iterable[Branch]) -> Verdict:
     ).with_margin(missed, 1.0)
 
 
-def same_orbits(waves: Iterable[WaveOrbit]) -> Iterator[Verdict]:
+def _same_orbits(waves: Iterable[WaveOrbit]) -> Iterator[Verdict]:
     """The full wave's orbits against the delay system's."""
     title = f"The full wave’s own orbits, `{WAVE}`, lie on the delay system’s branch"
     for one in waves:
@@ -214,7 +214,7 @@ def same_orbits(waves: Iterable[WaveOrbit]) -> Iterator[Verdict]:
         yield claim(title, WITNESS, one.apart, _WAVE_ORBITS, remark)
 
 
-def mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
+def _mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
     """P8."""
     first = {branch.model: branch.special[0] for branch in (delay, ode)}
     turned = {one.model: 1.0 - 10.0 ** (first[one.model].point.parameter - one.onset.parameter) for one in (delay, ode)}
@@ -228,7 +228,7 @@ def mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
     ).with_margin(max(turned.values()), JUST_BELOW)
 
 
-def bubbles_of(ode: Branch) -> Iterator[Verdict]:
+def _bubbles_of(ode: Branch) -> Iterator[Verdict]:
     """P9: special points of the ODE's branch up to its torus point, and where that is."""
     kinds = [one.kind for one in ode.special]
     until = kinds[kinds.index("PD") : kinds.index("NS") + 1] if "NS" in kinds else kinds

@@ -104,7 +104,7 @@ def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) ->
         holds and found.double.multipliers.stable is True,
         minus(f"multiplier {lead:.5f} of the primary orbit; half the doubled period is {0.5 * double:.6f}"),
     ).with_margin(abs(period - known), half_digit(known))
-    yield twice_but_not_the_same(found)
+    yield _twice_but_not_the_same(found)
     for one, points in zip(bubbles, simple, strict=True):
         yield claim(
             "P9 The doubled orbits connect two period doublings: their branch is a closed bubble",
@@ -116,7 +116,7 @@ def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) ->
         )
 
 
-def twice_but_not_the_same(found: Doubled) -> Verdict:
+def _twice_but_not_the_same(found: Doubled) -> Verdict:
     """The peaks of the slip rate on both orbits."""
     single, (high, low) = float(found.single.orbit.v_max.value), peaks(found.double)
     periods = found.double.orbit.period.value / found.single.orbit.period.value

@@ -66,7 +66,7 @@ class Case(NamedTuple):
 
     def holds(self, name: str) -> bool:
         """Whether the measured figure lies in its band."""
-        return self.bands[name].low <= measured_figure(self.row, name) <= self.bands[name].high
+        return self.bands[name].low <= _measured_figure(self.row, name) <= self.bands[name].high
 
 
 class BlockWaves(NamedTuple):
@@ -90,14 +90,14 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answers=_answers(cases),
         figures=(
-            Figure("leeman", _LEEMAN, lambda: over_stress(cases)),
-            Figure("togo", _TOGO, lambda: over_drop(rises)),
+            Figure("leeman", _LEEMAN, lambda: _over_stress(cases)),
+            Figure("togo", _TOGO, lambda: _over_drop(rises)),
         ),
         verdicts=(
             *_reproduced(untuned),
-            *against_measured(cases),
-            *on_waves(waves_in_blocks(budget.quick)),
-            on_rises(rises),
+            *_against_measured(cases),
+            *_on_waves(waves_in_blocks(budget.quick)),
+            _on_rises(rises),
             *on_programs(programs),
         ),
         notes=(_NOTE,),
@@ -110,7 +110,7 @@ def _answers(cases: Sequence[Case]) -> tuple[StudyAnswer, ...]:
     return (
         StudyAnswer(
             f"The printed a, b and L with their uncertainty hold the period in {inside['period']} of 7 runs, the drop in "
-            f"{inside['drop']} and the peak slip rate in {inside['peak']}, but all three at once in {sum(row_met(cases))} of 7.",
+            f"{inside['drop']} and the peak slip rate in {inside['peak']}, but all three at once in {sum(_row_met(cases))} of 7.",
             ("Leeman et al. 2016: ",),
         ),
         StudyAnswer(
@@ -129,23 +129,23 @@ def _answers(cases: Sequence[Case]) -> tuple[StudyAnswer, ...]:
 
 def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[FrictionFit, float]]) -> Case:
     found = [one for one in cycles_of_samples(row, law, drawn) if one is not None]
-    bands = {name: band_of([getattr(one, name) for one in found]) for name in NAMES}
-    off = [{name: abs(getattr(one, name) / measured_figure(row, name) - 1.0) for name in NAMES} for one in found]
+    bands = {name: _band_of([getattr(one, name) for one in found]) for name in NAMES}
+    off = [{name: abs(getattr(one, name) / _measured_figure(row, name) - 1.0) for name in NAMES} for one in found]
     meets = sum(all(one[name] <= 2.0 * _SCATTER[name] for name in NAMES) for one in off)
     return Case(row, law, len(found) / len(drawn), bands, meets)
 
 
-def measured_figure(row: Mapping[str, Any], name: str) -> float:
+def _measured_figure(row: Mapping[str, Any], name: str) -> float:
     """The measured figure of a run."""
     return float(row[_SYMBOLS[name][0]])
 
 
-def row_met(cases: Sequence[Case]) -> list[bool]:
+def _row_met(cases: Sequence[Case]) -> list[bool]:
     """For each run, whether some sample of some law meets period, drop and peak slip rate at once."""
     return [any(case.meets for case in cases if case.row["run"] == row["run"]) for row in leeman_runs()]
 
 
-def band_of(values: Sequence[float]) -> Band:
+def _band_of(values: Sequence[float]) -> Band:
     """Median and 95 % range."""
     return Band(*np.quantile(values, (0.025, 0.5, 0.975)).tolist()) if len(values) >= 3 else Band(*[float("nan")] * 3)
 
@@ -187,7 +187,7 @@ def _of_others(title: str, expected: str, ours: str, holds: bool, remark: str = 
     return of_paper(title, expected, ours, holds, remark, evidence=WITNESS)
 
 
-def against_measured(cases: Sequence[Case]) -> Iterator[Verdict]:
+def _against_measured(cases: Sequence[Case]) -> Iterator[Verdict]:
     """Verdicts on onset, period, drop, peak slip rate."""
     of_law = {law: [case for case in cases if case.law == law] for law in LAWS}
     onset = {law: min(case.slips for case in own) for law, own in of_law.items()}
@@ -200,7 +200,9 @@ def against_measured(cases: Sequence[Case]) -> Iterator[Verdict]:
     ).with_margin(0.5 / max(onset.values()) if any(onset.values()) else math.inf, 1.0)
     for name, words in zip(NAMES, ("period", "drop of friction", "peak slip rate"), strict=True):
         inside = {law: sum(case.holds(name) for case in own) for law, own in of_law.items()}
-        ratio = {law: np.median([one.bands[name].median / measured_figure(one.row, name) for one in of_law[law]]) for law in LAWS}
+        ratio = {
+            law: np.median([one.bands[name].median / _measured_figure(one.row, name) for one in of_law[law]]) for law in LAWS
+        }
         yield _of_others(
             "Leeman et al. 2016: what was measured lies within the uncertainty of a, b, L and k'",
             "7 of 7 runs by one of the laws",
@@ -208,7 +210,7 @@ def against_measured(cases: Sequence[Case]) -> Iterator[Verdict]:
             max(inside.values()) == 7,
             words,
         ).with_margin(7 - max(inside.values()), 1.0)
-    met = row_met(cases)
+    met = _row_met(cases)
     yield _of_others(
         "Leeman et al. 2016: one set of a, b, L and k' meets period, drop and peak slip rate at once",
         f"{len(met)} of {len(met)} runs",
@@ -218,14 +220,14 @@ def against_measured(cases: Sequence[Case]) -> Iterator[Verdict]:
     ).with_margin(len(met) - sum(met), 1.0)
 
 
-def on_waves(waves: BlockWaves) -> Iterator[Verdict]:
+def _on_waves(waves: BlockWaves) -> Iterator[Verdict]:
     """Verdicts on the neglect of waves: no effect if they are absorbed; the whole damping if not."""
     apart = [abs(one / other - 1.0) for one, other in zip(waves.block, waves.absorbed, strict=True)]
     text = ", ".join(f"{name} {100.0 * size:.2g} %" for name, size in zip(NAMES, apart, strict=True))
     title = "Waves that leave blocks of 5 cm differ from radiation damping by less than events scatter"
     yield claim(title, WITNESS, max(apart), _SAME, f"{text}: the blocks' own compliance, between friction and what absorbs")
     if waves.kept:
-        measured = measured_figure(leeman_runs()[2], "peak")
+        measured = _measured_figure(leeman_runs()[2], "peak")
         yield _of_others(
             "Leeman et al. 2016: blocks that keep their waves slip as slowly as was measured",
             f"peak slip rate within a factor of 2 of {measured:.3g} mm/s",
@@ -235,7 +237,7 @@ def on_waves(waves: BlockWaves) -> Iterator[Verdict]:
         ).with_margin(abs(math.log2(waves.kept.peak / measured)), 1.0)
 
 
-def on_rises(rises: Sequence[Rise]) -> Verdict:
+def _on_rises(rises: Sequence[Rise]) -> Verdict:
     """Rise times over stress drops."""
     times, drops = [one.time for one in rises], [one.drop for one in rises]
     shown = f"{min(times):.3g} to {max(times):.3g} ms, drops of {min(drops):.2g} to {max(drops):.2g} MPa"
@@ -255,7 +257,7 @@ def _numbers(cases: Iterable[Case], rises: Iterable[Rise], count: int) -> dict[s
     return medians | {f"rise time, drop {one.drop:.2g} MPa": Number(one.time, 1e-3) for one in rises}
 
 
-def over_stress(cases: Sequence[Case]) -> Chart:
+def _over_stress(cases: Sequence[Case]) -> Chart:
     """Measured values with their scatter and the ranges of the laws, over normal stress."""
     panels, runs = [], leeman_runs()
     for name in NAMES:
@@ -266,7 +268,7 @@ def over_stress(cases: Sequence[Case]) -> Chart:
             traces.append(Trace(f"{law} law, 95 %", *ranges, Look(color, width=2.5), shift=(aside, 0.0)))
             medians = [band.median for band in own.values()]
             traces.append(Trace(f"{law} law, median", [*own], medians, Look(color, "", "_", size=9.0), shift=(aside, 0.0)))
-        values = np.array([measured_figure(row, name) for row in runs])
+        values = np.array([_measured_figure(row, name) for row in runs])
         at, scatter = [row["sigma_MPa"] for row in runs], _SCATTER[name] * values
         traces.append(Trace("measured", at, values, POINTS.but(size=4.0), y_error=scatter))
         up = Scale(_SYMBOLS[name][1], "log", (0.01, 60.0)) if name == "peak" else Scale(_SYMBOLS[name][1], limits=(0.0, None))
@@ -274,7 +276,7 @@ def over_stress(cases: Sequence[Case]) -> Chart:
     return Chart(panels, 3.6, 3, 9.0, legend="outside upper left", legend_columns=5)
 
 
-def over_drop(rises: Sequence[Rise]) -> Chart:
+def _over_drop(rises: Sequence[Rise]) -> Chart:
     """Rise times over stress drops."""
     low, high = laboratory()["togo-2015"]["rise_time_ms"]
     drops, times = [one.drop for one in rises], [one.time for one in rises]

@@ -55,8 +55,8 @@ def run(budget: Budget) -> StudyResult:
             ),
         ),
         figures=(
-            Figure("space", _SPACE, lambda: errors_chart(in_space.space_errors(climbs))),
-            Figure("motion", _MOTION, lambda: errors_chart(given_motion.motion_errors(ladders))),
+            Figure("space", _SPACE, lambda: _errors_chart(in_space.space_errors(climbs))),
+            Figure("motion", _MOTION, lambda: _errors_chart(given_motion.motion_errors(ladders))),
         ),
         verdicts=(
             *(order_verdict(climbed) for climbed in climbs),
@@ -85,7 +85,7 @@ Curves: TypeAlias = Mapping[str, Mapping[str, tuple[np.ndarray, np.ndarray]]]
 """Panel -> model -> points per slab, errors."""
 
 
-def errors_chart(curves: Curves) -> Chart:
+def _errors_chart(curves: Curves) -> Chart:
     """A panel for each group of models, a line for each."""
     points = Scale("points per slab", "log", ticks={n: f"{n:g}" for n in (10.0, 20.0, 50.0, 100.0, 200.0)})
     axes, panels = (points, Scale("error", "log", floor=1e-14)), list[Panel]()

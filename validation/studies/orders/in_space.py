@@ -69,7 +69,7 @@ def jump_verdict(cfl: float, cells: Iterable[int], errors: np.ndarray) -> Verdic
     return of_order(JUMP, evidence_at(cfl), fit_order(np.array(cells), errors), 1.0, f"CFL {cfl}")
 
 
-def modules_of(family: str) -> frozenset[str]:
+def _modules_of(family: str) -> frozenset[str]:
     """Modules of the project that a family's solver uses, as `fullwave.lines.march`."""
     module = next(facts.module for facts in FAMILIES if facts.name == family)
     start = ROOT.joinpath(*module.split(".")).with_suffix(".py")
@@ -79,7 +79,7 @@ def modules_of(family: str) -> frozenset[str]:
 
 def shared(one: str, other: str) -> tuple[str, ...]:
     """Modules outside `slipwave` that two families share, without the tables of facts, which compute nothing."""
-    common = modules_of(one) & modules_of(other)
+    common = _modules_of(one) & _modules_of(other)
     return tuple(sorted(name for name in common if not name.startswith("slipwave") and not name.endswith(".families")))
 
 

@@ -67,7 +67,7 @@ def run(budget: Budget) -> StudyResult:
         answers=_answers(branch, max(map(len, orbits.values()))),
         figures=(
             Figure("snake", _CAPTION, lambda: snake(branch, [before, beyond]), zoom=True, beside="orbits"),
-            Figure("orbits", _ORBITS, lambda: orbits_along(branch), zoom=True),
+            Figure("orbits", _ORBITS, lambda: _orbits_along(branch), zoom=True),
         ),
         tables=(_window_table(branch.corners), _coexisting_table(orbits)),
         verdicts=(
@@ -148,7 +148,7 @@ def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
     return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), words)
 
 
-def orbits_along(branch: Branch) -> Chart:
+def _orbits_along(branch: Branch) -> Chart:
     """The stress of some orbits in order along the branch, each offset by `_RAISED`."""
     points = [point for point in branch.points if point.closed.cycle.period > _LEAST]
     traces = []

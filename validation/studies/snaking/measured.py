@@ -82,7 +82,7 @@ def torus_at(log10_r: float) -> tuple[float, Estimate]:
     return run["rotation_number"] or math.nan, Estimate(run["period"]["mean"], run["margins"]["period"])
 
 
-def multiplier_seen(apart: np.ndarray, turns: bool) -> complex:
+def _multiplier_seen(apart: np.ndarray, turns: bool) -> complex:
     """The multiplier m of the distance `apart` (cycles, values) of two runs, by least squares: d_(n+1) = m d_n or, if it `turns`,
     the one above the real axis of d_(n+2) = 2 Re(m) d_(n+1) - |m|^2 d_n."""
     first, second, third = (apart[k : apart.shape[0] + k - turns - 1].ravel() for k in (0, 1, 1 + turns))
@@ -107,7 +107,7 @@ def _side(point: OrbitPoint, kind: str) -> FoldSide:
     closed = point.closed
     passing, direction = _passing(closed, kind)
     apart = _cycles(closed, _OFF * direction) - _cycles(closed, -_OFF * direction)
-    return FoldSide(point.parameter, passing, multiplier_seen(apart, abs(passing.imag) > _REAL))
+    return FoldSide(point.parameter, passing, _multiplier_seen(apart, abs(passing.imag) > _REAL))
 
 
 def _passing(closed: Closed, kind: str) -> tuple[complex, np.ndarray]:

@@ -116,10 +116,10 @@ def paper_verdicts(table: ModelTable, shown: Sequence[str], main: str) -> Iterat
     yield claim(title, WITNESS, left, 1.0, remark, words, unit="of the error before")
     away = [cell.regime == AWAY for _, _, cell in cells_of(table, "quasistatic")]
     yield every("The quasi-static model runs away", EXACT, sum(away), len(away), "at every r", "points")
-    yield cost_verdict(table)
+    yield _cost_verdict(table)
 
 
-def cost_verdict(table: ModelTable) -> Verdict:
+def _cost_verdict(table: ModelTable) -> Verdict:
     """Whether the exact system costs as little as any good ODE."""
     costs = costs_of_good_reductions(table)
     least = min(costs, default=math.inf)
