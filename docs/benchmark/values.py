@@ -1,4 +1,4 @@
-"""Computes benchmark.csv anew: each value by slipwave and by second_program.py.    python docs/benchmark/values.py
+"""Computes benchmark.csv and mistakes.csv anew: each value by two programs.    python docs/benchmark/values.py
 
 Newton's method of the second program begins at orbits of the first, which decide what it finds, not where that lies.
 """
@@ -24,6 +24,31 @@ STARTS = {
     "irregular": ({"log10_r": -2.3}, {"nudge": 0.5}, (20.0, 100.0, 400.0)),
 }
 """Name of a start -> changes of the paper's scene, what the second program calls it, and the times at which psi is given."""
+
+SCENES = {
+    "unlike": ("unlike", {}),
+    "unlike-irrational": ("unlike-irrational", {}),
+    "layered": ("layered", {}),
+    "reflection-0.5": ("reflection", {"slab.face.coefficient": 0.5}),
+    "reflection-0.9": ("reflection", {"slab.face.coefficient": 0.9}),
+    "slip": ("slip-law", {}),
+    "cutoff": ("paper", {"interface.law": "ageing-cutoff", "interface.cutoff_velocity": 2000.0}),
+}
+"""Name of a scene here -> scene of the gallery and changes; psi is given after the smooth start."""
+SCENES_AT = (8.0, 20.0, 40.0, 100.0)
+
+MISTAKES = {
+    "the load were halved": {"drive.velocity": [[0.0, 100.0], [0.0, 50.0]]},
+    "the load were doubled": {"drive.velocity": [[0.0, 100.0], [0.0, 200.0]]},
+    "the slabs had half of their impedance (radiation damping)": {"slab.epsilon": 1.4e-5},
+    "the slabs had twice their impedance (radiation damping)": {"slab.epsilon": 5.6e-5},
+    "friction were the asinh form with a_* = 0.369, not 0.769": {
+        "interface.law": "ageing-regularised",
+        "interface.a_star": 0.369,
+    },
+}
+"""A mistake in words -> changes of the paper's scene that make it; psi is given after the smooth start."""
+MISTAKES_AT = (6.0, 8.0, 12.0, 20.0, 40.0)
 
 FIGURES = ("stress_drop", "v_max", "v_min")
 _FACTOR, _ROUNDING = 3.0, 1e-12
@@ -57,6 +82,22 @@ def psi_of_second(start: str) -> Iterator[tuple[str, float]]:
     yield from ((f"{start}.psi.{time:g}", psi) for time, psi in zip(times, found, strict=True))
 
 
+def psi_in(scene: str, waves: bool) -> Iterator[tuple[str, float]]:
+    """(name, psi) in one of SCENES, by the delay system or by full waves (discontinuous Galerkin, explicit in time)."""
+    name, changes = SCENES[scene]
+    options: dict[str, Any] = {"model": "dg:8", "cells": 8, "time": "explicit"} if waves else {"model": "delay", "tol": 1e-12}
+    for time in SCENES_AT:
+        yield f"{scene}.psi.{time:g}", sw.run(sw.read(name, changes), until=time, **options).final.psi
+
+
+def mistaken() -> Iterator[tuple[str, float, str]]:
+    """(name, psi, mistake) after the smooth start."""
+    for words, changes in MISTAKES.items():
+        for time in MISTAKES_AT:
+            psi = sw.run(sw.read("paper", changes), model="delay", tol=1e-12, until=time).final.psi
+            yield f"smooth.psi.{time:g}", round(float(psi), 12), words
+
+
 def special_points() -> dict[str, Any]:
     """The twelve points of the branch, by name."""
     branch = sw.branch("paper", model="delay", over=("log10_r", -2.72, -2.3), tol=1e-9, longest_period=87.95)
@@ -74,6 +115,8 @@ def by_slipwave(orbit: Any, points: dict[str, Any]) -> Iterator[tuple[str, float
         yield from ((f"{name}.log10_r", point.log10_r), (f"{name}.period", point.period))
     for start in STARTS:
         yield from psi_of(start)
+    for scene in SCENES:
+        yield from psi_in(scene, waves=False)
 
 
 def by_second(orbit: Any, points: dict[str, Any]) -> Iterator[tuple[str, float]]:
@@ -86,6 +129,8 @@ def by_second(orbit: Any, points: dict[str, Any]) -> Iterator[tuple[str, float]]
         yield from zip((f"{name}.log10_r", f"{name}.period"), place, strict=True)
     for start in STARTS:
         yield from psi_of_second(start)
+    for scene in SCENES:
+        yield from psi_in(scene, waves=True)
 
 
 def _of_orbit(period: float, figures: dict[str, float], multipliers: Iterable[complex]) -> Iterator[tuple[str, float]]:
@@ -118,21 +163,33 @@ _WORDS = {
     "smooth": "psi after the smooth start at log10 r = -2.68",
     "jump": "psi after the jump at log10 r = -2.68",
     "irregular": "psi after the smooth start at log10 r = -2.3",
+    "unlike": "unlike slabs, round trips 2 : 1: psi after the smooth start",
+    "unlike-irrational": "unlike slabs, round trips sqrt(2) : 1: psi after the smooth start",
+    "layered": "slabs of two layers: psi after the smooth start",
+    "reflection-0.5": "faces that reflect 0.5: psi after the smooth start",
+    "reflection-0.9": "faces that reflect 0.9: psi after the smooth start",
+    "slip": "slip law: psi after the smooth start",
+    "cutoff": "cut-off law: psi after the smooth start",
 }
 _PROGRAMS = "slipwave's delay system (Radau steps); second_program.py (Chebyshev panels, numpy alone)"
+_WAVES = "slipwave's delay system; slipwave's full waves (dg:8, explicit in time)"
 _ONSET = "slipwave's root search on the characteristic equation; the closed forms (20) and (39)"
+
+
+_BY = {"onset": _ONSET} | dict.fromkeys(SCENES, _WAVES)
 
 
 def rows_of(one: dict[str, float], other: dict[str, float]) -> list[Value]:
     """Both programs' values as rows: their mean, rounded to two digits of the bar. Raises KeyError where one lacks a value."""
     rows = []
     for name, first in one.items():
-        group, _, what = name.partition(".")
+        group = next(one for one in (name.split(".psi.")[0], name.partition(".")[0]) if one in _WORDS)
+        what = name.removeprefix(f"{group}.")
         value = 0.5 * (first + other[name])
         bar = float(f"{max(_FACTOR * abs(first - other[name]), _ROUNDING * abs(value)):.1e}")
         shown = round(value, 1 - math.floor(math.log10(bar)))
         unit = _UNITS.get(what.split(".")[-1], "1")
-        rows.append(Value(name, shown, bar, unit, f"{_WORDS[group]}: {what}", _ONSET if group == "onset" else _PROGRAMS))
+        rows.append(Value(name, shown, bar, unit, f"{_WORDS[group]}: {what}", _BY.get(group, _PROGRAMS)))
     return rows
 
 
@@ -141,5 +198,7 @@ if __name__ == "__main__":
     rows = rows_of(dict(by_slipwave(*found)), dict(by_second(*found)))
     with FILE.open("w", encoding="utf-8", newline="") as stream:
         csv.writer(stream, lineterminator="\n").writerows([Value._fields, *rows])
+    with FILE.with_name("mistakes.csv").open("w", encoding="utf-8", newline="") as stream:
+        csv.writer(stream, lineterminator="\n").writerows([("id", "value", "mistake"), *mistaken()])
     for row in rows:
         print(f"{row.id:22} {row.value!r:>22} +- {row.bar:.1e}")
