@@ -36,3 +36,11 @@ def test_its_schemes_converge_at_the_orders_that_its_page_states(scheme, order):
     errors = {steps: abs(value - FROZEN["smooth.psi.40"]) for steps, value in found.items()}
     coarse, fine = sorted(errors)[-2:]
     assert math.log2(errors[coarse] / errors[fine]) / math.log2(fine / coarse) == pytest.approx(order, abs=0.02)
+
+
+def test_values_of_continuation_programs_have_all_their_digits():
+    """Half of a unit of the last digit that is written; for log10 r that of the bar of the frozen table, if that is larger."""
+    bars = {row["id"]: float(row["bar"]) for row in rows(BENCHMARK / "benchmark.csv")}
+    for row in rows(BENCHMARK / "others" / "continuation.csv"):
+        half = 0.5 * 10.0 ** -len(row["value"].partition(".")[2])
+        assert abs(float(row["value"]) - FROZEN[row["id"]]) <= 1.2 * half + bars[row["id"]], row
