@@ -57,7 +57,7 @@ def wanted() -> Iterator[tuple[str, str, Callable[[float], Regime], float, bool]
     for pair in asymmetry.PAIRS:
         for model in asymmetry.MODELS:
             yield model, pair.settings, partial(motion_at, model, pair.settings), MANY, True
-    for column in reflection.columns():
+    for column in reflection.columns().values():
         for model in reflection.MODELS:
             if able(model, scene_of(column.settings)):
                 yield model, column.settings, partial(motion_at, model, column.settings), MANY, True
@@ -68,7 +68,7 @@ def points_wanted() -> Iterator[tuple[str, Callable[[], list[KnownPoint]]]]:
     for pair in asymmetry.pairs_at(asymmetry.LOG10_R[0]):
         yield pair.settings, lambda pair=pair: [asymmetry.fold_of(pair)]
     for face in reflection.BRANCHES:
-        yield face.settings(-2.68), lambda face=face: reflection.branch_points(face)
+        yield face.settings(), lambda face=face: reflection.branch_points(face)
 
 
 def make_record() -> None:

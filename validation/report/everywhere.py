@@ -81,7 +81,12 @@ def repeated(
             yield claim(title, SELF, max(off), ROUNDING, where)
 
 
-def with_bar(one: Estimate | None, scale: float = 1.0) -> str | None:
+def motion_cells(motion: Regime, clock: float = 1.0) -> list[str | None]:
+    """A motion in a table: its words, and T, times `clock`, and the stress drop."""
+    return [motion.words, _with_bar(motion.figures.get("T"), clock), _with_bar(motion.figures.get("Δμ"))]
+
+
+def _with_bar(one: Estimate | None, scale: float = 1.0) -> str | None:
     """A figure times `scale`, with the digits that its error leaves, and with two standard errors if it is a mean."""
     if one is None:
         return None

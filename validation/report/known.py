@@ -11,7 +11,7 @@ from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.models.by_name import grid_of
 from validation.references import others
 from validation.references.published import half_digit, reference_orbit
-from validation.report import PAPER, PROGRAM, Evidence, Omission, Verdict, claim, every, holding
+from validation.report import PAPER, PROGRAM, Evidence, Omission, StudyAnswer, Verdict, claim, every, holding
 from validation.report.text import minus, places
 
 ERRORS = 4.0
@@ -74,6 +74,13 @@ OTHERS_AT = (8.0, 20.0, 40.0, 100.0)
 
 
 NO_OTHERS = () if others.FILES else (Omission("Results of another program", "They lie in a checkout, not in a wheel."),)
+
+
+def foreign_answer(witness: str, title: str) -> StudyAnswer:
+    """With what the exact solution agrees: the `witness`, by the claim that begins with `title`, and another program if a
+    checkout has its results."""
+    foreign = (f" and with {others.SEM2DPACK}", ("Another program",)) if others.FILES else ("", ())
+    return StudyAnswer(f"The exact solution agrees with {witness}{foreign[0]}.", (title, *foreign[1]))
 
 
 def as_foreign(title: str, name: str, psi: Mapping[float, float]) -> Verdict:

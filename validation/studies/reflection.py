@@ -3,7 +3,7 @@ and on one. Where stick-slip begins and ends, at which reflection snake and toru
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import slipwave as sw
 from validation.chart import BLUE, DASHED, INK, ORANGE, Chart, Look, Panel, Scale, Trace
@@ -28,8 +28,8 @@ from validation.report import (
     table,
 )
 from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
-from validation.report.everywhere import first_good, first_in_words, recorded_table, repeated, summary, with_bar
-from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign
+from validation.report.everywhere import first_good, first_in_words, motion_cells, recorded_table, repeated, summary
+from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign, foreign_answer
 from validation.report.model_table import ModelColumn
 from validation.report.text import places, plain
 from validation.report.verdict import ROUNDING
@@ -61,17 +61,13 @@ class LeakyFace(NamedTuple):
     both: bool
     reflection: float
 
-    @property
-    def keys(self) -> dict[str, Any]:
-        """The keys of the scene's face."""
-        if self.kind == "bare":
-            return {"kind": "reflection", "coefficient": self.reflection}
-        return {"kind": "grip", "stiffness": STIFFNESS, "impedance": (1.0 + self.reflection) / (1.0 - self.reflection)}
-
-    def settings(self, log10_r: float) -> str:
+    def settings(self, log10_r: float = -2.68) -> str:
         """The words that give the paper's slabs with this face in a command."""
-        face = {f"{'slab' if self.both else 'upper'}.face.{key}": value for key, value in self.keys.items()}
+        impedance = (1.0 + self.reflection) / (1.0 - self.reflection)
+        grip = {"kind": "grip", "stiffness": STIFFNESS, "impedance": impedance}
+        keys = {"kind": "reflection", "coefficient": self.reflection} if self.kind == "bare" else grip
         names = ("slab",) if self.both else ("upper", "lower")
+        face = {f"{names[0]}.face.{key}": value for key, value in keys.items()}
         slabs = {f"{name}.{key}": value for name in names for key, value in (("epsilon", 2.8e-5), ("log10_r", log10_r))}
         return command_words("paper", slabs | face | {"start.size": 0.5})
 
@@ -94,7 +90,8 @@ class LeakyFace(NamedTuple):
         return float((ratio - 1.0) / (ratio + 1.0))
 
 
-FACES = tuple(LeakyFace(kind, both, R) for kind in ("bare", "grip") for both in (True, False) for R in REFLECTIONS)
+_KINDS, _BOTH = {"bare": "bare faces", "grip": "grips"}, (True, False)
+FACES = tuple(LeakyFace(kind, both, R) for kind in _KINDS for both in _BOTH for R in REFLECTIONS)
 _FOLLOWED = {"bare": (0.999, 0.997, 0.995, 0.99, 0.98, 0.95, 0.9), "grip": (0.999, 0.99, 0.98, 0.95, 0.9)}
 BRANCHES = tuple(LeakyFace(kind, True, R) for kind, reflections in _FOLLOWED.items() for R in reflections)
 """Faces behind which the branch was followed over RANGE."""
@@ -105,7 +102,7 @@ _WITNESSED = (
     LeakyFace("bare", False, 0.9),
 )
 _LADDER = ("fitted:4", "fitted:8")
-_COSTED = (LeakyFace("grip", True, 0.5), OVER_ONSET[1])
+_COSTED = LeakyFace("grip", True, 0.5), OVER_ONSET[1]
 _AGAIN = (
     (EXACT_MODEL, LeakyFace("bare", True, 0.95), 1.3),
     ("fitted:8", LeakyFace("grip", False, 0.5), 1.05),
@@ -119,75 +116,56 @@ _BEGIN, _ALONG = {"bare": 2.25e-3, "grip": 7.4e-4}, 12  # 1 - R at which the cur
 _BESIDE = 0.02  # of 1 - R, from the end of the torus
 
 
-def columns() -> list[ModelColumn]:
+def columns() -> dict[tuple[LeakyFace, float], ModelColumn]:
     """Every face that has an onset, at every r over it."""
-    found = []
+    found = {}
     for face in FACES:
         onset = face_onset(face)
         for over in OVER_ONSET if onset > 0.0 else ():
-            log10_r = round(math.log10(onset * over), 6)
-            words, group = face.settings(log10_r), f"r = {over:g} r_{{c}}"
-            found.append(ModelColumn(f"{face.title}, {group}", log10_r, over, group, words))
+            log10_r, group = round(math.log10(onset * over), 6), f"r = {over:g} r_{{c}}"
+            found[face, over] = ModelColumn(f"{face.title}, {group}", log10_r, over, group, face.settings(log10_r))
     return found
 
 
 def face_onset(face: LeakyFace) -> float:
     """The r at which steady sliding loses its stability by a Hopf point; NaN if there is none."""
-    return critical_r(EXACT_MODEL, scene_of(face.settings(-2.68)))
+    return critical_r(EXACT_MODEL, scene_of(face.settings()))
 
 
 def branch_points(face: LeakyFace) -> list[KnownPoint]:
     """The special points of the branch over RANGE."""
-    found = sw.branch(scene_of(face.settings(-2.68)), {"log10_r": RANGE}, model=EXACT_MODEL, longest_period=FAR, most_points=6000)
+    found = sw.branch(scene_of(face.settings()), {"log10_r": RANGE}, model=EXACT_MODEL, longest_period=FAR, most_points=6000)
     return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in found.summary["special"]]
 
 
-class TorusEnd(NamedTuple):
-    """Where the first torus of the branch ends on the curve of its torus points: 1 - R, its error, and log10 r there."""
-
-    leak: float
-    error: float
-    log10_r: float
-
-
-def _torus_end(kind: str) -> TorusEnd:
-    """The largest 1 - R of the curve through both ends of the first torus, of which it is the extreme; the error is the distance
-    to the next largest of its points."""
-    face, key = LeakyFace(kind, True, 0.99), "coefficient" if kind == "bare" else "impedance"
-    along, setting = {"leak": (_BEGIN[kind], 0.01)}, {f"slab.face.{key}": "1 - leak" if kind == "bare" else "2/leak - 1"}
-    curve = sw.curve(
-        scene_of(face.settings(-2.68)),
-        of="NS",
-        over=_FIRST_TORUS,
-        along=along,
-        set=setting,
-        model=EXACT_MODEL,
-        most_points=_ALONG,
-    )
-    best, second = sorted(curve.summary["points"], key=lambda one: -one["leak"])[:2]
-    return TorusEnd(best["leak"], best["leak"] - second["leak"], best["log10_r"])
+def _torus_end(kind: str) -> tuple[float, float]:
+    """The largest 1 - R of the curve through both ends of the first torus, of which it is the extreme; and its error, the
+    distance to the next largest of its points."""
+    setting = {"slab.face.coefficient": "1 - leak"} if kind == "bare" else {"slab.face.impedance": "2/leak - 1"}
+    scene, along = scene_of(LeakyFace(kind, True, 0.99).settings()), {"leak": (_BEGIN[kind], 0.01)}
+    curve = sw.curve(scene, "NS", _FIRST_TORUS, along, set=setting, model=EXACT_MODEL, most_points=_ALONG)
+    best, second = sorted((one["leak"] for one in curve.summary["points"]), reverse=True)[:2]
+    return best, best - second
 
 
 def _torus_points(kind: str, leak: float) -> int:
     """How many torus points the branch has up to the period at which the first torus ends."""
-    words = LeakyFace(kind, True, 1.0 - leak).settings(-2.68)
-    found = sw.branch(scene_of(words), _FIRST_TORUS, model=EXACT_MODEL, longest_period=_PERIOD).summary["special"]
+    scene = scene_of(LeakyFace(kind, True, 1.0 - leak).settings())
+    found = sw.branch(scene, _FIRST_TORUS, model=EXACT_MODEL, longest_period=_PERIOD).summary["special"]
     return sum(one["type"] == "NS" for one in found)
 
 
 def run(budget: Budget) -> StudyResult:
     """Onsets of all faces; full waves; a few motions and a branch on record again."""
-    every_column = columns()
-    exact = {one.title: on_record(EXACT_MODEL, one.settings) or Regime(UNDECIDED) for one in every_column}
+    shown = columns()
+    exact = {key: on_record(EXACT_MODEL, one.settings) or Regime(UNDECIDED) for key, one in shown.items()}
     budget.report(0.2)
     waves = {face: states_of(face) for face in (_WITNESSED[::2] if budget.quick else _WITNESSED)}
     budget.report(0.5)
-    titles = {one.title: one for one in every_column}
-    costed = titles[f"{_COSTED[0].title}, r = {_COSTED[1]:g} r_{{c}}"]
-    costs = relative_costs(MODELS[:-1], {}, scene_of(costed.settings), 3 if budget.quick else 5)
-    compared = recorded_table(NAME, every_column, MODELS, costed.title, costs)
-    again = [(model, titles[f"{face.title}, r = {over:g} r_{{c}}"]) for model, face, over in _AGAIN]
-    known = {face: special_points().get(face.settings(-2.68), ()) for face in BRANCHES}
+    costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), 3 if budget.quick else 5)
+    compared = recorded_table(NAME, [*shown.values()], MODELS, shown[_COSTED].title, costs)
+    again = [(model, shown[face, over]) for model, face, over in _AGAIN]
+    known = {face: special_points().get(face.settings(), ()) for face in BRANCHES}
     budget.report(0.7)
     torus = {kind: _torus_end(kind) for kind in (("bare",) if budget.quick else ("bare", "grip"))}
     return StudyResult(
@@ -211,9 +189,9 @@ def run(budget: Budget) -> StudyResult:
             "therefore falls by the factor R every transit, to 1/e in about 1/(1 − R) transits. A grip keeps it in its spring.",
         ),
         numbers={
-            f"T, {one.title}": stated(motion.figures["T"].value, max(motion.figures["T"].error, 1e-9))
-            for one in every_column
-            if (motion := exact[one.title]).words == "periodic" and one.over_onset == OVER_ONSET[0] and "both" in one.title
+            f"T, {shown[face, over].title}": stated(motion.figures["T"].value, max(motion.figures["T"].error, 1e-9))
+            for (face, over), motion in exact.items()
+            if motion.words == "periodic" and over == OVER_ONSET[0] and face.both
         },
         omissions=NO_OTHERS,
     )
@@ -223,15 +201,13 @@ _FIRST = "The first rational fit that is good behind every face"
 
 
 def _answers(
-    known: Mapping[LeakyFace, Sequence[KnownPoint]], torus: Mapping[str, TorusEnd], of_models: str
+    known: Mapping[LeakyFace, Sequence[KnownPoint]], torus: Mapping[str, tuple[float, float]], of_models: str
 ) -> tuple[StudyAnswer, ...]:
     bare, one = LeakyFace("bare", True, 0.0).edge, LeakyFace("bare", False, 0.0).edge
-    names = {"bare": "bare faces", "grip": "grips"}
-    ends = [f"R = {1.0 - one.leak:.6f} ± {plain(one.error, '.0e')} behind {names[kind]}" for kind, one in torus.items()]
+    ends = [f"R = {1.0 - leak:.6f} ± {plain(error, '.0e')} behind {_KINDS[kind]}" for kind, (leak, error) in torus.items()]
     seen = [
-        f"{names[kind]} have torus points down to {_last(known, kind, 'NS')}, folds of the snake down to "
-        f"{_last(known, kind, 'LP')}"
-        for kind in names
+        f"{name} have torus points down to {_last(known, kind, 'NS')}, folds of the snake down to {_last(known, kind, 'LP')}"
+        for kind, name in _KINDS.items()
     ]
     return (
         StudyAnswer(
@@ -242,15 +218,11 @@ def _answers(
         StudyAnswer(
             "Grips, which keep the load, keep stick-slip at every R tried; bare faces, which leak it, move its onset to larger r "
             f"and end it at R = {bare:.3f} (on one slab {one:.3f}), where steady sliding is unstable at every r and the "
-            "interface "
-            "locks.",
+            "interface locks.",
             ("Stick-slip behind bare faces",),
         ),
         StudyAnswer(of_models, (_FIRST, "Motions behind faces")),
-        StudyAnswer(
-            f"The exact solution agrees with the full wave{f' and with {others.SEM2DPACK}' if others.FILES else ''}.",
-            ("Slabs behind", *(("Another program",) if others.FILES else ())),
-        ),
+        foreign_answer("the full wave", "Slabs behind"),
     )
 
 
@@ -283,11 +255,7 @@ def _foreign() -> Iterator[Verdict]:
 
 def locks() -> Iterator[Verdict]:
     """Whether bare faces have an onset just above their edge and none just below."""
-    faces = [
-        LeakyFace("bare", both, LeakyFace("bare", both, 0.0).edge + aside)
-        for both in (True, False)
-        for aside in (_ASIDE, -_ASIDE)
-    ]
+    faces = [LeakyFace("bare", both, LeakyFace("bare", both, 0.0).edge + aside) for both in _BOTH for aside in (_ASIDE, -_ASIDE)]
     right = sum((face_onset(face) > 0.0) == (face.reflection > face.edge) for face in faces)
     remark = f"R {_ASIDE:g} above and below {faces[0].edge:.6f} on both slabs and {faces[2].edge:.6f} on one"
     yield every(
@@ -301,32 +269,27 @@ _ASIDE = 1e-3
 def _points_again(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Iterator[Verdict]:
     title = "Special points on record behind a face are found again"
     face = LeakyFace("bare", True, 0.95)
-    off = max(
-        (abs(ours.log10_r - old.log10_r) for ours, old in zip(branch_points(face), known[face], strict=True)), default=math.nan
-    )
+    pairs = zip(branch_points(face), known[face], strict=True)
+    off = max((abs(ours.log10_r - old.log10_r) for ours, old in pairs), default=math.nan)
     yield claim(title, SELF, off, ROUNDING, f"{face.title}: log_{{10}} r of {len(known[face])} points")
 
 
-def _torus_gone(torus: Mapping[str, TorusEnd]) -> Iterator[Verdict]:
+def _torus_gone(torus: Mapping[str, tuple[float, float]]) -> Iterator[Verdict]:
     """Whether the torus is there before the end of its curve and gone beyond it."""
     title = "The first torus has two ends before the extreme of their curve, and none beyond"
-    for kind, end in torus.items():
-        counts = [_torus_points(kind, end.leak * (1.0 + aside)) for aside in (-_BESIDE, _BESIDE)]
+    for kind, (leak, _) in torus.items():
+        counts = [_torus_points(kind, leak * (1.0 + aside)) for aside in (-_BESIDE, _BESIDE)]
         held = (counts[0] == 2) + (counts[1] == 0)
         remark = f"{kind}, both faces: {counts[0]} and {counts[1]} torus points at 1 − R {100 * _BESIDE:g} % below and above"
         yield every(title, WITNESS, held, 2, remark, "sides")
 
 
-def _motions(exact: Mapping[str, Regime]) -> Table:
-    rows: list[list[Any]] = []
+def _motions(exact: Mapping[tuple[LeakyFace, float], Regime]) -> Table:
+    rows = []
     for face in FACES:
-        motions = [exact.get(f"{face.title}, r = {over:g} r_{{c}}") for over in OVER_ONSET]
+        cells = [cell for over in OVER_ONSET for cell in motion_cells(exact.get((face, over), Regime("no onset")))]
         onset = face_onset(face)
-        row: list[Any] = [face.kind, face.where, face.reflection, math.log10(onset) if onset > 0.0 else None]
-        for motion in motions:
-            figures = motion.figures if motion else {}
-            row += [motion.words if motion else "no onset", *(with_bar(figures.get(name)) for name in ("T", "Δμ"))]
-        rows.append(row)
+        rows.append([face.kind, face.where, face.reflection, math.log10(onset) if onset > 0.0 else None, *cells])
     each = " | ".join(f"at {over:g} r_{{c}} | T [transits] | Δμ [σ]" for over in OVER_ONSET)
     return table("motions", _MOTIONS, f"face | on | R .3g | onset, log_{{10}} r .6f | {each}", rows)
 
@@ -343,25 +306,20 @@ def _points(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Table:
 
 _MOTIONS = (
     f"The exact motion behind faces that reflect the share R of high-frequency waves: bare ones, and grips of stiffness "
-    f"{STIFFNESS:g} ε a transit; onset r_{{c}} of stick-slip, and at two r over it regime, period and stress drop, where "
-    "motions do "
-    "not repeat means with two standard errors. No onset: the interface locks."
+    f"{STIFFNESS:g} ε a transit; onset r_{{c}} of stick-slip, and at two r over it regime, period and stress drop, where motions "
+    "do not repeat means with two standard errors. No onset: the interface locks."
 )
 _POINTS = (
-    f"Special points of the exact system’s branch of orbits up to log_{{10}} r = {places(RANGE[1:])} and T = {FAR:g} "
-    "transits, behind the same face "
-    "on both "
-    "slabs. Period doublings belong to the irregular motion."
+    f"Special points of the exact system’s branch of orbits up to log_{{10}} r = {places(RANGE[1:])} and T = {FAR:g} transits, "
+    "behind the same face on both slabs. Period doublings belong to the irregular motion."
 )
 _PLANE = (
-    "Onset (line), folds, torus points and period doublings over r and the reflection R of both faces: bare faces, and "
-    "grips of the "
-    "same high-frequency reflection."
+    "Onset (line), folds, torus points and period doublings over r and the reflection R of both faces: bare faces, and grips of "
+    "the same high-frequency reflection."
 )
 _ORBITS = (
-    f"Period and stress drop over 1 − R at r = {OVER_ONSET[0]:g} r_{{c}}, where orbits are known: bare faces and grips, on "
-    "both slabs "
-    "and on one."
+    f"Period and stress drop over 1 − R at r = {OVER_ONSET[0]:g} r_{{c}}, where orbits are known: bare faces and grips, on both "
+    "slabs and on one."
 )
 _LEAKS = (1e-3, 2e-3, 4e-3, 7e-3, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)
 _LEAK = Scale("$1 - R$", "log")
@@ -370,36 +328,31 @@ _LEAK = Scale("$1 - R$", "log")
 def plane(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Chart:
     """Special points over r and 1 - R."""
     looks = {"LP": Look(INK, "", ".", size=3.0), "NS": Look(BLUE, "", "o", size=4.0), "PD": Look(ORANGE, "", "^", size=4.0)}
-    panels, panels_of = [], {"bare": "bare faces", "grip": "grips"}
-    for kind, title in panels_of.items():
+    panels = []
+    for kind, title in _KINDS.items():
         onset = [math.log10(face_onset(LeakyFace(kind, True, 1.0 - leak))) for leak in _LEAKS]
         traces = [Trace(NAMES["HB"], onset, _LEAKS, Look(INK))]
         for point, look in looks.items():
-            found = [
-                (one.log10_r, 1.0 - face.reflection)
-                for face, points in known.items()
-                for one in points
-                if (face.kind, one.kind) == (kind, point)
-            ]
-            traces.append(Trace(NAMES[point], [x for x, _ in found], [y for _, y in found], look))
+            own = [(face, one) for face, points in known.items() for one in points if (face.kind, one.kind) == (kind, point)]
+            places_of = [one.log10_r for _, one in own], [1.0 - face.reflection for face, _ in own]
+            traces.append(Trace(NAMES[point], *places_of, look))
         panels.append(Panel(title, Scale(r"$\log_{10} r$", limits=RANGE), _LEAK, traces, grid=True))
     return Chart(panels, 3.6, 2, legend="outside upper left", legend_columns=4)
 
 
-def _over_leak(exact: Mapping[str, Regime]) -> Chart:
+def _over_leak(exact: Mapping[tuple[LeakyFace, float], Regime]) -> Chart:
     """T and stress drop of orbits over 1 - R."""
-    looks = {("bare", True): Look(), ("bare", False): Look(dashes=DASHED)}
-    looks |= {("grip", True): Look(BLUE), ("grip", False): Look(BLUE, DASHED)}
+    looks = {
+        (kind, both): Look(color, "-" if both else DASHED) for kind, color in (("bare", INK), ("grip", BLUE)) for both in _BOTH
+    }
     panels = []
     for symbol, label in (("T", "$T$ (transits)"), ("Δμ", r"stress drop $\Delta\mu$")):
         traces = []
         for (kind, both), look in looks.items():
             faces = [face for face in FACES if (face.kind, face.both) == (kind, both)]
-            found = [
-                exact.get(f"{face.title}, r = {OVER_ONSET[0]:g} r_{{c}}", Regime(UNDECIDED)).figures.get(symbol) for face in faces
-            ]
+            found = [exact.get((face, OVER_ONSET[0]), Regime(UNDECIDED)).figures.get(symbol) for face in faces]
             values = [one.value if one else math.nan for one in found]
-            name = f"{kind}, {'both faces' if both else 'one face'}"
-            traces.append(Trace(name, [1.0 - face.reflection for face in faces], values, look.but(marker="o", size=4.0)))
+            leaks = [1.0 - face.reflection for face in faces]
+            traces.append(Trace(f"{kind}, {faces[0].where}", leaks, values, look.but(marker="o", size=4.0)))
         panels.append(Panel("", _LEAK, Scale(label, limits=(0.0, None)), traces, grid=True))
     return Chart(panels, 3.4, 2, legend="outside upper left", legend_columns=4)

@@ -3,9 +3,9 @@ of the interface; where stick-slip ends; the exact solution against full waves a
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
 
 import slipwave as sw
+from slipwave.observe.statistics import Estimate
 from validation.chart import DASHED, DOTTED, INK, Chart, Look, Panel, Scale, Trace
 from validation.measure.in_words import motion_at, scene_of, state_at
 from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
@@ -13,8 +13,8 @@ from validation.measure.regimes import UNDECIDED, Regime
 from validation.references import others
 from validation.report import SELF, WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Table, stated, table
 from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
-from validation.report.everywhere import first_good, first_in_words, recorded_table, repeated, summary, with_bar
-from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign
+from validation.report.everywhere import first_good, first_in_words, motion_cells, recorded_table, repeated, summary
+from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign, foreign_answer
 from validation.report.model_table import ModelColumn
 from validation.report.text import minus, places, plain
 from validation.report.verdict import ROUNDING, Verdict, claim
@@ -156,11 +156,9 @@ def _answers(
             ("Slabs of equal round trips", _FIRST, "Motions of pairs"),
         ),
         StudyAnswer(
-            "What counts is the ratio p of round trips, and with it that of impedances, q: at one Z and one stiffness T "
-            "falls from "
-            f"{alike:.1f} to {near[least]:.1f} transits of the alike slabs at q = {least.impedances:g}, p = "
-            f"{least.round_trips:g}, "
-            f"and log_{{10}} r = {places(LOG10_R[:1])}.",
+            "What counts is the ratio p of round trips, and with it that of impedances, q: at one Z and one stiffness T falls "
+            f"from {alike:.1f} to {near[least]:.1f} transits of the alike slabs at q = {least.impedances:g}, "
+            f"p = {least.round_trips:g}, and log_{{10}} r = {places(LOG10_R[:1])}.",
             ("Motions of pairs",),
         ),
         StudyAnswer(
@@ -168,10 +166,7 @@ def _answers(
             f"go on {min(width):.4f} to {max(width):.4f} below it.",
             ("Folds on record",),
         ),
-        StudyAnswer(
-            f"The exact solution agrees with full waves{f' and with {others.SEM2DPACK}' if others.FILES else ''}.",
-            ("Unlike slabs: ψ", *(("Another program",) if others.FILES else ())),
-        ),
+        foreign_answer("full waves", "Unlike slabs: ψ"),
     )
 
 
@@ -209,12 +204,8 @@ def _folds_again(ends: Mapping[Pair, tuple[float, float]]) -> Iterator[Verdict]:
 def _motions(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]]) -> Table:
     rows = []
     for pair, (onset, fold) in ends.items():
-        row: list[Any] = [pair.impedances if pair.round_trips > 1.0 else "any", pair.round_trips, onset, fold]
-        for log10_r in LOG10_R:
-            at = pair._replace(log10_r=log10_r)
-            figures = exact[at].figures
-            row += [exact[at].words, *(with_bar(figures.get(name), scale) for name, scale in (("T", at.clock), ("Δμ", 1.0)))]
-        rows.append(row)
+        cells = [cell for log10_r in LOG10_R for cell in motion_cells(exact[pair._replace(log10_r=log10_r)], pair.clock)]
+        rows.append([pair.impedances if pair.round_trips > 1.0 else "any", pair.round_trips, onset, fold, *cells])
     each = " | ".join(f"log_{{10}} r = {places([x])} | T [transits] | Δμ [σ]" for x in LOG10_R)
     return table("motions", _MOTIONS, f"q .3g | p .5g | onset, log_{{10}} r .6f | fold .6f | {each}", rows)
 
@@ -229,8 +220,7 @@ _MOTIONS = (
 _PERIODS = f"Period of the exact motion over the ratio of round trips, at {_HELD}, {_CLOCK}. Bars: two standard errors of means."
 _ENDS = "Where stick-slip begins and ends over the ratio of round trips: onset (solid) and fold (dashed), log_{10} r."
 _COLORS = (INK, "#0072b2", "#d55e00")
-_RATIO = "ratio of round trips $p$"
-_TICKS = {1.0: "1", 2.0: "2", 3.0: "3", 5.0: "5", 10.0: "10"}
+_RATIO = Scale("ratio of round trips $p$", "log", ticks={float(p): str(p) for p in (1, 2, 3, 5, 10)})
 
 
 def _of(impedances: float, log10_r: float) -> list[Pair]:
@@ -244,20 +234,11 @@ def periods(exact: Mapping[Pair, Regime]) -> Chart:
     for log10_r in LOG10_R:
         traces = []
         for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):
-            known = [(pair, exact[pair].figures.get("T")) for pair in _of(q, log10_r)]
-            values = [one.value * pair.clock if one else math.nan for pair, one in known]
-            bars = [2.0 * one.error * pair.clock if one else 0.0 for pair, one in known]
-            look = Look(color, DOTTED, marker=marker)
-            traces.append(Trace(f"$q = {q:g}$", ROUND_TRIPS, values, look, y_error=bars))
-        panels.append(
-            Panel(
-                rf"$\log_{{10}} r = {minus(f'{log10_r:g}')}$",
-                Scale(_RATIO, "log", ticks=_TICKS),
-                Scale("$T$ (transits of alike slabs)"),
-                traces,
-                grid=True,
-            )
-        )
+            known = [(pair.clock, exact[pair].figures.get("T", Estimate(math.nan, 0.0))) for pair in _of(q, log10_r)]
+            values, bars = zip(*((clock * one.value, 2.0 * clock * one.error) for clock, one in known), strict=True)
+            traces.append(Trace(f"$q = {q:g}$", ROUND_TRIPS, values, Look(color, DOTTED, marker=marker), y_error=bars))
+        title = rf"$\log_{{10}} r = {minus(f'{log10_r:g}')}$"
+        panels.append(Panel(title, _RATIO, Scale("$T$ (transits of alike slabs)"), traces, grid=True))
     return Chart(panels, 3.4, 2, legend="outside upper left", legend_columns=3)
 
 
@@ -265,9 +246,8 @@ def _ends_over_ratio(ends: Mapping[Pair, tuple[float, float]]) -> Chart:
     """Onset and fold over p."""
     traces = []
     for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):
-        known = [ends[pair] for pair in _of(q, LOG10_R[0])]
-        onset, fold = ([pair[which] for pair in known] for which in (0, 1))
+        onset, fold = zip(*(ends[pair] for pair in _of(q, LOG10_R[0])), strict=True)
         traces.append(Trace(f"onset, $q = {q:g}$", ROUND_TRIPS, onset, Look(color, marker=marker)))
         traces.append(Trace(f"fold, $q = {q:g}$", ROUND_TRIPS, fold, Look(color, DASHED, marker=marker, hollow=True)))
-    panel = Panel("", Scale(_RATIO, "log", ticks=_TICKS), Scale(r"$\log_{10} r$ of alike slabs"), traces, grid=True)
+    panel = Panel("", _RATIO, Scale(r"$\log_{10} r$ of alike slabs"), traces, grid=True)
     return Chart([panel], 3.4, width=5.6, legend="outside right center")
