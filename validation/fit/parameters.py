@@ -59,7 +59,7 @@ class Variants:
 
     def read(self, inner: Array) -> Scene:
         """The scene with these values, with its own drive and start."""
-        return self.scenes.scene({one.name: one.written(one.value(x)) for one, x in zip(self.free, inner.tolist(), strict=True)})
+        return self.scenes.at(self.free, [one.value(x) for one, x in zip(self.free, inner.tolist(), strict=True)])
 
     def scene(self, inner: Array) -> Scene:
         """The scene with these values, without nudge."""

@@ -269,8 +269,7 @@ class FollowedBranch:
 
     def _left(self, value: float, how: str) -> str:
         """Note on a branch that left the range for good, last seen at `value`."""
-        end = min(self.over.ends, key=lambda one: abs(one - value))
-        return f"the branch leaves the range at {self.over.name} = {end:g}{how}"
+        return f"the branch leaves the range at {self.over.name} = {self.over.nearest_end(value):g}{how}"
 
     def _hopf(self, onset: Onset) -> SpecialPoint:
         rate = self.over.scene_at(onset.parameter).velocity

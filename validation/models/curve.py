@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -28,23 +28,10 @@ from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt, curve_po
 _FORMAT = 2
 
 
-class Left(NamedTuple):
-    """A curve leaves the range of the parameter `name` at its `end`; the first point outside is that `reached`."""
-
-    name: str
-    end: float
-    reached: Reached
-
-    @property
-    def where(self) -> str:
-        """The end as text."""
-        return f"{self.name} = {self.end:g}"
-
-
 @dataclass(frozen=True)
 class Curve:
     """The points of `kind` of `model` in the rectangle of the ranges `over` and `second`, from the special point of this index on
-    the branch `start`, if given; `left`: where it leaves the rectangle, if it does."""
+    the branch `start`, if given; `left`: if it leaves the rectangle, the parameter, its end, and the first point outside."""
 
     what: ClassVar[str] = "curve"
     kind: str
@@ -55,7 +42,7 @@ class Curve:
     start: tuple[FollowedBranch, int] | None = None
     points: list[CurvePoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    left: list[Left] = field(default_factory=list)
+    left: list[tuple[str, float, Reached]] = field(default_factory=list)
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -127,15 +114,19 @@ class Curve:
                 yield end
                 return
             if not self._holds(*further.last.parameters):
-                pairs = zip((self.over, self.second), further.last.parameters, strict=True)
-                crossed, value = max(pairs, key=lambda pair: pair[0].beyond(pair[1]))
-                self.left.append(Left(crossed.name, min(crossed.ends, key=lambda one: abs(one - value)), further))
-                self.notes.append(f"the curve leaves the rectangle of both ranges at {self.left[0].where}")
+                name, crossed = self.end_near(*further.last.parameters)
+                self.left.append((name, crossed, further))
+                self.notes.append(f"the curve leaves the rectangle of both ranges at {name} = {crossed:g}")
                 return
             end = further
             self.points.append(curve_point_of(end.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
             yield end
         self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
+
+    def end_near(self, first: float, second: float) -> tuple[str, float]:
+        """Of both parameters the one whose range the point leaves, or is nearest to leaving, and the end."""
+        one, value = max(((self.over, first), (self.second, second)), key=lambda pair: pair[0].beyond(pair[1]))
+        return one.name, one.nearest_end(value)
 
     def saved(self, end: Reached) -> dict[str, State]:
         """As `FollowedBranch`."""
@@ -151,7 +142,7 @@ class Curve:
 
     def _scene_at(self, first: float, second: float) -> Scene:
         """The scene at both values."""
-        return self.over.scenes.scene({self.over.name: self.over.written(first), self.second.name: self.second.written(second)})
+        return self.over.scenes.at((self.over, self.second), (first, second))
 
     def _boundaries(self) -> list[Boundary]:
         """The boundaries of stability in the rectangle; of these only the one that passes nearest to `start`, if given."""
@@ -177,9 +168,7 @@ class Curve:
 
     def _branch(self) -> FollowedBranch:
         """The branch at the second parameter's first value."""
-        scenes = replace(self.over.scenes, fixed={self.second.name: self.second.written(self.second.first)})
-        across = replace(self.over, scenes=scenes)
-        return FollowedBranch(across, self.model, self.tolerance)
+        return FollowedBranch(self.over.beside(self.second, self.second.first), self.model, self.tolerance)
 
     def _on_curve(self, state: State) -> tuple[OnCurve, float]:
         """The inverse of `_saved`."""

@@ -3,7 +3,7 @@ the curves through the points at the first one."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import NamedTuple
 
@@ -32,11 +32,11 @@ class CurveEnd(NamedTuple):
     first one and the period (transits) there, or None for the `reason`; `bracket`, the width that contains the extreme."""
 
     points: tuple[str, ...]
-    extreme: float | None
-    first: float | None
-    period: float | None
-    bracket: float | None
-    reason: str
+    extreme: float | None = None
+    first: float | None = None
+    period: float | None = None
+    bracket: float | None = None
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -68,13 +68,8 @@ class SpecialEnds:
             while left:
                 self.curves.setdefault(kind, []).append(self._curve(own, left))
 
-    def at(self, over: Over, value: float) -> Over:
-        """The parameter `over` of the scene with this `value` of the second one."""
-        fixed = {**over.scenes.fixed, self.second.name: self.second.written(value)}
-        return replace(over, scenes=replace(over.scenes, fixed=fixed))
-
     def _branch(self, own: FollowedBranch, value: float, limits: StopAt) -> FollowedBranch:
-        branch = FollowedBranch(self.at(own.over, value), own.model, own.tolerance, own.cells, own.doubled)
+        branch = FollowedBranch(own.over.beside(self.second, value), own.model, own.tolerance, own.cells, own.doubled)
         try:
             for _ in ends_of(branch, limits):
                 pass
@@ -95,19 +90,20 @@ class SpecialEnds:
         if curve.kind == "HB" and not failed:
             return self.of_hopf(curve, name)
         points = [name]
-        if curve.left and (curve.left[0].name, curve.left[0].end) == (self.second.name, self.second.first) and not failed:
-            back = crossing(curve.plane, trail[-1], curve.left[0].reached, self.second.first, curve.tolerance)
+        for crossed, end, beyond in [] if failed else curve.left:
+            if (crossed, end) != (self.second.name, self.second.first):
+                failed = _leaves(crossed, end)
+                break
+            back = crossing(curve.plane, trail[-1], beyond, end, curve.tolerance)
             other = _named_at(own, left, back.parameters[0], back.special.point.closed.cycle.period)
             points += [other] if other else []
             left.pop(other, None)
-        elif curve.left and not failed:
-            failed = f"the curve leaves the range at {curve.left[0].where}"
-        elif not failed and curve.points[-1].kind != "CP":
+        if not failed and not curve.left and curve.points[-1].kind != "CP":
             failed = curve.notes[-1]
-        best = max(range(len(curve.points)), key=lambda k: self._progress(curve.points[k].second))
         if failed:
-            return CurveEnd(tuple(points), None, None, None, None, failed)
-        return CurveEnd(tuple(points), *self._extreme(curve, trail, best), "")
+            return CurveEnd(tuple(points), reason=failed)
+        best = max(range(len(curve.points)), key=lambda k: self._progress(curve.points[k].second))
+        return CurveEnd(tuple(points), *self._extreme(curve, trail, best))
 
     def _extreme(self, curve: Curve, trail: list[Reached], best: int) -> tuple[float, float, float, float]:
         """Second and first parameter and period at the extreme near the point `best`, and the bracket of the second."""
@@ -127,17 +123,17 @@ class SpecialEnds:
         points, progress = curve.points, [self._progress(one.second) for one in curve.points]
         best = int(np.argmax(progress))
         if best in (0, len(points) - 1):
-            return CurveEnd((name,), None, None, None, None, _leaves(curve.over, self.second, points[best]))
+            return CurveEnd((name,), reason=_leaves(*curve.end_near(points[best].first, points[best].second)))
         places = [curve.plane.at((one.first, one.second)).real for one in points[best - 1 : best + 2]]
         if not (places[1] - places[0]) * (places[2] - places[1]) > 0.0:
-            return CurveEnd((name,), None, None, None, None, "its curve turns too sharply")
+            return CurveEnd((name,), reason="its curve turns too sharply")
         sign = math.copysign(1.0, self.second.last - self.second.first)
         neutral = partial(_neutral, curve, near=points[best])
         low, middle, high = (one.first for one in points[best - 1 : best + 2])
         best_first = minimize_scalar(lambda first: -sign * neutral(first)[0], bracket=(low, middle, high), tol=_TURN).x
         second, period = neutral(float(best_first))
         width = abs(second - neutral(float(best_first) + _TURN * (high - low))[0])
-        return CurveEnd((name,), second, float(best_first), period, width, "")
+        return CurveEnd((name,), second, float(best_first), period, width)
 
     def _progress(self, second: float) -> float:
         """How far from the first value towards the last."""
@@ -161,10 +157,8 @@ def _neutral(curve: Curve, first: float, near: CurvePoint) -> tuple[float, float
     return near.second + scale * shift, near.period * math.exp(stretch)
 
 
-def _leaves(over: Over, second: Over, last: CurvePoint) -> str:
-    """Reason: which range the curve leaves after its `last` point within both."""
-    one, value = max(((over, last.first), (second, last.second)), key=lambda pair: pair[0].beyond(pair[1]))
-    return f"the curve leaves the range at {one.name} = {min(one.ends, key=lambda end: abs(end - value)):g}"
+def _leaves(name: str, end: float) -> str:
+    return f"the curve leaves the range at {name} = {end:g}"
 
 
 def _named_at(own: FollowedBranch, left: Mapping[str, int], first: float, period: float) -> str:
@@ -191,5 +185,4 @@ def ends_over(text: str, over: str, source: "SceneSource | Variation") -> tuple[
     first, second = pairs[-1]
     if first.name == second.name:
         raise SceneError(f"--ends {shorten(text)}: must be another parameter than --over")
-    ends = SpecialEnds(second, tuple(found))
-    return ends.at(first, found[0]), ends
+    return first.beside(second, found[0]), SpecialEnds(second, tuple(found))

@@ -28,7 +28,8 @@ SHORT = {
     "interface.a": "a",
     "interface.b": "b",
 }
-"""Short name -> key of a scene."""
+"""Key of a scene -> short name."""
+_KEYS = {short: key for key, short in SHORT.items()}
 
 _TAKEN = {
     "cycle",
@@ -104,6 +105,10 @@ class Variation:
             scene = PARAMETERS[name](scene, _allowed(name, given[name]))
         return scene
 
+    def at(self, varied: Iterable[Parameter], values: Iterable[float | str]) -> Scene:
+        """The scene with these values of what is `varied`."""
+        return self.scene({one.name: one.written(value) for one, value in zip(varied, values, strict=True)})
+
     def _set(self, given: Mapping[str, float | str]) -> dict[str, Any]:
         """The keys of `sets` with their values. Raises Undefined for an expression without a value."""
         known = {name: _number_of_variable(name, value) for name, value in given.items() if name in self.variables}
@@ -170,12 +175,21 @@ class Over(Parameter):
 
     def scene_at(self, value: float) -> Scene:
         """The scene with this value of the parameter."""
-        return self.scenes.scene({self.name: self.written(value)})
+        return self.scenes.at([self], [value])
+
+    def beside(self, other: Parameter, value: float) -> "Over":
+        """The same in scenes with this `value` of another parameter."""
+        fixed = {**self.scenes.fixed, other.name: other.written(value)}
+        return replace(self, scenes=replace(self.scenes, fixed=fixed))
 
     @property
     def ends(self) -> tuple[float, float]:
         """The smaller and the larger end."""
         return min(self.first, self.last), max(self.first, self.last)
+
+    def nearest_end(self, value: float) -> float:
+        """The end nearest to `value`."""
+        return min(self.ends, key=lambda end: abs(end - value))
 
     def holds(self, value: float) -> bool:
         """Whether `value` lies in the range."""
@@ -267,9 +281,8 @@ def names_of(*ranges: Values | None) -> tuple[str, ...]:
 
 def scene_along(over: Over, value: float) -> Scene:
     """The scene with this `value` of the parameter, with tables if the parameter is one of its keys."""
-    name = next((key for key, short in SHORT.items() if short == over.name), over.name)
     with suppress(SceneError):
-        return over.scenes.scene({name: value})
+        return over.scenes.scene({_KEYS.get(over.name, over.name): value})
     return over.scene_at(value)
 
 
@@ -292,7 +305,7 @@ def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> 
     for one in ranges:
         over = replace(one, scenes=replace(scenes, fixed={name: value for name, value in first.items() if name != one.name}))
         over.scenes.require({one.name: one.written(one.first)})
-        key = next((key for key, short in SHORT.items() if short == one.name), "")
+        key = _KEYS.get(one.name, "")
         for value in over.ends:
             if key and _has_key(over.base, key, over.name):  # so that an error names the key
                 slipwave.read(over.base, {key: value})

@@ -10,7 +10,7 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.input.wording import shorten
-from validation.models.parameter import Parameter, measured_value, number_of
+from validation.models.parameter import SHORT, Parameter, measured_value, number_of
 
 LONGEST = 100_000
 """Most values of an axis."""
@@ -18,7 +18,6 @@ LONGEST = 100_000
 Values: TypeAlias = str | tuple[float | str, float | str, int] | Iterable[float | str]
 """The values of an axis: "FROM:TO:COUNT" or "FROM:TO:COUNT:log" as text, (first, last, count), or all of them."""
 
-_PLAIN = ("slab.log10_r", "slab.r", "slab.epsilon", "interface.a", "interface.b")
 _WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
 
@@ -36,7 +35,7 @@ class Axis(Parameter):
     @property
     def column(self) -> str:
         """The name of the coordinate: slab_thickness for slab.thickness."""
-        return self.name.rpartition(".")[2] if self.name in _PLAIN else super().column
+        return super().column if self.name == "drive.velocity" else SHORT.get(self.name, super().column)
 
 
 def axis_of(key: str, values: Values) -> Axis:

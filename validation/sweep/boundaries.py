@@ -59,8 +59,7 @@ def _own_sides(data: Dataset, scenes: Variation) -> tuple[list[_Side], Callable[
 
     def scene_at(*found: float) -> Scene:
         """The scene at values of both sides."""
-        at = [float(side.on_axis(np.asarray(value))) for side, value in zip(sides, found, strict=True)]
-        return scenes.scene({one.name: one.written(value) for one, value in zip(parameters, at, strict=True)})
+        return scenes.at(parameters, [float(side.on_axis(np.asarray(value))) for side, value in zip(sides, found, strict=True)])
 
     return sides, scene_at
 

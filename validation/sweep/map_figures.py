@@ -188,18 +188,16 @@ def _transits(data: Dataset) -> list[DataArray]:
     if "scene_toml" not in data.attrs or not names:
         return []
     scenes = scenes_over(data, names)
-    sets = scenes.sets
-    written = {
-        name: (one.name, [one.written(value) for value in data[name].values.tolist()])
-        for name, one in ((name, parameter_of(data[name])) for name in names)
-    }
     found = list[DataArray]()
-    for axes in [names] if sets else [[name] for name in names]:  # what is set may depend on all of them
-        points = list(itertools.product(*(written[name][1] for name in axes)))
-        if len(points) > _MOST_READ:
+    for axes in [names] if scenes.sets else [[name] for name in names]:  # what is set may depend on all of them
+        varied, points = (
+            [parameter_of(data[name]) for name in axes],
+            itertools.product(*(data[name].values.tolist() for name in axes)),
+        )
+        if math.prod(data.sizes[name] for name in axes) > _MOST_READ:
             continue
         try:
-            known = [scenes.scene(dict(zip((written[name][0] for name in axes), point, strict=True))).transit for point in points]
+            known = [scenes.at(varied, point).transit for point in points]
         except SceneError:
             continue
         if max(known) > min(known):
@@ -292,7 +290,7 @@ def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     in_si, first, is_power = not own.unit, float(coordinate[0]), "log10" in key
     base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
     try:
-        scene = Variation(base).scene({key: own.written(first)}) if base.units else base
+        scene = Variation(base).at([own], [first]) if base.units else base
     except SceneError:
         return None
     if scene.units is None:
