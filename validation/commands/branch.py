@@ -224,13 +224,8 @@ class BranchResult(FollowedResult):
         ]
 
         def facts(one: CurveEnd) -> dict[str, Any]:
-            return {
-                second: one.extreme,
-                first: one.first,
-                "period": one.period,
-                "bracket": one.bracket,
-                "reason": one.reason or None,
-            }
+            others = {"period": one.period, "bracket": one.bracket, "reason": one.reason or None}
+            return {second: one.extreme, first: one.first} | others
 
         extremes = {
             kind: facts(ends.extreme(kind)) | {"curves": [{"points": list(one.points)} | facts(one) for one in curves]}
@@ -323,18 +318,11 @@ class BranchResult(FollowedResult):
         rows = []
         for kind in ends.curves:
             one = ends.extreme(kind)
-            figures = [one.extreme, one.bracket, one.first, one.period]
-            shown = (
-                ["none"] + [""] * 3
-                if one.extreme is None
-                else [rounded(f, n) for f, n in zip(figures, (11, 2, 11, 9), strict=True)]
-            )
+            figures = ((one.extreme, 11), (one.bracket, 2), (one.first, 11), (one.period, 9))
+            shown = ["none", "", "", ""] if one.extreme is None else [rounded(*figure) for figure in figures]
             rows.append([f"{kind} {SPECIAL_KINDS[kind]}", str(len(ends.curves[kind])), *shown, one.reason])
-        yield from (
-            []
-            if not rows
-            else aligned(["kind", "curves", f"extreme {name}", "bracket", self.found.over.name, "period", ""], rows)
-        )
+        heading = ["kind", "curves", f"extreme {name}", "bracket", self.found.over.name, "period", ""]
+        yield from aligned(heading, rows) if rows else []
         yield ""
 
 

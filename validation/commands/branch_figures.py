@@ -58,14 +58,8 @@ def chart_of_curve(curve: Curve) -> Chart:
     def along(name: str, points: list[CurvePoint], look: Look, label: str = "") -> Trace:
         return Trace(label, [getattr(one, name) for one in points], [one.second for one in points], look)
 
-    panels = [
-        Panel(
-            "",
-            Scale(label),
-            Scale(curve.second.label),
-            [along(name, curve.points, Look(marker=".")), *([along(name, cusp, _CUSP, "cusp")] if cusp else [])],
-            grid=True,
-        )
-        for name, label in (("first", curve.over.label), ("period", "period $T$ / transits"))
-    ]
+    panels = []
+    for name, label in (("first", curve.over.label), ("period", _QUANTITIES["period"])):
+        traces = [along(name, curve.points, Look(marker=".")), *([along(name, cusp, _CUSP, "cusp")] if cusp else [])]
+        panels.append(Panel("", Scale(label), Scale(curve.second.label), traces, grid=True))
     return Chart(panels, 4.0, 2, title=f"{curve.over.base.name}, {curve.model}: {SPECIAL_KINDS[curve.kind]}")

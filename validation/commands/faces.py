@@ -26,21 +26,17 @@ def watched(scene: Scene, root: complex = 0j) -> float:
 def face_figures(scene: Scene, omega: float) -> list[dict[str, Any]]:
     """For each face that is not rigid: |R| at `omega`, R of fast waves with its sign, and the rate below which it is its spring;
     rates in V*/L, and in 1/s for a scene with units."""
-    return [
-        {"slab": name, "kind": _kind_of(slab.face), "omega": omega, **_figures(slab, omega), **_in_si(slab, omega, scene.units)}
-        for name, slab in scene.named_slabs
-        if not slab.termination.is_rigid
-    ]
+    found = []
+    for name, slab in ((name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid):
+        reflections = {"reflection": _reflected(slab, omega), "fast_reflection": slab.fast_reflection}
+        rates = {"omega": omega, "spring_rate": slab.termination.spring_rate}
+        in_si = {f"{rate}_per_s": value / scene.units.time for rate, value in rates.items()} if scene.units else {}
+        found.append({"slab": name, "kind": _kind_of(slab.face), "omega": omega, **reflections, **rates, **in_si})
+    return found
 
 
-def _figures(slab: Slab, omega: float) -> dict[str, float]:
-    at_omega = abs(slab.reflection(1j * omega)) if omega > 0.0 else math.nan
-    return {"reflection": at_omega, "fast_reflection": slab.fast_reflection, "spring_rate": slab.termination.spring_rate}
-
-
-def _in_si(slab: Slab, omega: float, units: Units | None) -> dict[str, float]:
-    rates = {"omega": omega, "spring_rate": slab.termination.spring_rate}
-    return {f"{name}_per_s": value / units.time for name, value in rates.items()} if units else {}
+def _reflected(slab: Slab, omega: float) -> float:
+    return float(abs(slab.reflection(1j * omega))) if omega > 0.0 else math.nan
 
 
 def face_in_words(slab: Slab, units: Units | None, omega: float) -> Iterator[str]:
@@ -53,7 +49,7 @@ def face_in_words(slab: Slab, units: Units | None, omega: float) -> Iterator[str
     yield f"{values}, R = {slab.fast_reflection:.4g} for fast waves"
     facts = []
     if omega > 0.0:
-        facts.append(f"at omega = {_rate(omega, units)} it reflects |R| = {rounded(_figures(slab, omega)['reflection'], 6)}")
+        facts.append(f"at omega = {_rate(omega, units)} it reflects |R| = {rounded(_reflected(slab, omega), 6)}")
     if 0.0 < held.spring_rate < math.inf:
         name = "K/Z_g" if held.dashpot * held.spring_rate >= held.mass * held.spring_rate**2 else "sqrt(K/m)"
         facts.append(f"below {name} = {_rate(held.spring_rate, units)} it is its spring")

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 import shutil
 import tempfile
 import time
@@ -198,16 +199,9 @@ class SweepResult(Result):
         plan, arrays, measure = self.plan, self._arrays, measure_of(self.plan.measure)
         words = [name for name in measure.words if name in arrays]
         usual = [name for name in ("period", "stress_drop", "v_max") if name in arrays]
-        others = [
-            name
-            for name, values in arrays.items()
-            if name not in ("status", *words) and values.ndim == 1 and values.dtype.kind == "f"
-        ]
-        shown = usual or others[:3]
-        figures = [figures_on_clock(self.dataset, name) for name in shown]
-        labels = [
-            label.removesuffix(" / transits").removesuffix(" / normal stress").removesuffix(" / V*") for _, label in figures
-        ]
+        others = [name for name, values in arrays.items() if values.ndim == 1 and values.dtype.kind == "f"]
+        figures = [figures_on_clock(self.dataset, name) for name in usual or others[:3]]
+        labels = [re.sub(r" / (transits|normal stress|V\*)$", "", label) for _, label in figures]
         rows = []
         for point in range(plan.size):
             where = [str(value) if isinstance(value, str) else f"{value:.7g}" for value in plan.changes(point).values()]

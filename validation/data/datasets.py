@@ -26,14 +26,12 @@ def new_dataset(*parts: Any, **named: Any) -> Dataset:
 
 def words_of_flags(data: Dataset, names: Iterable[str]) -> Dataset:
     """The dataset whose CF flags `names` are words, so that `data.verdict == "too short"` compares; "" where there is none."""
-    flags = [name for name in names if "flag_meanings" in data.get(name, data).attrs and data[name].dtype.kind in "iuf"]
-    return data.assign({name: _said(data[name]) for name in flags})
-
-
-def _said(flags: DataArray) -> DataArray:
-    words = np.array([*_words(flags), ""])
-    numbers = np.nan_to_num(flags.values, nan=-1.0).astype(int)
-    return flags.copy(data=words[np.where((numbers >= 0) & (numbers < len(words)), numbers, -1)])
+    said = {}
+    for name in names:
+        if "flag_meanings" in data.get(name, data).attrs and data[name].dtype.kind in "iuf":
+            words, numbers = np.array([*flag_words(data[name]), ""]), flag_numbers(data[name])
+            said[name] = data[name].copy(data=words[np.where((numbers >= 0) & (numbers < len(words)), numbers, -1)])
+    return data.assign(said)
 
 
 def as_flags(data: Dataset) -> Dataset:
@@ -46,11 +44,12 @@ def flag_numbers(flags: DataArray) -> "np.ndarray[Any, np.dtype[np.int8]]":
     """The numbers of CF flags, whether these are in words or not."""
     if flags.dtype.kind != "U":
         return np.asarray(np.nan_to_num(flags.values, nan=-1.0), dtype=np.int8)
-    known = {word: number for number, word in enumerate(_words(flags))}
+    known = {word: number for number, word in enumerate(flag_words(flags))}
     return np.array([known.get(str(word), -1) for word in flags.values.ravel()], dtype=np.int8).reshape(flags.shape)
 
 
-def _words(flags: DataArray) -> list[str]:
+def flag_words(flags: DataArray) -> list[str]:
+    """The words of CF flags, in the order of their numbers."""
     return [word.replace("_", " ") for word in flags.attrs["flag_meanings"].split()]
 
 

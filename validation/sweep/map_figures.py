@@ -15,7 +15,7 @@ import slipwave
 from slipwave.errors import SceneError
 from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, cell_edges, color_number
 from validation.chart.colors import PAPER
-from validation.data.datasets import DataArray, Dataset, flag_numbers
+from validation.data.datasets import DataArray, Dataset, flag_numbers, flag_words
 from validation.models.parameter import Parameter, Variation, scenes_with
 
 REGIMES = {
@@ -93,8 +93,7 @@ def _words_as_models(data: Dataset) -> Dataset:
 def in_print(chart: Chart, size: str) -> Chart:
     """The chart in one of `SIZES`, with letters of 8 points, in one column or two."""
     width, columns = SIZES[size] / 2.54, min(chart.columns, 1 if size == "single" else 2)
-    rows = math.ceil(len(chart.panels) / columns)
-    before = math.ceil(len(chart.panels) / chart.columns)
+    rows, before = (math.ceil(len(chart.panels) / number) for number in (columns, chart.columns))
     height = chart.height * rows / before * (width / columns) / (chart.width / chart.columns)
     heights = chart.heights if columns == chart.columns else ()
     legend = max(2, min(6, round(2.6 * width / 2.54)))
@@ -150,13 +149,17 @@ def _without(across: Any, up: Any) -> Trace:
 
 def _regimes(data: Dataset, column: str = "") -> tuple[Mapping[str, str], DataArray]:
     """Colours by word, and the number of each point's word; without `column` those of verdicts, if there are any."""
-    column = column or next((name for name in ("verdict", "stable") if name in data), "")
+    column = column or _flags_in(data)
     if not column:
         return dict.fromkeys(_ABSENT, PAPER), _absent(data, -np.ones(data["status"].shape), 0)
     flags = data[column]
-    said = [word.replace("_", " ") for word in flags.attrs["flag_meanings"].split()]
+    said = flag_words(flags)
     words = {word: _COLOURS.get(word, "#999999") for word in said} | dict.fromkeys(_ABSENT, PAPER)
     return words, _absent(data, flag_numbers(flags), len(said))
+
+
+def _flags_in(data: Dataset) -> str:
+    return next((name for name in ("verdict", "stable") if name in data), "")
 
 
 def _absent(data: Dataset, numbers: Any, first: int) -> DataArray:
@@ -249,8 +252,7 @@ def _over_one(data: Dataset, name: str, shown: str | None) -> Chart:
     """Columns over one axis, and below them a strip with the regimes of each model."""
     usual = _BRUSH if _BRUSH[0] in data else _PICTURES
     columns = [shown] if shown else [name for name in usual if name in data] or [str(next(iter(data.data_vars)))]
-    models, along = _models(data), _scale(data, data[name])
-    flags = next((column for column in ("verdict", "stable") if column in data), None)
+    models, along, flags = _models(data), _scale(data, data[name]), _flags_in(data)
     panels = list[Panel]()
     for column in columns:
         if column == flags or (flags and not np.isfinite(data[column].values).any()):
@@ -263,22 +265,20 @@ def _over_one(data: Dataset, name: str, shown: str | None) -> Chart:
             look = POINTS.but(color=color_number(number), marker="osv^Dp"[number % 6], size=3.5, hollow=number > 0)
             traces.append(Trace(str(model["model"].item()), across, values.ravel(), look))
         panels.append(Panel("", along if not panels else replace(along, second=None), Scale(label), traces))
-    strip = _strip(models, name, replace(along, second=along.second if not panels else None)) if flags else None
-    heights = (*[1.0] * len(panels), *([_STRIP * (1 + len(models))] if strip else []))
-    panels += [strip] if strip else []
-    several = "outside lower center"
-    return Chart(panels, 2.9 * sum(heights) + 0.6, heights=heights, legend=several, legend_columns=6)
+    heights = [1.0] * len(panels)
+    if flags:
+        panels.append(_strip(models, name, replace(along, second=None) if panels else along))
+        heights.append(_STRIP * (1 + len(models)))
+    return Chart(panels, 2.9 * sum(heights) + 0.6, heights=tuple(heights), legend="outside lower center", legend_columns=6)
 
 
 def _strip(models: Sequence[Dataset], name: str, along: Scale) -> Panel:
     ticks = {float(number): str(model["model"].item()) for number, model in enumerate(models)}
     colours, _ = _regimes(models[0])
     values = np.array([_regimes(model)[1].values for model in models])
-    cells = Trace(
-        "regime", _positions(models[0][name]), np.arange(float(len(models))), Look(kind="cells", colors=colours, hatches=HATCHES)
-    )
+    look = Look(kind="cells", colors=colours, hatches=HATCHES)
     side = Scale("regime", limits=(-0.5, len(models) - 0.5), ticks=ticks)
-    return Panel("", along, side, [replace(cells, value=values)])
+    return Panel("", along, side, [Trace("regime", _positions(models[0][name]), [*ticks], look, value=values)])
 
 
 def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
@@ -287,10 +287,10 @@ def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     key = own.name
     if key not in (*_VELOCITIES, *_TRANSITS) or "scene_toml" not in data.attrs:
         return None
-    in_si, first, is_power = not own.unit, float(coordinate[0]), "log10" in key
+    first, is_power = float(coordinate[0]), "log10" in key
     base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
     try:
-        scene = Variation(base).at([own], [first]) if base.units else base
+        scene = Variation(base).at([own], [first])
     except SceneError:
         return None
     if scene.units is None:
@@ -299,4 +299,4 @@ def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     if key in _VELOCITIES:
         (plain, value), (label, size) = ("V/V*", scene.velocity), ("V / (m/s)", scene.velocity * scene.units.reference_velocity)
     here = 10.0**first if is_power else first
-    return Second(label, size / here, is_power) if in_si else Second(plain, value / here, is_power)
+    return Second(plain, value / here, is_power) if own.unit else Second(label, size / here, is_power)
