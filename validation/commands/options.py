@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
 from functools import cache
 from inspect import get_annotations
+from itertools import zip_longest
 from pathlib import Path
 from types import FunctionType, NoneType
 from typing import (
@@ -186,7 +187,7 @@ class SceneOptions:
     def _pairs(self) -> list[tuple[str, Any]]:
         """Key and value of all that is set."""
         texts = [(key.strip(), value.strip()) for key, _, value in (text.partition("=") for text in self._texts)]
-        return [*texts, *(self.set or {}).items(), *self.changes.items()]
+        return [*texts, *{**(self.set or {}), **self.changes}.items()]
 
     def scenes_of(self, source: SceneSource, until: float | str | None = None) -> "Variation":
         """The scenes of a call over what is `varied`: settings that name a variable, and those in the table of a kind or law that
@@ -195,25 +196,20 @@ class SceneOptions:
         from slipwave.input.source import load_tables
         from validation.models.parameter import Variation, is_expression, scenes_with, variables_of
 
-        pairs, changes = self._pairs, {**(self.set or {}), **self.changes}
-        variables = variables_of(self.varied, pairs)
+        variables = variables_of(self.varied, self._pairs)
         words = [name.split(".") for name in self.varied if name.rpartition(".")[2] in ("kind", "law")]
         data = load_tables(source.scene if isinstance(source, PointOfBranch) else source)[1] if words else {}
         tables = [full_key(word, "", data)[:-1] for word in words]
-
-        def is_own(key: str, value: Any) -> bool:
-            """Whether a variable is set, or a key by one."""
-            return key in variables or is_expression(value, variables)
-
-        def waits(key: str, value: Any) -> bool:
-            """Whether the key is set at each value of what is varied."""
-            return is_own(key, value) or (bool(tables) and full_key(key.split("."), value, data)[:-1] in tables)
-
-        texts = {text: pair for text, pair in zip(self._texts, pairs, strict=False) if waits(*pair)}
-        waiting = {key: value if is_own(key, value) else toml_value(key, value) for key, value in texts.values()}
-        waiting |= {key: value for key, value in changes.items() if waits(key, value)}
-        now = [text for text in self._texts if text not in texts]
-        others = {key: value for key, value in changes.items() if key not in waiting}
+        now, others, waiting = list[str](), dict[str, Any](), dict[str, Any]()
+        for text, (key, value) in zip_longest(self._texts, self._pairs):  # changes have no text
+            if key in variables or is_expression(value, variables):
+                waiting[key] = value
+            elif tables and full_key(key.split("."), value, data)[:-1] in tables:
+                waiting[key] = value if text is None else toml_value(key, value)
+            elif text is None:
+                others[key] = value
+            else:
+                now.append(text)
         base = replace(self, settings=now, set=None, changes=others).scene_of(source, until)
         known = Variation(base)
         sets = {key if key in variables else known.key_of(key): value for key, value in waiting.items()}
@@ -230,9 +226,8 @@ class SceneOptions:
         """The settings that name a variable."""
         from validation.models.parameter import is_expression, variables_of
 
-        pairs = self._pairs
-        variables = variables_of(self.varied, pairs)
-        return {key: value for key, value in pairs if key in variables or is_expression(value, variables)}
+        variables = variables_of(self.varied, self._pairs)
+        return {key: value for key, value in self._pairs if key in variables or is_expression(value, variables)}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,19 +25,17 @@ def stability_chart(scene: Scene, found: Stability, one_port: str) -> Chart:
     edge = Trace("", [0.0, 0.0], [-np.inf, np.inf], GUIDE.but(color=GREY, dashes="--"))
     sides = Scale("growth rate Re s / (V*/L)"), Scale("frequency Im s / (V*/L)")
     omega = watched(scene, complex(roots[0]) if roots.size else 0j)
-    along = _frequencies(scene, omega)
-    panels = [Panel("", *sides, [shown, edge]), _impedance(scene, one_port, found.model, omega, along)]
-    leaking = [(name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid]
-    if leaking:
-        looks = (Look(BLUE), Look(ORANGE, DASHED))
-        curves = [
-            Trace(f"{name} face", along, np.abs(slab.reflection(1j * along)), look)
-            for (name, slab), look in zip(leaking, looks, strict=False)
-        ]
-        rates = [slab.termination.spring_rate for _, slab in leaking]
-        springs = [_mark(rate, "below, it is its spring", DASHED) for rate in rates if 0.0 < rate < math.inf]
-        scale = Scale("reflected by the face, |R|")
-        panels.append(Panel("", _scale(scene, along), scale, [*curves, *_marked(omega), *springs], legend="best"))
+    along, marks = _frequencies(scene, omega), [_mark(omega, "leading root", ":")] if omega > 0.0 else []
+    panels = [Panel("", *sides, [shown, edge]), _impedance(scene, one_port, found.model, marks, along)]
+    curves, springs = list[Trace](), list[Trace]()
+    for name, slab in ((name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid):
+        look, rate = Look(ORANGE, DASHED) if curves else Look(BLUE), slab.termination.spring_rate
+        curves.append(Trace(f"{name} face", along, np.abs(slab.reflection(1j * along)), look))
+        springs += [_mark(rate, "below, it is its spring", DASHED)] if 0.0 < rate < math.inf else []
+    if curves:
+        panels.append(
+            Panel("", _scale(scene, along), Scale("reflected by the face, |R|"), [*curves, *marks, *springs], legend="best")
+        )
     title = f"{scene.name}, {found.model}: steady sliding"
     return Chart(panels, 3.0 * len(panels), title=title, share=("", ""))
 
@@ -50,10 +48,6 @@ def _frequencies(scene: Scene, omega: float) -> Array:
     return np.unique([*np.geomspace(min(known) / _BELOW, last, _POINTS), *np.linspace(last / _POINTS, last, _POINTS)])
 
 
-def _marked(omega: float) -> list[Trace]:
-    return [_mark(omega, "leading root", ":")] if omega > 0.0 else []
-
-
 def _mark(rate: float, name: str, dashes: Any) -> Trace:
     return Trace(name, [rate] * 2, [-np.inf, np.inf], GUIDE.but(color=GREY, width=1.0, dashes=dashes))
 
@@ -64,7 +58,7 @@ def _scale(scene: Scene, along: Array) -> Scale:
     return Scale("angular frequency omega / (V*/L)", "log", (float(along[0]), float(along[-1])), second=second)
 
 
-def _impedance(scene: Scene, one_port: str, model: str, omega: float, along: Array) -> Panel:
+def _impedance(scene: Scene, one_port: str, model: str, marks: list[Trace], along: Array) -> Panel:
     names = {one_port: model} if one_port == "delay" else {"delay": "exact", one_port: model}
     looks = [Look(GREY), Look(BLUE, DASHED)][-len(names) :] if len(names) > 1 else [Look(BLUE)]
     curves = [
@@ -73,4 +67,4 @@ def _impedance(scene: Scene, one_port: str, model: str, omega: float, along: Arr
     ]
     limits = float(max(1e-2, min(np.nanmin(one.columns["y"]) for one in curves))), None
     scale = Scale("|impedance of the pair| / Z", "log", limits)
-    return Panel("", _scale(scene, along), scale, [*curves, *_marked(omega)], legend="best")
+    return Panel("", _scale(scene, along), scale, [*curves, *marks], legend="best")

@@ -11,6 +11,7 @@ by pure numbers and divided by its like, and is added to its like alone. Text is
 """
 
 import math
+import operator
 import re
 from collections.abc import Callable, Mapping
 from functools import lru_cache
@@ -105,14 +106,11 @@ class _Reader:
         value = self._factor()
         while sign := self._took("*", "/"):
             other = self._factor()
-            unit = value.unit
-            if sign == "/" and other.unit:
-                unit = "" if value.unit == other.unit else "?"
-            elif other.unit:
-                unit = "?" if value.unit else other.unit
-            if unit == "?":
+            is_ratio = sign == "/" and value.unit == other.unit
+            if other.unit and not is_ratio and (value.unit or sign == "/"):
                 raise SceneError(f"{_said(value)} cannot be {'multiplied' if sign == '*' else 'divided'} by {_said(other)}")
-            value = Value(self._finite(lambda a, b: a * b if sign == "*" else a / b, value.number, other.number), unit)
+            number = self._finite(operator.mul if sign == "*" else operator.truediv, value.number, other.number)
+            value = Value(number, "" if is_ratio else value.unit or other.unit)
         return value
 
     def _factor(self) -> Value:
