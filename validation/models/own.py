@@ -42,7 +42,7 @@ def load_families(path: Path) -> list[Family]:
             f'{label}: declares no family of models: NAME = FullWave("name", f"{{__name__}}:Class", ...), see docs/extending.md'
         )
     for family in declared:
-        require_members(family, label)
+        _require_members(family, label)
         add_family(family, label)
     own_file(module)  # its digest is that of the text that was run
     _OWN[path] = declared
@@ -71,7 +71,7 @@ def require_same_family(model: str, facts: Mapping[str, Any], label: str) -> Non
         raise SceneError(f"{label}: was computed with another family of {model!r}: {other}")
 
 
-def require_members(family: Family, label: str) -> None:
+def _require_members(family: Family, label: str) -> None:
     """Raises SceneError, in one line, if the class or function that makes the members of `family` is missing or lacks a
     method."""
     text = f"{label}: family {family.name!r}"

@@ -261,7 +261,7 @@ def _spread_of(values: np.ndarray) -> float:
     return float(np.std(values) / np.mean(values))
 
 
-def recurrence(values: np.ndarray) -> float:
+def _recurrence(values: np.ndarray) -> float:
     """Measure of how far a sequence is from periodic: root mean square of x_(n + k) - x_n over sqrt(2) times the standard
     deviation, the least over k up to 12. 0 for every orbit of up to 12 cycles, about 1 for a sequence without memory."""
     if float(np.std(values)) < RESTLESS * float(np.max(np.abs(values))):
@@ -403,7 +403,7 @@ def _overtones(run: Deep, ripple: float) -> np.ndarray:
 def _irregular_claims(deep: dict[str, Deep]) -> Iterator[Verdict]:
     """P13: the ODE's cycles neither repeat nor keep their size; the delay system's vary little in comparison."""
     ode, delay = deep["kelvin-voigt"].events, deep["delay"].events
-    found = [recurrence(values) for values in (ode.period, ode.stress_drop, np.log(ode.v_max))]
+    found = [_recurrence(values) for values in (ode.period, ode.stress_drop, np.log(ode.v_max))]
     ratios = {name: _spread_of(getattr(ode, name)) / _spread_of(getattr(delay, name)) for name in _CONTRAST}
     largest = {model: float(run.events.v_max.max()) for model, run in deep.items()}
     yield at_least(

@@ -88,7 +88,7 @@ def run(budget: Budget) -> StudyResult:
             *_closed_form_verdicts(paper, velocity, critical),
             *_fig_3(traced, slopes, paper),
             _thin_slabs(slopes),
-            *map(crossed, onsets, onsets.values()),
+            *map(_crossed, onsets, onsets.values()),
             taylor(paper),
         ),
         notes=(_HOW,),
@@ -235,7 +235,7 @@ def counts_across(paper: slipwave.Scene, model: str, curve: Boundary) -> list[in
     return _around(at, model, "log10_epsilon", float(curve.second[middle]), 1e-3)
 
 
-def crossed(name: str, onset: tuple[slipwave.Scene, str, float]) -> Verdict:
+def _crossed(name: str, onset: tuple[slipwave.Scene, str, float]) -> Verdict:
     """The certified counts of growing roots just below and above an onset, which were not used to locate it."""
     below, beyond = _around(*onset[:2], "log10_r", onset[2], _STEP)
     remark = f"{name}, log_{{10}} r_{{c}} = {plain(onset[2], '.8f')}, counted {plain(_STEP, '.0e')} on both sides"

@@ -160,7 +160,9 @@ def run(budget: Budget) -> StudyResult:
     shown = columns()
     exact = {key: on_record(EXACT_MODEL, one.settings) or Regime(UNDECIDED) for key, one in shown.items()}
     budget.report(0.2)
-    waves = {face: states_of(face) for face in (_WITNESSED[::2] if budget.quick else _WITNESSED)}
+    words = {face: face.settings(-2.6) for face in (_WITNESSED[::2] if budget.quick else _WITNESSED)}
+    delay = {face: state_at(one, UNTIL, tol=1e-11) for face, one in words.items()}
+    waves = {face: state_at(one, UNTIL, "dg:7", cells=_CELLS, time="explicit") for face, one in words.items()}
     budget.report(0.5)
     costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), 3 if budget.quick else 5)
     compared = recorded_table(NAME, [*shown.values()], MODELS, shown[_COSTED].title, costs)
@@ -171,14 +173,14 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answers=_answers(known, torus, first_in_words(compared, _LADDER, "behind every face")),
         figures=(
-            Figure("plane", _PLANE, lambda: plane(known)),
+            Figure("plane", _PLANE, lambda: _plane(known)),
             Figure("orbits", _ORBITS, lambda: _over_leak(exact)),
         ),
         tables=(_motions(exact), _points(known), summary(compared, "behind all faces of the table of motions")),
         verdicts=(
-            *agreement(waves),
+            *_agreements(delay, waves),
             *_foreign(),
-            *locks(),
+            *_locks(),
             first_good(compared, _LADDER, f"{_FIRST} has the exact regimes, and T and Δμ to 1 %"),
             *repeated("Motions behind faces on record are found again", again[:3] if budget.quick else again, motion_at),
             *_points_again(known),
@@ -233,17 +235,10 @@ def _last(known: Mapping[LeakyFace, Sequence[KnownPoint]], kind: str, point: str
     return f"R = {min(have):g} (not {max(without):g})" if have and without else "none of the R tried"
 
 
-def states_of(face: LeakyFace) -> tuple[float, float]:
-    """psi at UNTIL by the delay system and by the full wave."""
-    words = face.settings(-2.6)
-    return state_at(words, UNTIL, tol=1e-11), state_at(words, UNTIL, "dg:7", cells=_CELLS, time="explicit")
-
-
-def agreement(waves: Mapping[LeakyFace, tuple[float, float]]) -> Iterator[Verdict]:
-    """Delay system and full wave."""
+def _agreements(delay: Mapping[LeakyFace, float], waves: Mapping[LeakyFace, float]) -> Iterator[Verdict]:
     title = f"Slabs behind partly reflecting faces: ψ({UNTIL:.0f}) of the delay system and of the full wave, `dg:7`, agree"
-    for face, (exact, wave) in waves.items():
-        yield claim(title, WITNESS, wave - exact, ROUNDING, face.title)
+    for face, wave in waves.items():
+        yield claim(title, WITNESS, wave - delay[face], ROUNDING, face.title)
 
 
 def _foreign() -> Iterator[Verdict]:
@@ -253,7 +248,7 @@ def _foreign() -> Iterator[Verdict]:
         yield as_foreign(title, f"reflection-{R:g}", {t: state_at(words, t, tol=1e-12) for t in OTHERS_AT})
 
 
-def locks() -> Iterator[Verdict]:
+def _locks() -> Iterator[Verdict]:
     """Whether bare faces have an onset just above their edge and none just below."""
     faces = [LeakyFace("bare", both, LeakyFace("bare", both, 0.0).edge + aside) for both in _BOTH for aside in (_ASIDE, -_ASIDE)]
     right = sum((face_onset(face) > 0.0) == (face.reflection > face.edge) for face in faces)
@@ -325,7 +320,7 @@ _LEAKS = (1e-3, 2e-3, 4e-3, 7e-3, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)
 _LEAK = Scale("$1 - R$", "log")
 
 
-def plane(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Chart:
+def _plane(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Chart:
     """Special points over r and 1 - R."""
     looks = {"LP": Look(INK, "", ".", size=3.0), "NS": Look(BLUE, "", "o", size=4.0), "PD": Look(ORANGE, "", "^", size=4.0)}
     panels = []

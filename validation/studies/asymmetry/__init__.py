@@ -65,7 +65,7 @@ def run(budget: Budget) -> StudyResult:
     budget.report(0.4)
     alike, *two = map(period_as_two, IMPEDANCES)
     exact = {pair: on_record(EXACT_MODEL, pair.settings) or Regime(UNDECIDED) for pair in PAIRS}
-    ends = {pair: end_of(pair) for pair in pairs_at(LOG10_R[0])}
+    ends = {pair: _end_of(pair) for pair in pairs_at(LOG10_R[0])}
     budget.report(0.6)
     timed, rounds = [one for one in MODELS if one != "quasidynamic"], 3 if budget.quick else 5
     costs = relative_costs(timed, {}, scene_of(_COSTED.settings), rounds)
@@ -74,7 +74,7 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answers=_answers(exact, ends, alike, first_in_words(compared, _LADDER, "at every p and q of the table")),
         figures=(
-            Figure("periods", _PERIODS, lambda: periods(exact)),
+            Figure("periods", _PERIODS, lambda: _periods(exact)),
             Figure("ends", _ENDS, lambda: _ends_over_ratio(ends)),
         ),
         tables=(_motions(exact, ends), summary(compared, "over all pairs of the table of motions", _FITTED)),
@@ -87,7 +87,11 @@ def run(budget: Budget) -> StudyResult:
             *_folds_again(ends),
         ),
         numbers={f"{name}: ψ({UNTIL:.0f})": stated(delay[name], known[name]) for name in SCENES[:2]}
-        | {f"T at q = {one.impedances:g}, p = {one.round_trips:.4g}": _number(exact[one], one) for one in _settled(exact)},
+        | {
+            f"T at q = {pair.impedances:g}, p = {pair.round_trips:.4g}": _number(motion, pair)
+            for pair, motion in exact.items()
+            if motion.words == "periodic" and pair.log10_r == LOG10_R[0]
+        },
         omissions=NO_OTHERS,
     )
 
@@ -119,16 +123,11 @@ def fold_of(pair: Pair) -> KnownPoint:
     return KnownPoint(fold["type"], fold["log10_r"], fold["period"])
 
 
-def end_of(pair: Pair) -> tuple[float, float]:
+def _end_of(pair: Pair) -> tuple[float, float]:
     """log10 r of the alike slabs at the onset of stick-slip and at the fold where its cycles end."""
     shift = math.log10(pair.clock)
     (fold,) = special_points().get(pair.settings, (KnownPoint("LP", math.nan, math.nan),))
     return math.log10(critical_r(EXACT_MODEL, scene_of(pair.settings))) - shift, fold.log10_r - shift
-
-
-def _settled(exact: Mapping[Pair, Regime]) -> Iterator[Pair]:
-    """The pairs whose motion repeats once a cycle."""
-    yield from (pair for pair, motion in exact.items() if motion.words == "periodic" and pair.log10_r == LOG10_R[0])
 
 
 def _number(motion: Regime, pair: Pair) -> Number:
@@ -151,8 +150,8 @@ def _answers(
     return (
         StudyAnswer(
             "With rigid faces and equal round trips the interface cannot tell slabs of any impedances from alike ones of "
-            f"ε = 2 Z, 1/Z = 1/ε_{{1}} + 1/ε_{{2}}: T = {alike:.9f} at q = {_listed(IMPEDANCES)}. Where round trips differ, "
-            f"{of_models}",
+            f"ε = 2 Z, 1/Z = 1/ε_{{1}} + 1/ε_{{2}}: T = {alike:.9f} at q = {places(IMPEDANCES[:-1])} and "
+            f"{IMPEDANCES[-1]:g}. Where round trips differ, {of_models}",
             ("Slabs of equal round trips", _FIRST, "Motions of pairs"),
         ),
         StudyAnswer(
@@ -168,10 +167,6 @@ def _answers(
         ),
         foreign_answer("full waves", "Unlike slabs: ψ"),
     )
-
-
-def _listed(values: tuple[float, ...]) -> str:
-    return f"{places(values[:-1])} and {values[-1]:g}"
 
 
 def _one_pair(alike: float, two: list[float]) -> Iterator[Verdict]:
@@ -228,7 +223,7 @@ def _of(impedances: float, log10_r: float) -> list[Pair]:
     return [Pair(impedances if p > 1.0 else 1.0, p, log10_r) for p in ROUND_TRIPS]
 
 
-def periods(exact: Mapping[Pair, Regime]) -> Chart:
+def _periods(exact: Mapping[Pair, Regime]) -> Chart:
     """T over p, one line for each q, at both r."""
     panels = []
     for log10_r in LOG10_R:
