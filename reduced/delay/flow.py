@@ -6,6 +6,7 @@ period can gain energy; with interpolated waves noise would grow in a period, in
 """
 
 import math
+from collections.abc import Sequence
 from functools import cache, cached_property
 
 import numpy as np
@@ -32,6 +33,8 @@ _FEWEST = 3.0  # steps per transit
 _FINE = 32  # points of quadrature in a step
 _UNDAMPED = 1e-9  # decay in a transit
 _CHANGE = 1e-5  # of a step's length, for slopes of its polynomials
+_SAME = 1e-13  # relative difference of travel times that is rounding
+_LOOSE, _TRIED = (1.01, 1.3), 100  # numbers of steps, relative, of which one is taken where travel times change
 _ANY_STEP = Limits(_NEWTON, math.inf, math.inf)  # a mesh that does not change rejects no step
 
 
@@ -41,13 +44,15 @@ class DelayFlow:
 
     model = "delay"
 
-    def __init__(self, scene: Scene, per_transit: float) -> None:
-        self.scene = scene
+    def __init__(self, scene: Scene, per_transit: float, divides: bool = True) -> None:
+        """Steps divide the delays where possible, if it `divides`."""
+        self.scene, self._divides = scene, divides
         matrices, self._rule, self._nodes = rule_of(NODES)
         self.nodes = matrices.nodes
         self._basis, self._with_left = _bases(NODES)
         self._lines = lines_of(scene)
-        longest, divisor = min(1.0 / max(_FEWEST, per_transit), float(self._lines.travel.min())), self._lines.divisor
+        longest = min(1.0 / max(_FEWEST, per_transit), float(self._lines.travel.min()))
+        divisor = self._lines.divisor if divides else None
         self.length = divisor / math.ceil(divisor / longest - COINCIDENT) if divisor else longest
         self.kept = math.ceil(float(self._lines.travel.max()) / self.length - COINCIDENT)
         self._network = network_of(scene, self._lines, self.length, self.nodes)
@@ -63,7 +68,7 @@ class DelayFlow:
 
     def of(self, scene: Scene) -> "DelayFlow":
         """As `Flow`."""
-        return DelayFlow(scene, 1.0 / self.length)
+        return DelayFlow(scene, 1.0 / self.length, self._divides)
 
     def mesh_state(self) -> State:
         """As `Flow`: steps per transit."""
@@ -170,7 +175,19 @@ class DelayFlow:
 
     def remeshed(self, cycle: Cycle, finer: float) -> "tuple[DelayFlow, Array]":
         """As `Flow`."""
-        new = DelayFlow(self.scene, finer / self.length)
+        return self._onto(DelayFlow(self.scene, finer / self.length), cycle)
+
+    def loosened(self, cycle: Cycle, scenes: Sequence[Scene]) -> "tuple[DelayFlow, Array]":
+        """As `Flow`: where travel times differ, on shorter steps of which none is a whole number."""
+        travel = self._lines.travel
+        if all(travel.size == other.size and np.allclose(travel, other, _SAME, 0.0) for other in _travels(scenes)):
+            return self, cycle.start
+        steps = np.linspace(*_LOOSE, _TRIED) / self.length
+        parts = np.outer(steps, travel) % 1.0
+        best = int(np.minimum(parts, 1.0 - parts).min(axis=1).argmax())
+        return self._onto(DelayFlow(self.scene, float(steps[best]), False), cycle)
+
+    def _onto(self, new: "DelayFlow", cycle: Cycle) -> "tuple[DelayFlow, Array]":
         waves, rest = np.split(cycle.start, [math.prod(self._shape)])
         return new, new.sampled(waves.reshape(self._shape), self.length, rest)
 
@@ -235,6 +252,10 @@ class DelayFlow:
             faces[slab, LOAD] += self.length * network.spring[slab] * (later @ velocity)
             faces[slab, VELOCITY] = here @ velocity
         return faces
+
+
+def _travels(scenes: Sequence[Scene]) -> list[Array]:
+    return [lines_of(scene).travel for scene in scenes]
 
 
 @cache

@@ -1,5 +1,6 @@
 """The motion of a model over one period as a differentiable map, for computing periodic orbits."""
 
+from collections.abc import Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -98,6 +99,9 @@ class Flow(Protocol):
     def remeshed(self, cycle: Cycle, finer: float) -> "tuple[Flow, Array]":
         """A flow whose mesh suits the motion of `cycle`, with steps shorter by the factor `finer`, and the start of `cycle` as
         its state."""
+
+    def loosened(self, cycle: Cycle, scenes: Sequence[Scene]) -> "tuple[Flow, Array]":
+        """A flow whose motion is smooth between these `scenes`, itself if it is, and the start of `cycle` as its state."""
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """The largest highest Legendre coefficient of z and psi in a step of `cycle`, over the one that fits `tolerance`."""

@@ -5,6 +5,7 @@ period scales all lengths, so that the end is a smooth function of the period.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,6 +129,10 @@ class PortFlow:
         return PortFlow(
             self._slabs, _mesh_of(self._slabs, cycle.start, cycle.period, longest, resolution, mesh.growth / finer)
         ), cycle.start
+
+    def loosened(self, cycle: Cycle, scenes: Sequence[Scene]) -> "tuple[PortFlow, Array]":
+        """As `Flow`: itself, since no wave arrives within a step."""
+        return self, cycle.start
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """As `Flow`."""

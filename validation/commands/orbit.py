@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, TIME
 from slipwave.input import SceneSource
 from slipwave.input.assemble import moment
@@ -22,6 +22,7 @@ from validation.commands.branch import tolerance_option
 from validation.commands.command import command
 from validation.commands.figures import motion_chart
 from validation.commands.options import ModelOptions, announced, option
+from validation.commands.response import Response, response_of, response_rows
 from validation.commands.result import Output, PointOfBranch, Result, aligned, rounded
 from validation.commands.wording import header, orbit_rows
 from validation.data.datasets import Dataset, new_dataset
@@ -56,6 +57,7 @@ class OrbitOptions(ModelOptions):
     )
     others: bool | None = option("name the orbits that coexist with it, along the branch from the onset on", stored=True)
     cells: int | None = option("full wave: cells per slab", stored=True)
+    response: bool | None = option("derivatives of period, stress drop and slip rates by every key of the scene")
 
     @property
     def is_default(self) -> bool:
@@ -70,6 +72,7 @@ class OrbitResult(Result):
     found: OrbitFound
     options: Mapping[str, Any]
     wall_s: float
+    shows_response: bool = False
 
     OUTPUTS: ClassVar = (
         Output("--out", (".nc",), "to_netcdf", "write the motion over one period and the multipliers", "FILE.nc"),
@@ -106,6 +109,12 @@ class OrbitResult(Result):
         rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
         return {stored_name(name): values for name, values in named_columns(self.found.scene.law, rows).items()}
 
+    @cached_property
+    def response(self) -> Response:
+        """Key of the scene -> its value, and the derivative of each figure. Raises NumericsError on a fold, SceneError for a
+        scene that was made in Python."""
+        return response_of(self.found)
+
     @property
     def multipliers(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
         """The Floquet multipliers, largest modulus first, without the trivial one."""
@@ -132,6 +141,11 @@ class OrbitResult(Result):
             "wall_s": self.wall_s,
             "notes": [*doubts(scene), *done.notes],
         }
+        if self.shows_response:
+            try:
+                result["response"] = self.response
+            except NumericsError as reason:
+                result |= {"response": None, "notes": [*result["notes"], f"no response: {reason}"]}
         return result | cycle_in_si(orbit.values(), scene)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
@@ -139,6 +153,8 @@ class OrbitResult(Result):
         done, multipliers = self.found, self.found.found.multipliers
         yield from header(done.scene)
         yield from (f"note: {note}" for note in done.notes)
+        if "response" in summary and summary["response"] is None:
+            yield f"note: {summary['notes'][-1]}"
         verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
         yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {rounded(done.found.closed.residual, 2)}"
         yield ""
@@ -154,6 +170,9 @@ class OrbitResult(Result):
         more = f"; {len(shown) - _SHOWN} more" if len(shown) > _SHOWN else ""
         radius = f"; essential radius {rounded(multipliers.essential_radius, 4)}" if multipliers.essential_radius else ""
         yield f"the trivial one is 1 within {rounded(multipliers.trivial_defect, 2)}{radius}{more}"
+        if summary.get("response"):
+            yield ""
+            yield from response_rows(summary["response"], summary)
         yield f"wall time {self.wall_s:.3g} s"
 
 
@@ -180,7 +199,7 @@ def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
     name = announced(*flowing(options.model, scene))
     period = _period(options.near_period, scene)
     found = orbit_at_scene(name, scene, options.tol or ORBIT_TOLERANCE, options.cells, period, bool(options.others))
-    return OrbitResult(found, options.stored, time.perf_counter() - began)
+    return OrbitResult(found, options.stored, time.perf_counter() - began, bool(options.response))
 
 
 def _period_there(point: PointOfBranch) -> float:

@@ -11,14 +11,13 @@ from slipwave.errors import SceneError
 from slipwave.input.assemble import validate
 from slipwave.input.overrides import full_key
 from slipwave.input.quantity import Quantity
-from slipwave.input.schema import Numbers, allowed_in
 from slipwave.input.source import tables_of
 from slipwave.input.wording import choices, key_text, nearest, shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.step.sensitivity import Sides
-from validation.models.parameter import Parameter, Variation, measured_value, number_of
+from validation.models.parameter import Parameter, Variation, allowed_numbers, measured_value, number_in, number_of
 
 NUISANCES = ("level", "drift")
 """Further free parameters: a constant added to the friction of each record, and its slope over the record."""
@@ -145,9 +144,8 @@ def _free(key: Sequence[str], known: Any) -> Free:
         raise SceneError(f"--free {name}: the scene gives no value to start from{there}")
     if isinstance(value, bool) or not isinstance(value, int | float | Quantity):
         raise SceneError(f"--free {name} = {shorten(value)}: must be a number of the scene")
-    allowed = next(one for one in allowed_in(type(table).model_fields[key[-1]]) if isinstance(one, Numbers))
-    bare = allowed.units[0] if type(allowed) is not Numbers and allowed.units else ""
-    start, unit = (value.value, value.unit) if isinstance(value, Quantity) else (float(value), bare)
+    allowed = allowed_numbers(table, key[-1])
+    start, written, unit = number_in(table, key[-1], value)
     is_positive = allowed.low >= 0.0
     if is_positive and start <= 0.0:
         raise SceneError(f"--free {name} = {start:g}: must start above 0")
@@ -156,5 +154,4 @@ def _free(key: Sequence[str], known: Any) -> Free:
     )
     if isinstance(value, Quantity):
         low, high = (start / _REACH, start * _REACH) if is_positive else (-math.inf, math.inf)
-    written = unit if isinstance(value, Quantity) else ""
     return Free(name=name, unit=written, start=start, low=low, high=high, is_positive=is_positive, shown_unit=unit)

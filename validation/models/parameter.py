@@ -14,7 +14,8 @@ from reduced.parameters import LABELS, PARAMETERS
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
 from slipwave.input.overrides import full_key, kinds_of, label_of, words_of_scenes
-from slipwave.input.quantity import KINDS, quantity
+from slipwave.input.quantity import KINDS, Quantity, quantity
+from slipwave.input.schema import KeyTable, Numbers, Physical, allowed_in
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from validation.models.expression import FUNCTIONS, Undefined, Value, value_at, words_in
@@ -264,6 +265,20 @@ def measured_value(given: float | str) -> Value:
         return Value(float(given))
     measured = quantity(given, *KINDS)
     return Value(measured.value, measured.unit)
+
+
+def allowed_numbers(table: KeyTable, field: str) -> Numbers:
+    """The numbers that a key of a checked table may be."""
+    return next(one for one in allowed_in(type(table).model_fields[field]) if isinstance(one, Numbers))
+
+
+def number_in(table: KeyTable, field: str, value: float | Quantity) -> tuple[float, str, str]:
+    """The number of a key with this `value` in a checked table, the unit that it is written with (none for a bare number), and
+    the unit that it is in."""
+    if isinstance(value, Quantity):
+        return value.value, value.unit, value.unit
+    allowed = allowed_numbers(table, field)
+    return float(value), "", allowed.units[0] if isinstance(allowed, Physical) else ""
 
 
 def range_text(values: Values | None) -> str | None:

@@ -1,0 +1,73 @@
+"""The response of an orbit: derivatives of its figures by a parameter p of its scene, stable or not.
+
+With u = (x_0, T), the equations of `reduced.orbit.closing`, R(u, p) = 0, have the derivative R_u du/dp + R_p = 0. R_u is the
+bordered matrix, R_p a difference of marches from the same start. The figures follow from marches on the orbit's tangent:
+
+    d g/dp = (g(u + h du/dp, p + h) - g(u - h du/dp, p - h))/(2 h)
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from reduced.orbit.closing import Closed, close
+from reduced.orbit.multipliers import floquet
+from slipwave.errors import NumericsError, SceneError
+from slipwave.scene import Scene
+from slipwave.threads import one_thread
+
+_NEUTRAL = 1e-6  # distance from 1 of another multiplier, below which the orbit has no derivative: it turns in a fold
+
+
+class Beside(NamedTuple):
+    """A `scene` at p + `offset`; d f/dp is the sum of `weight` f over several."""
+
+    scene: Scene
+    offset: float
+    weight: float
+
+
+class Responding:
+    """An orbit on the meshes on which its motion is a smooth function of parameters. Raises NumericsError where another
+    multiplier is 1, so that the orbit has no derivative."""
+
+    def __init__(self, closed: Closed) -> None:
+        others, _ = floquet(closed.monodromy, closed.flow.idle)
+        if np.abs(others - 1.0).min(initial=np.inf) < _NEUTRAL:
+            raise NumericsError("another multiplier is 1 within 1e-6, as in a fold: the orbit has no derivative by a parameter")
+        self._meshes = [closed]
+
+    def by(self, sides: Sequence[Beside], figures: Callable[[Closed], Mapping[str, float]]) -> dict[str, float]:
+        """d figures/dp from the scenes beside the orbit's. Raises SceneError if these have states of another size, NumericsError
+        if a march or, where travel times change, the orbit on another mesh fails."""
+        closed = self._smooth_in([side.scene for side in sides])
+        cycle, flows = closed.cycle, [closed.flow.of(side.scene) for side in sides]
+        if any(flow.size != closed.flow.size for flow in flows):
+            raise SceneError("at this value alone the state has fewer numbers than beside it")
+        ends = np.array([flow.march(cycle.start, cycle.period).end for flow in flows])
+        drift, size = np.array([side.weight for side in sides]) @ ends, cycle.start.size
+        velocity = closed.flow.velocity(cycle)
+        matrix = np.block(
+            [[closed.monodromy - np.eye(size), velocity[:, None]], [velocity / np.abs(velocity).max(), np.zeros(1)]]
+        )
+        with one_thread():
+            slope = np.linalg.solve(matrix, np.append(-drift, 0.0))
+        total = dict[str, float]()
+        for side, flow in zip(sides, flows, strict=True):
+            moved = flow.march(cycle.start + side.offset * slope[:-1], cycle.period + side.offset * float(slope[-1]))
+            for name, value in figures(replace(closed, flow=flow, cycle=moved)).items():
+                total[name] = total.get(name, 0.0) + side.weight * value
+        return total
+
+    def _smooth_in(self, scenes: Sequence[Scene]) -> Closed:
+        """The orbit on its own mesh, or, where travel times change, on one of whose steps none is a whole number."""
+        cycle = self._meshes[0].cycle
+        flow, start = self._meshes[0].flow.loosened(cycle, scenes)
+        if flow is self._meshes[0].flow:
+            return self._meshes[0]
+        if len(self._meshes) == 1:
+            loose = close(flow, start, cycle.period, 0.0)
+            self._meshes.append(replace(loose, monodromy=loose.flow.tangent(loose.cycle)))
+        return self._meshes[1]

@@ -1,0 +1,134 @@
+"""The response of an orbit to keys of its scene: against differences of orbits, scaling, ends of ranges and folds."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import slipwave as sw
+from reduced.orbit.closing import close
+from reduced.orbit.figures import figures_of
+from reduced.orbit.response import Responding
+from slipwave.errors import NumericsError
+from validation.commands.cli import main
+
+FIGURES = ("period", "stress_drop", "v_max", "v_min")
+KEYS = {
+    "paper": ("interface.a_star", "interface.a", "interface.b", "slab.epsilon", "slab.log10_r", "drive.velocity"),
+    "unlike": ("interface.a", "interface.b", "upper.epsilon", "lower.epsilon", "upper.r", "lower.r", "drive.velocity"),
+}
+MACHINE = {
+    "slab.face.kind": "machine",
+    "slab.face.stiffness": "2e8 Pa/m",
+    "slab.face.impedance": "14 Pa s/m",
+    "slab.face.mass": "13 kg/m2",
+}
+
+
+def differences(result, key, value, unit="", step=1e-5):
+    """Richardson's value of central differences of orbits, each closed on a finer mesh of its own scene."""
+    known = result.found.found.closed
+    flow, start = known.flow.remeshed(known.cycle, 1.5)
+    finer = close(flow, start, known.cycle.period, 0.0)
+
+    def orbit(moved):
+        flow, start = finer.flow.of(sw.read(result.found.scene, {key: f"{moved!r} {unit}" if unit else moved})), finer.cycle.start
+        if flow.size != finer.flow.size or getattr(flow, "length", 0.0) != getattr(finer.flow, "length", 0.0):
+            flow, start = finer.flow._onto(flow, finer.cycle)
+        figures = figures_of(close(flow, start, finer.cycle.period, 0.0))
+        return np.array([figures[name] for name in FIGURES])
+
+    one, two = ((orbit(value + h) - orbit(value - h)) / (2.0 * h) for h in (step * abs(value), 2.0 * step * abs(value)))
+    return (4.0 * one - two) / 3.0
+
+
+@pytest.mark.parametrize("model", ["delay", "modal:2"])
+@pytest.mark.parametrize("scene", KEYS)
+def test_derivatives_are_those_of_differences_of_orbits(scene, model):
+    result = sw.orbit(scene, model=model, tol=1e-9)
+    assert set(KEYS[scene]) <= set(result.response)
+    for key in KEYS[scene]:
+        known = result.response[key]
+        found, expected = np.array([known[name] for name in FIGURES]), differences(result, key, known["value"])
+        if key == "interface.a_star":  # a constant added to friction moves nothing
+            sizes = np.array([result.facts[name] for name in FIGURES])
+            assert found / sizes == pytest.approx(np.zeros(4), abs=1e-7)
+        else:
+            assert found == pytest.approx(expected, rel=1e-6), key
+
+
+@pytest.mark.slow
+def test_derivatives_of_a_machine_in_si_are_those_of_differences():
+    result = sw.orbit("paper-si", tol=1e-9, set=MACHINE)
+    for key, known in result.response.items():
+        if key != "interface.a_star":
+            step = 1e-4 if key == "slab.face.impedance" else 1e-5  # 1 % of the dashpot moves T by a millionth
+            expected = differences(result, key, known["value"], known["unit"], step)
+            assert [known[name] for name in FIGURES] == pytest.approx(expected, rel=1e-6), key
+    assert result.response["slab.face.mass"]["unit"] == "kg/m2"
+
+
+def test_derivatives_in_si_scale_as_the_units_do():
+    """Only V/V* and the length of a slab in L enter: so T scales with L and H together, stress with sigma and G."""
+    result = sw.orbit("paper-si", tol=1e-9)
+
+    def effect(name, *keys):
+        return sum(result.response[key]["value"] * result.response[key]["si"][name] for key in keys) / result.facts["si"][name]
+
+    lengths = ("interface.memory_length", "slab.thickness")
+    assert effect("period_s", *lengths) == pytest.approx(1.0, rel=1e-6)
+    assert effect("v_max_m_per_s", *lengths) == pytest.approx(0.0, abs=1e-5)
+    stresses = ("interface.normal_stress", "slab.shear_modulus", "slab.density")
+    assert effect("stress_drop_Pa", *stresses) == pytest.approx(1.0, rel=1e-6)
+    assert effect("period_s", *stresses) == pytest.approx(0.0, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("scene", "key", "end", "inwards"),
+    [
+        ("machine", "slab.face.impedance", 0.0, 1e-6),
+        ("reflection", "slab.face.coefficient", 1.0, -1e-6),
+    ],
+)
+def test_the_end_of_a_range_is_one_sided(scene, key, end, inwards):
+    """Without dashpot, or with R = 1, there is no scene on the other side: the slope is that of orbits on this side."""
+    result = sw.orbit(scene, tol=1e-9, set={key: end})
+    closed = result.found.found.closed
+
+    def figures(steps):
+        flow = closed.flow.of(sw.read(result.found.scene, {key: end + steps * inwards}))
+        known = figures_of(close(flow, closed.cycle.start, closed.cycle.period, 0.0))
+        return np.array([known[name] for name in FIGURES])
+
+    slope = (4.0 * figures(1) - 3.0 * figures(0) - figures(2)) / (2.0 * inwards)
+    assert [result.response[key][name] for name in FIGURES] == pytest.approx(slope, rel=1e-4)
+
+
+def test_a_fold_has_no_response():
+    closed = sw.orbit("paper", model="modal:2", tol=1e-6).found.found.closed
+    folded = replace(closed, monodromy=np.eye(closed.cycle.start.size))
+    with pytest.raises(NumericsError, match="another multiplier is 1"):
+        Responding(folded)
+
+
+def test_the_table_shows_effects_of_1_percent_largest_first(capsys):
+    assert main(["orbit", "paper", "--tol", "1e-6", "--response"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("effect in % of"))
+    rows = [line for line in lines[first + 1 :] if "1 %" in line]
+    assert [row.split()[0] for row in rows] == [
+        "interface.b",
+        "interface.a",
+        "r",
+        "slab.epsilon",
+        "drive.velocity",
+        "interface.a_star",
+    ]
+    assert main(["orbit", "paper", "--tol", "1e-6", "--response", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    by = facts["response"]["slab.log10_r"]
+    assert by["value"] == -2.68
+    effect = by["period_time"] / math.log(10.0) / facts["period_time"]
+    assert rows[2].split()[5] == f"{effect:.4g}"
