@@ -83,8 +83,7 @@ class Curve:
             special, _ = branch.first_special(branch.begin(), self.kind)
         else:
             special = self.start[0].special_at(self.start[1])
-        towards = (0.0, math.copysign(1.0, self.second.last - self.second.first))
-        reached = beginning(OnCurve((special.point.parameter, self.second.first), special), towards)
+        reached = beginning(OnCurve((special.point.parameter, self.second.first), special), (0.0, self.second.sign))
         self.points.append(curve_point_of(reached.last, 1.0))
         return reached
 

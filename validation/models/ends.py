@@ -112,8 +112,7 @@ class SpecialEnds:
             width = top.bracket * abs(self.second.last - self.second.first) / abs(curve.over.last - curve.over.first)
             return top.second, top.first, top.period, width
         reached, later = (trail[best - 1], trail[min(best + 1, len(trail) - 1)]) if best else (trail[0], trail[1])
-        sign = math.copysign(1.0, self.second.last - self.second.first)
-        found, width = turn(curve.plane, reached, trail[best], later, sign, curve.tolerance)
+        found, width = turn(curve.plane, reached, trail[best], later, self.second.sign, curve.tolerance)
         return found.parameters[1], found.parameters[0], found.special.point.closed.cycle.period, width
 
     def of_hopf(self, curve: Curve, name: str) -> CurveEnd:
@@ -127,13 +126,11 @@ class SpecialEnds:
         places = [curve.plane.at((one.first, one.second)).real for one in points[best - 1 : best + 2]]
         if not (places[1] - places[0]) * (places[2] - places[1]) > 0.0:
             return CurveEnd((name,), reason="its curve turns too sharply")
-        sign = math.copysign(1.0, self.second.last - self.second.first)
         neutral = partial(_neutral, curve, near=points[best])
         low, middle, high = (one.first for one in points[best - 1 : best + 2])
-        best_first = minimize_scalar(lambda first: -sign * neutral(first)[0], bracket=(low, middle, high), tol=_TURN).x
-        second, period = neutral(float(best_first))
-        width = abs(second - neutral(float(best_first) + _TURN * (high - low))[0])
-        return CurveEnd((name,), second, float(best_first), period, width)
+        found = minimize_scalar(lambda first: -self.second.sign * neutral(first)[0], bracket=(low, middle, high), tol=_TURN)
+        second, period = neutral(first := float(found.x))
+        return CurveEnd((name,), second, first, period, abs(second - neutral(first + _TURN * (high - low))[0]))
 
     def _progress(self, second: float) -> float:
         """How far from the first value towards the last."""
@@ -163,12 +160,9 @@ def _leaves(name: str, end: float) -> str:
 
 def _named_at(own: FollowedBranch, left: Mapping[str, int], first: float, period: float) -> str:
     """The name of the point of the branch, of those `left`, at this value and period; empty if there is none."""
-    low, high = own.over.ends
-    for name, index in left.items():
-        special = own.special[index]
-        if abs(special.value - first) < _SAME * (high - low) and abs(special.period / period - 1.0) < _SAME:
-            return name
-    return ""
+    apart, known = _SAME * abs(own.over.last - own.over.first), ((name, own.special[index]) for name, index in left.items())
+    near = (name for name, one in known if abs(one.value - first) < apart and abs(one.period / period - 1.0) < _SAME)
+    return next(near, "")
 
 
 def ends_over(text: str, over: str, source: "SceneSource | Variation") -> tuple[Over, SpecialEnds]:

@@ -39,11 +39,6 @@ class Value(NamedTuple):
     number: float
     unit: str = ""
 
-    @property
-    def written(self) -> float | str:
-        """As a scene takes it."""
-        return f"{self.number!r} {self.unit}" if self.unit else self.number
-
 
 @lru_cache(maxsize=256)
 def words_in(text: str) -> frozenset[str]:

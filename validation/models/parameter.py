@@ -128,7 +128,7 @@ class Variation:
             if key in self.variables:
                 known[key] = value
             else:
-                keys[key] = value.written
+                keys[key] = Parameter(key, value.unit).written(value.number)
         return keys
 
     def require(self, values: Mapping[str, float | str]) -> None:
@@ -187,6 +187,11 @@ class Over(Parameter):
     def ends(self) -> tuple[float, float]:
         """The smaller and the larger end."""
         return min(self.first, self.last), max(self.first, self.last)
+
+    @property
+    def sign(self) -> float:
+        """That of the direction from `first` to `last`."""
+        return math.copysign(1.0, self.last - self.first)
 
     def nearest_end(self, value: float) -> float:
         """The end nearest to `value`."""

@@ -193,14 +193,13 @@ def _transits(data: Dataset) -> list[DataArray]:
     scenes = scenes_over(data, names)
     found = list[DataArray]()
     for axes in [names] if scenes.sets else [[name] for name in names]:  # what is set may depend on all of them
-        varied, points = (
-            [parameter_of(data[name]) for name in axes],
-            itertools.product(*(data[name].values.tolist() for name in axes)),
-        )
         if math.prod(data.sizes[name] for name in axes) > _MOST_READ:
             continue
+        varied = [parameter_of(data[name]) for name in axes]
         try:
-            known = [scenes.at(varied, point).transit for point in points]
+            known = [
+                scenes.at(varied, point).transit for point in itertools.product(*(data[name].values.tolist() for name in axes))
+            ]
         except SceneError:
             continue
         if max(known) > min(known):
