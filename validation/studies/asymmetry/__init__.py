@@ -5,7 +5,6 @@ import math
 from collections.abc import Iterator, Mapping
 
 import slipwave as sw
-from slipwave.observe.statistics import Estimate
 from validation.chart import DASHED, DOTTED, INK, Chart, Look, Panel, Scale, Trace
 from validation.measure.in_words import motion_at, scene_of, state_at
 from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
@@ -229,8 +228,9 @@ def _periods(exact: Mapping[Pair, Regime]) -> Chart:
     for log10_r in LOG10_R:
         traces = []
         for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):
-            known = [(pair.clock, exact[pair].figures.get("T", Estimate(math.nan, 0.0))) for pair in _of(q, log10_r)]
-            values, bars = zip(*((clock * one.value, 2.0 * clock * one.error) for clock, one in known), strict=True)
+            known = [(pair.clock, exact[pair].figures.get("T")) for pair in _of(q, log10_r)]
+            values = [clock * one.value if one else math.nan for clock, one in known]
+            bars = [2.0 * clock * one.error if one else 0.0 for clock, one in known]
             traces.append(Trace(f"$q = {q:g}$", ROUND_TRIPS, values, Look(color, DOTTED, marker=marker), y_error=bars))
         title = rf"$\log_{{10}} r = {minus(f'{log10_r:g}')}$"
         panels.append(Panel(title, _RATIO, Scale("$T$ (transits of alike slabs)"), traces, grid=True))
