@@ -19,10 +19,11 @@ Array = np.ndarray
 
 
 class Mesh:
-    """`panels` of equal length in a transit, and polynomials of `degree` on each."""
+    """`panels` of equal length in a transit, and polynomials of `degree` on each; outer faces return the share `reflection` of
+    each wave."""
 
-    def __init__(self, panels: int = 8, degree: int = 16) -> None:
-        self.panels, self.degree = panels, degree
+    def __init__(self, panels: int = 8, degree: int = 16, reflection: float = 1.0) -> None:
+        self.panels, self.degree, self.reflection = panels, degree, reflection
         unit = -np.cos(np.pi * np.arange(degree + 1) / degree)
         self.points = 0.5 * (1.0 + unit)
         powers = chebyshev.chebvander(unit, degree)
@@ -84,7 +85,7 @@ def march(
     d_psi0 = None if tangent is None else tangent[1]
     ln_v, k = np.full(mesh.degree + 1, np.log(V)), 0
     while k * length < until - 1e-13:
-        time, delayed = k * length, memory[k % mesh.panels]
+        time, delayed = k * length, mesh.reflection * memory[k % mesh.panels]
         push = nudge * np.exp(-((time + length * mesh.points - 6.0) ** 2))
         psi = np.full(mesh.degree + 1, psi0)
         for _ in range(80):
@@ -103,7 +104,7 @@ def march(
         v = np.exp(ln_v)
         g, both = delayed + 0.5 * (v - V), None
         if carried is not None and d_psi0 is not None:
-            waves = carried[k % mesh.panels]
+            waves = mesh.reflection * carried[k % mesh.panels]
             by_wave = -2.0 * EPSILON * v / (A + 0.5 * EPSILON * v)  # of v by the delayed g
             d_psi = np.linalg.solve(matrix, d_psi0 - mesh.integral @ (r * by_wave[:, None] * waves))
             d_g = waves + 0.5 * (slope_v[:, None] * d_psi + by_wave[:, None] * waves)

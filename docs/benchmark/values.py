@@ -82,10 +82,16 @@ def psi_of_second(start: str) -> Iterator[tuple[str, float]]:
     yield from ((f"{start}.psi.{time:g}", psi) for time, psi in zip(times, found, strict=True))
 
 
-def psi_in(scene: str, waves: bool) -> Iterator[tuple[str, float]]:
-    """(name, psi) in one of SCENES, by the delay system or by full waves (discontinuous Galerkin, explicit in time)."""
+def psi_in(scene: str, second: bool) -> Iterator[tuple[str, float]]:
+    """(name, psi) in one of SCENES by the delay system; by the `second` program behind faces that reflect, which it knows, and
+    elsewhere by full waves (discontinuous Galerkin, explicit in time)."""
     name, changes = SCENES[scene]
-    options: dict[str, Any] = {"model": "dg:8", "cells": 8, "time": "explicit"} if waves else {"model": "delay", "tol": 1e-12}
+    if second and name == "reflection":
+        mesh = other.Mesh(8, 16, changes["slab.face.coefficient"])
+        found = other.psi_at(mesh, 10.0**-2.68, list(SCENES_AT), nudge=0.5)
+        yield from ((f"{scene}.psi.{time:g}", psi) for time, psi in zip(SCENES_AT, found, strict=True))
+        return
+    options: dict[str, Any] = {"model": "dg:8", "cells": 8, "time": "explicit"} if second else {"model": "delay", "tol": 1e-12}
     for time in SCENES_AT:
         yield f"{scene}.psi.{time:g}", sw.run(sw.read(name, changes), until=time, **options).final.psi
 
@@ -116,7 +122,7 @@ def by_slipwave(orbit: Any, points: dict[str, Any]) -> Iterator[tuple[str, float
     for start in STARTS:
         yield from psi_of(start)
     for scene in SCENES:
-        yield from psi_in(scene, waves=False)
+        yield from psi_in(scene, second=False)
 
 
 def by_second(orbit: Any, points: dict[str, Any]) -> Iterator[tuple[str, float]]:
@@ -130,7 +136,7 @@ def by_second(orbit: Any, points: dict[str, Any]) -> Iterator[tuple[str, float]]
     for start in STARTS:
         yield from psi_of_second(start)
     for scene in SCENES:
-        yield from psi_in(scene, waves=True)
+        yield from psi_in(scene, second=True)
 
 
 def _of_orbit(period: float, figures: dict[str, float], multipliers: Iterable[complex]) -> Iterator[tuple[str, float]]:
@@ -176,7 +182,7 @@ _WAVES = "slipwave's delay system; slipwave's full waves (dg:8, explicit in time
 _ONSET = "slipwave's root search on the characteristic equation; the closed forms (20) and (39)"
 
 
-_BY = {"onset": _ONSET} | dict.fromkeys(SCENES, _WAVES)
+_BY = {"onset": _ONSET} | {name: _WAVES for name, (scene, _) in SCENES.items() if scene != "reflection"}
 
 
 def rows_of(one: dict[str, float], other: dict[str, float]) -> list[Value]:
