@@ -149,7 +149,7 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
     over = Over(_NAME, first=first, last=last, scenes=Variation(scene))
     points: list[OrbitPoint] = []
     try:
-        for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST)):
+        for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST, outside=0.0)):
             points.append(end.point)
     except NumericsError as error:
         if not points:

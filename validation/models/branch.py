@@ -36,9 +36,6 @@ from validation.models.own import digests
 from validation.models.parameter import Over
 from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt, point_of, special_of
 
-BEYOND = 0.25
-"""Of the range: so far outside a branch is followed, as it may return."""
-
 _FORMAT = 4
 _OUTLINE = "special_"  # before the index of a special point
 _SMALL = 0.1  # amplitude of ln v
@@ -85,7 +82,7 @@ class FollowedBranch:
 
     @property
     def shown(self) -> list[BranchPoint]:
-        """The points within the range; others lie where the branch was followed outside, up to `BEYOND`."""
+        """The points within the range; others lie where the branch was followed outside (`StopAt.outside`)."""
         return [point for point in self.points if self.over.holds(point.value)]
 
     @property
@@ -207,7 +204,7 @@ class FollowedBranch:
         """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there
         is none."""
         over, last = self.over, end.point
-        for step in self.steps(end, lambda point: over.beyond(point.parameter) < BEYOND, Control()):
+        for step in self.steps(end, lambda point: over.beyond(point.parameter) <= StopAt().outside, Control()):
             for special in step.special:
                 if special.kind == kind and over.holds(special.point.parameter):
                     return special, FlowFamily(special.point.closed.flow, over.scene_at)
@@ -259,7 +256,7 @@ class FollowedBranch:
         point = end.point
         if limits.kind and any(special.kind == limits.kind for special in self.shown_special):
             return ""
-        if self.over.beyond(point.parameter) >= BEYOND:
+        if self.over.beyond(point.parameter) > limits.outside:
             return self._left(point.parameter, ", and does not return within a quarter of the range")
         if point.closed.cycle.period > limits.period:
             return f"stopped at the period {limits.period:g}: --longest-period goes further"

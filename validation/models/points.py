@@ -14,11 +14,12 @@ SPECIAL_KINDS = {"HB": "Hopf", "LP": "fold", "PD": "period doubling", "NS": "tor
 
 class StopAt(NamedTuple):
     """Limits: stop beyond a `period` (transits), after a number of `points`, at the first special point of a `kind` (if
-    given)."""
+    given), and outside of the range by more than the share `outside` of it."""
 
     period: float = float("inf")
     points: int = 2000
     kind: str = ""
+    outside: float = 0.25
 
 
 class BranchPoint(NamedTuple):
