@@ -2,17 +2,17 @@
 first that may be used everywhere. Motions are on record (`validation.measure.on_record`)."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 from slipwave.observe.statistics import Estimate
 from validation.measure.on_record import on_record
 from validation.measure.regimes import UNDECIDED, UNKNOWN, Regime
-from validation.report import SELF, WITNESS, Table, Verdict, claim, every, table
+from validation.report import SELF, WITNESS, Table, Verdict, every, table
 from validation.report.advice import GOOD, JUDGED, is_good
 from validation.report.compared import EXACT_MODEL, compared_table
 from validation.report.known import ERRORS
 from validation.report.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
-from validation.report.text import minus
+from validation.report.text import minus, plain
 from validation.report.verdict import ROUNDING
 
 _SHORT = 20000.0  # transits
@@ -36,7 +36,7 @@ def summary(found: ModelTable, where: str, remark: str = "") -> Table:
         right = sum(cell.right for _, cell in cells)
         largest = [_largest(cells, symbol, group) for group in groups for symbol in JUDGED]
         good, of = _good(found, row.model)
-        rows.append([row.model, f"{right} of {len(cells)}", *largest, f"{good} of {of}", row.costs[0]])
+        rows.append([row.model, f"{right}/{len(cells)}", *largest, f"{good}/{of}", row.costs[0]])
     each = " | ".join(f"{group}: T [%] | Δμ [%]" for group in groups)
     caption = (
         f"Reduced models {where}: in how many the regime is the exact one; the largest errors, with two standard errors where "
@@ -63,22 +63,23 @@ def first_good(found: ModelTable, ladder: Sequence[str], title: str) -> Verdict:
     return every(title, WITNESS, *_good(found, first), f"`{first}`, every motion that both decide", "motions")
 
 
-def repeated(
-    title: str, again: Iterable[tuple[str, ModelColumn]], motion_at: Callable[[str, str, float], Regime]
-) -> Iterator[Verdict]:
+def repeated(title: str, again: Sequence[tuple[str, ModelColumn]], motion_at: Callable[[str, str, float], Regime]) -> Verdict:
     """Whether the present code has the motions on record of some models in columns: orbits but for rounding, means within their
-    errors."""
+    errors. The remark names those that it has not."""
+    missed = []
     for model, column in again:
         known, now = on_record(model, column.settings), motion_at(model, column.settings, _SHORT)
-        where = f"`{model}`, {column.title}: T and Δμ"
-        if not (known and known.figures and now.figures):
-            yield claim(title, SELF, math.nan, 1.0, where)
-        elif known.cycles:
-            off = (abs(now.figures[one].value - known.figures[one].value) / now.figures[one].error for one in JUDGED)
-            yield claim(title, SELF, max(off), ERRORS, where, unit="standard errors")
-        else:
-            off = (abs(now.figures[one].value / known.figures[one].value - 1.0) for one in JUDGED)
-            yield claim(title, SELF, max(off), ROUNDING, where)
+        if not (known and all(_same(known, now, one) for one in JUDGED)):
+            missed.append(f"`{model}`, {column.title}")
+    remark = f"T and Δμ: orbits to {plain(ROUNDING)}, means within {ERRORS:g} standard errors"
+    return every(title, SELF, len(again) - len(missed), len(again), "; not: ".join([remark, *missed]), "motions")
+
+
+def _same(known: Regime, now: Regime, symbol: str) -> bool:
+    if not {symbol} <= known.figures.keys() & now.figures.keys():
+        return False
+    old, new = known.figures[symbol], now.figures[symbol]
+    return abs(new.value - old.value) <= (ERRORS * new.error if known.cycles else ROUNDING * abs(old.value))
 
 
 def motion_cells(motion: Regime, clock: float = 1.0) -> list[str | None]:

@@ -83,10 +83,12 @@ def foreign_answer(witness: str, title: str) -> StudyAnswer:
     return StudyAnswer(f"The exact solution agrees with {witness}{foreign[0]}.", (title, *foreign[1]))
 
 
-def as_foreign(title: str, name: str, psi: Mapping[float, float]) -> Verdict:
-    """Verdict on psi at some times in a scene, by its name in the file of another program, whose values are extrapolated."""
-    off = max(abs(ours - others.sem2dpack()[f"{name}.psi.{t:g}"]) for t, ours in psi.items())
-    return claim(title, PROGRAM, off, _EXTRAPOLATED, f"`{name}`, at t = {places(psi)}")
+def as_foreign(title: str, psi: Mapping[str, Mapping[float, float]]) -> Verdict:
+    """Verdict on psi at some times in some scenes, by their names in the file of another program, whose values are extrapolated;
+    the worst is shown."""
+    theirs = others.sem2dpack()
+    off = max(abs(ours - theirs[f"{name}.psi.{t:g}"]) for name, by_time in psi.items() for t, ours in by_time.items())
+    return claim(title, PROGRAM, off, _EXTRAPOLATED, f"{', '.join(f'`{name}`' for name in psi)}, at t = {places(OTHERS_AT)}")
 
 
 def as_printed(title: str, printed: float, ours: float) -> Verdict:

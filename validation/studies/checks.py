@@ -67,10 +67,14 @@ def _held(kind: str, figure: str, counts: dict[str, Any]) -> LeastHeld:
 
 
 def _of_faults(faults: list[dict[str, Any]]) -> Table:
-    rows = [(fault["where"].partition("::")[0], fault["user"], _test_in_words(fault["caught_by"])) for fault in faults]
-    caption = "Planted faults: changes that make the program wrong, one at a time, and the test that notices each."
+    rows = [(fault["name"], fault["where"].partition("::")[0], _test_in_words(fault["caught_by"])) for fault in faults]
+    caption = (
+        "Planted faults: changes that make the program wrong, one at a time, and the test that notices each; what each "
+        "would do to "
+        "a user is in reports/baseline/faults.json."
+    )
     survivors = (number for number, fault in enumerate(faults) if not fault["caught_by"])
-    return made("faults", caption, "changed | what it would do to a user | noticed in", rows, survivors)
+    return made("faults", caption, "fault | changed | noticed in", rows, survivors)
 
 
 def _test_in_words(test: str) -> str:
