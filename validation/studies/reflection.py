@@ -38,7 +38,7 @@ NAME = "reflection"
 QUESTION = "What do outer faces that reflect only a part of each wave do to stick-slip, and which model may be used behind them?"
 SCENES = ("paper", "reflection")
 FILES = (MOTIONS, SPECIAL_POINTS, *others.FILES)
-SECONDS = (10.0, 30.0)
+SECONDS = (40.0, 60.0)
 
 STIFFNESS = 10.0
 """Of the grips, in epsilon a transit."""

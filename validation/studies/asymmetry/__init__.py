@@ -23,7 +23,7 @@ NAME = "asymmetry"
 QUESTION = "What does it change that the slabs differ, and which model may be used for them?"
 SCENES = ("unlike", "unlike-irrational", "layered", "paper")
 FILES = (MOTIONS, SPECIAL_POINTS, *others.FILES)
-SECONDS = (15.0, 30.0)
+SECONDS = (15.0, 25.0)
 
 LOG10_R = (-2.68, -2.6)
 PAIRS = tuple(pair for log10_r in LOG10_R for pair in pairs_at(log10_r))
