@@ -28,13 +28,13 @@ class GridSlabs:
     """The `Slabs` (slipwave.step.port) of the grid that `grid` makes for `scene`, for steps of `stages` nodes. The memory of a
     port: the grid's values, in `slots` of the explicit march's layout, times the first marched slab's impedance, `scale`, as
     stresses. All ports share the `entries` of the energy balance. Tables of `most_known` longest steps are kept, as far as
-    memory allows."""
+    memory allows; with few, for flows, they answer to any drive within a step, else to those of scenes."""
 
     def __init__(
         self, scene: Scene, grid: Callable[[Scene], System], model: str, stages: int, most_known: int = _MOST_KNOWN
     ) -> None:
         self.scene, self.model, self.stages, self._grid = scene, model, stages, grid
-        self.drive_terms = min(scene.drive.terms, stages)
+        self.drive_terms = stages if most_known == _FEWEST_KNOWN else min(scene.drive.terms, stages)
         system = grid(scene)
         size, self.scale = state_size(system), marched_slabs(scene)[0].epsilon
         with one_thread():

@@ -11,7 +11,7 @@ from functools import cache, cached_property
 
 import numpy as np
 
-from reduced.delay.flow_kernel import exchange_of, logs_of_return, march_tangent
+from reduced.delay.flow_kernel import driven_matrix, exchange_matrix, exchange_of, logs_of_return, march_back, march_tangent
 from reduced.delay.kernel import DelayMemory, clock_of, march_delay, present
 from reduced.delay.march import dense_resolution
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkLines, lines_with
@@ -21,9 +21,10 @@ from slipwave.friction import resampled, smooth, unknown_of
 from slipwave.friction.law import friction_slopes
 from slipwave.observe.pieces import Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
+from slipwave.scene.drive import Constant
 from slipwave.solve import State
 from slipwave.step.collocation import radau, rule_of
-from slipwave.step.flow import Cycle, eigenvalues_without, idle_states
+from slipwave.step.flow import NO_PUSH, Cycle, Pulses, Push, eigenvalues_without, idle_states, impulses
 from slipwave.step.nodal import DONE, Limits, Physics, nodal_of
 from slipwave.step.solve import first_guess
 from slipwave.step.tangent import Motion
@@ -78,17 +79,24 @@ class DelayFlow:
         """As `Flow`."""
         return DelayFlow(self.scene, float(state["per_transit"][0]))
 
-    def march(self, start: Array, period: float) -> Cycle:
+    def march(self, start: Array, period: float, push: Push = NO_PUSH) -> Cycle:
         """As `Flow`."""
         scene, (steps, fraction) = self.scene, self._steps(period)
         pieces, lines = empty_pieces(steps, NODES), self.lines_at(start)
         steady, z = np.full(NODES, self._network.base), unknown_of(scene.law, scene.velocity)
         guess, _ = first_guess(self._nodes, scene.law, scene.impedance, steady, start[-1], z)
         memory = DelayMemory(guess, present(0.0, float(start[-1]), scene.steady_stress))
-        physics = Physics(scene.law, scene.forcing._replace(nudge=0.0), scene.drive.compiled, self._rule)
-        clock = clock_of(0.0, 0, steps, self.length)
-        march = (physics, lines, memory, nodal_of(NODES), clock, _ANY_STEP, 0)
-        done, iterations, verdict = march_delay(self._nodes, *march, pieces)
+        done, iterations, verdict, forcing = 0, 0, DONE, scene.forcing._replace(nudge=0.0)
+        for part, stress, drive in push.parts(Constant(scene.velocity), steps):
+            if verdict == DONE and part.stop > part.start:
+                here = lines._replace(network=lines.network._replace(base=lines.network.base + stress))
+                clock, physics = (
+                    clock_of(0.0, done, part.stop - done, self.length),
+                    Physics(scene.law, forcing, drive, self._rule),
+                )
+                march = (physics, here, memory, nodal_of(NODES), clock, _ANY_STEP, 0)
+                more, used, verdict = march_delay(self._nodes, *march, pieces.part(part))
+                done, iterations = done + more, iterations + used
         if verdict != DONE:
             raise NumericsError(
                 f"delay: the step at {done * self.length:.6g} of {period:.6g} transits cannot be solved (scene {scene.name!r})"
@@ -111,17 +119,27 @@ class DelayFlow:
         """As `Flow`. If `frozen`, psi is held at its values along `cycle`: the motion of the waves alone."""
         nodes, integral = self._nodes, self._rule.integral
         exchange = exchange_of(nodes, self._network, self.length, integral)
-        waves, tops, psi = self._parts(np.eye(self.size))
-        faces = exchange.weights.shape[0]
-        memory = np.zeros((self.kept + 1, exchange.back.shape[0], self.size))
-        memory[:, :faces] = waves.reshape(self.kept + 1, faces, -1)
-        memory[self.kept - 1, faces:-1], memory[self.kept - 1, -1] = tops.reshape(-1, self.size), psi
+        faces, memory = exchange.weights.shape[0], self._memory(np.eye(self.size))
         _, fraction = self._steps(cycle.period)
         motion, h = Motion(cycle.pieces.z, cycle.pieces.psi, frozen), self.length * self.scene.transit
         last = self._psi_row(fraction)
         cursor = march_tangent(nodes, self.scene.law, exchange, h, integral, motion, memory, self.kept, last)
-        waves, tops, psi = memory[:, :faces].reshape(waves.shape), memory[cursor - 1, faces:-1], memory[cursor - 1, -1]
+        waves, tops, psi = memory[:, :faces], memory[cursor - 1, faces:-1], memory[cursor - 1, -1]
+        waves = waves.reshape(self.kept + 1, self._shape[0], 2, NODES, -1)
         return self._state(waves, tops.reshape(*self.tops_remembered.shape, -1), psi, cursor, fraction)
+
+    def pulses(self, cycle: Cycle, functional: Array) -> Pulses:
+        """As `Flow`, in whole steps that end with the cycle."""
+        nodes, network, integral = self._nodes, self._network, self._rule.integral
+        steps, fraction = self._steps(cycle.period)
+        early = (1.0 - fraction) * self.length
+        pieces = self.march(self.march(cycle.start, cycle.period - early).end, steps * self.length).pieces
+        exchange = exchange_of(nodes, network, self.length, integral)
+        matrices = [one(nodes, network, self.length, integral) for one in (exchange_matrix, driven_matrix)]
+        motion, h, changes = Motion(pieces.z, pieces.psi, False), self.length * self.scene.transit, np.empty((2, *pieces.z.shape))
+        memory = np.ascontiguousarray(self._memory(functional[:, None])[..., 0])
+        march_back(nodes, self.scene.law, exchange, (matrices[0], matrices[1]), h, integral, motion, memory, changes)
+        return impulses(pieces.time - early, pieces.length, self.nodes, changes)
 
     def essential_radius(self, cycle: Cycle) -> float:
         """As `Flow`: the spectral radius of the waves' motion with psi held. For plain slabs of equal round trips the interface
@@ -202,7 +220,7 @@ class DelayFlow:
 
     def _steps(self, period: float) -> tuple[int, float]:
         """Number of steps that cover the period, and the part of the last one that belongs to it, in (0, 1]."""
-        steps = max(1, math.ceil(period / self.length))
+        steps = max(1, math.ceil(period / self.length - COINCIDENT))
         return steps, period / self.length - (steps - 1)
 
     def _psi_row(self, fraction: float) -> Array:
@@ -228,6 +246,13 @@ class DelayFlow:
         tops = np.zeros((*self.tops_remembered.shape, count))
         tops[self.tops_remembered] = states[waves:-1]
         return ring, tops, states[-1].copy()
+
+    def _memory(self, states: Array) -> Array:
+        """The memory of `march_tangent` (kept + 1, rows, m) that `states` (n, m) leave."""
+        waves, tops, psi = self._parts(states)
+        rest = np.zeros((self.kept + 1, tops[..., 0].size + 1, psi.size))
+        rest[self.kept - 1, :-1], rest[self.kept - 1, -1] = tops.reshape(-1, psi.size), psi
+        return np.concatenate([waves.reshape(self.kept + 1, -1, psi.size), rest], axis=1)
 
     def _state(self, ring: Array, tops: Array, psi: Array, cursor: int, fraction: float) -> Array:
         """States (n, m) at `fraction` of the last step in the ring, with the faces `tops` at its end."""

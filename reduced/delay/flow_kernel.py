@@ -61,7 +61,18 @@ def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Arr
     received = np.zeros_like(moved)
     lines = (near, waves.reshape(-1, layers, 2, 1, s), tops.reshape(-1, slabs, 2), passage_of(near, s))
     send(nodes, *lines, length, integral, moved, received)
-    return np.column_stack([waves, tops, units[:, -1], received, units[:, psi]]).T
+    return np.ascontiguousarray(np.column_stack([waves, tops, units[:, -1], received, units[:, psi]]).T)
+
+
+def driven_matrix(nodes: Nodes, network: Network, length: float, integral: Array) -> Array:
+    """Derivatives of what a step of `length` (transits) puts into the memory, rows of `Exchange`, by the drive at its nodes."""
+    s, slabs = len(nodes), network.first.size
+    passage, waves, tops = passage_of(network, s), np.zeros((s, network.impedance.size, 2, 1, s)), np.zeros((s, slabs, 2))
+    near, nothing = network._replace(back=np.zeros_like(network.back)), np.zeros((1, s))
+    for j in range(s):
+        passage.drive[:] = 0.5 * np.eye(s)[j]  # each face takes half
+        send(nodes, near, waves[j : j + 1], tops[j : j + 1], passage, length, integral, nothing, nothing.copy())
+    return np.ascontiguousarray(np.column_stack([waves.reshape(s, -1), tops.reshape(s, -1), np.zeros(s)]).T)
 
 
 @allocating
@@ -119,6 +130,54 @@ def march_tangent(
         combine(exchange, 0, before, memory[cursor])
         cursor = cursor + 1 if cursor + 1 < memory.shape[0] else 0
     return cursor
+
+
+@allocating
+def march_back(
+    nodes: Nodes,
+    law: Law,
+    exchange: Exchange,
+    matrices: tuple[Array, Array],
+    h: float,
+    integral: Array,
+    motion: Motion,
+    memory: Array,
+    pulses: Array,
+) -> None:
+    """The adjoint of `march_tangent` in whole steps: pulses (2, k, s) <- derivatives of a functional of the memory after the
+    motion, `memory` (ring, rows) with an empty last row, by shear stress on the interface and by the drive. `matrices`:
+    `exchange_matrix` and `driven_matrix`. The stress acts on friction only: slabs feel the slip that it causes."""
+    s, cursor, (passed, driven) = len(nodes), memory.shape[0] - 1, matrices
+    stress, row, matrix, at_end = memory.shape[1], np.empty((4, s)), np.empty((s + 1, s + 1)), np.zeros(s + 1)
+    answer = Answer(np.empty((2 * s, 2 * s + 1)), row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
+    at_end[s] = 1.0
+    for n in range(motion.z.shape[0] - 1, -1, -1):
+        cursor = cursor - 1 if cursor else memory.shape[0] - 1
+        step_answer(nodes, law, Diagonal(exchange.impedance), h, integral, motion, n, answer)
+        step_matrix(nodes, exchange.impedance, answer.matrix, at_end, matrix)
+        before = np.dot(memory[cursor], passed[:stress])
+        received = np.dot(before[stress:], matrix)
+        pulses[0, n], pulses[1, n] = received[:s] - before[stress:-1], np.dot(memory[cursor], driven)
+        before += np.dot(received, passed[stress:])
+        memory[cursor] = 0.0
+        depart(nodes, exchange, before, cursor, memory)
+
+
+@njit
+def depart(nodes: Nodes, exchange: Exchange, before: Array, cursor: int, memory: Array) -> None:
+    """The adjoint of `arrive_columns`, added to `memory` (ring, rows)."""
+    s, ring, weights = len(nodes), memory.shape[0], exchange.weights
+    for i in range(memory.shape[1]):
+        j = i % s
+        alone = i >= weights.shape[0] or weights[i, 0, j] == 1.0
+        for n in range(1 if alone else weights.shape[1]):
+            row = cursor - exchange.back[i, n]
+            row += ring if row < 0 else 0
+            if alone:
+                memory[row, i] += before[i]
+            else:
+                for k in range(s):
+                    memory[row, i - j + k] += weights[i, n, k] * before[i]
 
 
 @njit

@@ -8,13 +8,16 @@ bordered matrix, R_p a difference of marches from the same start. The figures fo
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from reduced.orbit.closing import Closed, close
 from reduced.orbit.multipliers import floquet
+from reduced.orbit.phase import PhaseResponse
 from slipwave.errors import NumericsError, SceneError
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.threads import one_thread
 
@@ -37,23 +40,18 @@ class Responding:
         others, _ = floquet(closed.monodromy, closed.flow.idle)
         if np.abs(others - 1.0).min(initial=np.inf) < _NEUTRAL:
             raise NumericsError("another multiplier is 1 within 1e-6, as in a fold: the orbit has no derivative by a parameter")
-        self._meshes = [closed]
+        self._meshes = [(closed, _inverse(closed))]
 
     def by(self, sides: Sequence[Beside], figures: Callable[[Closed], Mapping[str, float]]) -> dict[str, float]:
         """d figures/dp from the scenes beside the orbit's. Raises SceneError if these have states of another size, NumericsError
         if a march or, where travel times change, the orbit on another mesh fails."""
-        closed = self._smooth_in([side.scene for side in sides])
+        closed, inverse = self._smooth_in([side.scene for side in sides])
         cycle, flows = closed.cycle, [closed.flow.of(side.scene) for side in sides]
         if any(flow.size != closed.flow.size for flow in flows):
             raise SceneError("at this value alone the state has fewer numbers than beside it")
         ends = np.array([flow.march(cycle.start, cycle.period).end for flow in flows])
-        drift, size = np.array([side.weight for side in sides]) @ ends, cycle.start.size
-        velocity = closed.flow.velocity(cycle)
-        matrix = np.block(
-            [[closed.monodromy - np.eye(size), velocity[:, None]], [velocity / np.abs(velocity).max(), np.zeros(1)]]
-        )
-        with one_thread():
-            slope = np.linalg.solve(matrix, np.append(-drift, 0.0))
+        drift = np.array([side.weight for side in sides]) @ ends
+        slope = inverse[:, :-1] @ -drift
         total = dict[str, float]()
         for side, flow in zip(sides, flows, strict=True):
             moved = flow.march(cycle.start + side.offset * slope[:-1], cycle.period + side.offset * float(slope[-1]))
@@ -61,13 +59,34 @@ class Responding:
                 total[name] = total.get(name, 0.0) + side.weight * value
         return total
 
-    def _smooth_in(self, scenes: Sequence[Scene]) -> Closed:
-        """The orbit on its own mesh, or, where travel times change, on one of whose steps none is a whole number."""
-        cycle = self._meshes[0].cycle
-        flow, start = self._meshes[0].flow.loosened(cycle, scenes)
-        if flow is self._meshes[0].flow:
+    @cached_property
+    def phase(self) -> PhaseResponse:
+        """The phase response, by the last row of the inverse: the left eigenvector of the multiplier 1. NaN by the drive where a
+        reduction's answer to a drive that changes is fitted only if it does."""
+        closed, inverse = self._meshes[0]
+        pulses = closed.flow.pulses(closed.cycle, inverse[-1, :-1])
+        if closed.flow.model.startswith("fitted"):
+            pulses = pulses._replace(drive=np.full_like(pulses.drive, np.nan))
+        return PhaseResponse(pulses, closed.cycle.period, closed.flow.nodes)
+
+    def _smooth_in(self, scenes: Sequence[Scene]) -> tuple[Closed, Array]:
+        """The orbit on its own mesh, or, where travel times change, on one of whose steps none is a whole number; and the inverse
+        of its bordered matrix."""
+        closed = self._meshes[0][0]
+        flow, start = closed.flow.loosened(closed.cycle, scenes)
+        if flow is closed.flow:
             return self._meshes[0]
         if len(self._meshes) == 1:
-            loose = close(flow, start, cycle.period, 0.0)
-            self._meshes.append(replace(loose, monodromy=loose.flow.tangent(loose.cycle)))
+            loose = close(flow, start, closed.cycle.period, 0.0)
+            loose = replace(loose, monodromy=loose.flow.tangent(loose.cycle))
+            self._meshes.append((loose, _inverse(loose)))
         return self._meshes[1]
+
+
+def _inverse(closed: Closed) -> Array:
+    """The inverse of the bordered matrix."""
+    velocity = closed.flow.velocity(closed.cycle)
+    along, size = velocity / np.abs(velocity).max(), velocity.size
+    matrix = np.block([[closed.monodromy - np.eye(size), velocity[:, None]], [along, np.zeros(1)]])
+    with one_thread():
+        return np.linalg.inv(matrix)

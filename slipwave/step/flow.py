@@ -1,6 +1,6 @@
 """The motion of a model over one period as a differentiable map, for computing periodic orbits."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
+from slipwave.scene.drive import Constant
 from slipwave.solve import State
+from slipwave.step.collocation import radau
 from slipwave.threads import one_thread
 
 _CHANGE = 1e-6  # of the period, relative
@@ -25,6 +27,36 @@ class Cycle(NamedTuple):
     end: Array
     pieces: Pieces
     iterations: int
+
+
+class Push(NamedTuple):
+    """An extra shear stress on the interface and an extra velocity of the drive (V*) in the steps [begin, end) of a march."""
+
+    begin: int = 0
+    end: int = 0
+    stress: float = 0.0
+    drive: float = 0.0
+
+    def parts(self, drive: Constant, steps: int) -> Iterator[tuple[slice, float, Constant]]:
+        """The steps before, in and after it, in all `steps`, with the extra stress and V in them."""
+        pushed = Constant(drive.velocity + self.drive)
+        yield slice(0, self.begin), 0.0, drive
+        yield slice(self.begin, self.end), self.stress, pushed
+        yield slice(self.end, steps), 0.0, drive
+
+
+NO_PUSH = Push()
+
+
+class Pulses(NamedTuple):
+    """Derivatives of a functional of the state at the end of a cycle by impulses (transits times normal stress, or times V*) in
+    steps that begin at `time` and last `length` (k,), in transits: of shear `stress` on the interface and of the `drive`
+    (k, s), at nodes. The steps end with the cycle and cover it; the first may begin before it, a period after the same phase."""
+
+    time: Array
+    length: Array
+    stress: Array
+    drive: Array
 
 
 class InterfaceState(NamedTuple):
@@ -65,14 +97,17 @@ class Flow(Protocol):
     def steady(self) -> Array:
         """The state (n,) of steady sliding."""
 
-    def march(self, start: Array, period: float) -> Cycle:
-        """The motion from `start` over `period`. Raises NumericsError if a step cannot be solved."""
+    def march(self, start: Array, period: float, push: Push = NO_PUSH) -> Cycle:
+        """The motion from `start` over `period`, pushed or not. Raises NumericsError if a step cannot be solved."""
 
     def velocity(self, cycle: Cycle) -> Array:
         """d end/d period (n,) at the end of `cycle`."""
 
     def tangent(self, cycle: Cycle) -> Array:
         """d end/d start (n, n) along `cycle`."""
+
+    def pulses(self, cycle: Cycle, functional: Array) -> Pulses:
+        """The derivatives of `functional` (n,) . end by pulses along a closed `cycle`: the exact adjoint of its steps."""
 
     def essential_radius(self, cycle: Cycle) -> float:
         """Radius of the disk in which infinitely many multipliers accumulate, those of `idle` states left out; 0 if there are
@@ -112,6 +147,11 @@ def velocity_by_difference(flow: Flow, cycle: Cycle) -> Array:
     change = _CHANGE * cycle.period
     later, earlier = (flow.march(cycle.start, cycle.period + shift).end for shift in (change, -change))
     return (later - earlier) / (2.0 * change)
+
+
+def impulses(time: Array, length: Array, nodes: Array, changes: Array) -> Pulses:
+    """`Pulses` from the derivatives by stress and drive at the nodes, `changes` (2, k, s): over the weight of a node in time."""
+    return Pulses(time, length, *(changes / (length[:, None] * radau(nodes.size).integral[-1])))
 
 
 def idle_states(step: Array) -> Array:

@@ -15,14 +15,15 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import smooth, unknown_of
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
+from slipwave.scene.drive import Constant
 from slipwave.solve import State
 from slipwave.step.collocation import growth_limit, rule_of
-from slipwave.step.flow import Cycle, velocity_by_difference
+from slipwave.step.flow import NO_PUSH, Cycle, Pulses, Push, impulses, velocity_by_difference
 from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, Memory, Stretch, begin, march, resolution_of
 from slipwave.step.nodal import DONE, TIME, Limits, Physics, nodal_of
 from slipwave.step.port import LEVELS, Port, Slabs
 from slipwave.step.solve import first_guess
-from slipwave.step.tangent import Motion, carry
+from slipwave.step.tangent import Motion, carry, carry_back
 from slipwave.threads import one_thread
 
 _NEWTON = 1e-13  # allowed error of a step's iteration
@@ -70,13 +71,18 @@ class PortFlow:
         count, *numbers = state["numbers"].tolist()
         return PortFlow(self._slabs, Mesh(round(count), np.rint(state["levels"]).astype(np.int64), *numbers))
 
-    def march(self, start: Array, period: float) -> Cycle:
+    def march(self, start: Array, period: float, push: Push = NO_PUSH) -> Cycle:
         """As `Flow`."""
-        port = self._port(period)
-        memory = _begin(self._slabs, port, start, int(self.mesh.levels[0]))
-        pieces = empty_pieces(self.mesh.levels.size, self.nodes.size)
-        stretch = Stretch(0.0, math.inf, math.inf, np.zeros(port.length.size), self.mesh.levels)
-        _, iterations, ended = _march(self._slabs, port, memory, Limits(_NEWTON, math.inf, math.inf), stretch, pieces)
+        port, levels = self._port(period), self.mesh.levels
+        memory = _begin(self._slabs, port, start, int(levels[0]))
+        pieces, iterations, ended = empty_pieces(levels.size, self.nodes.size), 0, DONE
+        for part, stress, drive in push.parts(Constant(self.scene.velocity), levels.size):
+            if ended == DONE and levels[part].size:
+                stretch = Stretch(0.0, math.inf, math.inf, np.zeros(port.length.size), levels[part])
+                here = port._replace(steady=port.steady + stress, drive_is_constant=drive.velocity == port.velocity)
+                limits, rest = Limits(_NEWTON, math.inf, math.inf), pieces.part(part)
+                _, more, ended = _march(self._slabs, here, memory, limits, stretch, rest, drive)
+                iterations += more
         end = np.append(port.values[: self.size - 1], pieces.psi[-1, -1])
         if ended != DONE or not np.isfinite(end).all():
             raise _failure(self._slabs, float(memory.now[TIME]), period)
@@ -97,6 +103,16 @@ class PortFlow:
                 self._shape, self.scene.law, port, self.scene.transit, self._rule.integral, self.mesh.levels, motion, values, psi
             )
         return np.column_stack([values[:, : self.size - 1], psi]).T
+
+    def pulses(self, cycle: Cycle, functional: Array) -> Pulses:
+        """As `Flow`."""
+        port, pieces, rule = self._port(cycle.period), cycle.pieces, self._rule.integral
+        values, changes = np.zeros(port.values.size + 1), np.empty((2, *pieces.z.shape))
+        values[: self.size - 1], values[-1] = functional[:-1], functional[-1]
+        motion, transit = Motion(pieces.z, pieces.psi, False), self.scene.transit
+        with one_thread():
+            carry_back(self._shape, self.scene.law, port, transit, rule, self.mesh.levels, motion, values, changes)
+        return impulses(pieces.time, pieces.length, self.nodes, changes)
 
     def essential_radius(self, cycle: Cycle) -> float:
         """As `Flow`: 0, because the memory of a port is finite."""
@@ -164,13 +180,14 @@ def _mesh_of(slabs: Slabs, start: Array, period: float, longest: float, resoluti
     port = slabs.port(period / count)
     stretch = Stretch(0.0, period, period, np.full(LEVELS, math.nan), ANY_LENGTH)
     memory, pieces = _begin(slabs, port, start, _FIRST), empty_pieces(_MOST, slabs.stages)
+    drive = Constant(slabs.scene.velocity)
     steps, ended, missing = 0, NOT_READY, {_FIRST, *np.flatnonzero(port.ready).tolist()}
     while ended == NOT_READY:
         for level in missing:
             _prepare(slabs, port, level)
             stretch.resistance[level] = slabs.resistance(port, np.array([level]), growth)[0]
         rest = pieces.part(slice(steps, None))
-        more, _, ended = _march(slabs, port, memory, Limits(_NEWTON, resolution, growth), stretch, rest)
+        more, _, ended = _march(slabs, port, memory, Limits(_NEWTON, resolution, growth), stretch, rest, drive)
         steps, missing = steps + more, {int(memory.levels[NEXT])}
     if memory.now[TIME] < period - SAME:
         raise _failure(slabs, float(memory.now[TIME]), period)
@@ -196,10 +213,12 @@ def _prepare(slabs: Slabs, port: Port, level: int) -> None:
         slabs.prepare(port, level)
 
 
-def _march(slabs: Slabs, port: Port, memory: Memory, limits: Limits, stretch: Stretch, pieces: Pieces) -> tuple[int, int, int]:
-    """`march` under the scene's constant drive."""
+def _march(
+    slabs: Slabs, port: Port, memory: Memory, limits: Limits, stretch: Stretch, pieces: Pieces, drive: Constant
+) -> tuple[int, int, int]:
+    """`march` under a constant `drive`."""
     scene, (_, rule, nodes) = slabs.scene, rule_of(slabs.stages)
-    physics = Physics(scene.law, scene.forcing._replace(nudge=0.0), scene.drive.compiled, rule)
+    physics = Physics(scene.law, scene.forcing._replace(nudge=0.0), drive, rule)
     return march(nodes, physics, port, memory, nodal_of(slabs.stages), limits, stretch, pieces)
 
 

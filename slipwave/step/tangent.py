@@ -166,3 +166,32 @@ def carry(
         for c in range(count):
             for i in range(n):
                 values[c, i] += kept[c, i] + gained[c, i]
+
+
+@allocating
+def carry_back(
+    nodes: Nodes,
+    law: Law,
+    port: Port,
+    transit: float,
+    integral: Array,
+    plan: NDArray[np.int64],
+    motion: Motion,
+    values: Array,
+    pulses: Array,
+) -> None:
+    """The adjoint of `carry`: pulses (2, k, s) <- derivatives of a functional of the state at the motion's end, of the port's
+    values, `values` (n,), and then of psi, by the incoming stress and by the drive at the nodes of all steps."""
+    s, n = len(nodes), values.size - 1
+    row, answer = np.empty((4, s)), np.empty((2 * s, 2 * s + 1))
+    scratch = Answer(answer, row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
+    memory, psi = values[:n], values[n]
+    for k in range(plan.size - 1, -1, -1):
+        level = plan[k]
+        change = port.change[level]
+        step_answer(nodes, law, Full(port.impedance[level]), port.length[level] * transit, integral, motion, k, scratch)
+        by_rate = np.dot(change[n : n + s], memory)
+        by_answer = np.dot(by_rate, answer[:s]) + psi * answer[2 * s - 1]
+        pulses[0, k], psi = by_answer[:s], by_answer[s]
+        pulses[1, k] = np.dot(port.driven[level], by_answer[:s]) + np.dot(change[n + s :], memory)
+        memory += np.dot(change[:n], memory) + np.dot(port.free[level], by_answer[:s])

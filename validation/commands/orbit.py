@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from reduced.orbit.phase import PhaseResponse
+from reduced.orbit.response import Responding
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, TIME
 from slipwave.input import SceneSource
@@ -22,11 +24,12 @@ from validation.commands.branch import tolerance_option
 from validation.commands.command import command
 from validation.commands.figures import motion_chart
 from validation.commands.options import ModelOptions, announced, option
+from validation.commands.phase_response import PhaseFacts, phase_facts, phase_rows, with_phase_response
 from validation.commands.response import Response, response_of, response_rows
 from validation.commands.result import Output, PointOfBranch, Result, aligned, rounded
 from validation.commands.wording import header, orbit_rows
 from validation.data.datasets import Dataset, new_dataset
-from validation.data.variables import EVENTS, INTERFACE, cycle_in_si, stored_name, variables
+from validation.data.variables import EVENTS, INTERFACE, PHASE, cycle_in_si, stored_name, variables
 from validation.models.at_scene import orbit_at_scene
 from validation.models.orbits import OrbitFound, flowing, neutral_orbit
 from validation.models.provenance import provenance
@@ -85,6 +88,9 @@ class OrbitResult(Result):
         orbit, scene, columns = self.found.found.orbit, self.found.scene, self._motion()
         coordinate = variables(TIME, {TIME: columns.pop(TIME)}, INTERFACE, scene)
         values = variables(TIME, columns, INTERFACE, scene)
+        if self._drawn is not None:
+            curves = dict(zip(PHASE, self._drawn.at(coordinate[TIME][1]), strict=True))
+            values |= variables(TIME, curves, PHASE, scene)
         for name, value in orbit.values().items():
             values |= variables((), {name: value}, EVENTS, scene)
             notes = {"long_name": f"estimated error of {name}", "units": "1"}
@@ -94,11 +100,12 @@ class OrbitResult(Result):
         return new_dataset(values, coordinate, provenance("orbit", scene, self.found.flow.model, self.options))
 
     def chart(self) -> Chart:
-        """Stress and slip rate over one period."""
+        """Stress and slip rate over one period; with the response, the phase response below them."""
         found, scene, columns = self.found.found, self.found.scene, self._motion()
         title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {found.orbit.period.value:.6g} transits"
         stress, rate = columns[stored_name("stress")], columns[stored_name("slip_rate")]
-        return motion_chart(scene, title, columns[TIME], (stress, stress), (rate, rate))
+        chart = motion_chart(scene, title, columns[TIME], (stress, stress), (rate, rate))
+        return chart if self._drawn is None else with_phase_response(chart, scene, columns[TIME], self._drawn)
 
     def _motion(self) -> dict[str, Array]:
         """The interface's motion at the nodes of the pieces, without repeated times."""
@@ -113,7 +120,24 @@ class OrbitResult(Result):
     def response(self) -> Response:
         """Key of the scene -> its value, and the derivative of each figure. Raises NumericsError on a fold, SceneError for a
         scene that was made in Python."""
-        return response_of(self.found)
+        return response_of(self.found, self._responding)
+
+    @cached_property
+    def phase_response(self) -> PhaseFacts:
+        """The response to short pulses over the phase. Raises NumericsError on a fold."""
+        return phase_facts(self.found, self._responding.phase)
+
+    @cached_property
+    def _responding(self) -> Responding:
+        return Responding(self.found.found.closed)
+
+    @cached_property
+    def _drawn(self) -> PhaseResponse | None:
+        """The phase response, for files, if it was asked for and there is one."""
+        try:
+            return self._responding.phase if self.shows_response else None
+        except NumericsError:
+            return None
 
     @property
     def multipliers(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
@@ -143,9 +167,9 @@ class OrbitResult(Result):
         }
         if self.shows_response:
             try:
-                result["response"] = self.response
+                result |= {"response": self.response, "phase_response": self.phase_response}
             except NumericsError as reason:
-                result |= {"response": None, "notes": [*result["notes"], f"no response: {reason}"]}
+                result |= {"response": None, "phase_response": None, "notes": [*result["notes"], f"no response: {reason}"]}
         return result | cycle_in_si(orbit.values(), scene)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
@@ -173,6 +197,8 @@ class OrbitResult(Result):
         if summary.get("response"):
             yield ""
             yield from response_rows(summary["response"], summary)
+            yield ""
+            yield from phase_rows(summary["phase_response"], done.scene)
         yield f"wall time {self.wall_s:.3g} s"
 
 

@@ -65,11 +65,11 @@ class _Number(Parameter):
         raise failed
 
 
-def response_of(found: OrbitFound) -> Response:
+def response_of(found: OrbitFound, responding: Responding) -> Response:
     """The derivatives of an orbit's figures by every key that is a number, but those of start and run; with units also those of
     the figures in SI, `si`. Raises NumericsError if another multiplier is 1, SceneError if the scene was not read."""
     closed, scene = found.found.closed, found.scene
-    responding, response, figures = Responding(closed), Response(), _figures(closed)
+    response, figures = Response(), _figures(closed)
     for number in _numbers(scene):
         known: dict[str, Any] = {"value": number.value, "unit": number.shown}
         try:

@@ -55,9 +55,15 @@ INTERFACE = {
     "interface_stress": Meaning("friction stress mu", "normal stress"),
     "interface_elastic_stress": Meaning("elastic stress y", "normal stress"),
 }
+_ADVANCE = "time by which all later events come earlier, over "
+PHASE = {
+    "phase_response_stress": Meaning(f"{_ADVANCE}the impulse of a short shear stress on the interface", "1/normal stress"),
+    "phase_response_drive": Meaning(f"{_ADVANCE}the displacement of a short change of the drive's velocity", "1/V*"),
+}
 
 
 _SHOWN = {"transit": ("transits", "s"), "normal stress": ("normal stress", "Pa"), "V*": ("V*", "m/s"), "L": ("L", "m")}
+_SHOWN |= {"1/normal stress": ("1/normal stress", "1/Pa"), "1/V*": ("1/V*", "s/m")}
 
 
 def leaves(facts: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

@@ -1,0 +1,132 @@
+"""The phase response of an orbit: integrals against derivatives by keys, and pulses marched through the flow and through runs."""
+
+import json
+
+import numpy as np
+import pytest
+import xarray
+from scipy.integrate import solve_ivp
+
+import slipwave as sw
+from reduced.orbit.response import Responding
+from slipwave.friction.law import friction_slopes
+from slipwave.step.flow import Push
+from validation.commands.cli import main
+
+
+def shift(closed, push, periods=20):
+    """How much earlier (transits) the motion comes, `periods` later, after a `push`."""
+    flow, cycle = closed.flow, closed.cycle
+    state = flow.march(cycle.start, cycle.period, push).end
+    for _ in range(periods):
+        state = flow.march(state, cycle.period).end
+    velocity = flow.velocity(cycle)
+    return float((state - cycle.start) @ velocity / (velocity @ velocity))
+
+
+@pytest.mark.parametrize("model", ["delay", "modal:2", "dg:3"])
+@pytest.mark.parametrize("which", [0, 1], ids=["stress", "drive"])
+def test_a_pulse_shifts_all_later_events_by_the_phase_response(model, which):
+    """At ten phases, 20 periods later: two pulses of opposite signs that move the orbit by at most 1e-6 of its period."""
+    closed = sw.orbit("paper", model=model, tol=1e-9).found.found.closed
+    phase = Responding(closed).phase
+    largest = np.abs(phase.samples[2][which]).max()
+    for first in np.linspace(2, closed.cycle.pieces.time.size - 3, 10).astype(int):
+        begin, length = closed.cycle.pieces.time[first], closed.cycle.pieces.length[first]
+        x, weights = np.polynomial.legendre.leggauss(8)
+        expected = 0.5 * weights @ phase.at(begin + 0.5 * length * (x + 1.0))[which]
+        size = np.eye(2)[which] * 1e-4 / largest / length
+        later = [shift(closed, Push(first, first + 1, *(sign * size))) for sign in (1.0, -1.0)]
+        assert 1e4 * largest * 0.5 * (later[0] - later[1]) == pytest.approx(expected, rel=1e-4, abs=1e-7 * largest), first
+
+
+@pytest.mark.slow
+def test_pulses_of_stress_in_equations_written_here():
+    """block12 on its own, m v (ln v)' = y + tau - mu (MODEL.md section 3): a small tau for T/200 at ten phases, and the dates at
+    which v passes V upwards 25 periods later."""
+    result = sw.orbit("paper", model="block12", tol=1e-10)
+    closed, scene = result.found.found.closed, result.found.scene
+    phase, period, law = Responding(closed).phase, closed.cycle.period, scene.law
+    epsilon, r, steady, mass = scene.upper.epsilon, scene.transit, scene.velocity, scene.upper.epsilon / 12.0
+    load, speed, psi = closed.cycle.start
+
+    def date(begin, tau):
+        def motion(t, x, extra):
+            v = np.exp(x[1])
+            stress = law.a_star + law.a * x[1] + law.b * x[2]
+            return epsilon * (steady - v), (x[0] + extra - stress) / (mass * v), r * (np.exp(-x[2]) - v)
+
+        state = np.array([load + scene.steady_stress, np.log(steady + speed / epsilon), psi])
+        knots = [0.0, begin, begin + period / 200.0, 25.75 * period]
+        for a, b, extra in zip(knots[:-1], knots[1:], (0.0, tau, 0.0), strict=True):
+            known = solve_ivp(motion, (a, b), state, "LSODA", rtol=1e-12, atol=1e-14, args=(extra,), events=passing)
+            state = known.y[:, -1]
+        return known.t_events[0][-1]
+
+    def passing(t, x, extra):
+        return x[1] - np.log(steady)
+
+    passing.direction = 1.0
+    for begin in np.linspace(0.03, 0.9, 10) * period:
+        x, weights = np.polynomial.legendre.leggauss(12)
+        expected = period / 400.0 * weights @ phase.at(begin + period / 400.0 * (x + 1.0))[0]
+        tau = min(5e-3 * law.a, 1e-1 / abs(expected))
+        assert (date(begin, -tau) - date(begin, tau)) / (2.0 * tau) == pytest.approx(expected, rel=1e-4, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("scene", "model"),
+    [
+        ("paper", "delay"),
+        ("paper", "kelvin-voigt"),
+        ("unlike", "delay"),
+        ("machine", "dg:3"),
+        ("reflection", "delay"),
+        ("layered", "delay"),
+    ],
+)
+def test_integrals_are_derivatives_of_the_period(scene, model):
+    """Constant extra stress moves nothing, unless a face leaks; a constant extra velocity moves T as `drive.velocity` does, with
+    which the dead load on a face that leaks changes by that of steady sliding."""
+    result = sw.orbit(scene, model=model, tol=1e-9)
+    _, weights, (stress, drive) = result._responding.phase.samples
+    by_stress, by_drive = float((weights * stress).sum()), float((weights * drive).sum())
+    read = result.found.scene
+    if scene != "reflection":
+        assert by_stress == pytest.approx(0.0, abs=1e-9 * float((weights * np.abs(stress)).sum()))
+    slope = friction_slopes(read.law, read.velocity).steady
+    assert by_drive + slope * by_stress == pytest.approx(-result.response["drive.velocity"]["period"], rel=1e-7)
+
+
+def test_an_unstable_orbit_has_a_phase_response():
+    result = sw.orbit("paper-2.59", model="kelvin-voigt", near_period=79.09, tol=1e-9)
+    assert result.facts["stable"] is False
+    _, weights, values = result._responding.phase.samples
+    assert float((weights * values[1]).sum()) == pytest.approx(-result.response["drive.velocity"]["period"], rel=1e-6)
+
+
+def test_the_command_says_draws_and_stores_the_phase_response(capsys, tmp_path):
+    files = ["--out", str(tmp_path / "a.nc"), "--plot", str(tmp_path / "a.svg")]
+    assert main(["orbit", "paper-si", "--tol", "1e-7", "--response", "--json", *files]) == 0
+    known = json.loads(capsys.readouterr().out)["phase_response"]
+    phase, stress = np.array(known["phase"]), np.array(known["stress"])
+    assert (np.diff(phase) >= 0.0).all()
+    assert 0.0 <= phase[0] < phase[-1] < 1.0
+    # measured once: late in the cycle a pulse of stress advances most; in the slip it delays
+    assert stress.max() == pytest.approx(100.22, rel=1e-3)
+    assert phase[stress.argmax()] == pytest.approx(0.92, abs=0.02)
+    assert np.array(known["si"]["stress_per_Pa"]) == pytest.approx(stress / 1000.0)
+    assert np.array(known["si"]["drive_s_per_m"]) == pytest.approx(np.array(known["drive"]) / 1e-6)
+    stored = xarray.load_dataset(tmp_path / "a.nc")
+    assert stored["phase_response_stress"].sizes == stored["interface_stress"].sizes
+    assert float(stored["phase_response_stress_per_Pa"].min()) == pytest.approx(stress.min() / 1000.0, rel=1e-3)
+    assert stored["phase_response_drive_s_per_m"].attrs["units"] == "s m-1"
+    drawn = (tmp_path / "a.svg").read_text()
+    assert "all later events come earlier" in drawn
+
+
+def test_a_fitted_model_has_no_response_to_the_drive_and_a_plain_orbit_none_at_all():
+    result = sw.orbit("paper", model="fitted:1", tol=1e-6, response=True)
+    assert set(result.summary["phase_response"]["drive"]) == {None}
+    assert None not in result.summary["phase_response"]["stress"]
+    assert "phase_response" not in sw.orbit("paper", model="modal:0", tol=1e-6).summary
