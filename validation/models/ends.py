@@ -171,7 +171,9 @@ def ends_over(text: str, over: str, source: "SceneSource | Variation") -> tuple[
     key, equals, values = text.partition("=")
     words = [word.strip() for word in values.split(",")]
     if not equals or not key.strip() or len(words) < 2:
-        raise SceneError(f"--ends {shorten(text)}: must be KEY=VALUE,VALUE,..., as in face.coefficient=1,0.999,0.99")
+        raise SceneError(
+            f"--ends {shorten(text)}: must be KEY=VALUE,VALUE,... of two values or more, as in face.coefficient=1,0.99"
+        )
     pairs = [over_ranges({"--over": over, "--ends": f"{key}={words[0]}:{word}"}, source) for word in words[1:]]
     found = [pairs[0][1].first, *(second.last for _, second in pairs)]
     if not all(np.diff(found) > 0.0) and not all(np.diff(found) < 0.0):

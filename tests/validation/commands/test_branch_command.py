@@ -434,8 +434,8 @@ def test_a_hopf_point_ends_where_its_curve_turns():
 @pytest.mark.parametrize(
     ("ends", "told"),
     [
-        ("V", "--ends 'V': must be KEY=VALUE,VALUE,..., as in face.coefficient=1,0.999,0.99"),
-        ("V=100", "must be KEY=VALUE,VALUE,..."),
+        ("V", "--ends 'V': must be KEY=VALUE,VALUE,... of two values or more, as in face.coefficient=1,0.99"),
+        ("V=100", "must be KEY=VALUE,VALUE,... of two values or more"),
         ("V=100,120,110", "--ends 'V=100,120,110': values must rise or fall throughout"),
         ("V=100,fast", "must be a number"),
         ("interface.law=ageing,slip", "must be a number"),
