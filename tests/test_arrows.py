@@ -27,6 +27,12 @@ PROOF = {f"validation/{one}" for one in ("measure", "verification", "studies", "
 """The rooms of `validation`: the proof uses the instrument as any user does; its commands are found by name."""
 
 
+OFFERED = {"slipwave/__init__.py", "slipwave/errors.py"}
+"""What a study may import besides `chart`, `references` and the proof: the public functions."""
+
+ABOUT_KERNELS = {"onset", "bifurcation/doubling", "orders/in_space", "orders/in_time", "snaking/measured", "which_model/laws"}
+
+
 def arrows(root):
     """(file, file that it imports) for all files of the four rooms."""
     files = [path for room in BELOW for path in sorted((root / room).rglob("*.py"))]
@@ -65,6 +71,16 @@ def test_the_instrument_never_imports_its_proof():
     room = {name: "/".join(name.split("/")[:2]) for pair in arrows(ROOT) for name in pair}
     assert {one for one in room.values() if one.startswith("validation/")} - {"validation/__init__.py"} == INSTRUMENT | PROOF
     assert [(file, other) for file, other in arrows(ROOT) if room[file] in INSTRUMENT and room[other] in PROOF] == []
+
+
+def test_a_study_uses_the_public_functions_unless_it_is_about_a_kernel():
+    known = ("validation/__init__.py", *(f"validation/{one}/" for one in ("chart", "references", "measure", "studies", "report")))
+    past = {
+        file.removeprefix("validation/studies/").removesuffix(".py")
+        for file, other in arrows(ROOT)
+        if file.startswith("validation/studies/") and other not in OFFERED and not other.startswith(known)
+    }
+    assert past == ABOUT_KERNELS
 
 
 def test_no_files_import_each_other():

@@ -4,13 +4,16 @@ from copy import deepcopy
 
 import numpy as np
 
+from slipwave.observe import Events as Events
 from slipwave.observe import HistoryObserver
 from slipwave.observe.statistics import Estimate as Estimate
 from slipwave.observe.statistics import Orbit as Orbit
 from slipwave.solve import follow
+from validation.commands.run import RunResult
 from validation.models.cycle import OneCycle as OneCycle
 from validation.models.cycle import cut
 from validation.models.settle import Settled
+from validation.models.settle import estimate as estimate
 
 SYMBOLS = {"period": "T", "stress_drop": "Δμ", "elastic_stress_drop": "Δy", "v_max": "v_{max}", "v_min": "v_{min}"}
 """The figures of an orbit, and their symbols."""
@@ -38,6 +41,12 @@ def _vertex(x: np.ndarray, y: np.ndarray) -> float:
     slope, bend = (y[1] - y[0]) / (x[1] - x[0]), (y[2] - y[1]) / (x[2] - x[1])
     curvature = (bend - slope) / (x[2] - x[0])
     return float(0.5 * (x[0] + x[1]) - 0.5 * slope / curvature)
+
+
+def events_from(run: RunResult, begin: float) -> Events:
+    """The complete cycles of a run that begin at `begin` (transits) or later."""
+    events = run.done.events
+    return Events(*(column[events.time >= begin] for column in events))
 
 
 def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> OneCycle:

@@ -25,8 +25,6 @@ COMPARED = ("period", "stress_drop", "elastic_stress_drop")
 """The figures of an orbit that tables and diagrams show."""
 
 TOLERANCE = 1e-7
-STEPS = Control(longest=0.02)
-"""A step changes the period by 0.4 transits at most. Folds come in pairs, about one pair per transit; longer steps miss some."""
 
 
 @dataclass(frozen=True)
@@ -54,13 +52,15 @@ class Branch:
 
 
 @cache
-def branch_of(model: str, highest: float, longest: float, tolerance: float = TOLERANCE, steps: Control = STEPS) -> Branch:
+def branch_of(model: str, highest: float, longest: float, tolerance: float = TOLERANCE, most: float = Control.longest) -> Branch:
     """The branch from the loss of stability of the steady sliding of `model`, until log10 r reaches `highest` or the period
-    `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`."""
+    `longest` (transits); on a mesh that keeps relative errors of the figures below `tolerance`, in steps of at `most`
+    (`Control`)."""
     branch = FollowedBranch(_paper_over_r(), model, tolerance)
     end = branch.begin()
     points, found = [end.point], list[Special]()
-    for step in branch.steps(end, lambda point: point.parameter < highest and point.closed.cycle.period < longest, steps):
+    goes_on, steps = lambda point: point.parameter < highest and point.closed.cycle.period < longest, Control(longest=most)
+    for step in branch.steps(end, goes_on, steps):
         points += [*(special.point for special in step.special), step.point]
         found += step.special
     born = branch.special[0]

@@ -9,16 +9,10 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 import slipwave as sw
-from slipwave.observe import Events, HistoryObserver
-from slipwave.observe.history import named_columns
-from slipwave.observe.statistics import Orbit
-from slipwave.solve import follow
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import model_line
 from validation.measure import memo
-from validation.measure.cycle import one_cycle, ripple_period
-from validation.models.build import build
-from validation.models.cycle import OneCycle, watch
+from validation.measure.cycle import Events, OneCycle, Orbit, events_from, one_cycle, ripple_period
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.report import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
@@ -53,6 +47,7 @@ _CONTRAST = {"period": 1.5, "stress_drop": 1.5, "v_max": 5.0}
 """Least ratios of the ODE's spread to the delay system's, which vary by chance."""
 _IRREGULAR = 0.3  # of `recurrence`
 _AFTER, _SLOW, _SAMPLES = 20.0, 12, 64  # transits from an event on, ripples, samples of each
+_RATE = 768  # samples per transit of what is recorded
 _RIPPLE = {"delay": 1.0, "kelvin-voigt": FAST_PERIOD_KELVIN_VOIGT}
 _SINE = 0.05  # share of the power that may be in other than the sine
 
@@ -221,13 +216,9 @@ def settled_at(log10_r: float) -> dict[str, Orbit]:
 
 def run_deep(model: str, until: float) -> Deep:
     """Run `model` at log10 r = -2.3 to `until` (transits)."""
-    solver = build(model, sw.read("paper-2.3"), tolerance=1e-9)
-    history = HistoryObserver(solver.scene.law, solver.nodes)
-    observer = watch(solver, SHOWN[0])
-    follow(solver, SHOWN[1], [observer, history])
-    follow(solver, until, [observer])
-    columns = named_columns(solver.scene.law, history.samples(per_piece=8))
-    return Deep(observer.events(SHOWN[0]), columns["time"], columns["stress"], columns["slip_rate"])
+    run = sw.run("paper-2.3", model, until=until, tol=1e-9, window=SHOWN, rate=_RATE)
+    columns = (run.dataset[name].to_numpy() for name in ("time", "interface_stress", "interface_slip_rate"))
+    return Deep(events_from(run, SHOWN[0]), *columns)
 
 
 def measure_ripples(model: str) -> Ripples:

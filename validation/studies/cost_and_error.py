@@ -1,17 +1,16 @@
 """Run time against error of every model at several settings."""
 
-from collections.abc import Iterator, Sequence
-from functools import partial
-from typing import NamedTuple
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
-import slipwave
-from slipwave.observe.statistics import Estimate, Orbit
+import numpy as np
+
+import slipwave as sw
 from validation.chart import Chart, Panel, Scale, Trace
 from validation.chart.looks import model_look, style_of
-from validation.models.build import build
-from validation.models.cycle import watch
-from validation.models.settle import estimate, settle
-from validation.models.timing import Setting, Work, in_turn, quartiles, solver_of
+from validation.measure import memo
+from validation.measure.cycle import Estimate, Orbit, estimate
 from validation.report import ROUNDING, WITNESS, Budget, Figure, StudyAnswer, StudyResult, Table, Verdict, claim, table
 from validation.report.known import as_known, error_after, error_of
 from validation.report.text import places, plain, power, run_time
@@ -35,24 +34,38 @@ _ROUNDS = {True: 2, False: 5}
 
 
 class SettingRun(NamedTuple):
-    """A setting: its last cycles, relative errors of their period and drop, and quartiles of the run time in ms."""
+    """A model with its numerical options: the last cycles of its run, relative errors of their period and drop, and quartiles of
+    the run time in ms."""
 
-    setting: Setting
+    model: str
+    options: dict[str, Any]
     cycle: Orbit
     error: float
     drop_error: float
-    times: tuple[float, ...]
+    times: list[float]
+
+    @property
+    def march(self) -> tuple[float | None, str | None]:
+        """Courant number and kind of the march of a full wave."""
+        return self.options.get("cfl"), self.options.get("time")
+
+    @property
+    def words(self) -> str:
+        """The options as text."""
+        if "tol" in self.options:
+            return f"tolerance 10^{{{math.log10(self.options['tol']):.2g}}}"
+        words = {"cells": "{} cells", "cfl": "CFL {:g}", "time": "{} in time"}
+        return ", ".join(words[name].format(value) for name, value in self.options.items())
 
 
 def run(budget: Budget) -> StudyResult:
     """Run and time every model at a ladder of settings."""
-    exact = settle(build("delay", slipwave.read("paper"), tolerance=_EXACT), tolerance=1e-10).orbit
+    exact = memo.settled("delay", sw.read("paper"), _EXACT, 1e-10).orbit
     settings = _settings(budget.quick)
-    cycles = {setting: cycle_at(setting) for setting in budget.each(settings, end=0.4)}
-    times = times_of(settings, _ROUNDS[budget.quick])
+    cycles = [cycle_at(*setting) for setting in budget.each(settings, end=0.4)]
     points = [
-        SettingRun(one, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times[one])
-        for one, cycle in cycles.items()
+        SettingRun(*setting, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times)
+        for setting, cycle, times in zip(settings, cycles, times_of(settings, _ROUNDS[budget.quick]), strict=True)
     ]
     return StudyResult(
         answers=(StudyAnswer(_answer(points), ("The finest setting", "The exact and the explicit")),),
@@ -62,28 +75,26 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _settings(quick: bool) -> list[Setting]:
-    settings = [Setting("delay", tolerance=tolerance) for tolerance in _TOLERANCES]
-    settings += [Setting("fd", cells=n, cfl=cfl) for cfl in (1.0, 0.5) for n in _CELLS["fd"][quick]]
-    settings += [Setting(_WAVE, cells=n, time=march) for march in _MARCHES for n in _CELLS[_WAVE][quick]]
-    return settings + [Setting(model, tolerance=tolerance) for model in _ODES for tolerance in _TOLERANCES]
+def _settings(quick: bool) -> list[tuple[str, dict[str, Any]]]:
+    """Models and their options."""
+    settings: list[tuple[str, dict[str, Any]]] = [("delay", {"tol": tolerance}) for tolerance in _TOLERANCES]
+    settings += [("fd", {"cells": n, "cfl": cfl}) for cfl in (1.0, 0.5) for n in _CELLS["fd"][quick]]
+    settings += [(_WAVE, {"cells": n, "time": march}) for march in _MARCHES for n in _CELLS[_WAVE][quick]]
+    return settings + [(model, {"tol": tolerance}) for model in _ODES for tolerance in _TOLERANCES]
 
 
-def cycle_at(setting: Setting) -> Orbit:
+def cycle_at(model: str, options: Mapping[str, Any]) -> Orbit:
     """The last cycles of a run."""
-    return estimate(watch(solver_of(setting, slipwave.read("paper")), TRANSITS).events())
+    return estimate(sw.run("paper", model, until=TRANSITS, **options).done.events)
 
 
-def times_of(settings: Sequence[Setting], rounds: int) -> dict[Setting, tuple[float, ...]]:
-    """Quartiles of the processor time of a run (ms), all settings in turn; their code is loaded."""
-    paper = slipwave.read("paper")
-
-    def work(setting: Setting) -> Work[object]:
-        """The timed run."""
-        return lambda: partial(watch, solver_of(setting, paper), TRANSITS)
-
-    times = in_turn({one: work(one) for one in settings}, rounds)
-    return {one: quartiles(1e3 * each[one] for each in times) for one in settings}
+def times_of(settings: Sequence[tuple[str, dict[str, Any]]], rounds: int) -> list[list[float]]:
+    """Quartiles of the time of a run (ms), all settings in turn; their code is loaded."""
+    times = [
+        [1e3 * sw.run("paper", model, until=TRANSITS, **options).done.wall_s for model, options in settings]
+        for _ in range(rounds)
+    ]
+    return [each.tolist() for each in np.quantile(times, (0.25, 0.5, 0.75), axis=0).T]
 
 
 def _off(ours: Estimate, exact: Estimate) -> float:
@@ -95,7 +106,7 @@ def _answer(points: Sequence[SettingRun]) -> str:
 
     def words(model: str) -> str:
         """Text of the two points."""
-        chosen = [p for p in points if p.setting.model == model and p.setting.time != "explicit"]
+        chosen = [p for p in points if p.model == model and p.march[1] != "explicit"]
         both = min(chosen, key=lambda p: p.times[1]), min(chosen, key=lambda p: abs(p.error))
         return " to ".join(run_time(f"{one.times[1]:.0f} ms ({plain(abs(one.error), '.0e')})") for one in both)
 
@@ -106,12 +117,12 @@ def _answer(points: Sequence[SettingRun]) -> str:
 
 
 def _table(points: Sequence[SettingRun]) -> Table:
-    rows = ((p.setting.model, p.setting.words, p.times[0], p.times[1], p.times[2], p.error, p.drop_error) for p in points)
+    rows = ((p.model, p.words, p.times[0], p.times[1], p.times[2], p.error, p.drop_error) for p in points)
     heading = "model | requested | lower quartile [ms] .1f | run [ms] .1f | upper quartile [ms] .1f"
     heading += " | error of T [relative] .1e | error of Δμ [relative] .1e"
     caption = (
-        f"Processor time of a run of {TRANSITS:.0f} transits (march and event detection, code loaded; median and quartiles, all "
-        "settings in turn) in the paper’s scene, and the errors reached of period and stress drop against the delay system’s."
+        f"Time of a run of {TRANSITS:.0f} transits (as `slipwave run` states it, code loaded; median and quartiles, all settings "
+        "in turn) in the paper’s scene, and the errors reached of period and stress drop against the delay system’s."
     )
     return table("cost", caption, heading, rows)
 
@@ -125,26 +136,20 @@ def _finest_verdicts(points: Sequence[SettingRun]) -> Iterator[Verdict]:
         yield from as_known(title, model, _LOG10_R, {"period": period.value}, error_of(period))
     for model in _CELLS:
         fine = _finest(points, model)
-        before = _finest([p for p in points if p.setting != fine.setting and _march(p.setting) == _march(fine.setting)], model)
-        left = error_after(model, before.error, before.setting.cells or 1, fine.setting.cells or 1)
-        yield claim(
-            title, WITNESS, abs(fine.error), left + ROUNDING, f"`{model}`: {fine.setting.words}, against the delay system"
-        )
-
-
-def _march(setting: Setting) -> tuple[float | None, str | None]:
-    return setting.cfl, setting.time
+        before = _finest([p for p in points if p is not fine and p.march == fine.march], model)
+        left = error_after(model, before.error, before.options["cells"], fine.options["cells"])
+        yield claim(title, WITNESS, abs(fine.error), left + ROUNDING, f"`{model}`: {fine.words}, against the delay system")
 
 
 def _finest(points: Sequence[SettingRun], model: str) -> SettingRun:
     """The point of the smallest tolerance, or of the most cells."""
-    mine = (point for point in points if point.setting.model == model)
-    return min(mine, key=lambda point: point.setting.tolerance or 1.0 / (point.setting.cells or 1))
+    mine = (point for point in points if point.model == model)
+    return min(mine, key=lambda point: point.options.get("tol") or 1.0 / point.options["cells"])
 
 
 def _marches(points: Sequence[SettingRun]) -> Verdict:
     """The two marches of one grid, which share neither step nor friction solve."""
-    runs = [[p for p in points if (p.setting.model, p.setting.time) == (_WAVE, march)] for march in _MARCHES]
+    runs = [[p for p in points if (p.model, p.march[1]) == (_WAVE, march)] for march in _MARCHES]
     pairs = list(zip(*runs, strict=True))
     apart = max(abs(exact.cycle.period.value / explicit.cycle.period.value - 1.0) for exact, explicit in pairs)
     allowed = 0.1 * min(max(abs(p.error) for p in some) for some in runs) + ROUNDING
@@ -163,7 +168,7 @@ _CAPTION = (
 def _work_precision(points: Sequence[SettingRun]) -> Chart:
     lines: dict[tuple[str, float | None, str | None], list[SettingRun]] = {}
     for point in points:
-        lines.setdefault((point.setting.model, *_march(point.setting)), []).append(point)
+        lines.setdefault((point.model, *point.march), []).append(point)
     traces = []
     for (model, cfl, time), chosen in lines.items():
         dashes = "-" if model in ("delay", "fd", _WAVE) else style_of(model).dashes

@@ -1,21 +1,26 @@
-"""Attacks on the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale. About kernels: steps
-beyond the limit are set inside the solvers, since users cannot pass it."""
+"""Attacks on the full wave: steps past the limit, stiff friction, extreme scenes, noise at the grid scale."""
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe import EventObserver, RunStatistics, summarise
-from slipwave.solve import Solver, follow
-from validation.measure.grids.limits import ATTACKED, BEYOND, MEDIA, around_the_limit, limit_at, state_reach, stops_beyond
+from validation.measure.cycle import Events, events_from
+from validation.measure.grids.limits import (
+    ATTACKED,
+    BEYOND,
+    EXPLICIT,
+    MEDIA,
+    around_the_limit,
+    limit_at,
+    state_reach,
+    stops_beyond,
+)
 from validation.measure.grids.noise import locked_noise
-from validation.models.build import build
-from validation.models.by_name import explicit_time
 from validation.report import WITNESS, Budget, StudyAnswer, StudyResult, Verdict, claim, every
 from validation.report.advice import GOOD
 from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict, state_verdict, stop_verdict
@@ -137,9 +142,9 @@ class AttackOutcome:
 
 
 class _Trajectory(NamedTuple):
-    psis: list[float]
+    psis: np.ndarray
     late: float
-    statistics: RunStatistics
+    cycles: Events
 
 
 def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
@@ -150,23 +155,24 @@ def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
 
 
 def _exact(name: str, until: float) -> _Trajectory:
-    return _trajectory(build("delay", sw.read(ATTACKS[name].scene, list(ATTACKS[name].changes)), tolerance=1e-10), until)
+    return _trajectory("delay", name, until, tol=1e-10)
 
 
-def _trajectory(solver: Solver, until: float) -> _Trajectory:
-    watch = EventObserver(solver.scene, solver.nodes)
-    psis = [follow(solver, moment, [watch]).psi for moment in MOMENTS]
-    late = follow(solver, until, [watch]).psi if until > MOMENTS[-1] else psis[-1]
-    return _Trajectory(psis, late, summarise(watch.events(0.5 * until)))
+def _trajectory(model: str, name: str, until: float, **options: Any) -> _Trajectory:
+    """psi at the moments and at the end, and the cycles of the second half, of a run with `options` of `slipwave.run`."""
+    scene = sw.read(ATTACKS[name].scene, ATTACKS[name].changes)
+    run = sw.run(scene, model, until=until, window=(MOMENTS[0], MOMENTS[-1]), rate=1.0, **options)
+    psis = run.dataset.interface_psi.sel(time=list(MOMENTS), method="nearest", tolerance=1e-9)
+    assert run.done.final
+    return _Trajectory(psis.to_numpy(), run.done.final.psi, events_from(run, 0.5 * until))
 
 
 def _outcome(model: str, cells: int, exact: _Trajectory, name: str, until: float) -> AttackOutcome:
-    scene = sw.read(ATTACKS[name].scene, list(ATTACKS[name].changes))
     try:
-        ours = _trajectory(build(model, scene, cells=cells, time=explicit_time(model)), until)
+        ours = _trajectory(model, name, until, cells=cells, time=EXPLICIT[model])
     except (SceneError, NumericsError) as error:
         return AttackOutcome(math.nan, message=str(error))
-    off = max(abs(psi - theirs) for psi, theirs in zip(ours.psis, exact.psis, strict=True))
+    off = float(np.abs(ours.psis - exact.psis).max())
     return AttackOutcome(off, _late_error(ours, exact) if until > MOMENTS[-1] else 0.0)
 
 
@@ -174,11 +180,12 @@ def _late_error(ours: _Trajectory, exact: _Trajectory) -> float:
     """Error of psi at the end or, if that is less, the largest relative error of the mean period, stress drop and v_max of the
     second half's cycles: an orbit may be right while its phase has drifted."""
     of_state = abs(ours.late - exact.late)
-    mine, theirs = ours.statistics, exact.statistics
-    if min(mine.cycles, theirs.cycles) < _FEWEST_CYCLES:
+    if min(ours.cycles.time.size, exact.cycles.time.size) < _FEWEST_CYCLES:
         return of_state
-    pairs = ((mine.period.mean, theirs.period.mean), (mine.stress_drop.mean, theirs.stress_drop.mean), (mine.v_max, theirs.v_max))
-    return min(of_state, max(abs(value / true - 1.0) for value, true in pairs))
+    mine, theirs = (
+        np.array([one.cycles.period.mean(), one.cycles.stress_drop.mean(), one.cycles.v_max.max()]) for one in (ours, exact)
+    )
+    return min(of_state, float(np.abs(mine / theirs - 1.0).max()))
 
 
 def attack_verdict(name: str, by_model: Mapping[str, AttackOutcome]) -> Verdict:

@@ -182,7 +182,7 @@ PLACES = {
         Place("orders.own_orbits:means_of", (lambda found: (scaled(found[0], 0.02), found[1]),)),
         Place("orders.in_time:marches_of", tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact"))),
         Place("orders.given_motion:error_of_motion", (lambda error: 100.0 * error,), few=True),
-        Place("orders.slip_event:recorded_event", (part("upper.velocity"),)),
+        Place("orders.slip_event:recorded_event", (part("depth"),)),
     ),
     "stability-attacks": (
         Place("stability_attacks:limit_at", (lambda share: 0.9 * share,)),

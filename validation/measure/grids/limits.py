@@ -20,10 +20,13 @@ from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
 from slipwave.solve import FieldSolver, follow
 from validation.models.build import build_full_wave
-from validation.models.by_name import GRIDS, grid_of
+from validation.models.by_name import GRIDS, explicit_time, grid_of
 
 ATTACKED = {family.called(number): cells for family in GRIDS for number, cells in family.attacks.items()}
 """The tested models, with their coarse and fine grids."""
+
+EXPLICIT = {model: explicit_time(model) for model in ATTACKED}
+"""Model -> the option `time` of its march in explicit steps."""
 
 CELLS = {model: cells.coarse for model, cells in ATTACKED.items()}
 """Cells of cheap runs; the limit does not depend on them."""

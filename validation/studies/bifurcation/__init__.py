@@ -3,9 +3,8 @@
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from reduced.orbit.figures import figures_of
+import slipwave as sw
 from validation.chart.looks import NAMES
-from validation.measure import memo
 from validation.measure.over_r import COMPARED, FAR, Branch, branch_of, scene_at, unaccounted
 from validation.references.published import half_digit, reference
 from validation.report import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
@@ -171,9 +170,9 @@ def wave_orbit(branch: Branch, log10_r: float) -> WaveOrbit:
     """The orbit that the full wave reaches from the scene's own start; `branch` is the delay system's, whose drops are computed
     anew on a finer mesh."""
     scene = scene_at(log10_r)
-    wave = figures_of(memo.own_orbit(WAVE, scene, _TOLERANCE, _CELLS).closed)
+    wave = sw.orbit(scene, WAVE, tol=_TOLERANCE, cells=_CELLS).summary
     nearest = min((one.cycle.period for one in branch.orbits_at(log10_r)), key=lambda period: abs(period - wave["period"]))
-    return WaveOrbit(log10_r, wave, memo.own_orbit("delay", scene).orbit.values() | {"period": nearest})
+    return WaveOrbit(log10_r, wave, sw.orbit(scene, "delay", tol=1e-10).summary | {"period": nearest})
 
 
 def published(branches: Iterable[Branch]) -> Iterator[Verdict]:

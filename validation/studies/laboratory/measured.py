@@ -6,11 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-import slipwave
-from slipwave.input import read_scene
-from slipwave.observe import HistoryObserver
-from validation.models.build import build
-from validation.models.cycle import cut, watch
+import slipwave as sw
+from validation.measure.cycle import events_from
 from validation.references.published import laboratory
 
 DENSITY, SHEAR_MODULUS, THICKNESS = 7850.0, 79e9, 0.05  # of the steel forcing blocks
@@ -64,7 +61,7 @@ def samples(count: int) -> list[tuple[FrictionFit, float]]:
     ]
 
 
-def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0) -> slipwave.Scene:
+def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: float = 1.0) -> sw.Scene:
     """Spring, `factor` times k', and radiation damping, rho c/2 of steel: alike slabs whose elasticity is the spring, for a model
     without waves and inertia."""
     stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
@@ -72,7 +69,7 @@ def plain_block(row: Mapping[str, Any], fit: FrictionFit, law: str, factor: floa
     return _scene(row, fit, law, slab)
 
 
-def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, dashpot: float, mass: float = 0.0) -> slipwave.Scene:
+def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, dashpot: float, mass: float = 0.0) -> sw.Scene:
     """Two blocks of steel, each behind a spring with a dashpot (of `dashpot` times rho c) and a mass (kg/m2)."""
     stiffness = row["k_per_um"] * row["sigma_MPa"] * 1e12
     spring = 1.0 / (1.0 / (2.0 * stiffness) - THICKNESS / SHEAR_MODULUS)
@@ -82,23 +79,23 @@ def steel_blocks(row: Mapping[str, Any], fit: FrictionFit, dashpot: float, mass:
     return _scene(row, fit, "ageing", slab)
 
 
-def _scene(row: Mapping[str, Any], fit: FrictionFit, law: str, slab: Mapping[str, Any]) -> slipwave.Scene:
+def _scene(row: Mapping[str, Any], fit: FrictionFit, law: str, slab: Mapping[str, Any]) -> sw.Scene:
     """A run between alike slabs."""
     interface = {"law": law, "a_star": 0.6, "a": fit.a, "b": fit.b, "memory_length": fit.length * 1e-6}
     interface |= {"normal_stress": row["sigma_MPa"] * 1e6, "reference_velocity": 1e-6}
     drive, start = {"velocity": 10.0}, {"size": _START}
-    return read_scene({"name": "laboratory", "interface": interface, "slab": slab, "drive": drive, "start": start})
+    return sw.read_scene({"name": "laboratory", "interface": interface, "slab": slab, "drive": drive, "start": start})
 
 
 def cycle_in_run(
-    scene: slipwave.Scene, model: str, seconds: float, after: float = 0.5, tolerance: float = _TOLERANCE
+    scene: sw.Scene, model: str, seconds: float, after: float = 0.5, tolerance: float = _TOLERANCE
 ) -> MeasuredCycle | None:
     """The last complete cycle, beginning `after` this share, of a run of `seconds`; None if there is none, or if the slip rate
     stays below twice V: steady sliding, now or later."""
     assert scene.units
     transit = scene.units.size("transit", scene.transit)
     until = seconds / transit
-    events = watch(build(model, scene, tolerance=tolerance), until).events(after * until)
+    events = events_from(sw.run(scene, model, until=until, tol=tolerance), after * until)
     if events.time.size == 0 or events.v_max[-1] <= 2.0 * scene.velocity:
         return None
     peak = 1e3 * float(events.v_max[-1]) * scene.units.reference_velocity
@@ -135,17 +132,15 @@ def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
     interface = {"law": "ageing", "a_star": 0.7, "a": 0.01, "b": 0.01 + weakening}
     interface |= {"normal_stress": normal_stress * 1e6, "memory_length": 1e-6, "reference_velocity": 1e-6}
     tables = {"interface": interface, "upper": slab | {"face": face}, "lower": slab, "drive": {"velocity": 1e3 * velocity}}
-    scene = read_scene({"name": "gabbro", "start": {"size": _START}, **tables})
+    scene = sw.read_scene({"name": "gabbro", "start": {"size": _START}, **tables})
     assert scene.units
     transit = scene.units.size("transit", scene.transit)
-    solver = build("delay", scene, tolerance=1e-6)
-    history = HistoryObserver(scene.law, solver.nodes)
-    expected = 20.0 * weakening * normal_stress * 1e6 / stiffness / (1e-3 * velocity)  # s: some periods
-    seen = watch(solver, 6.0 * expected / transit, history).events()
-    near = 0.1 / transit
-    cycle = cut(scene.law, history.samples(), float(seen.time[-1]), near, before=near)
-    drop = float(seen.elastic_stress_drop[-1]) * normal_stress
-    return Rise(drop, 1e3 * transit * rise_time(cycle.time, cycle.elastic_stress))
+    until = 120.0 * weakening * normal_stress * 1e6 / stiffness / (1e-3 * velocity) / transit  # some periods
+    run = sw.run(scene, "delay", until=until, tol=1e-6, window=(0.4 * until, until))
+    near, date = 0.1 / transit, float(run.done.events.time[-1])
+    cycle = run.dataset.sel(time=slice(date - near, date + 2.0 * near))
+    drop = float(run.done.events.elastic_stress_drop[-1]) * normal_stress
+    return Rise(drop, 1e3 * transit * rise_time(cycle.time.to_numpy(), cycle.interface_elastic_stress.to_numpy()))
 
 
 def rise_time(time: np.ndarray, elastic: np.ndarray) -> float:

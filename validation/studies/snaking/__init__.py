@@ -5,20 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from reduced.continuation.branch import Control
-from reduced.orbit.closing import Closed
-from reduced.orbit.figures import figures_of
-from reduced.orbit.multipliers import count_unstable, floquet
 from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import model_look
 from validation.chart.thin import staying
 from validation.measure import memo
-from validation.measure.over_r import COMPARED, Branch, branch_of, parts
-from validation.models.points import BranchPoint
-from validation.report import Budget, Cell, Figure, StudyAnswer, StudyResult, Table, table
+from validation.measure.over_r import Branch, branch_of, parts
+from validation.report import Budget, Figure, StudyAnswer, StudyResult, Table, table
 from validation.report.branch_drawing import branch_keys, branch_traces
 from validation.report.numbers import numbered_period
-from validation.report.text import minus, plain
+from validation.report.text import minus
 from validation.studies.snaking import measured
 from validation.studies.snaking.measured import DirectRun, coexisting, grows, settles, sides
 
@@ -27,7 +22,7 @@ QUESTION = "How many orbits does the exact system have at one r, and which of th
 SCENES = ("paper",)
 SECONDS = (12.0, 54.0)
 
-_FINER, _SHORT = 1e-8, Control(longest=0.01)
+_FINER, _SHORT = 1e-8, 0.01
 _NUDGES = (0.5, 2.0)
 """Sizes of the nudges of runs that may end on different orbits."""
 
@@ -69,7 +64,7 @@ def run(budget: Budget) -> StudyResult:
             Figure("snake", _CAPTION, lambda: snake(branch, [before, beyond]), zoom=True, beside="orbits"),
             Figure("orbits", _ORBITS, lambda: _orbits_along(branch), zoom=True),
         ),
-        tables=(_window_table(branch.corners), _coexisting_table(orbits)),
+        tables=(_window_table(branch), measured.coexisting_table(orbits)),
         verdicts=(
             *measured.fold_claims(branch, finer),
             *settles([before, *others]),
@@ -125,27 +120,14 @@ _LEAST = 74.0
 """Period (transits) from which the branch is shown."""
 
 
-def _window_table(corners: list[BranchPoint]) -> Table:
+def _window_table(branch: Branch) -> Table:
     rows = []
-    for stable, part in parts(corners):
+    for stable, part in parts(branch.corners):
         if stable and part[-1].period > _LEAST:
             low, high = sorted([part[0].value, part[-1].value])
             rows.append((part[0].period, part[-1].period, low, high, high - low))
     heading = "T from [transits] .4f | to [transits] .4f | log_{10} r from .7f | to .7f | width [log_{10} r] .2e"
     return table("windows", "Parts of the branch with stable orbits, in order along the branch.", heading, rows)
-
-
-def _coexisting_table(found: dict[float, list[Closed]]) -> Table:
-    rows = [_coexisting_row(log10_r, closed) for log10_r, orbits in found.items() for closed in orbits]
-    heading = "log_{10} r .2f | T [transits] .7f | Δμ [σ] .7f | Δy [σ] .7f | unstable .0f | largest multiplier"
-    caption = "Orbits of the branch that coexist at one r; unstable: multipliers outside the unit circle."
-    return table("coexisting", caption, heading, rows)
-
-
-def _coexisting_row(log10_r: float, closed: Closed) -> tuple[Cell, ...]:
-    lead, found = floquet(closed.monodromy)[0][0], figures_of(closed)
-    words = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
-    return (log10_r, *(found[name] for name in COMPARED), float(count_unstable(closed)), words)
 
 
 def _orbits_along(branch: Branch) -> Chart:
@@ -156,7 +138,7 @@ def _orbits_along(branch: Branch) -> Chart:
         closed = points[n].closed
         cycle = memo.cycle_of(closed, 0.0, 0.0)
         name = minus(f"T = {closed.cycle.period:.3f}, log10 r = {points[n].parameter:.5f}")
-        look = model_look("delay", dashes=DOTTED if count_unstable(closed) else "-", width=0.8)
+        look = model_look("delay", dashes=DOTTED if points[n].unstable else "-", width=0.8)
         kept = staying(cycle.time, cycle.stress, _POINTS)
         traces.append(Trace(name, cycle.time[kept], cycle.stress[kept], look, shift=(0.0, _RAISED * k)))
     raised = rf"$\mu$, each orbit {_RAISED:g} above the one before"

@@ -16,17 +16,18 @@ import slipwave as sw
 from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special, critical
 from reduced.orbit.closing import Closed
-from reduced.orbit.multipliers import count_unstable
+from reduced.orbit.figures import figures_of
+from reduced.orbit.multipliers import count_unstable, floquet
 from slipwave.observe import HistoryObserver
 from slipwave.observe.statistics import Estimate
 from slipwave.solve import follow
 from validation.measure import memo
-from validation.measure.over_r import Branch, scene_at
+from validation.measure.over_r import COMPARED, Branch, scene_at
 from validation.models.build import build
 from validation.models.orbit_start import BEGIN, state_on
 from validation.references.published import reference
-from validation.report import ASYMPTOTIC, PROGRAM, SELF, WITNESS, Verdict, claim, every, holding
-from validation.report.text import minus
+from validation.report import ASYMPTOTIC, PROGRAM, SELF, WITNESS, Cell, Table, Verdict, claim, every, holding, table
+from validation.report.text import minus, plain
 
 _MOST = 9000.0
 _LAST = 0.7  # share of a run after which its cycles are judged
@@ -160,6 +161,19 @@ def fold_claims(branch: Branch, finer: Branch) -> Iterator[Verdict]:
         f"T grows by {', '.join(f'{one:.3f}' for one in growth)}; the last is judged",
         near=1.0,
     )
+
+
+def coexisting_table(found: dict[float, list[Closed]]) -> Table:
+    """Figures and largest multiplier of the orbits of the branch, by log10 r."""
+    rows: list[tuple[Cell, ...]] = []
+    for log10_r, orbits in found.items():
+        for closed in orbits:
+            lead, figures = floquet(closed.monodromy)[0][0], figures_of(closed)
+            words = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")
+            rows.append((log10_r, *(figures[name] for name in COMPARED), float(count_unstable(closed)), words))
+    heading = "log_{10} r .2f | T [transits] .7f | Δμ [σ] .7f | Δy [σ] .7f | unstable .0f | largest multiplier"
+    caption = "Orbits of the branch that coexist at one r; unstable: multipliers outside the unit circle."
+    return table("coexisting", caption, heading, rows)
 
 
 def settles(runs: Iterable[DirectRun]) -> Iterator[Verdict]:
