@@ -18,5 +18,6 @@ from validation.commands.stability import stability as stability
 from validation.commands.sweep import sweep as sweep
 from validation.verification.command import verify as verify
 
+_PLACES: dict[str, str]
 __version__: str
 __all__: list[str]

@@ -49,6 +49,13 @@ def events_from(run: RunResult, begin: float) -> Events:
     return Events(*(column[events.time >= begin] for column in events))
 
 
+def history_of(run: RunResult) -> dict[str, np.ndarray]:
+    """What a run kept of the interface's history, by the names of `OneCycle`."""
+    assert run.records.history
+    parts = list(run.records.history.parts())
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
 def one_cycle(settled: Settled, before: float = 0.0, after: float = 0.0, per_piece: int = 8) -> OneCycle:
     """A cycle of the next two periods, from `before` transits ahead of its event to `after` transits past its end. The solver's
     state is restored."""

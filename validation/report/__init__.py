@@ -30,10 +30,14 @@ Item = TypeVar("Item")
 
 @dataclass(frozen=True)
 class Budget:
-    """Budget of a study: `quick` selects the cheap version; `report(share)` is called with the share done, 0 to 1."""
+    """Budget of a study: whether a `quick` report is asked for; `report(share)` is called with the share done, 0 to 1."""
 
     quick: bool = False
     report: Callable[[float], None] = field(default=lambda share: None, compare=False)
+
+    def plan(self, quick: Item, full: Item) -> Item:
+        """The one of two plans that is asked for: all numbers in which a quick and a full report differ."""
+        return quick if self.quick else full
 
     def each(self, items: Collection[Item], end: float = 1.0, begin: float = 0.0) -> Iterator[Item]:
         """Yield the items of the part of the study from the share `begin` to `end`, reporting after each."""

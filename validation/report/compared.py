@@ -10,10 +10,10 @@ from reduced.stability import critical_round_trip
 from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
+from validation.measure.costs import march_times
 from validation.measure.memo import kept
 from validation.measure.regimes import Regime
 from validation.models.by_name import one_port_of
-from validation.models.timing import March, Setting, in_turn
 from validation.report.advice import with_advice
 from validation.report.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 
@@ -88,11 +88,7 @@ def onset(model: str, scene: Scene) -> Compared | None:
 def relative_costs(models: Collection[str], cells: Mapping[str, int], scene: Scene, rounds: int) -> dict[str, float]:
     """Processor time of 1000 transits of march and event detection on the motion that each model has settled on, over that of the
     exact system: medians over `rounds` in which all are timed in turn. `cells`: of the full waves."""
-
-    def work(model: str) -> March:
-        """The timed march."""
-        setting = Setting(model, cells=cells[model]) if model in cells else Setting(model, tolerance=_TOLERANCE)
-        return March(setting, scene, _TRANSITS, _BEFORE)
-
-    times = in_turn({model: work(model) for model in models}, rounds + 1)[1:]
-    return {model: float(np.median([one[model] / one[EXACT_MODEL] for one in times])) for model in models}
+    settings = [(model, {"cells": cells[model]} if model in cells else {"tol": _TOLERANCE}) for model in models]
+    times = march_times(settings, scene, _TRANSITS, rounds + 1, _BEFORE)[1:]
+    shares = np.median(times / times[:, [[*models].index(EXACT_MODEL)]], axis=0)
+    return dict(zip(models, shares.tolist(), strict=True))

@@ -3,11 +3,13 @@
 import ast
 import hashlib
 import platform
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+import slipwave
 import validation
 from slipwave.sources import ROOT, import_closure, imported_names, program
 from validation.chart import render
@@ -21,6 +23,9 @@ _DRAWN_BY = Path(render.__file__)
 """The file that renders every study's figures."""
 _SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in by_name.FAMILIES]
 """Files that `models.by_name` imports by name: only its facts mention them, no import statement does."""
+
+_PUBLIC = {name: _PACKAGE.joinpath(*place.split(".")).with_suffix(".py") for name, place in slipwave._PLACES.items()}
+"""Files of the public functions, which `slipwave` imports by name too."""
 
 _READ = (".py", ".toml", ".json", ".csv")
 
@@ -36,14 +41,17 @@ def sources_digest(study: Study) -> str:
 
 
 def sources_of(study: Study) -> list[Path]:
-    """The study's own file and its optional `FILES` (folders stand for their contents), all that these import from our packages,
-    the data of this package, and the gallery's scenes named in `SCENES` or in any of these programs of this package.
+    """The study's own file and its optional `FILES` (folders stand for their contents), all that these import from our packages
+    or call of its public functions, the data of this package, and the gallery's scenes named in `SCENES` or in any of these
+    programs of this package.
 
     A package's `__init__.py` counts where the package itself is imported: `validation.report.text` does not need all that the
     report's own entrance imports."""
     read = list(_read(getattr(study, "FILES", ())))
     own = Path(str(getattr(study, "__file__", __file__)))
     starts = [own, _DRAWN_BY, *(path for path in read if path.suffix == ".py")]
+    programs = import_closure(starts, packages=False)
+    starts += [_PUBLIC[name] for path in programs if path.is_relative_to(_PACKAGE) or path == own for name in _called(path)]
     programs = import_closure(starts, packages=False)
     if _MODELS in programs:
         programs = import_closure([*starts, *_SOLVERS], packages=False)
@@ -69,6 +77,12 @@ def _words(path: Path) -> frozenset[str]:
     """Strings in a program, as this process first read it."""
     tree = ast.walk(ast.parse(path.read_bytes()))
     return frozenset(node.value for node in tree if isinstance(node, ast.Constant) and isinstance(node.value, str))
+
+
+@cache
+def _called(path: Path) -> frozenset[str]:
+    """The public functions that a program calls as attributes of `slipwave`, as `sw.run`."""
+    return frozenset(_PUBLIC).intersection(re.findall(r"\b(?:sw|slipwave)\.(\w+)\(", path.read_text(encoding="utf-8")))
 
 
 def _read(paths: Iterable[Path]) -> Iterator[Path]:

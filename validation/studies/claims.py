@@ -12,7 +12,7 @@ import slipwave as sw
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import model_line
 from validation.measure import memo
-from validation.measure.cycle import Events, OneCycle, Orbit, events_from, one_cycle, ripple_period
+from validation.measure.cycle import Events, OneCycle, Orbit, events_from, history_of, one_cycle, ripple_period
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.report import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
@@ -61,7 +61,7 @@ class Deep(NamedTuple):
     events: Events
     time: np.ndarray
     stress: np.ndarray
-    slip_rate: np.ndarray = np.empty(0)
+    slip_rate: np.ndarray
 
 
 class Loading(NamedTuple):
@@ -81,18 +81,24 @@ class Ripples(NamedTuple):
     loading: Loading
 
 
-_LOG10_R = {
-    True: (-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66),
-    False: tuple(round(-2.695 + 0.0025 * n, 4) for n in range(15)),
-}
-"""Quick report -> log10 r from just beyond the onset to where the delay system's orbit loses stability (-2.6575)."""
+class _Plan(NamedTuple):
+    """log10 r from just beyond the onset to where the delay system's orbit loses stability (-2.6575); transits of runs deep
+    inside."""
+
+    log10_r: tuple[float, ...]
+    until: float
+
+
+_QUICK = _Plan((-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66), 6000.0)
+_FULL = _Plan(tuple(round(-2.695 + 0.0025 * n, 4) for n in range(15)), 16000.0)
 
 
 def run(budget: Budget) -> StudyResult:
     """Settle orbits along the stable branch, run deep inside it, evaluate the closed forms."""
-    found = {log10_r: settled_at(log10_r) for log10_r in budget.each(_LOG10_R[budget.quick], end=0.6)}
+    plan = budget.plan(_QUICK, _FULL)
+    found = {log10_r: settled_at(log10_r) for log10_r in budget.each(plan.log10_r, end=0.6)}
     orbits = {log10_r: models for log10_r, models in found.items() if models}
-    deep = {model: run_deep(model, 6000.0 if budget.quick else 16000.0) for model in WAVES}
+    deep = {model: run_deep(model, plan.until) for model in WAVES}
     ripples = {model: measure_ripples(model) for model in WAVES}
     scenes = [sw.read(name) for name in SCENES[:3]]
     of_orbits = (*_orbit_claims(orbits), *_ripple_claims(ripples), *_stable_branch_claims(orbits))
@@ -217,8 +223,8 @@ def settled_at(log10_r: float) -> dict[str, Orbit]:
 def run_deep(model: str, until: float) -> Deep:
     """Run `model` at log10 r = -2.3 to `until` (transits)."""
     run = sw.run("paper-2.3", model, until=until, tol=1e-9, window=SHOWN, rate=_RATE)
-    columns = (run.dataset[name].to_numpy() for name in ("time", "interface_stress", "interface_slip_rate"))
-    return Deep(events_from(run, SHOWN[0]), *columns)
+    history = history_of(run)
+    return Deep(events_from(run, SHOWN[0]), *(history[name] for name in Deep._fields[1:]))
 
 
 def measure_ripples(model: str) -> Ripples:

@@ -10,6 +10,7 @@ import slipwave as sw
 from validation.chart import Chart, Panel, Scale, Trace
 from validation.chart.looks import model_look, style_of
 from validation.measure import memo
+from validation.measure.costs import march_times
 from validation.measure.cycle import Estimate, Orbit, estimate
 from validation.report import ROUNDING, WITNESS, Budget, Figure, StudyAnswer, StudyResult, Table, Verdict, claim, table
 from validation.report.known import as_known, error_after, error_of
@@ -27,10 +28,18 @@ _ODES = ("kelvin-voigt", "block8", "block12", "modal:1", "modal:2", "modal:8")
 _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 _EXACT = 1e-13  # tolerance of the reference run of errors, and the smallest error that is drawn
 _WAVE = "dg:7"
-_CELLS = {"fd": {True: (16, 32, 64, 128), False: (16, 32, 64, 128, 256)}, _WAVE: {True: (2, 4), False: (2, 3, 4, 6)}}
-"""Family -> quick report -> cells per slab."""
 _MARCHES = ("exact", "explicit")
-_ROUNDS = {True: 2, False: 5}
+
+
+class _Plan(NamedTuple):
+    """Cells per slab of the leapfrog and of the elements; rounds in which run times are taken."""
+
+    fd: tuple[int, ...]
+    wave: tuple[int, ...]
+    rounds: int
+
+
+_QUICK, _FULL = _Plan((16, 32, 64, 128), (2, 4), 2), _Plan((16, 32, 64, 128, 256), (2, 3, 4, 6), 5)
 
 
 class SettingRun(NamedTuple):
@@ -61,11 +70,12 @@ class SettingRun(NamedTuple):
 def run(budget: Budget) -> StudyResult:
     """Run and time every model at a ladder of settings."""
     exact = memo.settled("delay", sw.read("paper"), _EXACT, 1e-10).orbit
-    settings = _settings(budget.quick)
+    plan = budget.plan(_QUICK, _FULL)
+    settings = _settings(plan)
     cycles = [cycle_at(*setting) for setting in budget.each(settings, end=0.4)]
     points = [
         SettingRun(*setting, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times)
-        for setting, cycle, times in zip(settings, cycles, times_of(settings, _ROUNDS[budget.quick]), strict=True)
+        for setting, cycle, times in zip(settings, cycles, times_of(settings, plan.rounds), strict=True)
     ]
     return StudyResult(
         answers=(StudyAnswer(_answer(points), ("The finest setting", "The exact and the explicit")),),
@@ -75,11 +85,11 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _settings(quick: bool) -> list[tuple[str, dict[str, Any]]]:
+def _settings(plan: _Plan) -> list[tuple[str, dict[str, Any]]]:
     """Models and their options."""
     settings: list[tuple[str, dict[str, Any]]] = [("delay", {"tol": tolerance}) for tolerance in _TOLERANCES]
-    settings += [("fd", {"cells": n, "cfl": cfl}) for cfl in (1.0, 0.5) for n in _CELLS["fd"][quick]]
-    settings += [(_WAVE, {"cells": n, "time": march}) for march in _MARCHES for n in _CELLS[_WAVE][quick]]
+    settings += [("fd", {"cells": n, "cfl": cfl}) for cfl in (1.0, 0.5) for n in plan.fd]
+    settings += [(_WAVE, {"cells": n, "time": march}) for march in _MARCHES for n in plan.wave]
     return settings + [(model, {"tol": tolerance}) for model in _ODES for tolerance in _TOLERANCES]
 
 
@@ -89,11 +99,8 @@ def cycle_at(model: str, options: Mapping[str, Any]) -> Orbit:
 
 
 def times_of(settings: Sequence[tuple[str, dict[str, Any]]], rounds: int) -> list[list[float]]:
-    """Quartiles of the time of a run (ms), all settings in turn; their code is loaded."""
-    times = [
-        [1e3 * sw.run("paper", model, until=TRANSITS, **options).done.wall_s for model, options in settings]
-        for _ in range(rounds)
-    ]
+    """Quartiles of the processor time of a run (ms), all settings in turn; their code is loaded."""
+    times = 1e3 * march_times(settings, sw.read("paper"), TRANSITS, rounds)
     return [each.tolist() for each in np.quantile(times, (0.25, 0.5, 0.75), axis=0).T]
 
 
@@ -121,8 +128,8 @@ def _table(points: Sequence[SettingRun]) -> Table:
     heading = "model | requested | lower quartile [ms] .1f | run [ms] .1f | upper quartile [ms] .1f"
     heading += " | error of T [relative] .1e | error of Δμ [relative] .1e"
     caption = (
-        f"Time of a run of {TRANSITS:.0f} transits (as `slipwave run` states it, code loaded; median and quartiles, all settings "
-        "in turn) in the paper’s scene, and the errors reached of period and stress drop against the delay system’s."
+        f"Processor time of a run of {TRANSITS:.0f} transits (march and event detection, code loaded; median and quartiles, all "
+        "settings in turn) in the paper’s scene, and the errors reached of period and stress drop against the delay system’s."
     )
     return table("cost", caption, heading, rows)
 
@@ -134,7 +141,7 @@ def _finest_verdicts(points: Sequence[SettingRun]) -> Iterator[Verdict]:
     for model in ("delay", *_ODES):
         period = _finest(points, model).cycle.period
         yield from as_known(title, model, _LOG10_R, {"period": period.value}, error_of(period))
-    for model in _CELLS:
+    for model in ("fd", _WAVE):
         fine = _finest(points, model)
         before = _finest([p for p in points if p is not fine and p.march == fine.march], model)
         left = error_after(model, before.error, before.options["cells"], fine.options["cells"])
@@ -157,11 +164,10 @@ def _marches(points: Sequence[SettingRun]) -> Verdict:
     return claim(title, WITNESS, apart, allowed, f"{_WAVE} on {len(pairs)} grids, to a tenth of their own error")
 
 
-_CELLS_FROM = " and ".join(f"{cells[True][0]} cells upwards with `{model}`" for model, cells in _CELLS.items())
 _CAPTION = (
     f"Run time against error of the period: each model at tolerances {power(_TOLERANCES[0])} to {power(_TOLERANCES[-1])}, or "
-    f"{_CELLS_FROM}, over {TRANSITS:.0f} transits at log_{{10}} r = {places([_LOG10_R])}. Errors below {power(_EXACT)} are "
-    "drawn there."
+    f"{_FULL.fd[0]} cells upwards with `fd` and {_FULL.wave[0]} cells upwards with `{_WAVE}`, over {TRANSITS:.0f} transits at "
+    f"log_{{10}} r = {places([_LOG10_R])}. Errors below {power(_EXACT)} are drawn there."
 )
 
 

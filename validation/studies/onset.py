@@ -65,7 +65,7 @@ TAYLOR = "The next Taylor truncation after the paper’s cannot be used"
 def run(budget: Budget) -> StudyResult:
     """Compute the curves, trace the boundaries, compare both with the closed forms; count roots on both sides of every onset."""
     paper = slipwave.read("paper")
-    velocity = np.geomspace(1.0, 1e4, 25 if budget.quick else 81)
+    velocity = np.geomspace(1.0, 1e4, budget.plan(quick=25, full=81))
     critical = {model: _critical_over_velocity(paper, model, velocity) for model in budget.each(FORMS, 0.2)}
     traced = {model: boundary(paper, model, ("log10_r", "log10_epsilon"), _WINDOW) for model in budget.each(FORMS, 0.6, 0.2)}
     onsets = {f"`{model}`": (paper, model, math.log10(critical_round_trip(paper, model)[0])) for model in _ONSETS}

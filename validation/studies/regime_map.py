@@ -1,6 +1,6 @@
 """Where in the plane of round trip and velocity does each model slide steadily, periodically, or irregularly?"""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,14 @@ _REFERENCE = "delay"
 _MODELS = (_REFERENCE, "kelvin-voigt", "modal:2", "block12", "quasidynamic")
 _UNTIL, _TOLERANCE = 1200.0, 1e-6
 _R, _V = (-2.74, -2.42), (100.0, 1000.0)
+
+
+class _Plan(NamedTuple):
+    """Points of the lattice in r and V, and levels of its refinement."""
+
+    round_trips: int
+    velocities: int
+    levels: int
 
 
 def run(budget: Budget) -> StudyResult:
@@ -42,9 +50,9 @@ def run(budget: Budget) -> StudyResult:
 def swept_plane(budget: Budget) -> SweepResult:
     """The sweep of the plane with every model."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
-    counts, levels = ((13, 7), 1) if budget.quick else ((25, 13), 2)
-    vary = {"log10_r": (*_R, counts[0]), "V": f"{_V[0]:g}:{_V[1]:g}:{counts[1]}:log"}
-    return swept_here(scene, vary, _MODELS, tol=_TOLERANCE, refine=levels)
+    plan = budget.plan(quick=_Plan(13, 7, 1), full=_Plan(25, 13, 2))
+    vary = {"log10_r": (*_R, plan.round_trips), "V": f"{_V[0]:g}:{_V[1]:g}:{plan.velocities}:log"}
+    return swept_here(scene, vary, _MODELS, tol=_TOLERANCE, refine=plan.levels)
 
 
 def mapped(swept: SweepResult) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
-from validation.measure.cycle import Events, events_from
+from validation.measure.cycle import Events, events_from, history_of
 from validation.measure.grids.limits import (
     ATTACKED,
     BEYOND,
@@ -33,9 +33,6 @@ SECONDS = (16.0, 60.0)
 RIGHT = "Extreme scenes end right or with a message, never silently wrong"
 CURED = "A run that asks for more cells is right once it has them"
 
-_QUICK_DECADES, _FULL_DECADES = (-4, 0, 2, 4, 8), (-4, -2, *range(9))
-_QUICK_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
-_ADVISED = ("sbp:4", "fem:4", "dg:3")
 _ADVISED_UNTIL = 400.0  # transits
 _FEWEST_CYCLES = 2
 _FINEST = 16  # times the usual cells, at most
@@ -45,6 +42,21 @@ MOMENTS = (6.0, 8.0, 12.0, 20.0, 40.0)
 
 CELLS = {model: cells.fine for model, cells in ATTACKED.items()}
 """Cells of the faster slab for runs that are compared with the delay system."""
+
+
+class _Plan(NamedTuple):
+    """Powers of ten of stiffness; media; transits of noise; whether late motions are compared; models that ask for cells."""
+
+    decades: tuple[int, ...]
+    media: tuple[str, ...]
+    transits: float
+    late: bool
+    advised: tuple[str, ...]
+
+
+_SOME_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
+_QUICK = _Plan((-4, 0, 2, 4, 8), _SOME_MEDIA, 1e3, False, ("sbp:4", "fem:4", "dg:3"))
+_FULL = _Plan((-4, -2, *range(9)), tuple(MEDIA), 2e4, True, tuple(CELLS))
 
 
 class Attack(NamedTuple):
@@ -79,12 +91,11 @@ ATTACKS = {
 
 def run(budget: Budget) -> StudyResult:
     """Step limits over eight decades of stiffness and over media, extreme scenes, and noise in a locked slab."""
-    decades, media = (_QUICK_DECADES, _QUICK_MEDIA) if budget.quick else (_FULL_DECADES, tuple(MEDIA))
-    transits, late = 1e3 if budget.quick else 2e4, not budget.quick
-    steps = {model: {decade: limit_at(model, decade) for decade in decades} for model in budget.each(CELLS, 0.2)}
-    around = {medium: {model: around_the_limit(model, medium) for model in CELLS} for medium in budget.each(media, 0.4, 0.2)}
-    attacks = {name: attack(name, late) for name in budget.each(ATTACKS, 0.8, 0.4)}
-    advice = {model: advised(model) for model in (_ADVISED if budget.quick else CELLS)}
+    plan = budget.plan(_QUICK, _FULL)
+    steps = {model: {decade: limit_at(model, decade) for decade in plan.decades} for model in budget.each(CELLS, 0.2)}
+    around = {medium: {model: around_the_limit(model, medium) for model in CELLS} for medium in budget.each(plan.media, 0.4, 0.2)}
+    attacks = {name: attack(name, plan.late) for name in budget.each(ATTACKS, 0.8, 0.4)}
+    advice = {model: advised(model) for model in plan.advised}
     verdicts = (
         *map(limit_verdict, steps, steps.values()),
         *map(medium_verdict, around, around.values()),
@@ -92,7 +103,7 @@ def run(budget: Budget) -> StudyResult:
         stop_verdict({model: stops_beyond(model, BEYOND) for model in CELLS}),
         *(attack_verdict(name, outcomes) for name, outcomes in attacks.items()),
         _advice_verdict(advice),
-        *(noise_verdict(model, locked_noise(model, transits), transits) for model in budget.each(CELLS, 1.0, 0.8)),
+        *(noise_verdict(model, locked_noise(model, plan.transits), plan.transits) for model in budget.each(CELLS, 1.0, 0.8)),
     )
     return StudyResult(
         answers=(StudyAnswer(answer(steps, attacks), tuple(dict.fromkeys(one.claim for one in verdicts))),),
@@ -162,9 +173,9 @@ def _trajectory(model: str, name: str, until: float, **options: Any) -> _Traject
     """psi at the moments and at the end, and the cycles of the second half, of a run with `options` of `slipwave.run`."""
     scene = sw.read(ATTACKS[name].scene, ATTACKS[name].changes)
     run = sw.run(scene, model, until=until, window=(MOMENTS[0], MOMENTS[-1]), rate=1.0, **options)
-    psis = run.dataset.interface_psi.sel(time=list(MOMENTS), method="nearest", tolerance=1e-9)
+    history = history_of(run)
     assert run.done.final
-    return _Trajectory(psis.to_numpy(), run.done.final.psi, events_from(run, 0.5 * until))
+    return _Trajectory(np.interp(MOMENTS, history["time"], history["psi"]), run.done.final.psi, events_from(run, 0.5 * until))
 
 
 def _outcome(model: str, cells: int, exact: _Trajectory, name: str, until: float) -> AttackOutcome:

@@ -161,6 +161,15 @@ def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
     assert {ROOT / "slipwave" / "gallery" / f"{scene}.toml" for scene in study.SCENES} <= files
 
 
+@pytest.mark.parametrize(
+    ("name", "called"), [("orders", "orbit run"), ("bifurcation", "branch curve orbit"), ("laboratory", "fit")]
+)
+def test_the_public_functions_that_a_study_calls_are_in_its_key(name, called):
+    files = set(sources.sources_of(study_called(name)))
+    assert {ROOT / "validation" / "commands" / f"{one}.py" for one in called.split()} <= files
+    assert ROOT / "validation" / "commands" / "bench.py" not in files
+
+
 def test_a_key_follows_every_package_and_python(monkeypatch):
     study = study_called("claims")
     before = store.study_key(study, False)

@@ -30,22 +30,25 @@ _BUBBLES = ["PD", "PD", "LP", "LP", "PD", "PD", "LP", "LP", "PD", "PD", "NS"]
 
 class _Plan(NamedTuple):
     """Model -> log10 r and the period (transits) at which its branch ends; log10 r of the full wave's orbits; the pairs of period
-    doublings; models whose first fold is followed over V, with so many points on each side of V = 100."""
+    doublings; models whose first fold is followed over V, with so many points on each side of V = 100; whether the branch of the
+    ODE reaches its torus point."""
 
     ends: dict[str, tuple[float, float]]
     waves: tuple[float, ...]
     pairs: tuple[tuple[float, float], ...]
     folds: tuple[str, ...]
     points: int
+    to_torus: bool
 
 
-_QUICK = _Plan({"delay": (-2.3, 78.5), "kelvin-voigt": (-2.579, FAR)}, (-2.69, -2.68), PAIRS[:1], ("delay",), 12)
+_QUICK = _Plan({"delay": (-2.3, 78.5), "kelvin-voigt": (-2.579, FAR)}, (-2.69, -2.68), PAIRS[:1], ("delay",), 12, False)
 _FULL = _Plan(
     {"delay": (-2.3, 85.0), "kelvin-voigt": (-2.3, FAR)},
     (-2.69, -2.68, -2.67, -2.66),
     PAIRS,
     ("delay", "kelvin-voigt"),
     24,
+    True,
 )
 
 
@@ -64,7 +67,7 @@ class WaveOrbit(NamedTuple):
 
 def run(budget: Budget) -> StudyResult:
     """Follow the branches from their Hopf points; find the full wave's own orbits, the doubled orbits and the folds over V."""
-    plan = _QUICK if budget.quick else _FULL
+    plan = budget.plan(_QUICK, _FULL)
     delay, ode = (branch_of(model, *end) for model, end in budget.each(plan.ends.items(), end=0.5))
     waves = [wave_orbit(delay, log10_r) for log10_r in plan.waves]
     orbits, bubbles = doubled(), [bubble(*pair) for pair in budget.each(plan.pairs, end=0.8, begin=0.5)]
@@ -89,13 +92,13 @@ def run(budget: Budget) -> StudyResult:
             *_same_orbits(waves),
             _mildly_subcritical(delay, ode),
             *fold_verdicts(folds, fold_at(folds["delay"][-1][1])),
-            *(() if budget.quick else _bubbles_of(ode)),
+            *(_bubbles_of(ode) if plan.to_torus else ()),
             *doubling_verdicts(orbits, ode, bubbles),
             unlike(delay, ode),
         ),
         notes=(_HOW,),
         numbers=_numbers(branches.values(), orbits),
-        omissions=(_P9,) if budget.quick else (),
+        omissions=() if plan.to_torus else (_P9,),
     )
 
 

@@ -38,12 +38,19 @@ _PEAK = "peak slip rate / (mm/s)"
 _SYMBOLS = {"period": ("T_s", "period / s"), "drop": ("drop", "drop of friction"), "peak": ("peak_mm_s", _PEAK)}
 _SCATTER = {"period": 0.05, "drop": 0.05, "peak": 0.15}
 """Relative scatter of measured figures from event to event."""
-_COUNT = {True: 6, False: 24}
 _WITHIN = 5e-3  # of a printed period: three digits, of a program of unknown tolerance
 _TWO_DIGITS = 0.05  # of a printed slip rate
 _SAME = 0.05  # relative; the scatter of measured periods from event to event
 _RISES = ((0.66, 0.005, 1.0), (1.0, 0.003, 1.0), (1.33, 0.005, 1.0), (0.66, 0.01, 10.0), (1.33, 0.005, 10.0), (1.33, 0.01, 10.0))
 _SPREAD = 0.05  # of the rise time
+
+
+class _Plan(NamedTuple):
+    """Samples of the parameters; slip events of the gabbro; whether a block that keeps its waves is run."""
+
+    samples: int
+    rises: int
+    keeping: bool
 
 
 class Band(NamedTuple):
@@ -80,12 +87,13 @@ class BlockWaves(NamedTuple):
 
 def run(budget: Budget) -> StudyResult:
     """Compute every run within the parameters' uncertainty, with and without waves, and compare it with the measurement."""
-    drawn = samples(_COUNT[budget.quick])
+    plan = budget.plan(quick=_Plan(6, 3, False), full=_Plan(24, len(_RISES), True))
+    drawn = samples(plan.samples)
     pairs = [(row, law) for law in LAWS for row in leeman_runs()]
     cases = [_case(row, law, drawn) for row, law in budget.each(pairs, 0.6)]
     untuned = {(row["sigma_MPa"], k): cycle_without_tuning(row, printed_fits()[k][0]) for row in leeman_runs() for k in (1, 2)}
     budget.report(0.7)
-    rises = [rise_of(*one) for one in _RISES[: 3 if budget.quick else None]]
+    rises = [rise_of(*one) for one in _RISES[: plan.rises]]
     programs = [fitted_to(row) for row in printed_rows()]
     return StudyResult(
         answers=_answers(cases),
@@ -96,7 +104,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             *_reproduced(untuned),
             *_against_measured(cases),
-            *_on_waves(waves_in_blocks(budget.quick)),
+            *_on_waves(waves_in_blocks(plan.keeping)),
             _on_rises(rises),
             *on_programs(programs),
         ),
@@ -150,7 +158,7 @@ def _band_of(values: Sequence[float]) -> Band:
     return Band(*np.quantile(values, (0.025, 0.5, 0.975)).tolist()) if len(values) >= 3 else Band(*[float("nan")] * 3)
 
 
-def waves_in_blocks(quick: bool) -> BlockWaves:
+def waves_in_blocks(with_keeping: bool) -> BlockWaves:
     """The run at 10 MPa with the third fit."""
     row, (fit, _) = leeman_runs()[2], printed_fits()[2]
     absorbing, seconds = steel_blocks(row, fit, dashpot=1.0), 4.0 * row["T_s"]
@@ -158,7 +166,7 @@ def waves_in_blocks(quick: bool) -> BlockWaves:
     assert block
     assert absorbed
     keeping = steel_blocks(row, fit, dashpot=0.0, mass=400.0)
-    return BlockWaves(block, absorbed, None if quick else cycle_in_run(keeping, "delay", seconds, 0.0, 1e-5))
+    return BlockWaves(block, absorbed, cycle_in_run(keeping, "delay", seconds, 0.0, 1e-5) if with_keeping else None)
 
 
 def _reproduced(untuned: Mapping[tuple[float, int], MeasuredCycle | None]) -> Iterator[Verdict]:

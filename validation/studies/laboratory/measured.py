@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import slipwave as sw
-from validation.measure.cycle import events_from
+from validation.measure.cycle import events_from, history_of
 from validation.references.published import laboratory
 
 DENSITY, SHEAR_MODULUS, THICKNESS = 7850.0, 79e9, 0.05  # of the steel forcing blocks
@@ -137,10 +137,10 @@ def rise_of(normal_stress: float, weakening: float, velocity: float) -> Rise:
     transit = scene.units.size("transit", scene.transit)
     until = 120.0 * weakening * normal_stress * 1e6 / stiffness / (1e-3 * velocity) / transit  # some periods
     run = sw.run(scene, "delay", until=until, tol=1e-6, window=(0.4 * until, until))
-    near, date = 0.1 / transit, float(run.done.events.time[-1])
-    cycle = run.dataset.sel(time=slice(date - near, date + 2.0 * near))
+    history, date = history_of(run), float(run.done.events.time[-1])
+    near = np.abs(transit * (history["time"] - date)) <= 0.1  # s
     drop = float(run.done.events.elastic_stress_drop[-1]) * normal_stress
-    return Rise(drop, 1e3 * transit * rise_time(cycle.time.to_numpy(), cycle.interface_elastic_stress.to_numpy()))
+    return Rise(drop, 1e3 * transit * rise_time(history["time"][near], history["elastic_stress"][near]))
 
 
 def rise_time(time: np.ndarray, elastic: np.ndarray) -> float:

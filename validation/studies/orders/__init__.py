@@ -2,7 +2,7 @@
 kernels, whose solvers it builds."""
 
 from collections.abc import Mapping
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -23,19 +23,39 @@ SCENES = ("paper", "yardstick")
 SECONDS = (25.0, 90.0)
 
 
+class _Plan(NamedTuple):
+    """Models whose order in space is fitted; cells of the leapfrog from a jump; by model, cells per slab of its own orbits; log10
+    r of other orbits of the full wave, from the onset on, and of means; pairs of slabs of the exact motion."""
+
+    in_space: tuple[str, ...]
+    jump: tuple[int, ...]
+    grids: dict[str, tuple[int, ...]]
+    orbits_at: tuple[float, ...]
+    means_at: tuple[float, ...]
+    pairs: tuple[str, ...]
+
+
+def _plan(budget: Budget) -> _Plan:
+    few, many = ((48, 96, 192, 384, 768)[:n] for n in (4, 5))
+    coarse: dict[str, tuple[int, ...]] = {"dg:7": (2, 3), "fem:4": (5, 8)}
+    fine: dict[str, tuple[int, ...]] = {"dg:7": (2, 3, 4, 5, 6), "fem:4": (5, 8, 12, 16, 24), "sbp:6": (24, 32, 48, 64, 96, 160)}
+    return budget.plan(
+        quick=_Plan(in_space.judged_models(True), few, coarse, (), (-2.5,), ("alike",)),
+        full=_Plan(in_space.judged_models(False), many, fine, (-2.699, -2.66, -2.65), (-2.5, -2.3), tuple(given_motion.MARCHES)),
+    )
+
+
 def run(budget: Budget) -> StudyResult:
     """Climb every ladder, find every orbit, march both ways, record one event."""
-    climbs = [climb_of(model) for model in budget.each(in_space.judged_models(budget.quick), 0.4)]
-    cells = in_space.CELLS[budget.quick]
+    plan = _plan(budget)
+    climbs = [climb_of(model) for model in budget.each(plan.in_space, 0.4)]
     other_cfls = {cfl: in_space.leapfrog_at(cfl) for cfl in in_space.CFLS[1:]}
-    jumps = {cfl: in_space.jump_errors(cfl, cells) for cfl in in_space.CFLS}
-    orbits = [own_orbits.grid_orbits(*grids) for grids in budget.each(own_orbits.GRIDS[budget.quick].items(), 0.6, 0.4)]
-    others = [own_orbits.as_r_grows(log10_r) for log10_r in own_orbits.ORBITS_AT[budget.quick]]
-    means = [own_orbits.means_verdict(log10_r) for log10_r in own_orbits.MEANS_AT[budget.quick]]
+    jumps = {cfl: in_space.jump_errors(cfl, plan.jump) for cfl in in_space.CFLS}
+    orbits = [own_orbits.grid_orbits(*grids) for grids in budget.each(plan.grids.items(), 0.6, 0.4)]
+    others = [own_orbits.as_r_grows(log10_r) for log10_r in plan.orbits_at]
+    means = [own_orbits.means_verdict(log10_r) for log10_r in plan.means_at]
     marches = [in_time.marches_of(model) for model in in_time.GRIDS]
-    pairs = [
-        (model, pair) for model in given_motion.GRIDS for pair in given_motion.MARCHES if not budget.quick or pair == "alike"
-    ]
+    pairs = [(model, pair) for model in given_motion.GRIDS for pair in plan.pairs]
     ladders = [given_motion.climbed(*pair) for pair in budget.each(pairs, 0.9, 0.6)]
     event = slip_event.recorded_event()
     finest = ", ".join(f"{plain(max(one[-1].errors.values()), '.0e')} (`{one[-1].model}`)" for one in orbits)
@@ -61,7 +81,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             *(order_verdict(climbed) for climbed in climbs),
             *(order_verdict(climbed, in_space.evidence_at(cfl)) for cfl, climbed in other_cfls.items()),
-            *(in_space.jump_verdict(cfl, cells, errors) for cfl, errors in jumps.items()),
+            *(in_space.jump_verdict(cfl, plan.jump, errors) for cfl, errors in jumps.items()),
             in_space.independence(),
             *map(own_orbits.orbit_verdict, orbits),
             *(verdict for one in (*orbits, *others) for verdict in own_orbits.agreement_verdicts(one)),

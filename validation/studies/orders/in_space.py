@@ -21,9 +21,6 @@ from validation.report.known import of_order
 JUMP = "From a jump, which returns every transit, the leapfrog is of order 1"
 INDEPENDENT = "The delay system shares no module of a solver with any full wave"
 CFLS = (0.5, 0.9, 1.0)
-CELLS = {True: (48, 96, 192, 384), False: (48, 96, 192, 384, 768)}
-"""By quick or full report: cells of the leapfrog from a jump."""
-
 _QUICK = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:7", "dg:2", "dg:7")
 _UNTIL = 400.0  # transits
 

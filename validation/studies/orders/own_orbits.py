@@ -14,18 +14,6 @@ MEANS = "Where the motion is irregular, means of T and Δμ of the full wave are
 QUANTITIES = {"period": ("T", 1e-12), "stress_drop": ("Δμ", 5e-12)}
 """The figures, their symbols, and relative errors, at the level of rounding, below which no order is fitted."""
 
-GRIDS: dict[bool, dict[str, tuple[int, ...]]] = {
-    True: {"dg:7": (2, 3), "fem:4": (5, 8)},
-    False: {"dg:7": (2, 3, 4, 5, 6), "fem:4": (5, 8, 12, 16, 24), "sbp:6": (24, 32, 48, 64, 96, 160)},
-}
-"""By quick or full report and model: cells per slab."""
-
-ORBITS_AT: dict[bool, tuple[float, ...]] = {True: (), False: (-2.699, -2.66, -2.65)}
-"""By quick or full report: log10 r at which orbits of the full wave are compared, from the onset on."""
-
-MEANS_AT = {True: (-2.5,), False: (-2.5, -2.3)}
-"""By quick or full report: log10 r of the means."""
-
 _AT, _TOLERANCE = -2.68, 1e-11
 _WAVE, _CELLS = "dg:7", 6
 _UNTIL, _ERRORS = 10000.0, 4.0  # transits; standard errors

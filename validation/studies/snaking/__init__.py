@@ -47,7 +47,7 @@ _FULL = _Plan(85.0, 78.3, (-2.66, -2.65, -2.64, -2.63, -2.62), (-2.6655, -2.66, 
 
 def run(budget: Budget) -> StudyResult:
     """Follow the branch twice, list the orbits at some r, and run the delay system near the first torus point."""
-    plan = _QUICK if budget.quick else _FULL
+    plan = budget.plan(_QUICK, _FULL)
     branch = branch_of("delay", -2.3, plan.longest)
     budget.report(0.5)
     finer = branch_of("delay", -2.3, plan.finer, _FINER, _SHORT)

@@ -1,7 +1,8 @@
 """Every model from the onset to where the motion is irregular, and in other scenes: errors, regimes, costs; what to use."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from validation.chart import WIDTH, Chart, Panel, Scale, Trace
 from validation.chart.looks import model_marks
@@ -32,24 +33,41 @@ CELLS = 3
 SHOWN = (-2.69, -2.68, -2.66)
 """log10 r at which the exact system's orbit is stable; the second one is the paper's."""
 TOLERANCE = 1e-9
-BEYOND = {True: (-2.65, -2.5), False: (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)}
+BEYOND = (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)
 _SETTLED, _IN_SCENES = 4000.0, 7000.0  # transits of a run to a stable orbit
-_COSTED, _ROUNDS = (-2.68, -2.5), {True: 3, False: 7}
+_COSTED = (-2.68, -2.5)
 _LEAST = 1e-13  # the smallest error that is drawn
+
+
+class _Plan(NamedTuple):
+    """log10 r beyond where the exact system's orbits are stable; rounds of costs; other scenes; log10 r and the period (transits)
+    at which the branches of the paper's ODE and of the exact system end; shares of epsilon for the laws of errors."""
+
+    beyond: tuple[float, ...]
+    rounds: int
+    scenes: tuple[str, ...]
+    ends: tuple[float, float]
+    scales: tuple[float, ...]
+
+
+_QUICK = _Plan((-2.65, -2.5), 3, ("unlike", "grip", "rock"), (-2.64, 74.6), (2.0, laws.HALF))
+_FULL = _Plan(BEYOND, 7, tuple(scenes.SCENES), (-2.3, 80.0), (2.0, 1.0, laws.HALF, 0.25, 0.125))
 
 
 def run(budget: Budget) -> StudyResult:
     """Every model's regime, orbits and means at every r, and its cost at two; in other scenes; over r; laws of the errors."""
-    quick, grid = budget.quick, (*SHOWN, *BEYOND[budget.quick])
+    plan = budget.plan(_QUICK, _FULL)
+    grid, there = (*SHOWN, *plan.beyond), scenes.places_of(plan.scenes)
     regimes = {
         model: {x: on_record(model, paper_at(x)) or regime_at(model, x) for x in grid} for model in budget.each(EVERY, 0.4)
     }
-    table = _the_table(regimes, {_title(x): costs_at(x, _ROUNDS[quick]) for x in _COSTED})
-    others = _in_scenes(budget)
-    found = periods.branches_of(quick)
+    table = _the_table(regimes, {_title(x): costs_at(x, plan.rounds) for x in _COSTED})
+    others = _in_scenes(there, budget)
+    found = periods.branches_of(*plan.ends)
     budget.report(0.8)
     seen = periods.periods_of(found, regimes)
-    onsets, cycles = laws.measure_onsets(scene_at(SHOWN[1])), laws.measure_cycles(scene_at(SHOWN[1]), budget, 0.85)
+    onsets = laws.measure_onsets(scene_at(SHOWN[1]))
+    cycles = [laws.measure_cycle(scene_at(SHOWN[1]), scale) for scale in budget.each(plan.scales, begin=0.85)]
     return StudyResult(
         answers=(
             StudyAnswer(" ".join(table.sentences), _RESTS_ON),
@@ -64,14 +82,14 @@ def run(budget: Budget) -> StudyResult:
         ),
         tables=(scenes.bias_table(others),),
         verdicts=(
-            *_verdicts(table, others, regimes, quick),
+            *_verdicts(table, others, regimes, there),
             *record_verdicts(regime_at),
             *periods.period_verdicts(seen),
             *laws.law_verdicts(onsets, cycles),
         ),
         numbers=_numbers(table, regimes)
         | scenes.scene_numbers(others, ("kelvin-voigt", "modal:4", "fitted:4", "block12"))
-        | periods.period_numbers(seen, BEYOND[quick])
+        | periods.period_numbers(seen, plan.beyond)
         | laws.law_numbers(cycles),
         model_tables=(table, others),
     )
@@ -134,9 +152,8 @@ def regime_in(model: str, place: scenes.Place, until: float = _IN_SCENES, cells:
     return scenes.regime_there(model, place, until, cells if model == WAVE else None, TOLERANCE)
 
 
-def _in_scenes(budget: Budget) -> ModelTable:
+def _in_scenes(others: Sequence[scenes.Place], budget: Budget) -> ModelTable:
     """The same models in other scenes."""
-    others = scenes.places_of(budget.quick)
     regimes = {
         model: [on_record(model, place[0].settings) or regime_in(model, place) for place in others]
         for model in budget.each(IN_SCENES, 0.7, 0.4)
@@ -144,9 +161,9 @@ def _in_scenes(budget: Budget) -> ModelTable:
     return scenes.scene_table(others, regimes)
 
 
-def _verdicts(paper: ModelTable, elsewhere: ModelTable, regimes: ByModel, quick: bool) -> Iterator[Verdict]:
+def _verdicts(paper: ModelTable, elsewhere: ModelTable, regimes: ByModel, others: Sequence[scenes.Place]) -> Iterator[Verdict]:
     """All verdicts on both tables."""
-    grid, others = [*regimes[WAVE]], scenes.places_of(quick)
+    grid = [*regimes[WAVE]]
     coarse = (
         (paper, lambda column: regime_at(WAVE, grid[column], cells=CELLS - 1), TOLERANCE),
         (elsewhere, lambda column: regime_in(WAVE, others[column], cells=CELLS - 1), TOLERANCE),

@@ -12,7 +12,7 @@ from validation.chart import Chart, Panel, Scale, Trace
 from validation.chart.looks import model_line, model_marks, style_of
 from validation.models.build import build
 from validation.models.settle import settle
-from validation.report import ASYMPTOTIC, Budget, Number, Verdict, claim, of_paper, stated
+from validation.report import ASYMPTOTIC, Number, Verdict, claim, of_paper, stated
 from validation.report.compared import against
 from validation.report.model_table import Compared
 from validation.report.text import plain
@@ -25,7 +25,6 @@ _HERE = int(np.argmin(np.abs(_SCALES - 1.0)))
 _FINER = _HERE + 2  # indices of the paper's own epsilon and of a quarter of it
 
 HALF = 0.5
-_QUICK, _FULL = (2.0, HALF), (2.0, 1.0, HALF, 0.25, 0.125)
 _BEYOND, _PUSH = 1.02, 2.0
 _ROUNDING = 4.0 * np.finfo(float).eps
 _TEXT = {
@@ -77,11 +76,6 @@ def measure_onsets(paper: slipwave.Scene) -> Onsets:
         for model in MODELS
     }
     return {model: OnsetErrors(theta, np.array(error), error_law(model, slopes)) for model, error in errors.items()}
-
-
-def measure_cycles(paper: slipwave.Scene, budget: Budget, begin: float) -> list[CycleErrors]:
-    """`measure_cycle` at every scale of epsilon; the part of the study from the share `begin` on."""
-    return [measure_cycle(paper, scale) for scale in budget.each(_QUICK if budget.quick else _FULL, begin=begin)]
 
 
 def measure_cycle(paper: slipwave.Scene, scale: float) -> CycleErrors:

@@ -17,8 +17,6 @@ from validation.report.text import minus
 
 WAVES, BLOCKS = ("kelvin-voigt", "delay"), ("block8", "block12")
 """Models with reverberations, whose orbits lose stability; blocks, whose orbits are all stable."""
-ENDS = {True: {"kelvin-voigt": (-2.64, FAR), "delay": (-2.3, 74.6)}, False: {"kelvin-voigt": (-2.3, FAR), "delay": (-2.3, 80.0)}}
-"""Quick report -> model -> log10 r and the period (transits) at which its branch ends."""
 _PRINTED = -2.68  # log10 r whose periods `one-cycle` compares
 
 
@@ -41,9 +39,9 @@ ByModel = Mapping[str, Mapping[float, Periods]]
 """model -> log10 r -> its periods."""
 
 
-def branches_of(quick: bool) -> dict[str, Branch]:
-    """The branches of the exact system and of the paper's ODE."""
-    return {model: branch_of(model, *ends) for model, ends in ENDS[quick].items()}
+def branches_of(ode: float, longest: float) -> dict[str, Branch]:
+    """The branches of the paper's ODE, up to this log10 r, and of the exact system, up to the `longest` period (transits)."""
+    return {"kelvin-voigt": branch_of("kelvin-voigt", ode, FAR), "delay": branch_of("delay", -2.3, longest)}
 
 
 def periods_at(model: str, log10_r: float, branches: Mapping[str, Branch], regime: Regime) -> Periods:

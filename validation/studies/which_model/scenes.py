@@ -1,7 +1,8 @@
 """Every model in scenes unlike the paper's: unlike and layered slabs, a grip, a testing machine, another law, a rock in SI."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -22,7 +23,6 @@ SCENES = {
     "rock": "Table 1’s rock in SI, at 1 cm/s",
 }
 """Scene of the gallery -> its description."""
-_QUICK = ("unlike", "grip", "rock")
 OVER_ONSET = (1.02, 1.25)
 """r over the onset of the exact system, both slabs scaled together."""
 _NONE = 1e-3  # a bias that is not mentioned
@@ -50,9 +50,9 @@ def _settings(own: slipwave.Scene, factor: float) -> list[str]:
     return [f"{key}.r={factor * slab.round_trip:.7g}" for key, slab in slabs.items()]
 
 
-def places_of(quick: bool) -> list[Place]:
+def places_of(names: Iterable[str] = tuple(SCENES)) -> list[Place]:
     """Columns and scenes of the table, by r over the onset."""
-    return [place(name, over_onset) for over_onset in OVER_ONSET for name in (_QUICK if quick else SCENES)]
+    return [place(name, over_onset) for over_onset, name in product(OVER_ONSET, names)]
 
 
 def regime_there(model: str, where: Place, until: float, cells: int | None, tolerance: float) -> Regime:
