@@ -9,7 +9,6 @@ import types
 import slipwave.sources
 from validation.chart import Chart, Look, Panel, Scale, Trace
 from validation.report import (
-    Column,
     Evidence,
     Figure,
     Number,
@@ -17,10 +16,10 @@ from validation.report import (
     Outcome,
     StudyAnswer,
     StudyResult,
-    Table,
     Verdict,
     registered,
     sources,
+    table,
 )
 
 
@@ -37,11 +36,7 @@ def answered(text="", verdicts=(), **parts):
 def result():
     return answered(
         "One <mode> is 6 · 10^{-4} off.",
-        tables=(
-            Table(
-                "t", "Periods *T*.", (Column("model"), Column("T", "transits", ".8g")), (("delay", 73.4721449), ("x", math.nan))
-            ),
-        ),
+        tables=(table("t", "Periods *T*.", "model | T [transits] .8g", (("delay", 73.4721449), ("x", math.nan))),),
         figures=(Figure("overlay", "One cycle.", draw, lead=True),),
         verdicts=(
             Verdict("T is right", Evidence.WITNESS, "73.47", "73.48", Outcome.PASS),
@@ -82,7 +77,12 @@ class Fake:
         """Put `text` at the end of a study's file, as a later process would find it."""
         with open(module.__file__, "a") as source:
             source.write(text)
-        for function in (slipwave.sources._read, slipwave.sources.imported_files, sources._words):  # each process reads once
+        for function in (
+            slipwave.sources._read,
+            slipwave.sources.imported_files,
+            sources._words,
+            sources._called,
+        ):  # each process reads once
             function.cache_clear()
 
     def write(self, name, body, timed=False):

@@ -15,12 +15,12 @@ import math
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Protocol, TypeVar
 
 from validation.report.model_table import ModelTable
 from validation.report.text import Cell as Cell
 from validation.report.verdict import *  # noqa: F403
-from validation.report.verdict import ROUNDING, RUN_TIMES, Outcome, Verdict
+from validation.report.verdict import RECORDED, ROUNDING, RUN_TIMES, Outcome, Real, Verdict
 
 if TYPE_CHECKING:
     from validation.chart import Chart
@@ -48,27 +48,32 @@ class Budget:
 
 @dataclass(frozen=True)
 class Column:
-    """Heading, unit and number format (a format spec such as ".7g"; empty for text) of a table's column."""
+    """Heading, unit and number format (a format spec such as ".7g"; empty for text) of a column."""
 
     title: str
     unit: str = ""
     format: str = ""
+    timed: bool = False
+    """Whether it holds run times or their ratios, which differ between reports."""
 
-    @property
-    def timed(self) -> bool:
-        """Whether it holds run times or their ratios (by its unit), which differ between reports."""
-        return self.unit in RUN_TIMES
+    __pydantic_config__: ClassVar = RECORDED
 
 
 @dataclass(frozen=True)
 class Table:
-    """Rows under columns; the caption explains every symbol and the clock. `emphasis` lists rows printed bold."""
+    """A table of the page, row by row; the caption explains every symbol and the clock. `emphasis` lists rows printed bold."""
 
-    name: str
     caption: str
     columns: tuple[Column, ...]
-    rows: tuple[tuple[Cell, ...], ...]
+    rows: tuple[tuple[Real | int | str | None, ...], ...]
+    name: str = ""
     emphasis: tuple[int, ...] = ()
+    id: str = ""
+    study: str = ""
+    csv: str = ""
+    """Where the table is as CSV, from the folder of this file."""
+
+    __pydantic_config__: ClassVar = RECORDED
 
 
 _COLUMN = re.compile(r"(?P<title>.*?)(?: \[(?P<unit>[^]]*)\])?(?: (?P<format>\.\d+[efg%]))?")
@@ -80,8 +85,8 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
     "model | T [transits] .7g" has a column of text, and one of numbers with the unit "transits" and the format ".7g".
     """
     found = (_COLUMN.fullmatch(text) for text in heading.split(" | "))
-    columns = tuple(Column(**match.groupdict(default="")) for match in found if match)
-    return Table(name, caption, columns, tuple(tuple(row) for row in rows), tuple(emphasis))
+    columns = tuple(Column(**match.groupdict(default=""), timed=match["unit"] in RUN_TIMES) for match in found if match)
+    return Table(caption, columns, tuple(tuple(row) for row in rows), name, tuple(emphasis))
 
 
 @dataclass(frozen=True)
@@ -104,14 +109,20 @@ class Figure:
 
 @dataclass(frozen=True)
 class Number:
-    """A value in the committed baseline; it has changed if it moves by more than `tolerance`, relative. `known` is the true
-    value, if it is known, within `known_within`: a change is then for the better or for the worse (0 for an error of a
-    computation). For a value with its own error, `stated` derives the tolerance."""
+    """A value that later reports are compared with. For a value with its own error, `stated` derives the tolerance."""
 
-    value: float
-    tolerance: float = 1e-6
-    known: float | None = None
-    known_within: float = 0.0
+    value: Real
+    tolerance: Real = 1e-6
+    """Largest relative difference that is no change."""
+    known: Real | None = None
+    """The true value, where one is known: a change is then for the better or for the worse (0 for an error of a computation)."""
+    known_within: Real = 0.0
+    """Its error."""
+    id: str = ""
+    study: str = ""
+    name: str = ""
+
+    __pydantic_config__: ClassVar = RECORDED
 
     def differs(self, other: float) -> bool:
         """True if `other` is further away than the tolerance; two NaN are equal, and so are two equal infinities."""

@@ -6,14 +6,13 @@ python -m validation.report.baseline reports        # take the numbers of report
 import difflib
 import json
 import sys
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from slipwave.errors import NumericsError
 from slipwave.sources import ROOT
-from validation.report import Number, Outcome
-from validation.report.record import Change, NumberRecord, Record, VerdictRecord, Word
+from validation.report import Number, Outcome, Verdict
+from validation.report.record import Change, Record, Word
 from validation.report.recorded import read_report
 from validation.report.text import bare
 
@@ -33,7 +32,7 @@ class RedReport(NumericsError):
 def as_report(now: Record) -> Record:
     """The baseline as a report to compare `now` with: numbers alone."""
     numbers = [
-        NumberRecord(id=f"{study.name}.{name}", study=study.name, name=name, **asdict(Number(**one)))
+        Number(**one, id=f"{study.name}.{name}", study=study.name, name=name)
         for study in now.studies
         if (path := FOLDER / f"{study.name}.json").exists()
         for name, one in json.loads(path.read_text(encoding="utf-8")).items()
@@ -54,7 +53,7 @@ def red_lines(report: Record, red: tuple[Word, ...]) -> list[str]:
     return [" ".join(bare(line).split()) for line in lines]
 
 
-def reason(verdict: VerdictRecord) -> str:
+def reason(verdict: Verdict) -> str:
     """A verdict in one line: what was expected and what was found."""
     remark = f" ({verdict.remark})" if verdict.remark else ""
     return f"{verdict.claim}: expected {verdict.expected}, found {verdict.ours}{remark}"
@@ -87,7 +86,7 @@ def patch_of(report: Record) -> str:
     return "".join(parts)
 
 
-def _kept(number: NumberRecord) -> dict[str, Any]:
+def _kept(number: Number) -> dict[str, Any]:
     """The entry of a number in the baseline."""
     return {"value": number.value, "tolerance": number.tolerance}
 

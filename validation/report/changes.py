@@ -5,11 +5,11 @@ from collections.abc import Iterator, Sequence
 from typing import Literal, TypeVar
 
 from validation.commands.result import aligned, rounded
-from validation.report import RUN_TIMES, Number, Outcome
-from validation.report.record import Change, Changes, NumberRecord, Record, VerdictRecord, Word
+from validation.report import RUN_TIMES, Number, Outcome, Verdict
+from validation.report.record import Change, Changes, Record, Word
 from validation.report.text import bare
 
-One = TypeVar("One", NumberRecord, VerdictRecord)
+One = TypeVar("One", Number, Verdict)
 
 _OF_LIMIT = 0.1
 """Share of a verdict's limit by which its value must move to count as changed."""
@@ -29,7 +29,7 @@ def changes_since(before: Record, now: Record, since: str) -> Changes:
     return Changes(since=since, counts=dict(Counter(change.word for change in every)), listed=tuple(listed))
 
 
-def _rows(report: Record) -> list[VerdictRecord]:
+def _rows(report: Record) -> list[Verdict]:
     return [case for verdict in report.verdicts for case in verdict.rows]
 
 
@@ -39,9 +39,9 @@ def _compared(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Ite
     new: dict[str, One] = {one.id: one for one in now}
     for name in dict.fromkeys([*new, *old]):
         there, here = old.get(name), new.get(name)
-        if isinstance(there, NumberRecord) and isinstance(here, NumberRecord):
+        if isinstance(there, Number) and isinstance(here, Number):
             yield _number(there, here)
-        elif isinstance(there, VerdictRecord) and isinstance(here, VerdictRecord):
+        elif isinstance(there, Verdict) and isinstance(here, Verdict):
             yield _verdict(there, here)
         elif here:
             yield _change(here, (None, _value(here)), 0.0, Word.NEW)
@@ -49,11 +49,11 @@ def _compared(before: Sequence[One], now: Sequence[One], whole: set[str]) -> Ite
             yield _change(there, (_value(there), None), 0.0, Word.GONE)
 
 
-def _value(one: NumberRecord | VerdictRecord) -> float | str:
-    return one.value if isinstance(one, NumberRecord) else one.outcome.value
+def _value(one: Number | Verdict) -> float | str:
+    return one.value if isinstance(one, Number) else one.outcome.value
 
 
-def _number(before: NumberRecord, now: NumberRecord) -> Change:
+def _number(before: Number, now: Number) -> Change:
     tolerance = 0.5 * (before.tolerance + now.tolerance)  # of numbers that state their errors: the sum of both errors
     bar = tolerance * max(abs(before.value), abs(now.value))
     word = Word.MOVED if Number(now.value, tolerance).differs(before.value) else Word.SAME
@@ -64,7 +64,7 @@ def _number(before: NumberRecord, now: NumberRecord) -> Change:
     return _change(now, (before.value, now.value), bar, word)
 
 
-def _verdict(before: VerdictRecord, now: VerdictRecord) -> Change:
+def _verdict(before: Verdict, now: Verdict) -> Change:
     """Change by the outcome, if that changed (a finding is no failure), otherwise by the measured error."""
     if before.outcome is not now.outcome:
         word = {before.outcome: Word.BETTER, now.outcome: Word.WORSE}.get(Outcome.FAIL, Word.MOVED)
@@ -85,14 +85,14 @@ def _verdict(before: VerdictRecord, now: VerdictRecord) -> Change:
 
 
 def _change(
-    one: NumberRecord | VerdictRecord,
+    one: Number | Verdict,
     values: tuple[float | str | None, float | str | None],
     bar: float,
     word: Word,
     why: str = "",
 ) -> Change:
-    kind: Literal["number", "verdict"] = "number" if isinstance(one, NumberRecord) else "verdict"
-    name = one.name if isinstance(one, NumberRecord) else one.claim
+    kind: Literal["number", "verdict"] = "number" if isinstance(one, Number) else "verdict"
+    name = one.name if isinstance(one, Number) else one.claim
     before, now = values
     return Change(id=one.id, study=one.study, name=name, kind=kind, before=before, now=now, bar=bar, word=word, why=why)
 

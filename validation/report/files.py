@@ -10,10 +10,10 @@ from pathlib import Path
 from xml.etree import ElementTree as xml
 
 from slipwave.files import whole_or_absent
-from validation.report import Cell, Outcome
+from validation.report import Cell, Column, Outcome
 from validation.report.baseline import line_of, reason
 from validation.report.model_table import cell_records
-from validation.report.record import Change, ColumnRecord, Record, Word
+from validation.report.record import Change, Record, Word
 from validation.report.recorded import NAME, text_of
 from validation.report.text import bare
 
@@ -40,7 +40,7 @@ def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) ->
             temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def csv_of(columns: Iterable[ColumnRecord], rows: Iterable[Iterable[Cell]]) -> str:
+def csv_of(columns: Iterable[Column], rows: Iterable[Iterable[Cell]]) -> str:
     """A table as CSV: numbers with all their digits, words without markup, an empty cell where nothing is; no two columns have
     the same heading."""
     return _text_of_rows([_headings(columns), *([bare(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)])
@@ -59,7 +59,7 @@ def _text_of_rows(rows: Iterable[Iterable[Cell]]) -> str:
     return stream.getvalue()
 
 
-def _headings(columns: Iterable[ColumnRecord]) -> Iterator[str]:
+def _headings(columns: Iterable[Column]) -> Iterator[str]:
     """Yield headings; a repeated heading is prefixed by the last unique one."""
     named = [bare(f"{column.title} [{column.unit}]" if column.unit else column.title) for column in columns]
     often, seen, owner = Counter(named), Counter[str](), ""

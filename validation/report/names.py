@@ -7,16 +7,30 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from validation.report import Evidence, Outcome, Verdict
+from validation.report import Evidence, Outcome, StudyResult, Verdict
 from validation.report.text import bare
 
 _WORDS = 8
 """Number of words of a claim in its name."""
 
 
+def with_ids(study: str, result: StudyResult) -> StudyResult:
+    """The result of a study with the `id` of each part; the verdicts on a claim together (`by_claim`)."""
+    return replace(
+        result,
+        verdicts=by_claim(study, result.verdicts),
+        tables=tuple(
+            replace(one, id=f"{study}.{one.name}", study=study, csv=f"data/{study}/table-{one.name}.csv") for one in result.tables
+        ),  # a figure of the same name has its data in the same folder
+        numbers={name: replace(one, id=f"{study}.{name}", study=study, name=name) for name, one in result.numbers.items()},
+    )
+
+
 def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
     """The verdicts of a study with their `id`, each once."""
-    return tuple(replace(verdict, id=f"{study}.{name}") for verdict, name in zip(verdicts, _names(verdicts), strict=True))
+    return tuple(
+        replace(verdict, study=study, id=f"{study}.{name}") for verdict, name in zip(verdicts, _names(verdicts), strict=True)
+    )
 
 
 def by_claim(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:

@@ -45,7 +45,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
             tally=tally(studies),
             leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
             omissions=left_out(studies),
-            csv={one.id: one.csv for one in report.tables} | {one.id: one.csv for one in report.model_tables},
+            csv={one.id: one.csv for one in report.model_tables},
             changes=report.changes,
             said=said,
             studies=studies,

@@ -7,25 +7,22 @@ and between ~{ and } in words; `without_times` takes them out.
 
 import math
 from enum import StrEnum
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import BaseModel, ConfigDict, WithJsonSchema
+from pydantic import BaseModel, ConfigDict
 from pydantic.json_schema import GenerateJsonSchema
 
-from validation.report import Evidence, Omission, Outcome
+from validation.report import Number, Omission, Table, Verdict
 from validation.report.model_table import ModelTable
+from validation.report.verdict import RECORDED, Real
 
 FORMAT: Literal[1] = 1
-
-_NUMBER = {"anyOf": [{"type": "number"}, {"enum": ["NaN", "Infinity", "-Infinity"]}]}
-Real = Annotated[float, WithJsonSchema(_NUMBER)]
-"""A number; what JSON lacks is written as a word."""
 
 
 class Part(BaseModel):
     """A part of report.json. A later version may add keys."""
 
-    model_config = ConfigDict(frozen=True, use_attribute_docstrings=True, ser_json_inf_nan="strings")
+    model_config = RECORDED | ConfigDict(frozen=True)
 
 
 class StudyRecord(Part):
@@ -58,71 +55,6 @@ class AnswerRecord(Part):
     """A sentence or two, or the claims that fail."""
     verdicts: tuple[str, ...]
     """Ids of the verdicts that it rests on."""
-
-
-class VerdictRecord(Part):
-    """One claim, one kind of evidence, and how it fared; of several cases, how the worst of them did."""
-
-    id: str
-    """Stable from report to report; the anchor of its row on the page."""
-    study: str
-    claim: str
-    evidence: Evidence
-    expected: str
-    """What was expected, in words."""
-    ours: str
-    """What was found, in words."""
-    found: Real | None
-    """What was measured, as a number of the same quantity as `limit`; null where the claim is one in words."""
-    limit: Real | None
-    """`found` lies below it if the claim holds."""
-    unit: str
-    outcome: Outcome
-    """`finding`: a published claim, or a promised speed, that does not hold; `fail`: anything else that does not."""
-    remark: str
-    cases: tuple["VerdictRecord", ...] = ()
-    """The same claim for several grids, models or scenes, each named by its remark."""
-
-    @property
-    def rows(self) -> tuple["VerdictRecord", ...]:
-        """Its cases; of a claim with a single case the verdict itself."""
-        return self.cases or (self,)
-
-
-class NumberRecord(Part):
-    """A value that later reports are compared with."""
-
-    id: str
-    study: str
-    name: str
-    value: Real
-    tolerance: Real
-    """Largest relative difference that is no change."""
-    known: Real | None
-    """The true value, where one is known."""
-    known_within: Real
-    """Its error."""
-
-
-class ColumnRecord(Part):
-    """Heading of a column."""
-
-    title: str
-    unit: str
-    timed: bool
-    """Whether it holds run times."""
-
-
-class TableRecord(Part):
-    """A table of the page, row by row."""
-
-    id: str
-    study: str
-    caption: str
-    columns: tuple[ColumnRecord, ...]
-    rows: tuple[tuple[Real | int | str | None, ...], ...]
-    csv: str
-    """Where the table is as CSV, from the folder of this file."""
 
 
 class ModelTableRecord(Part):
@@ -229,9 +161,9 @@ class Record(Part):
     """How many verdicts of each outcome, and how many studies did not finish (`broken`)."""
     studies: tuple[StudyRecord, ...]
     answers: tuple[AnswerRecord, ...] = ()
-    verdicts: tuple[VerdictRecord, ...]
-    numbers: tuple[NumberRecord, ...]
-    tables: tuple[TableRecord, ...]
+    verdicts: tuple[Verdict, ...]
+    numbers: tuple[Number, ...]
+    tables: tuple[Table, ...]
     model_tables: tuple[ModelTableRecord, ...]
     figures: tuple[FigureRecord, ...]
     changes: Changes

@@ -1,27 +1,22 @@
 """The report as a `Record`: made from stored results, written to a file, read back."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.files import reason_of
-from validation.report import Outcome, StudyAnswer, StudyResult, Table, Verdict
+from validation.report import Outcome, StudyAnswer, StudyResult
 from validation.report.model_table import ModelTable
 from validation.report.record import (
     FORMAT,
     AnswerRecord,
     Changes,
-    ColumnRecord,
     FigureRecord,
     ModelTableRecord,
-    NumberRecord,
     Record,
     StudyRecord,
-    TableRecord,
     Times,
-    VerdictRecord,
 )
 from validation.report.registered import STUDIES, study_called
 from validation.report.store import Picture, Stored
@@ -35,7 +30,7 @@ def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, wri
     """The report of the stored `studies`, in their order, without comparison; `facts` are those of
     `validation.report.provenance.machine_facts`."""
     done = [(study.name, study.result) for study in studies if study.result]
-    verdicts = [_verdict(name, verdict) for name, result in done for verdict in result.verdicts]
+    verdicts = [verdict for _, result in done for verdict in result.verdicts]
     counts = {outcome.value: sum(verdict.outcome is outcome for verdict in verdicts) for outcome in Outcome}
     machine = {key: facts[key] for key in _MACHINE}
     return Record(
@@ -47,12 +42,8 @@ def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, wri
         studies=tuple(map(_study, studies)),
         answers=tuple(_answer(name, result, answer) for name, result in done for answer in result.answers),
         verdicts=tuple(verdicts),
-        numbers=tuple(
-            NumberRecord(id=f"{study}.{name}", study=study, name=name, **asdict(number))
-            for study, result in done
-            for name, number in result.numbers.items()
-        ),
-        tables=tuple(_table(name, table) for name, result in done for table in result.tables),
+        numbers=tuple(number for _, result in done for number in result.numbers.values()),
+        tables=tuple(table for _, result in done for table in result.tables),
         model_tables=tuple(_models(name, table) for name, result in done for table in result.model_tables),
         figures=tuple(_figure(study.name, picture) for study in studies for picture in study.pictures),
         changes=Changes(since="", counts={}, listed=()),
@@ -77,23 +68,6 @@ def _study(stored: Stored) -> StudyRecord:
 def _answer(study: str, result: StudyResult, answer: StudyAnswer) -> AnswerRecord:
     rests_on = tuple(verdict.id for verdict in result.proofs(answer))
     return AnswerRecord(question=STUDIES.get(study, "trust"), study=study, text=result.conclusion_of(answer), verdicts=rests_on)
-
-
-def _verdict(study: str, verdict: Verdict) -> VerdictRecord:
-    facts = {name: getattr(verdict, name) for name in VerdictRecord.model_fields if name not in ("study", "found", "cases")}
-    cases = tuple(_verdict(study, case) for case in verdict.cases)
-    return VerdictRecord(study=study, found=verdict.size, cases=cases, **facts)
-
-
-def _table(study: str, table: Table) -> TableRecord:
-    return TableRecord(
-        id=f"{study}.{table.name}",
-        study=study,
-        caption=table.caption,
-        columns=tuple(ColumnRecord(title=one.title, unit=one.unit, timed=one.timed) for one in table.columns),
-        rows=table.rows,
-        csv=f"data/{study}/table-{table.name}.csv",  # a figure of the same name has its data in the same folder
-    )
 
 
 def _models(study: str, table: ModelTable) -> ModelTableRecord:

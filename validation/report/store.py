@@ -14,10 +14,10 @@ from pydantic import TypeAdapter
 from slipwave.files import is_running
 from validation.chart.render import SUFFIXES, render
 from validation.report import Study, StudyResult
-from validation.report.names import by_claim
+from validation.report.names import with_ids
 from validation.report.sources import sources_digest
 
-_FORMAT = 5
+_FORMAT = 6
 _PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}
 """The stored parts of a result, with their types."""
 _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
@@ -129,8 +129,8 @@ def _remove(folder: Path) -> None:
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds}
-    named = replace(result, verdicts=by_claim(study.NAME, result.verdicts))
-    parts = {name: getattr(named, name) for name in _PARTS}
+    whole = with_ids(study.NAME, result)
+    parts = {name: getattr(whole, name) for name in _PARTS}
     plain: dict[str, Any] = json.loads(json.dumps(record | parts, default=_plain))
     return plain
 

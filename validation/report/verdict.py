@@ -4,6 +4,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Annotated, ClassVar
+
+from pydantic import ConfigDict, WithJsonSchema
 
 from validation.report.text import around, minus
 
@@ -39,42 +42,56 @@ RUN_TIMES = ("s", "ms", "μs", "of times")
 """Units of columns that hold run times, or ratios of run times; in sentences these stand between ~{ and }."""
 
 
+RECORDED = ConfigDict(use_attribute_docstrings=True, ser_json_inf_nan="strings", json_schema_serialization_defaults_required=True)
+"""How a part of a study's result stands in report.json, as it is."""
+
+Real = Annotated[float, WithJsonSchema({"anyOf": [{"type": "number"}, {"enum": ["NaN", "Infinity", "-Infinity"]}]})]
+"""A number; what JSON lacks is written as a word."""
+
+
 @dataclass(frozen=True)
 class Verdict:
-    """One claim and one kind of evidence: what was expected, what was found (the same quantity), and the outcome.
+    """One claim, one kind of evidence, and how it fared; of several cases, how the worst of them did.
 
-    `size` and `limit`, in `unit` (none: a pure number), are the measured and the allowed value of one quantity: distance of a
-    number from another (`claim`) or from the middle of a range (`in_range`), ratio of required to found (`at_least`), number of
-    misses (`every`). Without them the claim is one of yes or no. `id` is the verdict's name on the page and in files
-    (`validation.report.names`). `cases`: the verdicts on one claim for several grids, models or scenes, each named by its remark;
-    the verdict itself is then the worst of them. Raises ValueError for a pass beyond the limit: then `size` and `limit` are
+    `found` and `limit`: distance of a number from another (`claim`) or from the middle of a range (`in_range`), ratio of required
+    to found (`at_least`), number of misses (`every`). Raises ValueError for a pass beyond the limit: then `found` and `limit` are
     different quantities.
     """
 
     claim: str
     evidence: Evidence
     expected: str
+    """What was expected, in words."""
     ours: str
+    """What was found, in words."""
     outcome: Outcome
+    """`finding`: a published claim, or a promised speed, that does not hold; `fail`: anything else that does not."""
     remark: str = ""
-    size: float | None = None
-    limit: float | None = None
+    found: Real | None = None
+    """What was measured, as a number of the same quantity as `limit`; null where the claim is one in words."""
+    limit: Real | None = None
+    """`found` lies below it if the claim holds."""
     unit: str = ""
     id: str = ""
+    """Stable from report to report; the anchor of its row on the page."""
+    study: str = ""
     cases: tuple["Verdict", ...] = ()
+    """The same claim for several grids, models or scenes, each named by its remark."""
+
+    __pydantic_config__: ClassVar = RECORDED
 
     def __post_init__(self) -> None:
         if self.outcome is Outcome.PASS and self.margin is not None and not self.margin <= 1.0 + ROUNDING:
-            raise ValueError(f"{self.claim}: holds, though {self.size:g} is more than {self.limit:g}")
+            raise ValueError(f"{self.claim}: holds, though {self.found:g} is more than {self.limit:g}")
 
     @property
     def margin(self) -> float | None:
-        """Ratio of `size` to `limit`; None for a claim of yes or no."""
-        return self.size / self.limit if self.size is not None and self.limit else None
+        """Ratio of `found` to `limit`; None for a claim of yes or no."""
+        return self.found / self.limit if self.found is not None and self.limit else None
 
     def with_margin(self, size: float, limit: float, unit: str = "") -> "Verdict":
         """The verdict with measured `size` and allowed `limit`."""
-        return replace(self, size=size if math.isfinite(size) else None, limit=limit, unit=unit)
+        return replace(self, found=size if math.isfinite(size) else None, limit=limit, unit=unit)
 
     @property
     def rows(self) -> tuple["Verdict", ...]:

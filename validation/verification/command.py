@@ -71,7 +71,7 @@ class VerifyResult(Result):
         """As `Result`."""
         rows = [
             {"id": row.id, "claim": bare(row.claim), "evidence": row.evidence.value, "expected": bare(row.expected),
-             "found": bare(row.ours), "size": row.size, "limit": row.limit, "outcome": row.outcome.value,
+             "found": bare(row.ours), "size": row.found, "limit": row.limit, "outcome": row.outcome.value,
              "remark": bare(row.remark)}
             for row in self.rows
         ]  # fmt: skip

@@ -91,7 +91,7 @@ def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
 
 
 def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
-    html = page_of(tmp_path, stored("energy", verdict(size=0.1, limit=0.5)))
+    html = page_of(tmp_path, stored("energy", verdict(found=0.1, limit=0.5)))
     assert rows_of(html, "verdicts energy")[1][1:] == ["A holds", "exact", "below 0.5", "0.1", " 0.2"]
     assert '<tr id="energy.a-holds">' in html
     assert '<i style="width:20%">' in html

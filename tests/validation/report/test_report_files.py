@@ -16,10 +16,10 @@ from fake_studies import answered, draw, result
 from test_page import models
 
 from validation.commands.cli import NUMERICS_FAILED, main
-from validation.report import EXACT, Evidence, Figure, Number, Outcome, Verdict, baseline, claim, holding, table
+from validation.report import EXACT, Column, Evidence, Figure, Number, Outcome, Verdict, baseline, claim, holding, table
 from validation.report.build import make_report
 from validation.report.files import csv_of
-from validation.report.record import ColumnRecord, report_schema
+from validation.report.record import report_schema
 from validation.report.recorded import read_report, text_of
 from validation.report.text import run_time
 from validation.report.without_times import lasting_digest
@@ -95,7 +95,7 @@ def test_every_verdict_and_number_is_a_case_of_junit(changing):
 
 def test_a_table_as_csv_has_every_digit_and_no_heading_twice():
     heading = [("model", ""), ("T", "transits"), ("error", "relative"), ("Δμ", "σ"), ("error", "relative"), ("error", "relative")]
-    columns = [ColumnRecord(title=title, unit=unit, timed=False) for title, unit in heading]
+    columns = [Column(title, unit) for title, unit in heading]
     rows = [("`dg:7`, r_{c}", 73.47214494429114, None, 1e-300, math.nan, 3)]
     (head, row) = csv.reader(io.StringIO(csv_of(columns, rows)))
     assert head == [

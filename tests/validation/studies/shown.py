@@ -275,8 +275,8 @@ ROOMY, ROUNDING = 30.0, 1e-10
 
 def too_roomy(verdicts):
     """Claims whose limit lies more than `ROOMY` times above what was measured in the worst of its cases, and above rounding."""
-    limited = [v for v in by_claim("", verdicts) if v.size is not None and v.limit is not None and not none_is_nearer(v)]
-    roomy = [v for v in limited if v.limit > max(ROOMY * v.size, ROUNDING)]
+    limited = [v for v in by_claim("", verdicts) if v.found is not None and v.limit is not None and not none_is_nearer(v)]
+    roomy = [v for v in limited if v.limit > max(ROOMY * v.found, ROUNDING)]
     return [f"{v.claim}: {v.ours} ({v.remark}), {v.expected}" for v in roomy]
 
 
@@ -286,7 +286,7 @@ def none_is_nearer(verdict):
     power = math.log10(2.0 * verdict.limit) if verdict.limit else 0.5
     printed = verdict.evidence is Evidence.PAPER and abs(power - round(power)) < 1e-9
     of_order = verdict.limit is not None and verdict.limit >= ALMOST and "order" in verdict.claim
-    return printed or of_order or (verdict.size, verdict.limit) == (0.0, 1.0)
+    return printed or of_order or (verdict.found, verdict.limit) == (0.0, 1.0)
 
 
 def quick(name):

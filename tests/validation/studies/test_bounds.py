@@ -38,7 +38,7 @@ def test_a_size_beyond_its_limit_is_red(size, outcome):
 def test_a_bound_tells_its_limit_and_its_room():
     verdict = claim("c", Evidence.EXACT, 1.0 - 2.0**-25, 1e-6, near=1.0)
     assert (verdict.expected, verdict.ours) == ("1.0000000 ± 1 · 10^{−6}", "1.0000000")
-    assert (verdict.size, verdict.limit, verdict.margin) == (2.0**-25, 1e-6, 2.0**-25 / 1e-6)
+    assert (verdict.found, verdict.limit, verdict.margin) == (2.0**-25, 1e-6, 2.0**-25 / 1e-6)
     assert len(too_roomy([verdict, claim("d", Evidence.EXACT, 4e-8, 1e-6), claim("e", Evidence.EXACT, 1e-15, 1e-12)])) == 1
     assert claim("c", PAPER, 2e-6, 1e-6).outcome is Outcome.FINDING
 
@@ -84,9 +84,9 @@ def test_the_cases_of_a_claim_are_one_verdict_as_bad_as_the_worst():
     whole = by_claim("a", flat)
     assert [one.id for one in whole] == ["a.orders-hold.self", "a.orders-hold.exact", "a.energy-closes"]
     assert [row.id for row in whole[0].rows][:2] == ["a.orders-hold.self-dg-2", "a.orders-hold.self-dg-4"]
-    assert (whole[0].outcome, whole[0].size, whole[0].remark) == (Outcome.FAIL, 2.0, "the worst of 4: exact")
+    assert (whole[0].outcome, whole[0].found, whole[0].remark) == (Outcome.FAIL, 2.0, "the worst of 4: exact")
     assert [row.outcome for row in whole[0].rows] == [Outcome.PASS] * 3 + [Outcome.FAIL]
-    assert by_claim("a", flat[:3])[0].size == 0.9
+    assert by_claim("a", flat[:3])[0].found == 0.9
     assert by_claim("a", flat[4:])[1].rows == by_claim("a", flat[4:])[1:]
 
 
