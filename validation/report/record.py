@@ -2,7 +2,7 @@
 classes here.
 
 Two reports of the same commit are the same but for run times. These are in `times`, in columns and figures whose `timed` is true,
-and between ~{ and } in words; `without_times` takes them out.
+and between ~{ and } in words; `tests.validation.without_times` takes them out.
 """
 
 import math

@@ -12,7 +12,7 @@ import slipwave as sw
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import model_line
 from validation.measure import memo
-from validation.measure.cycle import Events, OneCycle, Orbit, events_from, history_of, one_cycle, ripple_period
+from validation.measure.cycle import Events, Orbit, events_from, history_of, one_cycle, ripple_period
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.report import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
@@ -64,21 +64,15 @@ class Deep(NamedTuple):
     slip_rate: np.ndarray
 
 
-class Loading(NamedTuple):
-    """Parts of a cycle's period, in transits: the period; the elastic drop over epsilon V; the time in which the elastic stress
-    falls (v > V); and the slip while it rises, over V."""
+class Ripples(NamedTuple):
+    """A model's orbit at log10 r = -2.68, in transits: the period of its ripples; its own period and the parts of that: the
+    elastic drop over epsilon V, the time in which the elastic stress falls (v > V), and the slip while it rises, over V."""
 
+    ripple: float
     period: float
     drop: float
     falling: float
     slipped: float
-
-
-class Ripples(NamedTuple):
-    """A model's orbit at log10 r = -2.68: period of its ripples (transits), parts of the cycle's period."""
-
-    period: float
-    loading: Loading
 
 
 class _Plan(NamedTuple):
@@ -228,23 +222,16 @@ def run_deep(model: str, until: float) -> Deep:
 
 
 def measure_ripples(model: str) -> Ripples:
-    """One cycle of the model's orbit at log10 r = -2.68."""
+    """One cycle of the model's orbit at log10 r = -2.68: y' = eps (V - v), so that y rises by eps (V t_rise - s_rise)."""
     scene = sw.read("paper")
     settled = memo.settled(model, scene, 1e-10, 1e-9)
-    cycle = one_cycle(settled, per_piece=16)
-    return Ripples(ripple_period(cycle), _loading_of(settled.orbit, cycle, scene))
-
-
-def _loading_of(orbit: Orbit, cycle: OneCycle, scene: sw.Scene) -> Loading:
-    """The parts of a period, from samples over one cycle: y' = eps (V - v), so that y rises by eps (V t_rise - s_rise)."""
-    period = orbit.period.value
-    since = np.mod(cycle.time - cycle.time[np.argmin(cycle.elastic_stress)], period)
+    cycle, orbit = one_cycle(settled, per_piece=16), settled.orbit
+    since = np.mod(cycle.time - cycle.time[np.argmin(cycle.elastic_stress)], orbit.period.value)
     order = np.argsort(since)
-    since, rate = since[order], cycle.slip_rate[order]
-    rises = slice(0, int(np.argmax(cycle.elastic_stress[order])) + 1)
-    slip = float(np.trapezoid(rate[rises], since[rises]))
-    load = scene.upper.epsilon * scene.velocity
-    return Loading(period, orbit.elastic_stress_drop.value / load, period - float(np.ptp(since[rises])), slip / scene.velocity)
+    rises = order[: int(np.argmax(cycle.elastic_stress[order])) + 1]
+    slip = float(np.trapezoid(cycle.slip_rate[rises], since[rises])) / scene.velocity
+    falling = orbit.period.value - float(np.ptp(since[rises]))
+    return Ripples(ripple_period(cycle), orbit.period.value, orbit.elastic_stress_drop.value / _load_rate(), falling, slip)
 
 
 def _onset_at(velocity: float) -> CriticalValues:
@@ -299,7 +286,7 @@ def _orbit_claims(orbits: Orbits) -> Iterator[Verdict]:
 
 def _ripple_claims(ripples: dict[str, Ripples]) -> Iterator[Verdict]:
     """P5."""
-    ode, delay = ripples["kelvin-voigt"].period, ripples["delay"].period
+    ode, delay = ripples["kelvin-voigt"].ripple, ripples["delay"].ripple
     title = "P5 Period of the fast ripples: π/√6 transits in the ODE, exactly one in the delay system"
     off = max(abs(ode / FAST_PERIOD_KELVIN_VOIGT - 1.0), abs(delay - 1.0))
     measured = f"relative; measured on the orbits: {ode:.5f} for {FAST_PERIOD_KELVIN_VOIGT:.5f}, and {delay:.5f}"
@@ -344,11 +331,10 @@ def _stable_branch_claims(orbits: Orbits) -> Iterator[Verdict]:
 
 def _load_claims(orbits: Orbits, deep: dict[str, Deep], ripples: dict[str, Ripples]) -> Iterator[Verdict]:
     """P12: the identity, whether periods are proportional to drops, and whether they are nearly equal deep inside."""
-    parts = {model: ripple.loading for model, ripple in ripples.items()}
-    off = max(abs((part.drop + part.falling + part.slipped) / part.period - 1.0) for part in parts.values())
+    off = max(abs((part.drop + part.falling + part.slipped) / part.period - 1.0) for part in ripples.values())
     text = "relative, both systems at r = 10^{{-2.68}}; delay system: {:.2f} = {:.2f} + {:.2f} + {:.2f} transits"
     title = "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V"
-    yield claim(title, EXACT, off, _CLOSES, text.format(*parts["delay"]))
+    yield claim(title, EXACT, off, _CLOSES, text.format(*ripples["delay"][1:]))
     exact = [found["delay"] for found in orbits.values()]
     periods, drops = (np.array([getattr(one, name).value for one in exact]) for name in ("period", "elastic_stress_drop"))
     power, shares = float(np.polyfit(np.log(drops), np.log(periods), 1)[0]), drops / _load_rate() / periods

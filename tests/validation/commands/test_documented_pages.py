@@ -19,10 +19,10 @@ from slipwave.family import ANYTHING, FEATURES, NOTHING
 from slipwave.input.source import parse_toml
 from slipwave.observe.verdict import REPEATING, Kind
 from slipwave.sources import ROOT
+from tests.validation.answer import PAGES as ANSWERED
+from tests.validation.answer import block_of, read_table, with_block
 from validation.commands.cli import COMMANDS, command_called, main
 from validation.models.by_name import FAMILIES
-from validation.report.answer import PAGES as ANSWERED
-from validation.report.answer import block_of, read_table, with_block
 from validation.studies.which_model import ORBITS, SHOWN
 from validation.sweep.map_figures import SIZES
 

@@ -15,6 +15,7 @@ import pytest
 from fake_studies import answered, draw, result
 from test_page import models
 
+from tests.validation.without_times import lasting_digest
 from validation.commands.cli import NUMERICS_FAILED, main
 from validation.report import EXACT, Column, Evidence, Figure, Number, Outcome, Verdict, baseline, claim, holding, table
 from validation.report.build import make_report
@@ -22,7 +23,6 @@ from validation.report.files import csv_of
 from validation.report.record import report_schema
 from validation.report.recorded import read_report, text_of
 from validation.report.text import run_time
-from validation.report.without_times import lasting_digest
 
 ROOT = Path(__file__).parents[3]
 

@@ -263,7 +263,7 @@ PLACES = {
     "claims": (
         Place("claims:settled_at", tuple(only(model, scaled) for model in ("delay", "kelvin-voigt", "block8", "block12")), 9),
         Place("claims:run_deep", (part("events.stress_drop", change=beating),), claimed=True),
-        Place("claims:measure_ripples", (part("period"), part("loading.drop"), part("loading.slipped"))),
+        Place("claims:measure_ripples", (part("ripple"), part("drop"), part("slipped"))),
     ),
 }
 """By study: those whose quick run a test holds (`shown.quick`)."""

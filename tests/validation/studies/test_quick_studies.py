@@ -14,10 +14,10 @@ from shown import outcomes, quick, too_roomy
 
 import slipwave
 from slipwave.sources import ROOT, import_closure, program
+from tests.validation.answer import read_table
 from validation.commands.cli import main
 from validation.measure.grids.limits import stops_beyond
 from validation.report import Budget, Outcome, sources, store
-from validation.report.answer import read_table
 from validation.report.compared import EXACT_MODEL, critical_r
 from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict
 from validation.report.model_table import words_of

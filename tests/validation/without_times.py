@@ -1,6 +1,6 @@
 """Removes everything that depends on run times from a report: two reports of one commit agree in the rest.
 
-python -m validation.report.without_times reports        # the digest of what is left of report.json, the page and the tables
+python -m tests.validation.without_times reports        # the digest of what is left of report.json, the page and the tables
 """
 
 import hashlib

@@ -1,6 +1,6 @@
 """The answer in README.md and docs/index.md, written from the table of models of a report.
 
-python -m validation.report.answer reports        # takes the table of reports/ and rewrites the blocks between the markers
+python -m tests.validation.answer reports        # takes the table of reports/ and rewrites the blocks between the markers
 """
 
 import json
@@ -19,7 +19,7 @@ from validation.report.text import markup
 TABLE = ROOT / "reports" / "baseline" / "models" / "which-model.json"
 PAGES = (ROOT / "README.md", ROOT / "docs" / "index.md")
 _STUDY = "which-model"
-_BEGIN, _END = "<!-- answer: begin (python -m validation.report.answer) -->", "<!-- answer: end -->"
+_BEGIN, _END = "<!-- answer: begin (python -m tests.validation.answer) -->", "<!-- answer: end -->"
 _TIME = re.compile(r"~\{([^{}]*)\}")
 
 
