@@ -1,5 +1,8 @@
 """The delay system of docs/benchmark.md by numpy alone: a second program beside slipwave, of which it imports nothing.
 
+The interface between any slabs is what their delay lines return: m = mu - mu_ss is -z (g + R g_d) of each line of impedance z,
+g_d that of one delay before, and v - V is the sum of their g - R g_d. Alike slabs are one line of half their impedance.
+
 Each transit is cut into panels, each with a polynomial of psi through Chebyshev-Lobatto points that satisfies the equation of
 state there (slipwave: Radau points and local elimination). The tangent carries derivatives through all panels, so that
 Newton's method closes orbits and the monodromy matrix gives multipliers.    python second_program.py
@@ -18,12 +21,21 @@ STEADY_PSI, STEADY_MU = -np.log(V), A_STAR + (A - B) * np.log(V)
 Array = np.ndarray
 
 
-class Mesh:
-    """`panels` of equal length in a transit, and polynomials of `degree` on each; outer faces return the share `reflection` of
-    each wave."""
+class Line(NamedTuple):
+    """A slab as the interface sees it: its impedance, after how many transits it returns a wave, and which share of it."""
 
-    def __init__(self, panels: int = 8, degree: int = 16, reflection: float = 1.0) -> None:
-        self.panels, self.degree, self.reflection = panels, degree, reflection
+    impedance: float = 0.5 * EPSILON
+    delay: float = 1.0
+    share: float = 1.0
+
+
+class Mesh:
+    """`panels` of equal length in a transit, and polynomials of `degree` on each, for slabs that are these `lines`."""
+
+    def __init__(self, panels: int = 8, degree: int = 16, lines: tuple[Line, ...] = (Line(),)) -> None:
+        self.panels, self.degree, self.lines = panels, degree, lines
+        self.impedance = 1.0 / sum(1.0 / one.impedance for one in lines)
+        """That of all lines together."""
         unit = -np.cos(np.pi * np.arange(degree + 1) / degree)
         self.points = 0.5 * (1.0 + unit)
         powers = chebyshev.chebvander(unit, degree)
@@ -32,23 +44,45 @@ class Mesh:
         at_points = chebyshev.chebvander(unit, degree + 1) @ integrals.T
         self.integral = 0.5 / panels * at_points @ self._to_coefficients
         """Values of f at the points of a panel to those of its integral from the panel's beginning."""
+        self._returns = [self._return(one) for one in lines]
+        self.memory = max(back for parts in self._returns for back, _ in parts)
+        """Panels before now on which the lines depend."""
+
+    def rows(self, places: Array) -> Array:
+        """Weights of a panel's points in the values at `places` (0 to 1), one row each."""
+        rows: Array = chebyshev.chebvander(2.0 * places - 1.0, self.degree) @ self._to_coefficients
+        return rows
 
     def row(self, place: float) -> Array:
-        """Weights of a panel's points in the value at `place` (0 to 1)."""
-        row: Array = chebyshev.chebvander(np.array([2.0 * place - 1.0]), self.degree)[0] @ self._to_coefficients
+        """Weights of a panel's points in the value at `place`."""
+        row: Array = self.rows(np.array([place]))[0]
         return row
+
+    def _return(self, line: Line) -> list[tuple[int, Array]]:
+        """How many panels ago each panel was from which a line returns waves to one, and its weights in them: one panel if the
+        delay is a whole number of panels, else two."""
+        back = int(np.floor(line.delay * self.panels + 1e-9))
+        places = self.points - max(line.delay * self.panels - back, 0.0)
+        early = places < -1e-9
+        parts = [(back, line.share * self.rows(places) * ~early[:, None])]
+        return [*parts, (back + 1, line.share * self.rows(places + 1.0) * early[:, None])] if early.any() else parts
+
+    def returned(self, panels: list[Array]) -> Array:
+        """The waves R g_d, (points, lines, ...), in the panel that follows these panels of g."""
+        found = [sum(weights @ panels[-back][:, i] for back, weights in parts) for i, parts in enumerate(self._returns)]
+        return np.stack(found, axis=1)
 
 
 class State(NamedTuple):
-    """g over the last transit, (panels, degree + 1), and psi now."""
+    """g of each line before now, (mesh.memory panels, points, lines), and psi now."""
 
     g: Array
     psi: float
 
 
 class Panel(NamedTuple):
-    """The solution at the points of one panel, from `time` (transits) on; `tangent` holds derivatives of (g, psi) there by the
-    unknowns of the start."""
+    """The solution at the points of one panel, from `time` (transits) on: g (points, lines), psi and ln v; `tangent` holds
+    derivatives of (g, psi) there by the unknowns of the start."""
 
     time: float
     g: Array
@@ -59,16 +93,16 @@ class Panel(NamedTuple):
 
 def steady(mesh: Mesh, jump: float = 0.0) -> State:
     """Steady sliding at V, with psi off by `jump`."""
-    return State(np.zeros((mesh.panels, mesh.degree + 1)), STEADY_PSI + jump)
+    return State(np.zeros((mesh.memory, mesh.degree + 1, len(mesh.lines))), STEADY_PSI + jump)
 
 
-def ln_rate(psi: Array, delayed: Array, guess: Array) -> Array:
-    """ln v where friction meets the waves: a ln v + b psi + a_* = mu_ss - epsilon (g + g_d) with g = g_d + (v - V)/2."""
+def ln_rate(impedance: float, psi: Array, waves: Array, guess: Array) -> Array:
+    """ln v where friction meets `waves`, the sum of R g_d: a ln v + b psi + a_* = mu_ss - impedance (v - V + 2 waves)."""
     ln_v = guess
     for _ in range(60):
         v = np.exp(np.minimum(ln_v, 30.0))
-        off = A * ln_v + B * psi + A_STAR - STEADY_MU + 2.0 * EPSILON * delayed + 0.5 * EPSILON * (v - V)
-        step = off / (A + 0.5 * EPSILON * v)
+        off = A * ln_v + B * psi + A_STAR - STEADY_MU + impedance * (v - V + 2.0 * waves)
+        step = off / (A + impedance * v)
         ln_v = ln_v - np.clip(step, -3.0, 3.0)
         if np.abs(step).max() < 1e-14:
             break
@@ -78,20 +112,22 @@ def ln_rate(psi: Array, delayed: Array, guess: Array) -> Array:
 def march(
     mesh: Mesh, r: float, start: State, until: float, nudge: float = 0.0, tangent: tuple[Array, Array] | None = None
 ) -> Iterator[Panel]:
-    """The panels from t = 0 on that cover `until`; a `tangent` of the start, (panels, points, unknowns) and (unknowns,), is
-    carried along."""
-    memory, psi0, length = list(start.g), start.psi, 1.0 / mesh.panels
+    """The panels from t = 0 on that cover `until`; a `tangent` of the start, (memory, points, lines, unknowns) and (unknowns,),
+    is carried along."""
+    past, psi0, length = list(start.g), start.psi, 1.0 / mesh.panels
     carried = None if tangent is None else list(tangent[0])
     d_psi0 = None if tangent is None else tangent[1]
     ln_v, k = np.full(mesh.degree + 1, np.log(V)), 0
+    shares = np.array([mesh.impedance / one.impedance for one in mesh.lines])
     while k * length < until - 1e-13:
-        time, delayed = k * length, mesh.reflection * memory[k % mesh.panels]
+        time, waves = k * length, mesh.returned(past)
+        both = waves.sum(axis=1)
         push = nudge * np.exp(-((time + length * mesh.points - 6.0) ** 2))
         psi = np.full(mesh.degree + 1, psi0)
         for _ in range(80):
-            ln_v = ln_rate(psi, delayed, ln_v)
+            ln_v = ln_rate(mesh.impedance, psi, both, ln_v)
             v = np.exp(ln_v)
-            slope_v = -B * v / (A + 0.5 * EPSILON * v)  # of v by psi
+            slope_v = -B * v / (A + mesh.impedance * v)  # of v by psi
             off = psi - psi0 - mesh.integral @ (r * (np.exp(-psi) - v) + push)
             matrix = np.eye(psi.size) + mesh.integral * (r * (np.exp(-psi) + slope_v))
             step = np.linalg.solve(matrix, off)
@@ -100,17 +136,21 @@ def march(
                 break
         if not np.abs(step).max() < 1e-9:
             raise ValueError(f"no solution in the panel at t = {time}: the last step was {np.abs(step).max():.1e}")
-        ln_v = ln_rate(psi, delayed, ln_v)
+        ln_v = ln_rate(mesh.impedance, psi, both, ln_v)
         v = np.exp(ln_v)
-        g, both = delayed + 0.5 * (v - V), None
+        g, tangents = shares * (v - V + 2.0 * both)[:, None] - waves, None
         if carried is not None and d_psi0 is not None:
-            waves = mesh.reflection * carried[k % mesh.panels]
-            by_wave = -2.0 * EPSILON * v / (A + 0.5 * EPSILON * v)  # of v by the delayed g
-            d_psi = np.linalg.solve(matrix, d_psi0 - mesh.integral @ (r * by_wave[:, None] * waves))
-            d_g = waves + 0.5 * (slope_v[:, None] * d_psi + by_wave[:, None] * waves)
-            carried[k % mesh.panels], d_psi0, both = d_g, d_psi[-1], (d_g, d_psi)
-        yield Panel(time, g, psi, ln_v, both)
-        memory[k % mesh.panels], psi0, k = g, float(psi[-1]), k + 1
+            d_waves = mesh.returned(carried)
+            d_both = d_waves.sum(axis=1)
+            by_wave = -2.0 * mesh.impedance * v / (A + mesh.impedance * v)  # of v by the sum of R g_d
+            d_psi = np.linalg.solve(matrix, d_psi0 - mesh.integral @ (r * by_wave[:, None] * d_both))
+            d_v = slope_v[:, None] * d_psi + by_wave[:, None] * d_both
+            d_g = shares[:, None] * (d_v + 2.0 * d_both)[:, None] - d_waves
+            carried.append(d_g)
+            d_psi0, tangents = d_psi[-1], (d_g, d_psi)
+        yield Panel(time, g, psi, ln_v, tangents)
+        past.append(g)
+        psi0, k = float(psi[-1]), k + 1
 
 
 def psi_at(mesh: Mesh, r: float, times: list[float], nudge: float = 0.0, jump: float = 0.0) -> list[float]:
@@ -141,14 +181,15 @@ class Orbit(NamedTuple):
 
 
 def _arrived(mesh: Mesh, panels: list[Panel], period: float, pick: Callable[[Panel], tuple[Array, Array]]) -> tuple[Array, Array]:
-    """(g over the last transit, psi) at t = `period`, of what `pick` takes from a panel; g is interpolated."""
+    """(g before t = `period`, a row for each panel, point and line, psi then) of what `pick` takes from a panel; g is
+    interpolated."""
     length, edge = 1.0 / mesh.panels, 1e-12
     rows = []
-    for time in (period - 1.0 + length * (np.arange(mesh.panels)[:, None] + mesh.points)).ravel():
+    for time in (period + length * (np.arange(-mesh.memory, 0)[:, None] + mesh.points)).ravel():
         k = min(int(time / length + edge), len(panels) - 1)
-        rows.append(mesh.row(time / length - k) @ pick(panels[k])[0])
+        rows.append(np.tensordot(mesh.row(time / length - k), pick(panels[k])[0], 1))
     k = min(int(period / length), len(panels) - 1)
-    return np.array(rows), mesh.row(period / length - k) @ pick(panels[k])[1]
+    return np.concatenate(rows), mesh.row(period / length - k) @ pick(panels[k])[1]
 
 
 def closed(mesh: Mesh, r: float, period: float, start: State, fixed: str = "r") -> Orbit:
@@ -178,7 +219,7 @@ def _ends(mesh: Mesh, panels: list[Panel], period: float) -> Array:
 def _monodromy(mesh: Mesh, r: float, period: float, start: State) -> Array:
     """Derivatives of (g, psi) after the period by those of the start."""
     unit = np.eye(start.g.size + 1)
-    panels = list(march(mesh, r, start, period, tangent=(unit[:-1].reshape(mesh.panels, -1, unit.shape[0]), unit[-1])))
+    panels = list(march(mesh, r, start, period, tangent=(unit[:-1].reshape(*start.g.shape, -1), unit[-1])))
     return np.vstack(_arrived(mesh, panels, period, lambda one: one.tangent or (one.g, one.psi)))
 
 
@@ -204,7 +245,7 @@ def settled(mesh: Mesh, r: float, until: float) -> tuple[float, State]:
     falls = np.flatnonzero((psi[:-1] > PASSED) & (psi[1:] <= PASSED))
     before, last = (times[k] + (psi[k] - PASSED) / (psi[k] - psi[k + 1]) * (times[k + 1] - times[k]) for k in falls[-2:])
     g, end = _arrived(mesh, panels, last, lambda one: (one.g, one.psi))
-    return float(last - before), State(g.reshape(mesh.panels, -1), float(end))
+    return float(last - before), State(g.reshape(mesh.memory, mesh.degree + 1, -1), float(end))
 
 
 def figures(mesh: Mesh, orbit: Orbit) -> dict[str, float]:
@@ -227,10 +268,29 @@ def _extreme(values: Array, sign: float) -> float:
 
 
 def onset() -> tuple[float, float]:
-    """log10 r and the period at which steady sliding loses stability: s = i omega is a root of Q, equations (20), (38), (39)."""
+    """log10 r and the period at which steady sliding of alike slabs loses stability: s = i omega is a root of Q, equations (20),
+    (38), (39)."""
     omega, r_star = V * np.sqrt((B - A) / A), EPSILON / (B - A)
     r = 2.0 / omega * np.arctan(0.5 * r_star * omega)
     return float(np.log10(r)), float(2.0 * np.pi / (omega * r))
+
+
+def hopf(lines: tuple[Line, ...], log10_r: float, period: float) -> tuple[float, float]:
+    """The same for any lines, near a guess, by Newton's method: i omega is a root of 1 + (a/V - b r/(s + r V)) Y(s), in which
+    Y, the sum of (1 - R e^-sd)/(z (1 + R e^-sd)), is what the lines answer to a stress."""
+    place, delta = np.array([log10_r, np.log(period)]), 1e-6
+
+    def off(place: Array) -> Array:
+        s, r = 2j * np.pi * np.exp(-place[1]), 10.0 ** place[0]
+        waves = [(one.impedance, one.share * np.exp(-s * one.delay)) for one in lines]
+        answer = sum((1.0 - wave) / (z * (1.0 + wave)) for z, wave in waves)
+        value = 1.0 + (A / V - B * r / (s + r * V)) * answer
+        return np.array([value.real, value.imag])
+
+    for _ in range(20):
+        by_both = [(off(place + one) - off(place - one)) / (2.0 * delta) for one in delta * np.eye(2)]
+        place = place - np.linalg.solve(np.transpose(by_both), off(place))
+    return float(place[0]), float(np.exp(place[1]))
 
 
 def special(mesh: Mesh, kind: str, r: float, period: float, start: State, apart: float = 0.01) -> tuple[float, float]:

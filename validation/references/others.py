@@ -1,4 +1,5 @@
-"""Results of programs that nobody here wrote (docs/benchmark/others), extrapolated to steps of length zero."""
+"""Results of a program that nobody here wrote (docs/benchmark/others), extrapolated to steps of length zero, and those of the
+benchmark's second program, which shares nothing with slipwave."""
 
 import csv
 from functools import cache
@@ -8,8 +9,8 @@ import numpy as np
 from slipwave.sources import ROOT
 
 SEM2DPACK = "SEM2DPACK 2.3.8"
-_FILE = ROOT / "docs" / "benchmark" / "others" / "sem2dpack.csv"
-FILES = (_FILE,) if _FILE.exists() else ()
+_FILE, _PAIRS = (ROOT / "docs" / "benchmark" / name for name in ("others/sem2dpack.csv", "pairs.csv"))
+FILES = (_FILE, _PAIRS) if _FILE.exists() else ()
 """The files that a checkout has; a wheel has none."""
 _POWERS = (0, 2, 3, 4)
 """Of the step, in its error: Newmark's scheme is of order 2."""
@@ -24,6 +25,13 @@ def sem2dpack(scheme: str = "newmark") -> dict[str, float]:
             if row["scheme"] == scheme:
                 runs.setdefault(row["id"], {})[1.0 / float(row["steps_per_transit"])] = float(row["value"])
     return {name: _extrapolated(values) for name, values in runs.items() if len(values) >= len(_POWERS)}
+
+
+@cache
+def pairs() -> dict[str, float]:
+    """id -> value of orbits and special points of pairs of slabs, in which slipwave and the second program agree."""
+    with _PAIRS.open(encoding="utf-8", newline="") as file:
+        return {row["id"]: float(row["value"]) for row in csv.DictReader(file)}
 
 
 def _extrapolated(values: dict[float, float]) -> float:

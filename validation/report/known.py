@@ -76,10 +76,11 @@ OTHERS_AT = (8.0, 20.0, 40.0, 100.0)
 NO_OTHERS = () if others.FILES else (Omission("Results of another program", "They lie in a checkout, not in a wheel."),)
 
 
-def foreign_answer(witness: str, title: str) -> StudyAnswer:
-    """With what the exact solution agrees: the `witness`, by the claim that begins with `title`, and another program if a
-    checkout has its results."""
-    foreign = (f" and with {others.SEM2DPACK}", ("Another program",)) if others.FILES else ("", ())
+def foreign_answer(witness: str, title: str, second: tuple[str, ...] = ()) -> StudyAnswer:
+    """With what the exact solution agrees: the `witness`, by the claim that begins with `title`, and if a checkout has their
+    results another program and, by claims that begin with `second`, the benchmark's second one."""
+    also = ", its orbits and special points with the second program of the benchmark" if second else ""
+    foreign = (f" and with {others.SEM2DPACK}{also}", ("Another program", *second)) if others.FILES else ("", ())
     return StudyAnswer(f"The exact solution agrees with {witness}{foreign[0]}.", (title, *foreign[1]))
 
 

@@ -15,9 +15,14 @@ import slipwave as sw
 from slipwave.sources import ROOT
 
 FOLDER = ROOT / "docs" / "benchmark"
-with (FOLDER / "benchmark.csv").open(newline="") as stream:
-    KNOWN = {row["id"]: (float(row["value"]), float(row["bar"])) for row in csv.DictReader(stream)}
 
+
+def table_of(name):
+    with (FOLDER / name).open(newline="") as stream:
+        return {row["id"]: (float(row["value"]), float(row["bar"])) for row in csv.DictReader(stream)}
+
+
+KNOWN, PAIRS = table_of("benchmark.csv"), table_of("pairs.csv")
 
 FROZEN = "e5d57a93c6dab8010a33f4c3dc2fc8a2bab4a01c2b92feabb9bb92ee88ab1988"
 """Of benchmark.csv: numbers that others have compared with do not change."""
@@ -30,9 +35,9 @@ def values():
         yield import_module("values")
 
 
-def astray(found):
+def astray(found, known=KNOWN):
     """Names of values that lie outside the bars of the table."""
-    return [name for name, value in found if not abs(value - KNOWN[name][0]) <= KNOWN[name][1]]
+    return [name for name, value in found if not abs(value - known[name][0]) <= known[name][1]]
 
 
 def test_the_page_and_the_table_are_one():
@@ -41,6 +46,35 @@ def test_the_page_and_the_table_are_one():
     assert {name: (float(value), float(bar)) for name, value, bar in shown} == KNOWN
     points = {name.rpartition(".")[0] for name in KNOWN if name.endswith(".log10_r")}
     assert len(points) == 12
+
+
+def test_pairs_on_the_page_are_those_of_their_table(values):
+    page = (ROOT / "docs" / "benchmark.md").read_text(encoding="utf-8")
+    shown = re.findall(r"^\| (one-pair|pair-\S+|leaking-\S+) \| (\S+) \| (\S+) \| (\S+) \| (.+) \|$", page, re.M)
+    assert [name for name, *_ in shown] == [*values.PAIRS]
+    for name, q, p, share, cells in shown:
+        assert [float(q), float(p), float(share)] == pytest.approx([*values.PAIRS[name][:3]], abs=5e-5)
+        whats = ("period", "onset.log10_r", "fold.log10_r", "torus.log10_r")
+        for what, cell in zip(whats, cells.split(" | "), strict=True):
+            assert cell == (f"{PAIRS[key][0]:.10f}" if (key := f"{name}.{what}") in PAIRS else "")
+
+
+def test_two_programs_agree_on_pairs_to_the_digits_asked_for():
+    """Orbits to 1e-9, folds and Hopf points to 1e-8, torus points to 1e-6, and far nearer."""
+    nearest = {name: bar for name, (_, bar) in PAIRS.items() if name.endswith(".log10_r")}
+    assert len(nearest) == 21
+    assert max(nearest.values()) < 1e-11
+    assert all(bar < 1e-11 * value for name, (value, bar) in PAIRS.items() if name.count(".") - name.count("0.") == 1)
+
+
+def test_slabs_of_equal_round_trips_are_one_pair(values):
+    """Two delay lines have what alike slabs have."""
+    for name in ("period", "stress_drop", "v_max", "v_min"):
+        assert PAIRS[f"one-pair.{name}"][0] == pytest.approx(KNOWN[f"orbit.{name}"][0], rel=1e-12)
+    for name in ("onset", "fold"):
+        known = KNOWN["onset.log10_r" if name == "onset" else "fold.1.log10_r"][0]
+        upper = math.log10(values.upper_r("one-pair")) + 2.68
+        assert PAIRS[f"one-pair.{name}.log10_r"][0] - upper == pytest.approx(known, abs=1e-11)
 
 
 def test_the_second_program_shares_nothing_with_slipwave_and_the_score_needs_nothing():
@@ -92,15 +126,61 @@ def test_orbit_and_multipliers_are_those_of_both_programs(values, monkeypatch):
         assert astray(found) == []
 
 
+@pytest.mark.parametrize("time", [8.0, 20.0])
+def test_psi_of_unlike_slabs_is_that_of_two_delay_lines(time, values):
+    """The frozen values are those of full waves. Round trips of 2 : 1 and of sqrt(2) : 1, where no panel returns whole."""
+    for name, r, trips in (("unlike", 0.00244, 2.0), ("unlike-irrational", 0.00275, math.sqrt(2.0))):
+        mesh = values.other.Mesh(8, 16, (values.other.Line(2.8e-5), values.other.Line(8.4e-5, trips)))
+        found = values.other.psi_at(mesh, r, [time], nudge=0.5)
+        assert astray([(f"{name}.psi.{time:g}", found[0])]) == []
+
+
+def test_onsets_of_pairs_are_those_of_the_characteristic_equation(values):
+    for pair in values.PAIRS:
+        names = [f"{pair}.onset.{what}" for what in ("log10_r", "period")]
+        guess = PAIRS[names[0]][0] + 0.01, PAIRS[names[1]][0] + 1.0
+        assert astray(zip(names, values.other.hopf(values.lines_of(pair), *guess), strict=True), PAIRS) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pair", ["one-pair", "pair-2", "pair-root2", "leaking-0.9985"])
+def test_orbits_and_points_of_pairs_are_those_of_both_programs(pair, values):
+    found = values.orbit_of(pair), values.points_of(pair)
+    for program in (values.pair_by_slipwave, values.pair_by_second):
+        known = list(program(pair, *found))
+        assert len(known) == sum(name.startswith(f"{pair}.") for name in PAIRS)
+        assert astray(known, PAIRS) == []
+
+
+@pytest.mark.slow
+def test_a_curve_of_torus_points_behind_leaking_faces_is_that_of_the_second_program(values):
+    """Of a pair, over the share 1 - R that its faces lose: some points of slipwave's curve, each found anew."""
+    scene, point = values.as_scene("leaking-0.999"), values.points_of("leaking-0.999")["torus"]
+    leaks = {f"{slab}.face.coefficient": "1 - leak" for slab in ("upper", "lower")}
+    over = {"log10_r": (point.log10_r - 0.02, point.log10_r + 0.02)}
+    curve = sw.curve(scene, "NS", over, {"leak": (0.001, 0.003)}, set=leaks, model="delay", most_points=16)
+    points = curve.summary["points"][::5]
+    assert len(points) == 4
+    line, start = values.lines_of("leaking-0.999"), None
+    for one in points:
+        mesh = values.other.Mesh(6, 14, tuple(each._replace(share=1.0 - one["leak"]) for each in line))
+        start = values.as_start(sw.orbit(point), mesh) if start is None else start
+        place, period = values.other.special(mesh, "torus", 10.0 ** one["log10_r"], one["period"], start)
+        assert place == pytest.approx(one["log10_r"], abs=1e-9)
+        assert period == pytest.approx(one["period"], abs=1e-6)
+
+
 @pytest.mark.slow
 def test_points_of_the_branch_behind_leaking_faces_are_those_of_the_second_program(values):
     """A fold and a torus point behind faces of R = 0.999, found by both: far nearer than 1e-8 and 1e-6."""
-    mesh = values.other.Mesh(6, 14, 0.999)
+    mesh = values.other.Mesh(6, 14, (values.other.Line(share=0.999),))
     scene = sw.read("paper", {"slab.face.kind": "reflection", "slab.face.coefficient": 0.999})
     branch = sw.branch(scene, "log10_r=-2.72:-2.64", model="delay", tol=1e-9, longest_period=78.5)
     for kind, name in (("LP", "fold"), ("NS", "torus")):
         point = [one for one in branch.special if one.type == kind][-1]
-        place, period = values.other.special(mesh, name, 10.0**point.log10_r, point.period, values.as_start(sw.orbit(point)))
+        place, period = values.other.special(
+            mesh, name, 10.0**point.log10_r, point.period, values.as_start(sw.orbit(point), mesh)
+        )
         assert place == pytest.approx(point.log10_r, abs=1e-11)
         assert period == pytest.approx(point.period, abs=1e-6)
 

@@ -235,6 +235,7 @@ PLACES = {
         Place("asymmetry:period_as_two", S),
         Place("asymmetry:motion_at", (DISPLACED,)),
         Place("asymmetry:fold_of", (part("log10_r"),)),
+        Place("asymmetry:torus_of", (part("log10_r"),)),
         Place("asymmetry:relative_costs"),
     ),
     "bifurcation": (

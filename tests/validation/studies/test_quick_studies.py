@@ -80,7 +80,7 @@ STUDIES = {
     ),
     "regime-map": Expected(1, (), {f"{model} other regime, 13 x 7 points": near for model, near in REGIMES.items()}),
     "asymmetry": Expected(
-        6,
+        8,
         (),
         {
             "unlike: ψ(600)": (-5.25812015405, 4e-12),

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import slipwave as sw
 from validation.chart import DASHED, DOTTED, INK, Chart, Look, Panel, Scale, Trace
-from validation.measure.in_words import motion_at, scene_of, state_at
+from validation.measure.in_words import command_words, motion_at, scene_of, state_at
 from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
 from validation.measure.regimes import UNDECIDED, Regime
 from validation.references import others
@@ -52,6 +52,9 @@ _AGAIN = {
     ),
 }
 """Quick report -> motions on record that are computed again; a full report computes both."""
+_SECOND = {"pair-2": Pair(3.0, 2.0, -2.68), "pair-root2": Pair(10.0, math.sqrt(2.0), -2.68)}
+_TORN, _LEAKING = Pair(10.0, 2.0, -2.68), 0.999
+"""What docs/benchmark/pairs.csv has, by its names; the pair that has a torus behind leaking faces, and their R."""
 
 
 def run(budget: Budget) -> StudyResult:
@@ -84,6 +87,7 @@ def run(budget: Budget) -> StudyResult:
             first_good(compared, _LADDER, f"{_FIRST} has the exact regimes, and T and Δμ to 1 %"),
             repeated("Motions of pairs on record are found again", again, motion_at),
             _folds_again(ends),
+            *_second(exact, ends, two),
         ),
         numbers={f"{name}: ψ({UNTIL:.0f})": stated(delay[name], known[name]) for name in SCENES[:2]}
         | {
@@ -115,11 +119,23 @@ def period_as_two(impedances: float) -> float:
 
 def fold_of(pair: Pair) -> KnownPoint:
     """The first fold of the pair's branch: the least r with cycles near the onset."""
-    scene = scene_of(pair.settings)
+    return _first_point("LP", pair.settings)
+
+
+def torus_of(reflection: float) -> KnownPoint:
+    """The first torus point of _TORN behind faces that reflect this share of each wave."""
+    face = {"kind": "reflection", "coefficient": reflection}
+    faces = {f"{slab}.face.{key}": value for slab in ("upper", "lower") for key, value in face.items()}
+    return _first_point("NS", command_words(_TORN.settings, faces))
+
+
+def _first_point(kind: str, words: str) -> KnownPoint:
+    """The first special point of a kind on the branch."""
+    scene = scene_of(words)
     onset = math.log10(critical_r(EXACT_MODEL, scene))
-    found = sw.branch(scene, {"log10_r": (onset - 0.02, onset + 0.01)}, model=EXACT_MODEL, stop_at="LP", tol=1e-9)
-    fold = found.summary["special"][-1]
-    return KnownPoint(fold["type"], fold["log10_r"], fold["period"])
+    found = sw.branch(scene, {"log10_r": (onset - 0.02, onset + 0.02)}, model=EXACT_MODEL, stop_at=kind, tol=1e-9)
+    last = found.summary["special"][-1]
+    return KnownPoint(last["type"], last["log10_r"], last["period"])
 
 
 def _end_of(pair: Pair) -> tuple[float, float]:
@@ -164,7 +180,7 @@ def _answers(
             f"go on {min(width):.4f} to {max(width):.4f} below it.",
             ("Folds on record",),
         ),
-        foreign_answer("full waves", "Unlike slabs: ψ"),
+        foreign_answer("full waves", "Unlike slabs: ψ", ("Orbits of pairs", "Onsets, folds")),
     )
 
 
@@ -191,6 +207,24 @@ def _folds_again(ends: Mapping[Pair, tuple[float, float]]) -> Verdict:
     pairs = Pair(3.0, 2.0, LOG10_R[0]), Pair(10.0, math.sqrt(2.0), LOG10_R[0])
     off = max(abs(fold_of(pair).log10_r - math.log10(pair.clock) - ends[pair][1]) for pair in pairs)
     return claim("Folds on record of pairs are found again", SELF, off, ROUNDING, f"log_{{10}} r of {len(pairs)} pairs")
+
+
+def _second(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]], two: list[float]) -> Iterator[Verdict]:
+    """The benchmark's second program on orbits and special points of pairs; `two`: periods at equal round trips."""
+    if not others.FILES:
+        return
+    theirs, program = others.pairs(), "of pairs are those of a second program, of two delay lines"
+    orbit = exact[_SECOND["pair-2"]].figures["T"].value
+    pairs = ((two[-1], f"q = {IMPEDANCES[-1]:g}, p = 1", "one-pair"), (orbit, "q = 3, p = 2", "pair-2"))
+    orbits = [abs(ours / theirs[f"{name}.period"] - 1.0) for ours, _, name in pairs]
+    yield claim(f"Orbits {program}", WITNESS, max(orbits), ROUNDING, f"T, relative: {'; '.join(one for _, one, _ in pairs)}")
+    off = [abs(torus_of(_LEAKING).log10_r - theirs[f"leaking-{_LEAKING:g}.torus.log10_r"])]
+    for name, pair in _SECOND.items():
+        for what, ours in zip(("onset", "fold"), ends[pair], strict=True):
+            off.append(abs(ours + math.log10(pair.clock) - theirs[f"{name}.{what}.log10_r"]))
+    where = "; ".join(f"q = {pair.impedances:g}, p = {pair.round_trips:.4g}" for pair in _SECOND.values())
+    remark = f"log_{{10}} r: {where}; torus of q = {_TORN.impedances:g}, p = {_TORN.round_trips:g} behind R = {_LEAKING:g}"
+    yield claim(f"Onsets, folds and torus points {program}", WITNESS, max(off), ROUNDING, remark)
 
 
 def _motions(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]]) -> Table:
