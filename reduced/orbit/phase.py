@@ -4,6 +4,14 @@ With the left eigenvector w of the multiplier 1, w . dx/dt = 1, a small change d
 earlier. `Flow.pulses` carries w backwards along the orbit. An impulse is the integral of a shear stress on the interface, or of a
 change of the drive V, over a time in which Z hardly changes. The stress comes from outside: friction feels it, the slabs feel the
 slip that it causes. A constant extra stress or velocity changes T by minus the integral of Z over the period.
+
+A modulation A cos(2 pi t/P), with n P near T, advances the events by A Z cos per unit of time. Of this, only the product with the
+n-th harmonic of Z does not average out, so that a cycle of n P follows from one of T, the cycle is locked, where
+
+    |n P/T - 1| <= A |z_n|,     z_n = (1/T) integral of Z(t) exp(-2 pi i n t/T) dt.
+
+White noise of the two-sided spectral density S (autocorrelation S delta(t)) lets the dates of events diffuse: their variance
+grows by S times the mean of Z^2 per unit of time, 2 D with D = S/(2 T) integral of Z^2 dt. All this is to first order in A and S.
 """
 
 from dataclasses import dataclass
@@ -39,3 +47,15 @@ class PhaseResponse:
         length = (self.pulses.time + self.pulses.length - begin)[:, None]
         times = begin[:, None] + length * self.nodes
         return times, length * radau(self.nodes.size).integral[-1], self.at(times.ravel()).reshape(2, *times.shape)
+
+    def harmonics(self, most: int) -> Array:
+        """|z_n| (2, `most`) for n = 1, 2 ..."""
+        times, weights, values = self.samples
+        turns = np.exp(-2j * np.pi / self.period * np.outer(times, np.arange(1, most + 1)))
+        return np.asarray(np.abs((weights * values).reshape(2, -1) @ turns) / self.period)
+
+    @property
+    def diffusion(self) -> Array:
+        """D/S (2,)."""
+        _, weights, values = self.samples
+        return np.asarray(0.5 * (weights * values**2).sum(axis=(1, 2)) / self.period)

@@ -6,6 +6,7 @@ bordered matrix, R_p a difference of marches from the same start. The figures fo
     d g/dp = (g(u + h du/dp, p + h) - g(u - h du/dp, p - h))/(2 h)
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
@@ -19,8 +20,13 @@ from reduced.orbit.phase import PhaseResponse
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
+from slipwave.step.collocation import radau
+from slipwave.step.flow import Push
 from slipwave.threads import one_thread
 
+_PUSHED = 1e-5  # of the period: the advance from which the second order is read
+_LEFT, _MOST_PERIODS = 1e-3, 25  # part of a disturbance that may be left, and the most periods in which it has to decay
+_ALIGNED = 8  # iterations for the advance
 _NEUTRAL = 1e-6  # distance from 1 of another multiplier, below which the orbit has no derivative: it turns in a fold
 
 
@@ -40,7 +46,7 @@ class Responding:
         others, _ = floquet(closed.monodromy, closed.flow.idle)
         if np.abs(others - 1.0).min(initial=np.inf) < _NEUTRAL:
             raise NumericsError("another multiplier is 1 within 1e-6, as in a fold: the orbit has no derivative by a parameter")
-        self._meshes = [(closed, _inverse(closed))]
+        self._meshes, self._slowest = [(closed, _inverse(closed))], float(np.abs(others).max(initial=0.0))
 
     def by(self, sides: Sequence[Beside], figures: Callable[[Closed], Mapping[str, float]]) -> dict[str, float]:
         """d figures/dp from the scenes beside the orbit's. Raises SceneError if these have states of another size, NumericsError
@@ -68,6 +74,33 @@ class Responding:
         if closed.flow.model.startswith("fitted"):
             pulses = pulses._replace(drive=np.full_like(pulses.drive, np.nan))
         return PhaseResponse(pulses, closed.cycle.period, closed.flow.nodes)
+
+    def first_order_up_to(self) -> Array:
+        """The extra stress, and the extra velocity (V*) of the drive, (2,), up to which first order holds: for half a period from
+        where that moves events most, it advances them by a term of second order that is a tenth of that of first order. From a
+        small one, marched until the rest has decayed; NaN if the orbit is unstable or that lasts too long."""
+        closed, inverse = self._meshes[0]
+        flow, cycle, left, found = closed.flow, closed.cycle, inverse[-1, :-1], np.full(2, np.nan)
+        periods = math.log(_LEFT) / math.log(max(self._slowest, _LEFT)) if self._slowest < 1.0 else math.inf
+        if periods > _MOST_PERIODS:
+            return found
+        time, length = cycle.pieces.time[:-1], cycle.pieces.length[:-1, None]
+        values = self.phase.at((time[:, None] + length * flow.nodes).ravel()).reshape(2, -1, flow.nodes.size)
+        passed = np.cumsum((length * radau(flow.nodes.size).integral[-1] * values).sum(axis=2), axis=1)
+        ends = np.searchsorted(time, time[time < time[-1] - 0.5 * cycle.period] + 0.5 * cycle.period)
+        moved = passed[:, ends] - passed[:, : ends.size]
+        for which in np.flatnonzero(np.isfinite(moved).all(axis=1)):
+            begin = int(np.abs(moved[which]).argmax())
+            first = float(moved[which, begin])
+            size = _PUSHED * cycle.period / first
+            push = Push(begin + 1, int(ends[begin]) + 1, *(size * np.eye(2)[which]))
+            state, advance = flow.march(cycle.start, cycle.period, push).end, 0.0
+            for _ in range(math.ceil(periods)):
+                state = flow.march(state, cycle.period).end
+            for _ in range(_ALIGNED):
+                advance += float(left @ (state - flow.march(cycle.start, cycle.period + advance).end))
+            found[which] = 0.1 * abs(size * size * first / (advance - size * first))
+        return found
 
     def _smooth_in(self, scenes: Sequence[Scene]) -> tuple[Closed, Array]:
         """The orbit on its own mesh, or, where travel times change, on one of whose steps none is a whole number; and the inverse

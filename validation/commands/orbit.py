@@ -125,7 +125,7 @@ class OrbitResult(Result):
     @cached_property
     def phase_response(self) -> PhaseFacts:
         """The response to short pulses over the phase. Raises NumericsError on a fold."""
-        return phase_facts(self.found, self._responding.phase)
+        return phase_facts(self.found, self._responding)
 
     @cached_property
     def _responding(self) -> Responding:

@@ -7,6 +7,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from reduced.orbit.phase import PhaseResponse
+from reduced.orbit.response import Responding
 from slipwave.files import TIME
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -23,11 +24,15 @@ PhaseFacts: TypeAlias = dict[str, Any]
 
 _MOST = 400  # points of each curve in the JSON
 _NAMES = {"stress": "phase_response_stress", "drive": "phase_response_drive"}
+_SHOWN, _HARMONICS = 5, 20  # in the table and in the JSON
+_AMPLITUDES = (("normal stress", "V*"), ("Pa", "m/s"))
+_DENSITIES = ("normal stress^2 transit", "Pa^2 s")
 _PULSES = {"stress": "shear stress", "drive": "drive velocity"}
 
 
-def phase_facts(found: OrbitFound, response: PhaseResponse) -> PhaseFacts:
-    """The JSON, thinned so that every extremum stays."""
+def phase_facts(found: OrbitFound, responding: Responding) -> PhaseFacts:
+    """The JSON; the curves thinned so that every extremum stays."""
+    response = responding.phase
     scene, (times, _, values) = found.scene, response.samples
     since = ((times - first_event(found.found.closed)) % response.period).ravel()
     order = np.argsort(since)
@@ -35,11 +40,20 @@ def phase_facts(found: OrbitFound, response: PhaseResponse) -> PhaseFacts:
     kept = np.unique(np.concatenate([staying(since, one, _MOST) for one in values]))
     columns = {"time": since[kept], **dict(zip(_NAMES, values[:, kept], strict=True))}
     meanings = {"time": INTERFACE[TIME]} | {name: PHASE[stored] for name, stored in _NAMES.items()}
-    in_si = {twin: one for name in columns for twin, (one, _) in twins_in_si(name, columns[name], meanings[name], scene).items()}
     facts: PhaseFacts = {"phase": (since[kept] / response.period).tolist()}
     facts |= {name: one.tolist() for name, one in columns.items()}
     facts["unit"] = {name: meaning.unit for name, meaning in meanings.items()}
-    return facts | ({"si": {twin: one.tolist() for twin, one in in_si.items()}} if in_si else {})
+    facts["first_order_up_to"] = dict(zip(_NAMES, responding.first_order_up_to().tolist(), strict=True))
+    facts["harmonics"] = dict(zip(_NAMES, response.harmonics(_HARMONICS).tolist(), strict=True))
+    facts["diffusion"] = dict(zip(_NAMES, response.diffusion.tolist(), strict=True))
+    if scene.units is None:
+        return facts
+    in_si = {twin: one for name in columns for twin, (one, _) in twins_in_si(name, columns[name], meanings[name], scene).items()}
+    facts["si"] = {twin: one.tolist() for twin, one in in_si.items()}
+    for key, power in (("first_order_up_to", -1.0), ("harmonics", 1.0), ("diffusion", 2.0)):
+        sizes = {name: scene.units.size(meanings[name].unit, scene.transit) ** power for name in _NAMES}
+        facts["si"][key] = {name: (size * np.array(facts[key][name])).tolist() for name, size in sizes.items()}
+    return facts
 
 
 def phase_rows(facts: Mapping[str, Any], scene: Scene) -> Iterator[str]:
@@ -54,6 +68,20 @@ def phase_rows(facts: Mapping[str, Any], scene: Scene) -> Iterator[str]:
         rows.append([words, unit, *(text for k in most for text in (rounded(values[k], 4), rounded(facts["phase"][k], 3)))])
     yield from aligned(["a short pulse of", "advance in", "largest", "at phase", "least", "at phase"], rows)
     yield "the time by which all later events come earlier, over the pulse's size times its length; phase 0: the slip event"
+    yield ""
+    known, place = facts.get("si", facts), int("si" in facts)
+    rows = [
+        [
+            words,
+            *(rounded(one, 4) for one in known["harmonics"][name][:_SHOWN]),
+            f"{rounded(known['first_order_up_to'][name], 2)} {unit}",
+        ]
+        for (name, words), unit in zip(_PULSES.items(), _AMPLITUDES[place], strict=True)
+    ]
+    yield from aligned(["a sine of amplitude A of", *(f"n = {n}" for n in range(1, _SHOWN + 1)), "first order up to"], rows)
+    yield "locks a cycle to n of its periods P while |n P/T - 1| < A times this, in 1/(the unit of A)"
+    spread = rounded(known["diffusion"]["stress"], 4)
+    yield f"white shear stress of two-sided density S ({_DENSITIES[place]}): dates of events diffuse with D = {spread} S"
 
 
 def with_phase_response(chart: Chart, scene: Scene, time: Array, response: PhaseResponse) -> Chart:

@@ -1,6 +1,7 @@
 """The phase response of an orbit: integrals against derivatives by keys, and pulses marched through the flow and through runs."""
 
 import json
+import math
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from reduced.orbit.response import Responding
 from slipwave.friction.law import friction_slopes
 from slipwave.step.flow import Push
 from validation.commands.cli import main
+from validation.models.orbit_start import first_event
 
 
 def shift(closed, push, periods=20):
@@ -103,6 +105,63 @@ def test_an_unstable_orbit_has_a_phase_response():
     assert result.facts["stable"] is False
     _, weights, values = result._responding.phase.samples
     assert float((weights * values[1]).sum()) == pytest.approx(-result.response["drive.velocity"]["period"], rel=1e-6)
+
+
+def locked_period(result, harmonic, depth, longer, cycles=40, knots=32):
+    """The period (T) of events under a drive V (1 + depth cos), of period T/`harmonic`, at the phase at which it delays (`longer`
+    is 1) or advances (-1) them most. The cosine is drawn by ramps."""
+    scene, period, phase = result.found.scene, result.period, result._responding.phase
+    times, weights, (_, drive) = phase.samples
+    moment = (weights * drive * np.exp(-2j * np.pi * harmonic / period * times)).sum()
+    event = sw.run(scene, model=result.model, until=42.0 * period).dataset["event_time"].values[-2]
+    start = event + 0.5 * period
+    origin = event - first_event(result.found.found.closed)
+    behind = np.angle(moment) + (np.pi if longer > 0 else 0.0)  # Z(t - origin) cos(w t - behind - w origin) has the mean -+|z_n|
+    forcing = period / harmonic * (1.0 + longer * depth * scene.velocity * abs(moment) / period)
+    middle = start + 0.6 * cycles * period
+    times = start + forcing / knots * np.arange(math.ceil(cycles * period / forcing * knots) + 1)
+    # exact in the middle of the cycles that are judged
+    turns = 2.0 * np.pi * (harmonic * (middle - origin) / period + (times - middle) / forcing) + behind
+    rates = scene.velocity * (1.0 + depth / np.sinc(1.0 / knots) ** 2 * np.cos(turns))
+    ramps = [[0.0, scene.velocity], [float(start), scene.velocity], *np.column_stack([times, rates]).tolist()]
+    done = sw.run(scene, model=result.model, until=float(times[-1]), set={"drive.velocity": ramps})
+    dates = done.dataset["event_time"].values
+    dates = dates[dates > start + 0.3 * cycles * period]
+    return float(np.polyfit(np.arange(dates.size), dates, 1)[0]) / period
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("harmonic", [1, 2, 3, 4, 5])
+def test_the_locking_range_is_that_of_runs(harmonic):
+    """The longest and the shortest period that a modulated drive can impose: their distance at a depth of 1e-3, where the second
+    order moves both by up to 9 % of it, and each of them at 2e-4."""
+    result = sw.orbit("paper", model="modal:2", tol=1e-9)
+    half = result.found.scene.velocity * result._responding.phase.harmonics(harmonic)[1, -1]
+    longest, shortest = (locked_period(result, harmonic, 1e-3, side) for side in (1.0, -1.0))
+    assert longest - shortest == pytest.approx(2e-3 * half, rel=0.05)
+    for side in (1.0, -1.0):
+        assert locked_period(result, harmonic, 2e-4, side) - 1.0 == pytest.approx(side * 2e-4 * half, rel=0.05)
+
+
+def test_harmonics_and_diffusion_are_integrals_of_the_curve():
+    result = sw.orbit("paper", tol=1e-9, response=True)
+    known, phase, period = result.summary["phase_response"], result._responding.phase, result.period
+    times = np.linspace(0.0, period, 200001)[:-1]
+    stress, drive = phase.at(times)
+    assert known["diffusion"]["stress"] == pytest.approx(0.5 * (stress**2).mean(), rel=1e-6)
+    for n in (1, 5, 20):
+        for name, curve in (("stress", stress), ("drive", drive)):
+            size = abs((curve * np.exp(-2j * np.pi * n * times / period)).mean())
+            assert known["harmonics"][name][n - 1] == pytest.approx(size, rel=1e-6), (n, name)
+    # measured once, from pulses of half a period
+    assert known["first_order_up_to"] == {"stress": pytest.approx(6.0e-5, rel=0.1), "drive": pytest.approx(0.18, rel=0.1)}
+
+
+def test_what_is_beyond_first_order_grows_as_the_square(monkeypatch):
+    responding = Responding(sw.orbit("paper", model="modal:2", tol=1e-9).found.found.closed)
+    limits = responding.first_order_up_to()
+    monkeypatch.setattr("reduced.orbit.response._PUSHED", 3e-5)
+    assert responding.first_order_up_to() == pytest.approx(limits, rel=0.05)
 
 
 def test_the_command_says_draws_and_stores_the_phase_response(capsys, tmp_path):
