@@ -51,8 +51,9 @@ class PhaseResponse:
     def harmonics(self, most: int) -> Array:
         """|z_n| (2, `most`) for n = 1, 2 ..."""
         times, weights, values = self.samples
-        turns = np.exp(-2j * np.pi / self.period * np.outer(times, np.arange(1, most + 1)))
-        return np.asarray(np.abs((weights * values).reshape(2, -1) @ turns) / self.period)
+        once = np.exp(-2j * np.pi / self.period * times.ravel())
+        turns = np.multiply.accumulate(np.broadcast_to(once, (most, once.size)))
+        return np.asarray(np.abs((weights * values).reshape(2, -1) @ turns.T) / self.period)
 
     @property
     def diffusion(self) -> Array:

@@ -26,7 +26,7 @@ from slipwave.threads import one_thread
 
 _PUSHED = 1e-5  # of the period: the advance from which the second order is read
 _LEFT, _MOST_PERIODS = 1e-3, 25  # part of a disturbance that may be left, and the most periods in which it has to decay
-_ALIGNED = 8  # iterations for the advance
+_ALIGNED = 1e-11  # of the period: error of an advance
 _NEUTRAL = 1e-6  # distance from 1 of another multiplier, below which the orbit has no derivative: it turns in a fold
 
 
@@ -97,8 +97,11 @@ class Responding:
             state, advance = flow.march(cycle.start, cycle.period, push).end, 0.0
             for _ in range(math.ceil(periods)):
                 state = flow.march(state, cycle.period).end
-            for _ in range(_ALIGNED):
-                advance += float(left @ (state - flow.march(cycle.start, cycle.period + advance).end))
+            for _ in range(_MOST_PERIODS):
+                gap = float(left @ (state - flow.march(cycle.start, cycle.period + advance).end))
+                advance += gap
+                if abs(gap) < _ALIGNED * cycle.period:
+                    break
             found[which] = 0.1 * abs(size * size * first / (advance - size * first))
         return found
 

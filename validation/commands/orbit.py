@@ -60,7 +60,9 @@ class OrbitOptions(ModelOptions):
     )
     others: bool | None = option("name the orbits that coexist with it, along the branch from the onset on", stored=True)
     cells: int | None = option("full wave: cells per slab", stored=True)
-    response: bool | None = option("derivatives of period, stress drop and slip rates by every key of the scene")
+    response: bool | None = option(
+        "what moves the orbit: derivatives by every key of the scene, and the response to short pulses"
+    )
 
     @property
     def is_default(self) -> bool:

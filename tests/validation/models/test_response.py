@@ -60,14 +60,33 @@ def test_derivatives_are_those_of_differences_of_orbits(scene, model):
 
 
 @pytest.mark.slow
-def test_derivatives_of_a_machine_in_si_are_those_of_differences():
-    result = sw.orbit("paper-si", tol=1e-9, set=MACHINE)
+@pytest.mark.parametrize(
+    ("scene", "model", "figures"),
+    [
+        ("paper", "delay", 4),
+        ("paper", "modal:2", 4),
+        ("paper", "dg:3", 4),
+        ("unlike", "delay", 4),
+        ("unlike", "modal:2", 4),
+        ("unlike", "dg:3", 4),
+        ("paper-si", "delay", 4),
+        ("paper-si", "fitted:2", 1),  # its other derivatives are known to 5e-6: they are near 0, and so are errors of the mesh
+        ("paper-si", "dg:3", 1),  # two ripples are the largest stress by turns: the drop has a kink 1e-5 away
+    ],
+)
+def test_derivatives_by_all_keys_are_those_of_differences(scene, model, figures):
+    """The worst is 9e-7 (measured). A grid of unlike slabs has none by a round trip, with which its number of cells jumps."""
+    result = sw.orbit(scene, model=model, tol=1e-9, set=MACHINE if scene == "paper-si" else {})
+    without = {key for key, known in result.response.items() if "reason" in known}
+    assert without == ({"upper.r", "lower.r"} if (scene, model) == ("unlike", "dg:3") else set())
     for key, known in result.response.items():
-        if key != "interface.a_star":
+        if key not in without | {"interface.a_star"}:
             step = 1e-4 if key == "slab.face.impedance" else 1e-5  # 1 % of the dashpot moves T by a millionth
-            expected = differences(result, key, known["value"], known["unit"], step)
-            assert [known[name] for name in FIGURES] == pytest.approx(expected, rel=1e-6), key
-    assert result.response["slab.face.mass"]["unit"] == "kg/m2"
+            expected = differences(result, key, known["value"], known["unit"], step)[:figures]
+            rel = 2e-5 if (key, model) == ("slab.face.impedance", "dg:3") else 2e-6 if model == "fitted:2" else 1e-6
+            assert [known[name] for name in FIGURES[:figures]] == pytest.approx(expected, rel=rel), key
+    if scene == "paper-si":
+        assert result.response["slab.face.mass"]["unit"] == "kg/m2"
 
 
 def test_derivatives_in_si_scale_as_the_units_do():
