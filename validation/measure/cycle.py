@@ -43,12 +43,6 @@ def _vertex(x: np.ndarray, y: np.ndarray) -> float:
     return float(0.5 * (x[0] + x[1]) - 0.5 * slope / curvature)
 
 
-def events_from(run: RunResult, begin: float) -> Events:
-    """The complete cycles of a run that begin at `begin` (transits) or later."""
-    events = run.done.events
-    return Events(*(column[events.time >= begin] for column in events))
-
-
 def history_of(run: RunResult) -> dict[str, np.ndarray]:
     """What a run kept of the interface's history, by the names of `OneCycle`."""
     assert run.records.history

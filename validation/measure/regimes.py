@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate, Orbit
@@ -13,9 +12,6 @@ from validation.models.build import build
 from validation.models.by_name import one_port_of
 from validation.models.run import Run, reconsidered, simulate
 from validation.models.settle import estimate
-
-if TYPE_CHECKING:
-    pass
 
 STEADY, AWAY, UNDECIDED, UNTRIED = "slides steadily", "runs away", "undecided", "–"
 """Regimes besides "periodic", "torus" and "irregular"; the last one: the model was not tried in the scene."""

@@ -5,10 +5,11 @@ import gzip
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from validation.chart.svg import colors_of, inline
-from validation.report.store import Picture, Stored
+from validation.report.record import Picture
+from validation.report.store import Stored
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -17,17 +18,20 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 
 
-def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Environment":
-    """The environment with the filter `inline` and the figures' dark colours for `figure.html.j2`; the paper's figures that are
-    drawn again, in its order, with the verdicts that they carry, of any study."""
+def with_figures(environment: "Environment", studies: Sequence[Stored], out: Path) -> "Environment":
+    """The environment, of a page in the folder `out`, with the filter `inline` and the figures' dark colours for
+    `figure.html.j2`; the paper's figures that are drawn again, in its order, with the verdicts that they carry, of any study."""
     from markupsafe import Markup
 
-    def element(picture: Picture) -> Any:
-        return Markup(inline(picture.svg.read_text(encoding="utf-8"), f"f{pictures.index(picture)}"))
+    def packed(picture: Picture) -> str:
+        """The figure's CSV file as gzip in base64, the same bytes for the same file."""
+        return base64.b64encode(gzip.compress((out / picture.files[2]).read_bytes(), mtime=0)).decode("ascii")
 
     pictures = [picture for study in studies for picture in study.pictures]
-    environment.filters["inline"] = element
-    colors = colors_of(picture.svg.read_text(encoding="utf-8") for picture in pictures)
+    drawings = {picture.id: (out / picture.files[0]).read_text(encoding="utf-8") for picture in pictures}
+    numbers = {name: f"f{number}" for number, name in enumerate(drawings)}
+    environment.filters["inline"] = lambda picture: Markup(inline(drawings[picture.id], numbers[picture.id]))
+    colors = colors_of(drawings.values())
     environment.globals["day"], environment.globals["night"] = map(Markup, colors)
     every = [verdict for study in studies if study.result for verdict in study.result.verdicts]
     environment.globals["of_paper"] = [
@@ -38,11 +42,6 @@ def with_figures(environment: "Environment", studies: Sequence[Stored]) -> "Envi
     environment.filters |= {"packed": packed, "json": json.dumps}
     environment.globals["plotting"] = Markup(_plotting()) if any(picture.zoom for picture in pictures) else ""
     return environment
-
-
-def packed(picture: Picture) -> str:
-    """The figure's CSV file as gzip in base64, the same bytes for the same file."""
-    return base64.b64encode(gzip.compress(picture.csv.read_bytes(), mtime=0)).decode("ascii")
 
 
 def _plotting() -> str:

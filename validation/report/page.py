@@ -9,7 +9,7 @@ from slipwave.files import whole_or_absent
 from validation.report import Evidence, Outcome, Verdict, first_screen, text
 from validation.report.advice import JUDGED, advice_on
 from validation.report.figures import with_figures
-from validation.report.questions import ask, left_out, verdicts_of
+from validation.report.questions import ask, left_out, tally, verdicts_of
 from validation.report.record import Changes, Record, Word
 from validation.report.store import Stored
 
@@ -27,7 +27,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
 
     said = _said(report.changes)
     page = (
-        _templates(studies)
+        _templates(studies, out)
         .get_template("page.html.j2")
         .render(
             css=Markup((_HERE / "page.css").read_text(encoding="utf-8")),
@@ -42,7 +42,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
             failures=[verdict for verdict in verdicts_of(studies) if verdict.outcome is Outcome.FAIL],
             evidence=tuple(Evidence),
             matrix=matrix(studies),
-            tally=tally(studies),
+            tally=report.outcomes,
             leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
             omissions=left_out(studies),
             csv={one.id: one.csv for one in report.model_tables},
@@ -58,7 +58,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
     return out / "index.html"
 
 
-def _templates(studies: Sequence[Stored]) -> "Environment":
+def _templates(studies: Sequence[Stored], out: Path) -> "Environment":
     """The environment of the templates: jinja's functions and ours."""
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
@@ -79,7 +79,7 @@ def _templates(studies: Sequence[Stored]) -> "Environment":
         "judged": JUDGED,
         "proofs": partial(first_screen.proofs, studies=studies),
     }
-    return with_figures(environment, studies)
+    return with_figures(environment, studies, out)
 
 
 def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:
@@ -97,13 +97,6 @@ def _light(verdicts: list[Verdict]) -> dict[str, Any] | None:
         return None
     worst = next(outcome for outcome in _WORST if any(v.outcome is outcome for v in verdicts))
     return {"outcome": worst.value, "count": len(verdicts)}
-
-
-def tally(studies: Sequence[Stored]) -> dict[str, int]:
-    """Number of verdicts by outcome, and of failed studies."""
-    verdicts = verdicts_of(studies)
-    counts = {outcome.value: sum(v.outcome is outcome for v in verdicts) for outcome in Outcome}
-    return counts | {"broken": sum(study.result is None for study in studies)}
 
 
 def _said(changes: Changes) -> str:

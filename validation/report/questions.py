@@ -69,6 +69,13 @@ def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
     return [verdict for study in studies if study.result for verdict in study.result.verdicts]
 
 
+def tally(studies: Sequence[Stored]) -> dict[str, int]:
+    """Number of verdicts by outcome, and of failed studies."""
+    verdicts = verdicts_of(studies)
+    counts = {outcome.value: sum(v.outcome is outcome for v in verdicts) for outcome in Outcome}
+    return counts | {"broken": sum(study.result is None for study in studies)}
+
+
 def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Verdict], bool]]:
     """Omissions of the report: study, omission, verdicts that check its reason, and whether these are missing although the reason
     has numbers."""

@@ -67,16 +67,30 @@ class ModelTableRecord(Part):
     """Where it is as CSV, one line for each number, from the folder of this file; its column `cost` holds run times."""
 
 
-class FigureRecord(Part):
+class Picture(Part):
     """A figure of the page."""
 
     id: str
     study: str
+    name: str = ""
     caption: str
     files: tuple[str, ...]
-    """Its picture and its data, from the folder of this file."""
+    """Its picture as SVG and PNG, and its data, from the folder of this file."""
     timed: bool
     """Whether it shows run times."""
+    title: str = ""
+    description: str = ""
+    """What it shows, in words."""
+    panels: tuple[dict[str, Any], ...] = ()
+    """Names, labels, scales and limits of its panels."""
+    lead: bool = False
+    """Whether it stands at the top of the page."""
+    paper: str = ""
+    """The figure of the paper that it redraws."""
+    carries: tuple[str, ...] = ()
+    """Beginnings of the claims that it shows."""
+    zoom: bool = False
+    beside: str = ""
 
 
 class Word(StrEnum):
@@ -165,7 +179,7 @@ class Record(Part):
     numbers: tuple[Number, ...]
     tables: tuple[Table, ...]
     model_tables: tuple[ModelTableRecord, ...]
-    figures: tuple[FigureRecord, ...]
+    figures: tuple[Picture, ...]
     changes: Changes
     times: Times
 

@@ -6,20 +6,20 @@ from pathlib import Path
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.files import reason_of
-from validation.report import Outcome, StudyAnswer, StudyResult
+from validation.report import StudyAnswer, StudyResult
 from validation.report.model_table import ModelTable
+from validation.report.questions import tally
 from validation.report.record import (
     FORMAT,
     AnswerRecord,
     Changes,
-    FigureRecord,
     ModelTableRecord,
     Record,
     StudyRecord,
     Times,
 )
 from validation.report.registered import STUDIES, study_called
-from validation.report.store import Picture, Stored
+from validation.report.store import Stored
 
 NAME = "report.json"
 _DIGESTS = ("commit", "solver sources", "scene paper")
@@ -30,22 +30,20 @@ def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, wri
     """The report of the stored `studies`, in their order, without comparison; `facts` are those of
     `validation.report.provenance.machine_facts`."""
     done = [(study.name, study.result) for study in studies if study.result]
-    verdicts = [verdict for _, result in done for verdict in result.verdicts]
-    counts = {outcome.value: sum(verdict.outcome is outcome for verdict in verdicts) for outcome in Outcome}
     machine = {key: facts[key] for key in _MACHINE}
     return Record(
         format=FORMAT,
         quick=quick,
         versions={key: value for key, value in facts.items() if key not in (*_DIGESTS, *_MACHINE)},
         digests={key: facts[key] for key in _DIGESTS},
-        outcomes=counts | {"broken": len(studies) - len(done)},
+        outcomes=tally(studies),
         studies=tuple(map(_study, studies)),
         answers=tuple(_answer(name, result, answer) for name, result in done for answer in result.answers),
-        verdicts=tuple(verdicts),
+        verdicts=tuple(verdict for _, result in done for verdict in result.verdicts),
         numbers=tuple(number for _, result in done for number in result.numbers.values()),
         tables=tuple(table for _, result in done for table in result.tables),
         model_tables=tuple(_models(name, table) for name, result in done for table in result.model_tables),
-        figures=tuple(_figure(study.name, picture) for study in studies for picture in study.pictures),
+        figures=tuple(picture for study in studies for picture in study.pictures),
         changes=Changes(since="", counts={}, listed=()),
         times=Times(written=written, seconds={one.name: one.wall_seconds for one in studies}, before={}, machine=machine),
     )
@@ -73,11 +71,6 @@ def _answer(study: str, result: StudyResult, answer: StudyAnswer) -> AnswerRecor
 def _models(study: str, table: ModelTable) -> ModelTableRecord:
     csv = f"data/{study}/models-{table.name}.csv"
     return ModelTableRecord(id=f"models.{table.name}", study=study, table=table, csv=csv)
-
-
-def _figure(study: str, picture: Picture) -> FigureRecord:
-    files = tuple(f"data/{study}/{path.name}" for path in picture.files)
-    return FigureRecord(id=f"{study}.{picture.name}", study=study, caption=picture.caption, files=files, timed=picture.timed)
 
 
 def text_of(report: Record) -> str:

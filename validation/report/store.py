@@ -15,39 +15,13 @@ from slipwave.files import is_running
 from validation.chart.render import SUFFIXES, render
 from validation.report import Study, StudyResult
 from validation.report.names import with_ids
+from validation.report.record import Picture
 from validation.report.sources import sources_digest
 
 _FORMAT = 6
 _PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}
 """The stored parts of a result, with their types."""
 _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A stored figure of a study: caption, description in words (`chart.words`), labels, scales and limits of its panels,
-    and files."""
-
-    study: str
-    name: str
-    caption: str
-    lead: bool
-    timed: bool
-    paper: str
-    carries: tuple[str, ...]
-    zoom: bool
-    beside: str
-    title: str
-    description: str
-    panels: list[dict[str, Any]]
-    svg: Path
-    png: Path
-    csv: Path
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        """The stored files."""
-        return self.svg, self.png, self.csv
 
 
 @dataclass(frozen=True)
@@ -78,20 +52,16 @@ def stored_result(folder: Path, study: Study, key: str) -> Stored | None:
             return None
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return None
-    return _stored(own, study, record)
+    return _stored(study, record)
 
 
 def _digest(record: dict[str, Any], folder: Path) -> str:
     """Digest of a result without its own digest, and of its pictures in `folder`."""
     digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode())
     for figure in record["figures"]:
-        for path in _files(folder, figure["name"]):
-            digest.update(path.read_bytes())
+        for suffix in SUFFIXES:
+            digest.update((folder / (figure["name"] + suffix)).read_bytes())
     return digest.hexdigest()
-
-
-def _files(folder: Path, figure: str) -> list[Path]:
-    return [folder / (figure + suffix) for suffix in SUFFIXES]
 
 
 def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
@@ -114,7 +84,7 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
         part.rename(target)
     finally:
         _remove(part)
-    return replace(_stored(target, study, record), fresh=True)
+    return replace(_stored(study, record), fresh=True)
 
 
 def _is_running(process: str) -> bool:
@@ -140,13 +110,16 @@ def _plain(value: Any) -> Any:
     return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value.item()
 
 
-def _stored(folder: Path, study: Study, record: dict[str, Any]) -> Stored:
+def _stored(study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
-    pictures = tuple(_picture(folder, study.NAME, figure) for figure in record["figures"])
     result = StudyResult(**{name: TypeAdapter(kind).validate_python(record[name]) for name, kind in _PARTS.items()})
+    pictures = tuple(
+        Picture(
+            **figure,
+            id=f"{study.NAME}.{figure['name']}",
+            study=study.NAME,
+            files=tuple(f"data/{study.NAME}/{figure['name']}{suffix}" for suffix in SUFFIXES),
+        )
+        for figure in record["figures"]
+    )
     return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures, key=record["key"])
-
-
-def _picture(folder: Path, study: str, figure: dict[str, Any]) -> Picture:
-    svg, png, csv = _files(folder, figure["name"])
-    return Picture(study, **figure, svg=svg, png=png, csv=csv)

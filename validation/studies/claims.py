@@ -12,7 +12,7 @@ import slipwave as sw
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import model_line
 from validation.measure import memo
-from validation.measure.cycle import Events, Orbit, events_from, history_of, one_cycle, ripple_period
+from validation.measure.cycle import Events, Orbit, history_of, one_cycle, ripple_period
 from validation.references.onset import FAST_PERIOD_KELVIN_VOIGT, CriticalValues, onset_of
 from validation.references.published import half_digit, reference
 from validation.report import Budget, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
@@ -218,7 +218,7 @@ def run_deep(model: str, until: float) -> Deep:
     """Run `model` at log10 r = -2.3 to `until` (transits)."""
     run = sw.run("paper-2.3", model, until=until, tol=1e-9, window=SHOWN, rate=_RATE)
     history = history_of(run)
-    return Deep(events_from(run, SHOWN[0]), *(history[name] for name in Deep._fields[1:]))
+    return Deep(run.records.watch.events(SHOWN[0]), *(history[name] for name in Deep._fields[1:]))
 
 
 def measure_ripples(model: str) -> Ripples:

@@ -1,13 +1,13 @@
 """Where in the plane of round trip and velocity does each model slide steadily, periodically, or irregularly?"""
 
+import math
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
 
 import slipwave
-from validation.measure.in_process import SweepResult, model_regimes, swept_here
-from validation.report import WITNESS, Budget, Figure, StudyAnswer, StudyResult, Verdict, every
-from validation.report.numbers import regime_areas
+from validation.report import WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, every, stated
 from validation.report.text import places
 
 NAME = "regime-map"
@@ -43,19 +43,41 @@ def run(budget: Budget) -> StudyResult:
             Figure("differences", _DIFFERENCES, lambda: slipwave.map(swept, against=_REFERENCE, show="other_regime").chart()),
         ),
         verdicts=(_boundaries(swept, regimes.boundaries),),
-        numbers=regime_areas(swept.dataset.sizes, rows),
+        numbers=_areas(swept.dataset.sizes, rows),
     )
 
 
-def swept_plane(budget: Budget) -> SweepResult:
+def swept_plane(budget: Budget) -> Any:
     """The sweep of the plane with every model."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
     plan = budget.plan(quick=_Plan(13, 7, 1), full=_Plan(25, 13, 2))
     vary = {"log10_r": (*_R, plan.round_trips), "V": f"{_V[0]:g}:{_V[1]:g}:{plan.velocities}:log"}
-    return swept_here(scene, vary, _MODELS, tol=_TOLERANCE, refine=plan.levels)
+    options = {"models": ",".join(_MODELS), "tol": _TOLERANCE, "refine": plan.levels, "workers": 1}
+    with ThreadPoolExecutor(1) as here:  # studies are computed side by side, in processes of their own
+        found = slipwave.sweep(scene, vary=vary, executor=here, **options)
+        _ = found.dataset  # read before its folder is removed
+    found.close()
+    return found
 
 
-def mapped(swept: SweepResult) -> Any:
+def _areas(sizes: Any, rows: Any) -> dict[str, Number]:
+    """The share of the plane in which a model has another regime, in per cent; the error is one point. Shares on different
+    lattices, which their names contain, are not compared."""
+    counts = [size for name, size in sizes.items() if name != "model"]
+    return {
+        f"{row['model']} other regime, {' x '.join(map(str, counts))} points": stated(
+            row["other_regime_percent"], 1e4 / (math.prod(counts) * row["compared_percent"])
+        )
+        for row in rows
+    }
+
+
+def model_regimes(model: str, swept: Any) -> Any:
+    """The regimes of a model at the points of the plane, as `MapResult.regimes`."""
+    return slipwave.map(swept, plain=True).regimes(model)
+
+
+def mapped(swept: Any) -> Any:
     """The map of verdicts, with the boundaries on which steady sliding of each model loses its stability."""
     return slipwave.map(swept, show="verdict")
 
@@ -67,13 +89,13 @@ def critical_round_trips(model: str, lines: Any, velocities: Any) -> Any:
     return np.interp(velocities, np.asarray(line.up)[order], np.asarray(line.across)[order])
 
 
-def _beyond_onset(model: str, swept: SweepResult, lines: Any) -> Any:
+def _beyond_onset(model: str, swept: Any, lines: Any) -> Any:
     """Distance of each point of the plane from the model's critical r, in log10 r."""
     data = swept.dataset
     return data["log10_r"].values[:, None] - critical_round_trips(model, lines, data["drive_velocity"].values)
 
 
-def _boundaries(swept: SweepResult, lines: Any) -> Verdict:
+def _boundaries(swept: Any, lines: Any) -> Verdict:
     """Verdict: regimes of runs against the certified counts of roots, which use no run."""
     wrong, judged, cell = 0, 0, float(np.diff(swept.dataset["log10_r"].values[:2])[0])
     for model in _MODELS:

@@ -9,7 +9,7 @@ import numpy as np
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
-from validation.measure.cycle import Events, events_from, history_of
+from validation.measure.cycle import Events, history_of
 from validation.measure.grids.limits import (
     ATTACKED,
     BEYOND,
@@ -175,7 +175,9 @@ def _trajectory(model: str, name: str, until: float, **options: Any) -> _Traject
     run = sw.run(scene, model, until=until, window=(MOMENTS[0], MOMENTS[-1]), rate=1.0, **options)
     history = history_of(run)
     assert run.done.final
-    return _Trajectory(np.interp(MOMENTS, history["time"], history["psi"]), run.done.final.psi, events_from(run, 0.5 * until))
+    return _Trajectory(
+        np.interp(MOMENTS, history["time"], history["psi"]), run.done.final.psi, run.records.watch.events(0.5 * until)
+    )
 
 
 def _outcome(model: str, cells: int, exact: _Trajectory, name: str, until: float) -> AttackOutcome:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import slipwave as sw
-from validation.measure.cycle import events_from, history_of
+from validation.measure.cycle import history_of
 from validation.references.published import laboratory
 
 DENSITY, SHEAR_MODULUS, THICKNESS = 7850.0, 79e9, 0.05  # of the steel forcing blocks
@@ -95,7 +95,7 @@ def cycle_in_run(
     assert scene.units
     transit = scene.units.size("transit", scene.transit)
     until = seconds / transit
-    events = events_from(sw.run(scene, model, until=until, tol=tolerance), after * until)
+    events = sw.run(scene, model, until=until, tol=tolerance).records.watch.events(after * until)
     if events.time.size == 0 or events.v_max[-1] <= 2.0 * scene.velocity:
         return None
     peak = 1e3 * float(events.v_max[-1]) * scene.units.reference_velocity

@@ -6,14 +6,12 @@ from itertools import combinations
 
 import numpy as np
 
-import slipwave as sw
-from slipwave.solve import follow
 from slipwave.sources import ROOT, import_closure
 from validation.measure.grid_ladders import LADDERS, in_space
 from validation.measure.grids.in_space import delay_reference, without_error_in_time
+from validation.measure.in_words import state_at
 from validation.measure.order_fit import fit_order
 from validation.measure.orders import Climb, climb
-from validation.models.build import build
 from validation.models.by_name import FAMILIES, GRIDS, grid_of
 from validation.report import EXACT, SELF, WITNESS, Evidence, Verdict, every
 from validation.report.known import of_order
@@ -56,9 +54,8 @@ def evidence_at(cfl: float) -> Evidence:
 
 def jump_errors(cfl: float, cells: Iterable[int]) -> np.ndarray:
     """Errors of psi after `_UNTIL` transits."""
-    scene = sw.read("yardstick")
-    known = follow(build("delay", scene, tolerance=1e-11), _UNTIL).psi
-    return np.array([abs(follow(build("fd", scene, cells=n, cfl=cfl), _UNTIL).psi - known) for n in cells])
+    known = state_at("yardstick", _UNTIL, tol=1e-11)
+    return np.array([abs(state_at("yardstick", _UNTIL, "fd", cells=n, cfl=cfl) - known) for n in cells])
 
 
 def jump_verdict(cfl: float, cells: Iterable[int], errors: np.ndarray) -> Verdict:

@@ -10,8 +10,7 @@ import slipwave
 from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction_slopes, scaled
 from validation.chart import Chart, Panel, Scale, Trace
 from validation.chart.looks import model_line, model_marks, style_of
-from validation.models.build import build
-from validation.models.settle import settle
+from validation.measure import memo
 from validation.report import ASYMPTOTIC, Number, Verdict, claim, of_paper, stated
 from validation.report.compared import against
 from validation.report.model_table import Compared
@@ -85,10 +84,7 @@ def measure_cycle(paper: slipwave.Scene, scale: float) -> CycleErrors:
     scene = scaled(softer, round_trip=_BEYOND * r_c / softer.transit)
     scene = replace(scene, start=replace(scene.start, size=_PUSH))
     theta = scene.transit * omega
-    exact, *orbits = (
-        settle(build(model, scene, tolerance=1e-9), tolerance=_SETTLED, most=600.0 / theta).orbit
-        for model in ("delay", *_CYCLING)
-    )
+    exact, *orbits = (memo.settled(model, scene, 1e-9, _SETTLED, 600.0 / theta).orbit for model in ("delay", *_CYCLING))
     periods = {model: against(orbit.period, exact.period) for model, orbit in zip(_CYCLING, orbits, strict=True)}
     known = {model: replace(one, standard_error=2.0 * _SETTLED + one.standard_error) for model, one in periods.items()}
     return CycleErrors(scale, theta, exact.v_max.value * scene.transit, known)
