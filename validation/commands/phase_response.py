@@ -13,6 +13,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import GUIDE, Chart, Look, Panel, Scale, Second, Trace
 from validation.chart.thin import staying
+from validation.commands.reasons import PREFIXES, power_of
 from validation.commands.result import aligned, rounded
 from validation.data.variables import INTERFACE, PHASE, shown_in, si_factor, twins_in_si
 from validation.models.orbit_start import first_event
@@ -37,7 +38,7 @@ def phase_facts(found: OrbitFound, responding: Responding) -> PhaseFacts:
     since = ((times - first_event(found.found.closed)) % response.period).ravel()
     order = np.argsort(since)
     since, values = since[order], values.reshape(2, -1)[:, order]
-    kept = np.unique(np.concatenate([staying(since, one, _MOST) for one in values]))
+    kept = np.unique(np.concatenate([staying(since, one, _MOST) for one in values if not np.isnan(one).any()]))
     columns = {"time": since[kept], **dict(zip(_NAMES, values[:, kept], strict=True))}
     meanings = {"time": INTERFACE[TIME]} | {name: PHASE[stored] for name, stored in _NAMES.items()}
     facts: PhaseFacts = {"phase": (since[kept] / response.period).tolist()}
@@ -90,7 +91,7 @@ def with_phase_response(chart: Chart, scene: Scene, time: Array, response: Phase
         Panel(
             f"a short pulse of {_PULSES[name]}: by how much all later events come earlier (below 0: later)",
             chart.panels[-1].x,
-            _scale(name, scene),
+            _scale(name, scene, float(np.abs(values).max())),
             [Trace("", [-np.inf, np.inf], [0.0, 0.0], GUIDE), Trace("advance", time, values, Look(width=0.9))],
         )
         for name, values in zip(_NAMES, response.at(time), strict=True)
@@ -99,8 +100,12 @@ def with_phase_response(chart: Chart, scene: Scene, time: Array, response: Phase
     return replace(chart, panels=[*chart.panels, *panels], height=0.5 * chart.height * (2 + len(panels)))
 
 
-def _scale(name: str, scene: Scene) -> Scale:
-    unit = PHASE[_NAMES[name]].unit
-    size, shown = si_factor(PHASE[_NAMES[name]], scene), "advance / "
-    second = None if size is None else Second(f"{shown}({shown_in(unit, scene)[1]})", size)
-    return Scale(f"{shown}({unit})", second=second)
+def _scale(name: str, scene: Scene, largest: float) -> Scale:
+    """With an SI scale in a unit in which the `largest` value is between 1 and 1000."""
+    meaning = PHASE[_NAMES[name]]
+    size, label = si_factor(meaning, scene), "advance / ({})"
+    if size is None:
+        return Scale(label.format(meaning.unit))
+    power = min(9, 3 + power_of(1.0 / (size * largest)))
+    unit = shown_in(meaning.unit, scene)[1].replace("/", f"/{PREFIXES[power]}")
+    return Scale(label.format(meaning.unit), second=Second(label.format(unit), size * 10.0**power))
