@@ -61,6 +61,8 @@ def wanted() -> Iterator[tuple[str, str, Callable[[float], Regime], float, bool]
         for model in reflection.MODELS:
             if able(model, scene_of(column.settings)):
                 yield model, column.settings, partial(motion_at, model, column.settings), MANY, True
+    for words in reflection.plane().values():
+        yield "delay", words, partial(motion_at, "delay", words), math.inf, True
 
 
 def points_wanted() -> Iterator[tuple[str, Callable[[], list[KnownPoint]]]]:

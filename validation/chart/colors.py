@@ -6,6 +6,17 @@ from collections.abc import Iterable
 PAPER, DARK_PAPER = "#ffffff", "#171716"
 """Background of a chart, light and dark."""
 
+REGIMES = {
+    "steady": "#f4f8fc",
+    "decaying": "#cfe3f5",
+    "settling": "#cacac0",
+    "growing": "#9a76c4",
+    "periodic": "#e69f00",
+    "torus": "#146a55",
+    "irregular": "#66152f",
+}
+"""Colours of regimes, which differ in grey and for colour-blind eyes too: from quiet to wild they darken."""
+
 LEAST_CONTRAST = 3.0
 """Least contrast ratio of a line with the background (WCAG 1.4.11)."""
 

@@ -6,11 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import slipwave as sw
-from validation.chart import BLUE, DASHED, INK, ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.chart import BLUE, DASHED, INK, Chart, Look, Panel, Scale, Trace
+from validation.chart.colors import PAPER, REGIMES
 from validation.chart.looks import NAMES
 from validation.measure.in_words import command_words, motion_at, scene_of, state_at
 from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
-from validation.measure.regimes import UNDECIDED, Regime
+from validation.measure.regimes import STEADY, UNDECIDED, Regime
 from validation.references import others
 from validation.report import (
     EXACT,
@@ -31,7 +32,7 @@ from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
 from validation.report.everywhere import first_good, first_in_words, motion_cells, recorded_table, repeated, summary
 from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign, foreign_answer
 from validation.report.model_table import ModelColumn
-from validation.report.text import places, plain
+from validation.report.text import minus, places, plain
 from validation.report.verdict import ROUNDING
 
 NAME = "reflection"
@@ -92,9 +93,12 @@ class LeakyFace(NamedTuple):
 
 _KINDS, _BOTH = {"bare": "bare faces", "grip": "grips"}, (True, False)
 FACES = tuple(LeakyFace(kind, both, R) for kind in _KINDS for both in _BOTH for R in REFLECTIONS)
-_FOLLOWED = {"bare": (0.999, 0.997, 0.995, 0.99, 0.98, 0.95, 0.9), "grip": (0.999, 0.99, 0.98, 0.95, 0.9)}
-BRANCHES = tuple(LeakyFace(kind, True, R) for kind, reflections in _FOLLOWED.items() for R in reflections)
+_FOLLOWED = (0.999, 0.997, 0.995, 0.99, 0.98, 0.95, 0.9)
+BRANCHES = tuple(LeakyFace(kind, True, R) for kind in _KINDS for R in _FOLLOWED)
 """Faces behind which the branch was followed over RANGE."""
+_ROWS = (0.999, 0.998, 0.997, 0.996, 0.995, 0.993, 0.99, 0.985, 0.98, 0.97, 0.95, 0.93, 0.9)
+_COLUMNS = tuple(round(-2.8 + 0.025 * k, 3) for k in range(21))
+"""R of both faces and log10 r of the map of regimes."""
 _WITNESSED = (
     LeakyFace("grip", True, 0.5),
     LeakyFace("grip", False, -0.5),
@@ -109,10 +113,11 @@ _AGAIN = (
     ("quasidynamic", LeakyFace("grip", True, -0.5), 1.3),
     (EXACT_MODEL, LeakyFace("grip", False, 0.999), 1.3),
 )
+_ON_THE_MAP = LeakyFace("grip", True, 0.995), -2.5
 _CELLS = 8  # of the full wave
 _FIRST_TORUS = {"log10_r": (-2.72, -2.6)}
 _PERIOD = 78.45  # transits: between the first torus and the next fold
-_BEGIN, _ALONG = {"bare": 2.25e-3, "grip": 7.4e-4}, 12  # 1 - R at which the curve begins, and its points
+_BEGIN, _ALONG = {"bare": 2.25e-3, "grip": 7.4e-4}, 8  # 1 - R at which the curve begins, and its points
 _BESIDE = 0.02  # of 1 - R, from the end of the torus
 
 
@@ -123,8 +128,20 @@ def columns() -> dict[tuple[LeakyFace, float], ModelColumn]:
         onset = face_onset(face)
         for over in OVER_ONSET if onset > 0.0 else ():
             log10_r, group = round(math.log10(onset * over), 6), f"r = {over:g} r_{{c}}"
-            found[face, over] = ModelColumn(f"{face.title}, {group}", log10_r, over, group, face.settings(log10_r))
+            found[face, over] = _column(face, log10_r, over, group)
     return found
+
+
+def plane() -> dict[tuple[LeakyFace, float], str]:
+    """Every point of the map of regimes over the onset, and the words of its scene."""
+    onsets = {face: face_onset(face) for face in (LeakyFace(kind, True, R) for kind in _KINDS for R in _ROWS)}
+    return {(face, x): face.settings(x) for face, onset in onsets.items() for x in _COLUMNS if 10.0**x > onset}
+
+
+def _column(face: LeakyFace, log10_r: float, over: float = math.nan, group: str = "") -> ModelColumn:
+    return ModelColumn(
+        f"{face.title}, {group or minus(f'log_{{10}} r = {log10_r:g}')}", log10_r, over, group, face.settings(log10_r)
+    )
 
 
 def face_onset(face: LeakyFace) -> float:
@@ -138,14 +155,23 @@ def branch_points(face: LeakyFace) -> list[KnownPoint]:
     return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in found.summary["special"]]
 
 
-def _torus_end(kind: str) -> tuple[float, float]:
-    """The largest 1 - R of the curve through both ends of the first torus, of which it is the extreme; and its error, the
-    distance to the next largest of its points."""
+class TorusEnd(NamedTuple):
+    """Where the first torus ends: the largest 1 - R, `leak`, of the curve through both of its ends, at this log10 r; `error`: the
+    distance to the next largest of the curve's points; `turns`: whether the curve goes on to smaller ones on both sides."""
+
+    log10_r: float
+    leak: float
+    error: float
+    turns: bool
+
+
+def _torus_end(kind: str) -> TorusEnd:
     setting = {"slab.face.coefficient": "1 - leak"} if kind == "bare" else {"slab.face.impedance": "2/leak - 1"}
     scene, along = scene_of(LeakyFace(kind, True, 0.99).settings()), {"leak": (_BEGIN[kind], 0.01)}
     curve = sw.curve(scene, "NS", _FIRST_TORUS, along, set=setting, model=EXACT_MODEL, most_points=_ALONG)
-    best, second = sorted((one["leak"] for one in curve.summary["points"]), reverse=True)[:2]
-    return best, best - second
+    points = sorted(curve.summary["points"], key=lambda one: one["log10_r"])
+    best, second = sorted(points, key=lambda one: one["leak"], reverse=True)[:2]
+    return TorusEnd(best["log10_r"], best["leak"], best["leak"] - second["leak"], best not in (points[0], points[-1]))
 
 
 def _torus_points(kind: str, leak: float) -> int:
@@ -166,14 +192,15 @@ def run(budget: Budget) -> StudyResult:
     budget.report(0.5)
     costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), 3 if budget.quick else 5)
     compared = recorded_table(NAME, [*shown.values()], MODELS, shown[_COSTED].title, costs)
-    again = [(model, shown[face, over]) for model, face, over in _AGAIN]
+    again = [*((model, shown[face, over]) for model, face, over in _AGAIN), (EXACT_MODEL, _column(*_ON_THE_MAP))]
     known = {face: special_points().get(face.settings(), ()) for face in BRANCHES}
+    regimes = {key: on_record(EXACT_MODEL, words) or Regime(UNDECIDED) for key, words in plane().items()}
     budget.report(0.7)
     torus = {kind: _torus_end(kind) for kind in (("bare",) if budget.quick else ("bare", "grip"))}
     return StudyResult(
-        answers=_answers(known, torus, first_in_words(compared, _LADDER, "behind every face")),
+        answers=_answers(known, regimes, torus, first_in_words(compared, _LADDER, "behind every face")),
         figures=(
-            Figure("plane", _PLANE, lambda: _plane(known)),
+            Figure("plane", _PLANE, lambda: _plane(known, regimes, torus)),
             Figure("orbits", _ORBITS, lambda: _over_leak(exact)),
         ),
         tables=(_motions(exact), _points(known), summary(compared, "behind all faces of the table of motions")),
@@ -182,7 +209,7 @@ def run(budget: Budget) -> StudyResult:
             *_foreign(),
             _locks(),
             first_good(compared, _LADDER, f"{_FIRST} has the exact regimes, and T and Δμ to 1 %"),
-            repeated("Motions behind faces on record are found again", again[:3] if budget.quick else again, motion_at),
+            repeated("Motions behind faces on record are found again", again[::2] if budget.quick else again, motion_at),
             _points_again(known),
             _torus_gone(torus),
         ),
@@ -203,12 +230,17 @@ _FIRST = "The first rational fit that is good behind every face"
 
 
 def _answers(
-    known: Mapping[LeakyFace, Sequence[KnownPoint]], torus: Mapping[str, tuple[float, float]], of_models: str
+    known: Mapping[LeakyFace, Sequence[KnownPoint]],
+    regimes: Mapping[tuple[LeakyFace, float], Regime],
+    torus: Mapping[str, TorusEnd],
+    of_models: str,
 ) -> tuple[StudyAnswer, ...]:
     bare, one = LeakyFace("bare", True, 0.0).edge, LeakyFace("bare", False, 0.0).edge
-    ends = [f"R = {1.0 - leak:.6f} ± {plain(error, '.0e')} behind {_KINDS[kind]}" for kind, (leak, error) in torus.items()]
+    ends = [f"R = {1.0 - leak:.6f} ± {plain(error, '.0e')} behind {_KINDS[kind]}" for kind, (_, leak, error, _) in torus.items()]
+    wild = [(face.kind, face.reflection) for (face, _), motion in regimes.items() if motion.words == "irregular"]
     seen = [
-        f"{name} have torus points down to {_last(known, kind, 'NS')}, folds of the snake down to {_last(known, kind, 'LP')}"
+        f"{name} have torus points down to {_last(known, kind, 'NS')}, folds of the snake down to {_last(known, kind, 'LP')}, "
+        f"irregular motion down to {_down_to([R for other, R in wild if other == kind], _ROWS)}"
         for kind, name in _KINDS.items()
     ]
     return (
@@ -216,7 +248,7 @@ def _answers(
             "What faces lose ends the torus early and stick-slip late: the first torus of the branch ends at "
             f"{', at '.join(ends)}. "
             f"Up to log_{{10}} r = {places(RANGE[1:])} and T = {FAR:g}, {'; '.join(seen)}.",
-            ("The first torus", "Special points"),
+            ("The first torus", "Special points", "Motions behind faces"),
         ),
         StudyAnswer(
             "Grips, which keep the load, keep stick-slip at every R tried; bare faces, which leak it, move its onset to larger r "
@@ -231,9 +263,15 @@ def _answers(
 
 def _last(known: Mapping[LeakyFace, Sequence[KnownPoint]], kind: str, point: str) -> str:
     """The least R of the branches that has special points of one kind, and the next one without."""
-    have = [face.reflection for face, points in known.items() if face.kind == kind and any(one.kind == point for one in points)]
-    without = [face.reflection for face in known if face.kind == kind and face.reflection < min(have, default=2.0)]
-    return f"R = {min(have):g} (not {max(without):g})" if have and without else "none of the R tried"
+    own = [face for face, points in known.items() if face.kind == kind and any(one.kind == point for one in points)]
+    return _down_to([face.reflection for face in own], _FOLLOWED)
+
+
+def _down_to(have: Sequence[float], tried: Sequence[float]) -> str:
+    """The least R of those that have something, and the next one that was tried."""
+    least = min(have, default=2.0)
+    without = [R for R in tried if least > R]
+    return f"R = {least:g} (not {max(without):g})" if have and without else "none of the R tried"
 
 
 def _agreement(delay: Mapping[LeakyFace, float], waves: Mapping[LeakyFace, float]) -> Verdict:
@@ -271,12 +309,11 @@ def _points_again(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Verdict:
     return claim(title, SELF, off, ROUNDING, f"{face.title}: log_{{10}} r of {len(known[face])} points")
 
 
-def _torus_gone(torus: Mapping[str, tuple[float, float]]) -> Verdict:
-    """Whether the torus is there before the end of its curve and gone beyond it."""
+def _torus_gone(torus: Mapping[str, TorusEnd]) -> Verdict:
+    """Whether the curve of torus points turns back at its extreme, and the branch beyond has none."""
     title = "The first torus has two ends before the extreme of their curve, and none beyond"
-    sides = [(2, 1.0 - _BESIDE), (0, 1.0 + _BESIDE)]
-    held = [_torus_points(kind, leak * factor) == count for kind, (leak, _) in torus.items() for count, factor in sides]
-    remark = f"{', '.join(_KINDS[kind] for kind in torus)}: torus points at 1 − R {100 * _BESIDE:g} % below and above"
+    held = [side for kind, end in torus.items() for side in (end.turns, _torus_points(kind, end.leak * (1.0 + _BESIDE)) == 0)]
+    remark = f"{', '.join(_KINDS[kind] for kind in torus)}: the curve turns; torus points at 1 − R {100 * _BESIDE:g} % above"
     return every(title, WITNESS, sum(held), len(held), remark, "sides")
 
 
@@ -310,30 +347,59 @@ _POINTS = (
     "behind the same face on both slabs. Period doublings belong to the irregular motion."
 )
 _PLANE = (
-    "Onset (line), folds, torus points and period doublings over r and the reflection R of both faces: bare faces, and grips of "
-    "the same high-frequency reflection."
+    "Regimes of the exact motion over r and the reflection R of both faces: bare faces, and grips of the same high-frequency "
+    "reflection. A cell is a run of 20,000 transits. Line: onset, below which sliding is steady. Marks: special points of the "
+    "branch at seven R, and where the first torus ends."
 )
 _ORBITS = (
     f"Period and stress drop over 1 − R at r = {OVER_ONSET[0]:g} r_{{c}}, where orbits are known: bare faces and grips, on both "
     "slabs and on one."
 )
-_LEAKS = (1e-3, 2e-3, 4e-3, 7e-3, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1)
 _LEAK = Scale("$1 - R$", "log")
+_SEVERAL = "periodic, several events"
+_CELLS_OF = {STEADY: REGIMES["steady"], **{word: REGIMES[word] for word in ("periodic", "torus", "irregular")}}
+_CELL = Look(
+    kind="cells",
+    colors=_CELLS_OF | {_SEVERAL: REGIMES["periodic"], UNDECIDED: PAPER},
+    hatches={_SEVERAL: "////", UNDECIDED: "..."},
+)
+_MARKS = {"LP": ("o", INK, 2.6), "NS": ("s", BLUE, 4.0), "PD": ("^", "#8a3a00", 4.6)}
 
 
-def _plane(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Chart:
-    """Special points over r and 1 - R."""
-    looks = {"LP": Look(INK, "", ".", size=3.0), "NS": Look(BLUE, "", "o", size=4.0), "PD": Look(ORANGE, "", "^", size=4.0)}
-    panels = []
+def _plane(
+    known: Mapping[LeakyFace, Sequence[KnownPoint]],
+    regimes: Mapping[tuple[LeakyFace, float], Regime],
+    torus: Mapping[str, TorusEnd],
+) -> Chart:
+    """Regimes over r and 1 - R, with the onset, special points, and where the first torus ends."""
+    panels, leaks, words = [], [1.0 - R for R in _ROWS], list(_CELL.colors)
     for kind, title in _KINDS.items():
-        onset = [math.log10(face_onset(LeakyFace(kind, True, 1.0 - leak))) for leak in _LEAKS]
-        traces = [Trace(NAMES["HB"], onset, _LEAKS, Look(INK))]
-        for point, look in looks.items():
+        faces = [LeakyFace(kind, True, R) for R in _ROWS]
+        found = [[_word(regimes.get((face, x))) for x in _COLUMNS] for face in faces]
+        traces = [Trace("regime", _COLUMNS, leaks, _CELL, value=[[words.index(one) for one in row] for row in found])]
+        onset = [math.log10(face_onset(face)) for face in faces]
+        traces += [
+            Trace("", onset, leaks, Look(PAPER, width=3.6)),
+            Trace("onset (Hopf point)", onset, leaks, Look(INK, width=1.8)),
+        ]
+        for point, (marker, color, size) in _MARKS.items():
             own = [(face, one) for face, points in known.items() for one in points if (face.kind, one.kind) == (kind, point)]
             places_of = [one.log10_r for _, one in own], [1.0 - face.reflection for face, _ in own]
-            traces.append(Trace(NAMES[point], *places_of, look))
-        panels.append(Panel(title, Scale(r"$\log_{10} r$", limits=RANGE), _LEAK, traces, grid=True))
-    return Chart(panels, 3.6, 2, legend="outside upper left", legend_columns=4)
+            traces.append(Trace(NAMES[point], *places_of, Look(color, "", marker, size=size, hollow=True)))
+        if kind in torus:
+            place = [torus[kind].log10_r], [torus[kind].leak]
+            traces += [
+                Trace("", *place, Look(PAPER, "", "D", size=8.0)),
+                Trace("end of the first torus", *place, Look(BLUE, "", "D")),
+            ]
+        panels.append(Panel(title, Scale(r"$\log_{10} r$", limits=(_COLUMNS[0], _COLUMNS[-1])), _LEAK, traces))
+    return Chart(panels, 4.6, 2, legend="outside upper left", legend_columns=4)
+
+
+def _word(motion: Regime | None) -> str:
+    """The word of a cell of the map; of none steady sliding, which is stable below the onset."""
+    word = motion.words if motion else STEADY
+    return _SEVERAL if word.startswith("periodic,") else word if word in _CELL.colors else UNDECIDED
 
 
 def _over_leak(exact: Mapping[tuple[LeakyFace, float], Regime]) -> Chart:

@@ -14,20 +14,9 @@ import numpy as np
 import slipwave
 from slipwave.errors import SceneError
 from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, cell_edges, color_number
-from validation.chart.colors import PAPER
+from validation.chart.colors import PAPER, REGIMES
 from validation.data.datasets import DataArray, Dataset, flag_numbers, flag_words
 from validation.models.parameter import Parameter, Variation, scenes_with
-
-REGIMES = {
-    "steady": "#f4f8fc",
-    "decaying": "#cfe3f5",
-    "settling": "#cacac0",
-    "growing": "#9a76c4",
-    "periodic": "#e69f00",
-    "torus": "#146a55",
-    "irregular": "#66152f",
-}
-"""Colours of regimes, which differ in grey and for colour-blind eyes too: from quiet to wild they darken."""
 
 _COLOURS = REGIMES | {"driven": "#1a1a1a", "protocol": "#1a1a1a", "too short": PAPER, "no": "#e69f00", "yes": "#f4f8fc"}
 _OTHER = {"the same regime": "#dfe6ec", "another regime": "#66152f"}
