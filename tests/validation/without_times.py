@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 from validation.report import RUN_TIMES
-from validation.report.recorded import NAME
+from validation.report.record import NAME
 
 _WORDS = re.compile(r"~\{(?:[^{}]|\{[^{}]*\})*\}")
 _MARKED = re.compile(r'<(\w+)[^>]*\bclass="(?:[^"]* )?time(?: [^"]*)?"[^>]*>.*?</\1>', re.DOTALL)

@@ -12,8 +12,7 @@ from typing import Any
 from slipwave.errors import NumericsError
 from slipwave.sources import ROOT
 from validation.report import Number, Outcome, Verdict
-from validation.report.record import Change, Record, Word
-from validation.report.recorded import read_report
+from validation.report.record import Change, Record, Word, read_report
 from validation.report.text import bare
 
 FOLDER = ROOT / "reports" / "baseline"

@@ -20,8 +20,7 @@ from validation.report.changes import changes_since
 from validation.report.files import write_files
 from validation.report.page import write_page
 from validation.report.provenance import machine_facts
-from validation.report.record import Record, Word
-from validation.report.recorded import record_of
+from validation.report.record import Record, Word, record_of
 from validation.report.registered import choose, study_called
 from validation.report.side_by_side import share_out
 

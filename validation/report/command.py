@@ -25,7 +25,7 @@ def report(
     from validation.report.baseline import RedReport
     from validation.report.build import make_report
     from validation.report.changes import change_lines
-    from validation.report.recorded import NAME, read_report
+    from validation.report.record import NAME, read_report
     from validation.report.registered import choose
 
     require("report", "the report")

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from validation.chart.svg import colors_of, inline
-from validation.report.record import Picture
-from validation.report.store import Stored
+from validation.report.store import Picture, Stored
 
 if TYPE_CHECKING:
     from jinja2 import Environment

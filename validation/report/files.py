@@ -13,8 +13,7 @@ from slipwave.files import whole_or_absent
 from validation.report import Cell, Column, Outcome
 from validation.report.baseline import line_of, reason
 from validation.report.model_table import cell_records
-from validation.report.record import Change, Record, Word
-from validation.report.recorded import NAME, text_of
+from validation.report.record import NAME, Change, Record, Word, text_of
 from validation.report.text import bare
 
 _CONTROL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -7,7 +7,7 @@ import shutil
 from contextlib import suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from pydantic import TypeAdapter
 
@@ -15,13 +15,42 @@ from slipwave.files import is_running
 from validation.chart.render import SUFFIXES, render
 from validation.report import Study, StudyResult
 from validation.report.names import with_ids
-from validation.report.record import Picture
 from validation.report.sources import sources_digest
+from validation.report.verdict import RECORDED
 
 _FORMAT = 6
 _PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}
 """The stored parts of a result, with their types."""
 _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A figure of the page."""
+
+    id: str
+    study: str
+    name: str = ""
+    caption: str
+    files: tuple[str, ...]
+    """Its picture as SVG and PNG, and its data, from the folder of this file."""
+    timed: bool
+    """Whether it shows run times."""
+    title: str = ""
+    description: str = ""
+    """What it shows, in words."""
+    panels: tuple[dict[str, Any], ...] = ()
+    """Names, labels, scales and limits of its panels."""
+    lead: bool = False
+    """Whether it stands at the top of the page."""
+    paper: str = ""
+    """The figure of the paper that it redraws."""
+    carries: tuple[str, ...] = ()
+    """Beginnings of the claims that it shows."""
+    zoom: bool = False
+    beside: str = ""
+
+    __pydantic_config__: ClassVar = RECORDED
 
 
 @dataclass(frozen=True)
@@ -113,13 +142,13 @@ def _plain(value: Any) -> Any:
 def _stored(study: Study, record: dict[str, Any]) -> Stored:
     """Inverse of `_record`."""
     result = StudyResult(**{name: TypeAdapter(kind).validate_python(record[name]) for name, kind in _PARTS.items()})
-    pictures = tuple(
-        Picture(
-            **figure,
-            id=f"{study.NAME}.{figure['name']}",
-            study=study.NAME,
-            files=tuple(f"data/{study.NAME}/{figure['name']}{suffix}" for suffix in SUFFIXES),
-        )
-        for figure in record["figures"]
+    pictures = TypeAdapter(tuple[Picture, ...]).validate_python(
+        [
+            figure
+            | {"id": f"{study.NAME}.{name}", "study": study.NAME}
+            | {"files": [f"data/{study.NAME}/{name}{suffix}" for suffix in SUFFIXES]}
+            for figure in record["figures"]
+            for name in [figure["name"]]
+        ]
     )
     return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures, key=record["key"])

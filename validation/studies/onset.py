@@ -66,7 +66,8 @@ def run(budget: Budget) -> StudyResult:
     """Compute the curves, trace the boundaries, compare both with the closed forms; count roots on both sides of every onset."""
     paper = slipwave.read("paper")
     velocity = np.geomspace(1.0, 1e4, budget.plan(quick=25, full=81))
-    critical = {model: _critical_over_velocity(paper, model, velocity) for model in budget.each(FORMS, 0.2)}
+    scenes = [scaled(paper, velocity=v) for v in velocity.tolist()]
+    critical = {model: np.array([critical_round_trip(scene, model)[0] for scene in scenes]) for model in budget.each(FORMS, 0.2)}
     traced = {model: boundary(paper, model, ("log10_r", "log10_epsilon"), _WINDOW) for model in budget.each(FORMS, 0.6, 0.2)}
     onsets = {f"`{model}`": (paper, model, math.log10(critical_round_trip(paper, model)[0])) for model in _ONSETS}
     others = {name: slipwave.read(name) for name in SCENES[1:]}
@@ -154,11 +155,6 @@ def _boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: Frict
         series.append(Trace(words, [x], [y], Look(kind="text")))
     plane = Scale("$r$", "log", (float(r[0]), float(r[-1]))), Scale(r"$\epsilon$", "log", (1e-6, 0.1))
     return Chart([Panel("", *plane, series, "upper left")], 4.0)
-
-
-def _critical_over_velocity(paper: slipwave.Scene, model: str, velocity: np.ndarray) -> np.ndarray:
-    """r_c(V) from the impedance of the slabs."""
-    return np.array([critical_round_trip(scaled(paper, velocity=v), model)[0] for v in velocity.tolist()])
 
 
 def _closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Iterator[Verdict]:

@@ -89,17 +89,12 @@ def critical_round_trips(model: str, lines: Any, velocities: Any) -> Any:
     return np.interp(velocities, np.asarray(line.up)[order], np.asarray(line.across)[order])
 
 
-def _beyond_onset(model: str, swept: Any, lines: Any) -> Any:
-    """Distance of each point of the plane from the model's critical r, in log10 r."""
-    data = swept.dataset
-    return data["log10_r"].values[:, None] - critical_round_trips(model, lines, data["drive_velocity"].values)
-
-
 def _boundaries(swept: Any, lines: Any) -> Verdict:
     """Verdict: regimes of runs against the certified counts of roots, which use no run."""
-    wrong, judged, cell = 0, 0, float(np.diff(swept.dataset["log10_r"].values[:2])[0])
+    log10_r, velocity = (swept.dataset[name].values for name in ("log10_r", "drive_velocity"))
+    wrong, judged, cell = 0, 0, float(np.diff(log10_r[:2])[0])
     for model in _MODELS:
-        found, beyond = model_regimes(model, swept), _beyond_onset(model, swept, lines)
+        found, beyond = model_regimes(model, swept), log10_r[:, None] - critical_round_trips(model, lines, velocity)
         clear = (np.abs(beyond) > cell) & (found >= 0)
         wrong, judged = wrong + int((clear & ((found == 0) != (beyond < 0.0))).sum()), judged + int(clear.sum())
     title = "Regimes of runs change from steady sliding where certified counts of roots say so"

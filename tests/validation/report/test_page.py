@@ -9,7 +9,7 @@ from validation.report.model_table import Compared, ModelCell, ModelColumn, Mode
 from validation.report.names import by_claim
 from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask, left_out
-from validation.report.recorded import record_of
+from validation.report.record import record_of
 from validation.report.registered import STUDIES
 from validation.report.store import Stored
 

@@ -20,8 +20,7 @@ from validation.commands.cli import NUMERICS_FAILED, main
 from validation.report import EXACT, Column, Evidence, Figure, Number, Outcome, Verdict, baseline, claim, holding, table
 from validation.report.build import make_report
 from validation.report.files import csv_of
-from validation.report.record import report_schema
-from validation.report.recorded import read_report, text_of
+from validation.report.record import read_report, report_schema, text_of
 from validation.report.text import run_time
 
 ROOT = Path(__file__).parents[3]

@@ -137,7 +137,13 @@ def _answers(cases: Sequence[Case]) -> tuple[StudyAnswer, ...]:
 
 def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[FrictionFit, float]]) -> Case:
     found = [one for one in cycles_of_samples(row, law, drawn) if one is not None]
-    bands = {name: _band_of([getattr(one, name) for one in found]) for name in NAMES}
+    nothing = Band(*[math.nan] * 3)
+    bands = {
+        name: Band(*np.quantile([getattr(one, name) for one in found], (0.025, 0.5, 0.975)).tolist())
+        if len(found) > 2
+        else nothing
+        for name in NAMES
+    }
     off = [{name: abs(getattr(one, name) / _measured_figure(row, name) - 1.0) for name in NAMES} for one in found]
     meets = sum(all(one[name] <= 2.0 * _SCATTER[name] for name in NAMES) for one in off)
     return Case(row, law, len(found) / len(drawn), bands, meets)
@@ -151,11 +157,6 @@ def _measured_figure(row: Mapping[str, Any], name: str) -> float:
 def _row_met(cases: Sequence[Case]) -> list[bool]:
     """For each run, whether some sample of some law meets period, drop and peak slip rate at once."""
     return [any(case.meets for case in cases if case.row["run"] == row["run"]) for row in leeman_runs()]
-
-
-def _band_of(values: Sequence[float]) -> Band:
-    """Median and 95 % range."""
-    return Band(*np.quantile(values, (0.025, 0.5, 0.975)).tolist()) if len(values) >= 3 else Band(*[float("nan")] * 3)
 
 
 def waves_in_blocks(with_keeping: bool) -> BlockWaves:

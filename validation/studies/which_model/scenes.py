@@ -11,7 +11,7 @@ from validation.measure.in_words import able
 from validation.measure.regimes import UNTRIED, Regime, regime_of
 from validation.report import Cell, Number, Table, table
 from validation.report.compared import EXACT_MODEL, compared_table, critical_r
-from validation.report.model_table import Compared, ModelColumn, ModelRow, ModelTable
+from validation.report.model_table import ModelColumn, ModelRow, ModelTable
 from validation.report.text import minus
 
 SCENES = {
@@ -78,7 +78,7 @@ def bias_table(found: ModelTable) -> Table:
     """Bias and scatter of each model over all scenes."""
     ranges = (("T", OVER_ONSET[0]), ("Δμ", OVER_ONSET[0]), ("T", OVER_ONSET[1]))
     rows: list[list[Cell]] = [
-        [row.model, *(100.0 * value for what in ranges for value in _bias_and_scatter(_errors_at(found, row, *what)))]
+        [row.model, *(100.0 * value for what in ranges for value in _bias_and_scatter(found, row, *what))]
         for row in found.rows[1:]
     ]
     numbers = "bias [%] .2f | scatter [%] .2f | statistical [%] .2f"
@@ -90,14 +90,11 @@ def bias_table(found: ModelTable) -> Table:
     return table("bias", caption, heading, rows)
 
 
-def _errors_at(found: ModelTable, row: ModelRow, symbol: str, over_onset: float) -> list[Compared]:
-    """Every known error of a quantity at this r over the onset."""
+def _bias_and_scatter(found: ModelTable, row: ModelRow, symbol: str, over_onset: float) -> tuple[float, float, float]:
+    """(mean, standard deviation over scenes, root mean square of the standard errors) of the errors of a quantity at this r over
+    the onset; NaN for too few errors."""
     cells = [cell for column, cell in zip(found.columns, row.cells, strict=True) if column.over_onset == over_onset]
-    return [one for cell in cells if (one := cell.figures.get(symbol)) and one.error is not None]
-
-
-def _bias_and_scatter(errors: Sequence[Compared]) -> tuple[float, float, float]:
-    """(mean, standard deviation over scenes, root mean square of the standard errors); NaN for too few errors."""
+    errors = [one for cell in cells if (one := cell.figures.get(symbol)) and one.error is not None]
     values, own = (np.array([getattr(one, name) for one in errors], dtype=float) for name in ("error", "standard_error"))
     if not values.size:
         return math.nan, math.nan, math.nan
@@ -107,20 +104,17 @@ def _bias_and_scatter(errors: Sequence[Compared]) -> tuple[float, float, float]:
 def scene_answer(found: ModelTable) -> str:
     """Whether the advice holds in these scenes, and how far off the models to be avoided are near the onset."""
     good = [f"`{row.model}`" for row in found.rows[1:] if row.advice == "use"]
-    known = (
-        (row.model, _bias_and_scatter(_errors_at(found, row, "T", OVER_ONSET[0]))) for row in found.rows if row.advice == "avoid"
-    )
-    words = [f"`{model}` {_bias_in_words(*numbers[:2])}" for model, numbers in known if abs(numbers[0]) > _NONE]
+    known = ((row.model, _bias_and_scatter(found, row, "T", OVER_ONSET[0])) for row in found.rows if row.advice == "avoid")
+    words = [
+        f"`{model}` " + minus(f"{100 * bias:+z.1f}{f' ± {100 * scatter:.1f}' if math.isfinite(scatter) else ''} %")
+        for model, (bias, scatter, _) in known
+        if abs(bias) > _NONE
+    ]
     count, near = len({column.title for column in found.columns}), f"{OVER_ONSET[0]:g} r_{{c}}"
     return (
         f"The advice holds in {count} other scenes: {', '.join(good)} are right to 1 %. Bias and scatter of T at {near} "
         f"are {', '.join(words)}; `quasidynamic` slides steadily."
     )
-
-
-def _bias_in_words(bias: float, scatter: float) -> str:
-    """Bias and scatter, in per cent."""
-    return minus(f"{100 * bias:+z.1f}{f' ± {100 * scatter:.1f}' if math.isfinite(scatter) else ''} %")
 
 
 def scene_numbers(found: ModelTable, models: Sequence[str]) -> dict[str, Number]:
