@@ -126,6 +126,11 @@ class GridSlabs:
         with one_thread():
             return np.array([grid_impedance_at(self.slabs, growth / length) for length in port.length[levels].tolist()])
 
+    @property
+    def follows_drive(self) -> bool:
+        """As `Slabs`."""
+        return True
+
     def next_break(self, time: float) -> float:
         """As `Slabs`: knots of the drive, and their arrivals at the interface."""
         travels = [0.5 * slab.round_trip / self.scene.transit for slab in (self.scene.upper, self.scene.lower)]

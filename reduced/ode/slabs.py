@@ -63,6 +63,11 @@ class ReducedSlabs:
         """As `Slabs`."""
         return self.scene.upper.epsilon * impedance_at(self.reduction, growth / port.length[levels])
 
+    @property
+    def follows_drive(self) -> bool:
+        """As `Slabs`: a fit's answer to the drive is fitted only if the drive changes."""
+        return not self.reduction.is_fitted or self.reduction.transfer is not None
+
     def next_break(self, time: float) -> float:
         """As `Slabs`: the knots of the drive."""
         return self.scene.drive.knot_after(time + slack(time))

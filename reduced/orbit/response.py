@@ -71,8 +71,6 @@ class Responding:
         reduction's answer to a drive that changes is fitted only if it does."""
         closed, inverse = self._meshes[0]
         pulses = closed.flow.pulses(closed.cycle, inverse[-1, :-1])
-        if closed.flow.model.startswith("fitted"):
-            pulses = pulses._replace(drive=np.full_like(pulses.drive, np.nan))
         return PhaseResponse(pulses, closed.cycle.period, closed.flow.nodes)
 
     def first_order_up_to(self) -> Array:

@@ -82,6 +82,10 @@ class Slabs(Protocol):
     def resistance(self, port: Port, levels: Levels, growth: float) -> Array:
         """Impedances Z at s = growth/length of some levels, in units of the normal stress over V*."""
 
+    @property
+    def follows_drive(self) -> bool:
+        """Whether the port's tables also hold for a drive that changes, though that of the scene does not."""
+
     def next_break(self, time: float) -> float:
         """The first time after `time` (transits) at which a step must end, because the motion has a kink there; inf if none."""
 

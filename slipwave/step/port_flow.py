@@ -112,6 +112,8 @@ class PortFlow:
         motion, transit = Motion(pieces.z, pieces.psi, False), self.scene.transit
         with one_thread():
             carry_back(self._shape, self.scene.law, port, transit, rule, self.mesh.levels, motion, values, changes)
+        if not self._slabs.follows_drive:
+            changes[1] = math.nan
         return impulses(pieces.time, pieces.length, self.nodes, changes)
 
     def essential_radius(self, cycle: Cycle) -> float:

@@ -75,7 +75,7 @@ def phase_rows(facts: Mapping[str, Any], scene: Scene) -> Iterator[str]:
         [
             words,
             *(rounded(one, 4) for one in known["harmonics"][name][:_SHOWN]),
-            f"{rounded(known['first_order_up_to'][name], 2)} {unit}",
+            "unknown" if (limit := known["first_order_up_to"][name]) is None else f"{rounded(limit, 2)} {unit}",
         ]
         for (name, words), unit in zip(_PULSES.items(), _AMPLITUDES[place], strict=True)
     ]
