@@ -1,26 +1,23 @@
 """Where the special points of a branch end as a second parameter changes: those left at each of its values, and its extreme on
 the curves through the points at the first one."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from reduced.continuation.curve import Reached, crossing, turn
-from reduced.stability.characteristic import characteristic
+from reduced.stability.onsets import Onset, onsets
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
-from slipwave.observe.pieces import Array
 from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.curve import Curve
 from validation.models.followed import ends_of
 from validation.models.parameter import Over, Variation, over_ranges
-from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt
+from validation.models.points import SPECIAL_KINDS, StopAt
 
 _CURVE = StopAt(points=400)
 _SAME = 1e-5  # of the range: distance of two points of a branch that are one
@@ -123,35 +120,26 @@ class SpecialEnds:
         best = int(np.argmax(progress))
         if best in (0, len(points) - 1):
             return CurveEnd((name,), reason=_leaves(*curve.end_near(points[best].first, points[best].second)))
-        places = [curve.plane.at((one.first, one.second)).real for one in points[best - 1 : best + 2]]
+        near = points[best - 1 : best + 2]
+        places = [curve.plane.at((one.first, one.second)).real for one in near]
         if not (places[1] - places[0]) * (places[2] - places[1]) > 0.0:
             return CurveEnd((name,), reason="its curve turns too sharply")
-        neutral = partial(_neutral, curve, near=points[best])
-        low, middle, high = (one.first for one in points[best - 1 : best + 2])
-        found = minimize_scalar(lambda first: -self.second.sign * neutral(first)[0], bracket=(low, middle, high), tol=_TURN)
-        second, period = neutral(first := float(found.x))
-        return CurveEnd((name,), second, first, period, abs(second - neutral(first + _TURN * (high - low))[0]))
+        low, middle, high = (one.first for one in near)
+        reach = 2.0 * max(abs(one.second - near[1].second) for one in near)
+        around = near[1].second - reach, near[1].second + reach
+
+        def onset(first: float) -> Onset:
+            """The Hopf point of the curve over the second parameter at this `first` one."""
+            found = onsets(lambda second: curve.plane.scene_at(first, second), *around, one_port_of(curve.model))
+            return min(found, key=lambda one: abs(one.parameter - near[1].second))
+
+        found = minimize_scalar(lambda first: -self.second.sign * onset(first).parameter, bracket=(low, middle, high), tol=_TURN)
+        second, period, *_ = onset(first := float(found.x))
+        return CurveEnd((name,), second, first, period, abs(second - onset(first + _TURN * (high - low)).parameter))
 
     def _progress(self, second: float) -> float:
         """How far from the first value towards the last."""
         return (second - self.second.first) / (self.second.last - self.second.first)
-
-
-def _neutral(curve: Curve, first: float, near: CurvePoint) -> tuple[float, float]:
-    """Value of the second parameter `near` a Hopf point at which steady sliding oscillates neutrally at this `first` one, and the
-    period (transits)."""
-    from scipy.optimize import root
-
-    scene_at, scale = curve.plane.scene_at, curve.plane.scale[1]
-
-    def residual(unknown: Array) -> list[float]:
-        scene = scene_at(first, near.second + scale * float(unknown[0]))
-        omega = 2.0 * math.pi / (near.period * math.exp(float(unknown[1])) * scene.transit)
-        value = complex(characteristic(scene, one_port_of(curve.model)).imbalance(1j * omega))
-        return [value.real, value.imag]
-
-    shift, stretch = root(residual, [0.0, 0.0], tol=1e-12).x.tolist()
-    return near.second + scale * shift, near.period * math.exp(stretch)
 
 
 def _leaves(name: str, end: float) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import slipwave as sw
-from validation.chart import BLUE, DASHED, INK, Chart, Look, Panel, Scale, Trace
+from validation.chart import BLUE, INK, Chart, Look, Panel, Scale, Trace
 from validation.chart.colors import PAPER, REGIMES
 from validation.chart.looks import NAMES
 from validation.measure.in_words import command_words, motion_at, scene_of, state_at
@@ -199,11 +199,8 @@ def run(budget: Budget) -> StudyResult:
     torus = {kind: _torus_end(kind) for kind in (("bare",) if budget.quick else ("bare", "grip"))}
     return StudyResult(
         answers=_answers(known, regimes, torus, first_in_words(compared, _LADDER, "behind every face")),
-        figures=(
-            Figure("plane", _PLANE, lambda: _plane(known, regimes, torus)),
-            Figure("orbits", _ORBITS, lambda: _over_leak(exact)),
-        ),
-        tables=(_motions(exact), _points(known), summary(compared, "behind all faces of the table of motions")),
+        figures=(Figure("plane", _PLANE, lambda: _plane(known, regimes, torus)),),
+        tables=(_motions(exact), summary(compared, "behind all faces of the table of motions")),
         verdicts=(
             _agreement(delay, waves),
             *_foreign(),
@@ -327,35 +324,16 @@ def _motions(exact: Mapping[tuple[LeakyFace, float], Regime]) -> Table:
     return table("motions", _MOTIONS, f"face | slabs | R .3g | onset, log_{{10}} r .6f | {each}", rows)
 
 
-def _points(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Table:
-    rows = []
-    for face, points in known.items():
-        counts = [sum(one.kind == kind for one in points) for kind in ("LP", "NS", "PD")]
-        first = next((one.log10_r for one in points if one.kind == "NS"), None)
-        rows.append([face.kind, face.reflection, *counts, first])
-    heading = "face | R .3g | folds .0f | torus points .0f | period doublings .0f | first torus point, log_{10} r .6f"
-    return table("points", _POINTS, heading, rows)
-
-
 _MOTIONS = (
     f"The exact motion behind faces that reflect the share R of high-frequency waves: bare ones, and grips of stiffness "
     f"{STIFFNESS:g} ε a transit; onset r_{{c}} of stick-slip, and at two r over it regime, period and stress drop, where motions "
     "do not repeat means with two standard errors. Bare faces of smaller R have no onset: the interface locks."
 )
-_POINTS = (
-    f"Special points of the exact system’s branch of orbits up to log_{{10}} r = {places(RANGE[1:])} and T = {FAR:g} transits, "
-    "behind the same face on both slabs. Period doublings belong to the irregular motion."
-)
 _PLANE = (
     "Regimes of the exact motion over r and the reflection R of both faces: bare faces, and grips of the same high-frequency "
     "reflection. A cell is a run of 20,000 transits. Line: onset, below which sliding is steady. Marks: special points of the "
-    "branch at seven R, and where the first torus ends."
+    f"branch up to T = {FAR:g} transits at seven R, and where the first torus ends."
 )
-_ORBITS = (
-    f"Period and stress drop over 1 − R at r = {OVER_ONSET[0]:g} r_{{c}}, where orbits are known: bare faces and grips, on both "
-    "slabs and on one."
-)
-_LEAK = Scale("$1 - R$", "log")
 _SEVERAL = "periodic, several events"
 _CELLS_OF = {STEADY: REGIMES["steady"], **{word: REGIMES[word] for word in ("periodic", "torus", "irregular")}}
 _CELL = Look(
@@ -392,7 +370,7 @@ def _plane(
                 Trace("", *place, Look(PAPER, "", "D", size=8.0)),
                 Trace("end of the first torus", *place, Look(BLUE, "", "D")),
             ]
-        panels.append(Panel(title, Scale(r"$\log_{10} r$", limits=(_COLUMNS[0], _COLUMNS[-1])), _LEAK, traces))
+        panels.append(Panel(title, Scale(r"$\log_{10} r$", limits=(_COLUMNS[0], _COLUMNS[-1])), Scale("$1 - R$", "log"), traces))
     return Chart(panels, 4.6, 2, legend="outside upper left", legend_columns=4)
 
 
@@ -400,21 +378,3 @@ def _word(motion: Regime | None) -> str:
     """The word of a cell of the map; of none steady sliding, which is stable below the onset."""
     word = motion.words if motion else STEADY
     return _SEVERAL if word.startswith("periodic,") else word if word in _CELL.colors else UNDECIDED
-
-
-def _over_leak(exact: Mapping[tuple[LeakyFace, float], Regime]) -> Chart:
-    """T and stress drop of orbits over 1 - R."""
-    looks = {
-        (kind, both): Look(color, "-" if both else DASHED) for kind, color in (("bare", INK), ("grip", BLUE)) for both in _BOTH
-    }
-    panels = []
-    for symbol, label in (("T", "$T$ (transits)"), ("Δμ", r"stress drop $\Delta\mu$")):
-        traces = []
-        for (kind, both), look in looks.items():
-            faces = [face for face in FACES if (face.kind, face.both) == (kind, both)]
-            found = [exact.get((face, OVER_ONSET[0]), Regime(UNDECIDED)).figures.get(symbol) for face in faces]
-            values = [one.value if one else math.nan for one in found]
-            leaks = [1.0 - face.reflection for face in faces]
-            traces.append(Trace(f"{kind}, {faces[0].where}", leaks, values, look.but(marker="o", size=4.0)))
-        panels.append(Panel("", _LEAK, Scale(label, limits=(0.0, None)), traces, grid=True))
-    return Chart(panels, 3.4, 2, legend="outside upper left", legend_columns=4)
