@@ -75,24 +75,16 @@ class Ripples(NamedTuple):
     slipped: float
 
 
-class _Plan(NamedTuple):
-    """log10 r from just beyond the onset to where the delay system's orbit loses stability (-2.6575); transits of runs deep
-    inside."""
-
-    log10_r: tuple[float, ...]
-    until: float
-
-
-_QUICK = _Plan((-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66), 6000.0)
-_FULL = _Plan(tuple(round(-2.695 + 0.0025 * n, 4) for n in range(15)), 16000.0)
+_SOME, _ALL = (-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66), tuple(round(-2.695 + 0.0025 * n, 4) for n in range(15))
+"""log10 r from just beyond the onset to where the delay system's orbit loses stability (-2.6575)."""
 
 
 def run(budget: Budget) -> StudyResult:
     """Settle orbits along the stable branch, run deep inside it, evaluate the closed forms."""
-    plan = budget.plan(_QUICK, _FULL)
-    found = {log10_r: settled_at(log10_r) for log10_r in budget.each(plan.log10_r, end=0.6)}
+    along, until = budget.plan(quick=(_SOME, 6000.0), full=(_ALL, 16000.0))
+    found = {log10_r: settled_at(log10_r) for log10_r in budget.each(along, end=0.6)}
     orbits = {log10_r: models for log10_r, models in found.items() if models}
-    deep = {model: run_deep(model, plan.until) for model in WAVES}
+    deep = {model: run_deep(model, until) for model in WAVES}
     ripples = {model: measure_ripples(model) for model in WAVES}
     scenes = [sw.read(name) for name in SCENES[:3]]
     of_orbits = (*_orbit_claims(orbits), *_ripple_claims(ripples), *_stable_branch_claims(orbits))

@@ -2,7 +2,7 @@
 
 import math
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,14 +19,6 @@ _REFERENCE = "delay"
 _MODELS = (_REFERENCE, "kelvin-voigt", "modal:2", "block12", "quasidynamic")
 _UNTIL, _TOLERANCE = 1200.0, 1e-6
 _R, _V = (-2.74, -2.42), (100.0, 1000.0)
-
-
-class _Plan(NamedTuple):
-    """Points of the lattice in r and V, and levels of its refinement."""
-
-    round_trips: int
-    velocities: int
-    levels: int
 
 
 def run(budget: Budget) -> StudyResult:
@@ -50,9 +42,9 @@ def run(budget: Budget) -> StudyResult:
 def swept_plane(budget: Budget) -> Any:
     """The sweep of the plane with every model."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
-    plan = budget.plan(quick=_Plan(13, 7, 1), full=_Plan(25, 13, 2))
-    vary = {"log10_r": (*_R, plan.round_trips), "V": f"{_V[0]:g}:{_V[1]:g}:{plan.velocities}:log"}
-    options = {"models": ",".join(_MODELS), "tol": _TOLERANCE, "refine": plan.levels, "workers": 1}
+    round_trips, velocities, levels = budget.plan(quick=(13, 7, 1), full=(25, 13, 2))
+    vary = {"log10_r": (*_R, round_trips), "V": f"{_V[0]:g}:{_V[1]:g}:{velocities}:log"}
+    options = {"models": ",".join(_MODELS), "tol": _TOLERANCE, "refine": levels, "workers": 1}
     with ThreadPoolExecutor(1) as here:  # studies are computed side by side, in processes of their own
         found = slipwave.sweep(scene, vary=vary, executor=here, **options)
         _ = found.dataset  # read before its folder is removed

@@ -14,6 +14,7 @@ from validation.measure.grids.limits import (
     ATTACKED,
     BEYOND,
     EXPLICIT,
+    FEW_MEDIA,
     MEDIA,
     around_the_limit,
     limit_at,
@@ -54,8 +55,7 @@ class _Plan(NamedTuple):
     advised: tuple[str, ...]
 
 
-_SOME_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
-_QUICK = _Plan((-4, 0, 2, 4, 8), _SOME_MEDIA, 1e3, False, ("sbp:4", "fem:4", "dg:3"))
+_QUICK = _Plan((-4, 0, 2, 4, 8), FEW_MEDIA, 1e3, False, ("sbp:4", "fem:4", "dg:3"))
 _FULL = _Plan((-4, -2, *range(9)), tuple(MEDIA), 2e4, True, tuple(CELLS))
 
 

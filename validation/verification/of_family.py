@@ -12,7 +12,7 @@ from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.measure.grid_ladders import ladder_of
 from validation.measure.grids.in_space import climb_of
-from validation.measure.grids.limits import AROUND, BEYOND, growth_at, limit_at, rubbing, state_reach, stops_beyond
+from validation.measure.grids.limits import AROUND, BEYOND, FEW_MEDIA, growth_at, limit_at, rubbing, state_reach, stops_beyond
 from validation.measure.grids.noise import locked_noise
 from validation.measure.order_fit import fit_order, shortfall
 from validation.models.build import build, build_full_wave
@@ -23,7 +23,6 @@ from validation.report.known import rounding
 from validation.report.verdict import judge
 
 _DECADES = (-4, 0, 4)
-_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
 _SCENES = ("paper", "unlike", "grip", "layered")
 _NOISE_UNTIL = 200.0  # transits
 _LEDGER_UNTIL, _GRIDS, _FINER = 40.0, 6, 1.5
@@ -41,7 +40,7 @@ def rows_of_family(model: str) -> Iterator[Verdict]:
     yield order_verdict(climb_of(model))
     yield limit_verdict(model, {decade: limit_at(model, decade) for decade in _DECADES})
     family, _ = grid_of(model)
-    for medium in _MEDIA:
+    for medium in FEW_MEDIA:
         if not family.refusal(rubbing(0.0, medium)):
             yield calm_verdict(model, medium, growth_at(model, medium, *AROUND[0]))
     yield state_verdict(model, state_reach(model))

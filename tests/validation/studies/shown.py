@@ -257,7 +257,7 @@ PLACES = {
     "laboratory": (
         Place("laboratory:cycles_of_samples", (lambda found: [None] * len(found),), 9, claimed=True),
         Place("laboratory:cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),
-        Place("laboratory:waves_in_blocks", (part("block.period", change=lambda one: 1.1 * one),)),
+        Place("laboratory:waves_in_blocks", (only("block", part("period", change=lambda one: 1.1 * one)),)),
         Place("laboratory:rise_of", (lambda one: one._replace(time=1.1 * one.time),)),
         Place("laboratory:fitted_to", (part("apart", change=displaced(2e-8)), part("ratios"))),
     ),

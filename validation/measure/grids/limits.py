@@ -47,6 +47,8 @@ MEDIA: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
 }
 """Changes to the paper's upper slab and to the lower one (None: alike)."""
 
+FEW_MEDIA = ("alike slabs", "impedances 1 : 1000", "layers 1 : 100", "Kelvin-Voigt, 0.02 transits")
+
 SOFT_AND_STIFF = (-2.0, 4.0)
 """log10 of a/v over Z."""
 

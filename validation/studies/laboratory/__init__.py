@@ -45,14 +45,6 @@ _RISES = ((0.66, 0.005, 1.0), (1.0, 0.003, 1.0), (1.33, 0.005, 1.0), (0.66, 0.01
 _SPREAD = 0.05  # of the rise time
 
 
-class _Plan(NamedTuple):
-    """Samples of the parameters; slip events of the gabbro; whether a block that keeps its waves is run."""
-
-    samples: int
-    rises: int
-    keeping: bool
-
-
 class Band(NamedTuple):
     """Median and 95 % range of a figure over the samples that stick and slip; NaN where fewer than three do."""
 
@@ -76,24 +68,15 @@ class Case(NamedTuple):
         return self.bands[name].low <= _measured_figure(self.row, name) <= self.bands[name].high
 
 
-class BlockWaves(NamedTuple):
-    """One run by the plain block, by the exact waves in blocks of 5 cm behind faces that absorb them, and by blocks that keep
-    them (None in a quick report)."""
-
-    block: MeasuredCycle
-    absorbed: MeasuredCycle
-    kept: MeasuredCycle | None
-
-
 def run(budget: Budget) -> StudyResult:
     """Compute every run within the parameters' uncertainty, with and without waves, and compare it with the measurement."""
-    plan = budget.plan(quick=_Plan(6, 3, False), full=_Plan(24, len(_RISES), True))
-    drawn = samples(plan.samples)
+    count, events, with_keeping = budget.plan(quick=(6, 3, False), full=(24, len(_RISES), True))
+    drawn = samples(count)
     pairs = [(row, law) for law in LAWS for row in leeman_runs()]
     cases = [_case(row, law, drawn) for row, law in budget.each(pairs, 0.6)]
     untuned = {(row["sigma_MPa"], k): cycle_without_tuning(row, printed_fits()[k][0]) for row in leeman_runs() for k in (1, 2)}
     budget.report(0.7)
-    rises = [rise_of(*one) for one in _RISES[: plan.rises]]
+    rises = [rise_of(*one) for one in _RISES[:events]]
     programs = [fitted_to(row) for row in printed_rows()]
     return StudyResult(
         answers=_answers(cases),
@@ -104,7 +87,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             *_reproduced(untuned),
             *_against_measured(cases),
-            *_on_waves(waves_in_blocks(plan.keeping)),
+            *_on_waves(waves_in_blocks(with_keeping)),
             _on_rises(rises),
             *on_programs(programs),
         ),
@@ -159,15 +142,15 @@ def _row_met(cases: Sequence[Case]) -> list[bool]:
     return [any(case.meets for case in cases if case.row["run"] == row["run"]) for row in leeman_runs()]
 
 
-def waves_in_blocks(with_keeping: bool) -> BlockWaves:
-    """The run at 10 MPa with the third fit."""
+def waves_in_blocks(with_keeping: bool) -> dict[str, MeasuredCycle]:
+    """The run at 10 MPa with the third fit: by the plain `block`; by exact waves in blocks of 5 cm behind faces that `absorb`
+    them and, if wanted, in blocks that `keep` them."""
     row, (fit, _) = leeman_runs()[2], printed_fits()[2]
     absorbing, seconds = steel_blocks(row, fit, dashpot=1.0), 4.0 * row["T_s"]
     block, absorbed = (cycle_in_run(absorbing, model, seconds, 0.0) for model in ("quasidynamic", "delay"))
-    assert block
-    assert absorbed
     keeping = steel_blocks(row, fit, dashpot=0.0, mass=400.0)
-    return BlockWaves(block, absorbed, cycle_in_run(keeping, "delay", seconds, 0.0, 1e-5) if with_keeping else None)
+    kept = cycle_in_run(keeping, "delay", seconds, 0.0, 1e-5) if with_keeping else None
+    return {name: one for name, one in (("block", block), ("absorb", absorbed), ("keep", kept)) if one}
 
 
 def _reproduced(untuned: Mapping[tuple[float, int], MeasuredCycle | None]) -> Iterator[Verdict]:
@@ -229,21 +212,21 @@ def _against_measured(cases: Sequence[Case]) -> Iterator[Verdict]:
     ).with_margin(len(met) - sum(met), 1.0)
 
 
-def _on_waves(waves: BlockWaves) -> Iterator[Verdict]:
+def _on_waves(waves: Mapping[str, MeasuredCycle]) -> Iterator[Verdict]:
     """Verdicts on the neglect of waves: no effect if they are absorbed; the whole damping if not."""
-    apart = [abs(one / other - 1.0) for one, other in zip(waves.block, waves.absorbed, strict=True)]
+    apart = [abs(one / other - 1.0) for one, other in zip(waves["block"], waves["absorb"], strict=True)]
     text = ", ".join(f"{name} {100.0 * size:.2g} %" for name, size in zip(NAMES, apart, strict=True))
     title = "Waves that leave blocks of 5 cm differ from radiation damping by less than events scatter"
     yield claim(title, WITNESS, max(apart), _SAME, f"{text}: the blocks' own compliance, between friction and what absorbs")
-    if waves.kept:
+    if kept := waves.get("keep"):
         measured = _measured_figure(leeman_runs()[2], "peak")
         yield _of_others(
             "Leeman et al. 2016: blocks that keep their waves slip as slowly as was measured",
             f"peak slip rate within a factor of 2 of {measured:.3g} mm/s",
-            f"{waves.kept.peak:.3g} mm/s",
-            0.5 < waves.kept.peak / measured < 2.0,
+            f"{kept.peak:.3g} mm/s",
+            0.5 < kept.peak / measured < 2.0,
             "without a loss only inertia limits the slip rate: something takes the energy away",
-        ).with_margin(abs(math.log2(waves.kept.peak / measured)), 1.0)
+        ).with_margin(abs(math.log2(kept.peak / measured)), 1.0)
 
 
 def _on_rises(rises: Sequence[Rise]) -> Verdict:
