@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import slipwave as sw
-from validation.chart import BLUE, INK, Chart, Look, Panel, Scale, Trace
+from validation.chart import BLUE, DASHED, INK, Chart, Look, Panel, Scale, Trace
 from validation.chart.colors import PAPER, REGIMES
 from validation.chart.looks import NAMES
 from validation.measure.in_words import command_words, motion_at, scene_of, state_at
@@ -332,8 +332,9 @@ _MOTIONS = (
 _PLANE = (
     "Regimes of the exact motion over r and the reflection R of both faces: bare faces, and grips of the same high-frequency "
     "reflection. A cell is a run of 20,000 transits. Line: onset, below which sliding is steady. Marks: special points of the "
-    f"branch up to T = {FAR:g} transits at seven R, and where the first torus ends."
+    f"branch up to T = {FAR:g} transits at seven R, the first of each kind joined (dashed), and where the first torus ends."
 )
+_NEAR_ONSET = 0.01  # in log10 r: a fold there ends the cycles, those beyond are the snake's
 _SEVERAL = "periodic, several events"
 _CELLS_OF = {STEADY: REGIMES["steady"], **{word: REGIMES[word] for word in ("periodic", "torus", "irregular")}}
 _CELL = Look(
@@ -363,6 +364,8 @@ def _plane(
         for point, (marker, color, size) in _MARKS.items():
             own = [(face, one) for face, points in known.items() for one in points if (face.kind, one.kind) == (kind, point)]
             places_of = [one.log10_r for _, one in own], [1.0 - face.reflection for face, _ in own]
+            first = _first_beyond(own)
+            traces += [Trace("", *first, Look(PAPER, width=3.0)), Trace("", *first, Look(color, DASHED))]
             traces.append(Trace(NAMES[point], *places_of, Look(color, "", marker, size=size, hollow=True)))
         if kind in torus:
             place = [torus[kind].log10_r], [torus[kind].leak]
@@ -372,6 +375,13 @@ def _plane(
             ]
         panels.append(Panel(title, Scale(r"$\log_{10} r$", limits=(_COLUMNS[0], _COLUMNS[-1])), Scale("$1 - R$", "log"), traces))
     return Chart(panels, 4.6, 2, legend="outside upper left", legend_columns=4)
+
+
+def _first_beyond(own: Sequence[tuple[LeakyFace, KnownPoint]]) -> tuple[list[float], list[float]]:
+    """log10 r of the first of special points of one kind that lies beyond the neighbourhood of the onset, and 1 - R, by faces."""
+    beyond = [(face, one.log10_r) for face, one in own if one.log10_r > math.log10(face_onset(face)) + _NEAR_ONSET]
+    faces = list(dict.fromkeys(face for face, _ in beyond))
+    return [min(x for other, x in beyond if other == face) for face in faces], [1.0 - face.reflection for face in faces]
 
 
 def _word(motion: Regime | None) -> str:
