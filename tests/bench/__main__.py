@@ -26,10 +26,12 @@ from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import KelvinVoigtViscosity
 from slipwave.solve import follow
 from tests.bench.peers import PEER_HEADS, table_of_peers
+from tests.bench.setting import Setting
 from tests.bench.through_python import table_of_times
 from tests.granite import GRANITE
 from validation.commands.result import aligned
-from validation.models.timing import March, Setting, Work, alternating, in_turn, quartiles, solver_of
+from validation.models.build import build
+from validation.models.timing import Work, alternating, in_turn, quartiles
 
 PSI = -2.8174018894888
 """psi(600) by the delay system at three resolutions, and by another program."""
@@ -37,9 +39,9 @@ PSI = -2.8174018894888
 _EXACT, _EXPLICIT = Setting("dg:8", cells=4, time="exact"), Setting("dg:8", cells=4, time="explicit")
 SETTINGS = (
     *(Setting("delay", tolerance=tolerance) for tolerance in (1e-8, 1e-9, 1e-11)),
-    *(replace(_EXACT, tolerance=1e-9), replace(_EXACT, model="dg:24", cells=1, tolerance=3e-9)),
-    *(replace(_EXACT, model=model, cells=2, tolerance=1e-10) for model in ("dg:16", "dg:20")),
-    *(_EXACT, _EXPLICIT, replace(_EXPLICIT, model="dg:16", cells=2)),
+    *(_EXACT._replace(tolerance=1e-9), _EXACT._replace(model="dg:24", cells=1, tolerance=3e-9)),
+    *(_EXACT._replace(model=model, cells=2, tolerance=1e-10) for model in ("dg:16", "dg:20")),
+    *(_EXACT, _EXPLICIT, _EXPLICIT._replace(model="dg:16", cells=2)),
     *(Setting("fd", cells=cells) for cells in (64, 256)),
 )
 """The delay system; exact marches with errors of 1e-9 and of 1e-11, and with the steps of the default; explicit; leapfrog."""
@@ -72,7 +74,7 @@ class Entrant(NamedTuple):
 def full_waves(yardstick: Path | None, rounds: int, settings: Sequence[Setting] = SETTINGS) -> list[Entrant]:
     """The other program and every setting, in turn; a round before that loads the compiled code."""
     scene = sw.read("paper-2.6")
-    works = {one: _whole(lambda one=one: follow(solver_of(one, scene), 600.0)) for one in settings}
+    works = {one: _whole(lambda one=one: follow(one.solver(scene), 600.0)) for one in settings}
     found: dict[Any, list[Entrant]] = {}
     for number in range(rounds + 1):
         done = [(one, _entrant(one, final.psi, seconds)) for one, seconds, final in alternating(works, 1)]
@@ -84,8 +86,7 @@ def full_waves(yardstick: Path | None, rounds: int, settings: Sequence[Setting] 
 
 def _entrant(setting: Setting, psi: float, seconds: float) -> Entrant:
     kind = setting.time or setting.model
-    words = f"{kind}: {setting.model}, {setting.words}".replace("10^{", "1e").replace("}", "")
-    return Entrant(kind, words, abs(psi - PSI), (1e3 * seconds,))
+    return Entrant(kind, f"{kind}: {setting.words}", abs(psi - PSI), (1e3 * seconds,))
 
 
 def run_program(program: Path) -> list[Entrant]:
@@ -117,7 +118,7 @@ def _ratio(first: Sequence[float], second: Sequence[float]) -> str:
 
 def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
     """Two works whose times are compared, by what their ratio is called."""
-    paper, run = sw.read("paper"), partial(March, begin=1.0)
+    paper, run = sw.read("paper"), partial(Setting.march, begin=1.0)
     upper, lower = (replace(paper.upper, epsilon=share * paper.upper.epsilon) for share in (2.0 / 3.0, 2.0))
     pair, unlike = (replace(paper, upper=upper, lower=replace(lower, round_trip=r * paper.transit)) for r in (1.0, 2.0))
     irrational = replace(paper, lower=replace(paper.lower, round_trip=math.sqrt(2.0) * paper.lower.round_trip))
@@ -165,7 +166,7 @@ def _process(*words: str) -> Work[Any]:
 def _granite(every: bool) -> Any:
     """Two cycles of granite slabs of 10 m at 1 um/s, 1.6e5 transits; `every` one of them marched, or sticks leapt over."""
     scene = sw.read(GRANITE)
-    solver = solver_of(Setting("delay", tolerance=1e-6), scene)
+    solver = build("delay", scene, tolerance=1e-6)
     follow(solver, 1.0)
     needs_all = [HistoryObserver(scene.law, solver.nodes, start=math.inf)] if every else []
     return partial(follow, solver, 1.6e5, [EventObserver(scene, solver.nodes), *needs_all])

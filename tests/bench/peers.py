@@ -31,7 +31,8 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from tests.granite import GRANITE, SAMPLE
-from validation.models.timing import Setting, Work, in_turn, quartiles, solver_of
+from validation.models.build import build
+from validation.models.timing import Work, in_turn, quartiles
 
 os.environ["GFORTRAN_UNBUFFERED_PRECONNECTED"] = "y"  # read when a library of Fortran is loaded; for `_silenced`
 try:
@@ -142,7 +143,7 @@ class Problem(NamedTuple):
         return np.concatenate(found)
 
     def ours(self, tolerance: float) -> tuple[Array, int]:
-        solver = solver_of(Setting(self.model, tolerance=tolerance), self.scene)
+        solver = build(self.model, self.scene, tolerance=tolerance)
         history = HistoryObserver(self.scene.law, solver.nodes)
         follow(solver, self.scene.until, [history])
         return history.at(self.times)[1:3].T, history.pieces().time.size
@@ -247,7 +248,7 @@ def _at(error: float, known: Sequence[tuple[float, float]]) -> At:
 
 
 def _march(problem: Problem, tolerance: float) -> Callable[[], Any]:
-    return partial(follow, solver_of(Setting(problem.model, tolerance=tolerance), problem.scene), problem.scene.until)
+    return partial(follow, build(problem.model, problem.scene, tolerance=tolerance), problem.scene.until)
 
 
 def _repeated(prepare: Work[Any]) -> tuple[Work[Any], int]:

@@ -17,7 +17,8 @@ from slipwave.scene import Scene
 from slipwave.solve import follow
 from tests.bench.peers import LABORATORY
 from tests.granite import SAMPLE
-from validation.models.timing import March, Setting, Work, in_turn, quartiles, solver_of
+from validation.models.build import build
+from validation.models.timing import March, Work, in_turn, quartiles
 
 _POINTS = 50
 
@@ -45,11 +46,11 @@ def works() -> Mapping[str, Timed]:
     found["compare steel-on-pmma with a record, quasidynamic (ms)"] = Timed(_beside_a_record, 1e3)
     found["bench paper, 2600 transits (s)"] = _call(sw.bench, "paper", until=2600.0)._replace(scale=1.0)
     found["a point of a sweep, block12, 1000 transits (ms)"] = Timed(lambda: _sweep, 1e3 / _POINTS)
-    found["its march (ms)"] = Timed(March(Setting("block12"), sw.read("paper"), 1000.0), 1e3)
+    found["its march (ms)"] = Timed(March("block12", sw.read("paper"), 1000.0), 1e3)
     command = [sys.executable, "-m", "slipwave", "run", "paper", "--json"]
     found["slipwave run paper, a process (ms)"] = _call(subprocess.run, command, check=True, capture_output=True)
     second = sample.until / 50.0 if sample.until else 0.0
-    found["delay, lab-1mm, a second of motion (s)"] = Timed(March(Setting("delay"), sample, second), 1.0)
+    found["delay, lab-1mm, a second of motion (s)"] = Timed(March("delay", sample, second), 1.0)
     return found | dict(_observers(sw.read("paper"), 20_000.0)) | dict(_observers(sw.read("velocity-steps"), 60_000.0))
 
 
@@ -78,13 +79,12 @@ def _sweep() -> None:
 
 def _observers(scene: Scene, until: float) -> Iterator[tuple[str, Timed]]:
     """The march by the delay system and what watches it, for each of its pieces."""
-    setting = Setting("delay")
-    solver = solver_of(setting, scene)
+    solver = build("delay", scene)
     kept = HistoryObserver(scene.law, solver.nodes)
     follow(solver, until, [kept])
     pieces, each = kept.pieces(), 1e9 / kept.pieces().time.size
     march = partial(partial, follow, leaps=False)
-    yield f"{scene.name}, delay: the march, a piece (ns)", Timed(lambda: march(solver_of(setting, scene), until), each)
+    yield f"{scene.name}, delay: the march, a piece (ns)", Timed(lambda: march(build("delay", scene), until), each)
     observers: dict[str, Callable[[], Any]] = {
         "events": lambda: EventObserver(scene, solver.nodes),
         "envelope": lambda: Envelope(scene, solver.nodes),

@@ -16,10 +16,11 @@ from validation.commands.command import command
 from validation.commands.comparison import Comparison, errors_of, nothing, remarks, row_of
 from validation.commands.options import RunsOptions
 from validation.commands.result import aligned, rounded
+from validation.models.build import build
 from validation.models.by_name import honouring, one_port_of
 from validation.models.progress import progress
 from validation.models.run import Length, Run, length_of, simulate
-from validation.models.timing import Setting, alternating, quartiles, solver_of, warm_up
+from validation.models.timing import alternating, quartiles, warm_up
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
@@ -141,6 +142,5 @@ def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: 
 
 def _prepared(scene: Scene, family: Family, setting: dict[str, Any], length: Length, most: float) -> Callable[[], Run]:
     """The run, with its code loaded."""
-    chosen = Setting(family.example, **setting)
-    warm_up(chosen, scene)
-    return partial(simulate, solver_of(chosen, scene), length, most_seconds=most)
+    warm_up(family.example, scene, **setting)
+    return partial(simulate, build(family.example, scene, **setting), length, most_seconds=most)

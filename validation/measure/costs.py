@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 
 from slipwave.scene import Scene
-from validation.models.timing import March, Setting, in_turn
+from validation.models.by_name import Options
+from validation.models.timing import March, in_turn
 
 
 def march_times(
@@ -14,6 +15,8 @@ def march_times(
 ) -> np.ndarray:
     """Seconds (rounds, models) of march and event detection over so many `transits` from `begin` on, of each model with its
     options of `slipwave.run`. The first round loads code."""
-    settings = [Setting(model, *map(options.get, ("tol", "cells", "cfl", "time"))) for model, options in models]
-    works = {number: March(setting, scene, transits, begin) for number, setting in enumerate(settings)}
+    works = {}
+    for number, (model, one) in enumerate(models):
+        options = Options(tolerance=one.get("tol"), cells=one.get("cells"), cfl=one.get("cfl"), time=one.get("time"))
+        works[number] = March(model, scene, transits, begin, options)
     return np.array([[*seconds.values()] for seconds in in_turn(works, rounds)])

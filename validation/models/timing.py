@@ -4,12 +4,11 @@ A time is the median over rounds, with its quartiles, taken after the compiled c
 other work of the machine.
 """
 
-import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, Unpack
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from slipwave.scene import Scene
 from slipwave.solve import Final, Solver, follow
 from validation.models import stopwatch
 from validation.models.build import build
+from validation.models.by_name import Options
 from validation.models.cycle import watch
 
 _WARM_UP = 2.0  # transits
@@ -55,45 +55,21 @@ def quartiles(values: Iterable[float]) -> tuple[float, float, float]:
 
 
 @dataclass(frozen=True)
-class Setting:
-    """A model with its numerical options; `None` leaves one to the model."""
+class March:
+    """The work of `transits` of march and event detection by a `model` with these `options` that has been marched to `begin`."""
 
     model: str
-    tolerance: float | None = None
-    cells: int | None = None
-    cfl: float | None = None
-    time: str | None = None
-
-    @property
-    def words(self) -> str:
-        """The options as text in the report's markup."""
-        words = [f"{self.cells} cells"] if self.cells else []
-        words += [f"CFL {self.cfl:g}"] if self.cfl else []
-        words += [f"{self.time} in time"] if self.time else []
-        words += [f"tolerance 10^{{{math.log10(self.tolerance):.2g}}}"] if self.tolerance else []
-        return ", ".join(words)
-
-
-@dataclass(frozen=True)
-class March:
-    """The work of `transits` of march and event detection by a solver that has been marched to `begin`."""
-
-    setting: Setting
     scene: Scene
     transits: float
     begin: float = 0.0
+    options: Options = field(default_factory=Options)
 
     def __call__(self) -> Callable[[], Final]:
         """Prepare the march, untimed."""
-        solver = solver_of(self.setting, self.scene)
+        solver = build(self.model, self.scene, **self.options)
         if self.begin:
             follow(solver, self.begin)
         return partial(follow, solver, self.begin + self.transits, [EventObserver(self.scene, solver.nodes)])
-
-
-def solver_of(setting: Setting, scene: Scene) -> Solver:
-    """The solver of `setting`, at the start of `scene`."""
-    return build(setting.model, scene, cells=setting.cells, cfl=setting.cfl, tolerance=setting.tolerance, time=setting.time)
 
 
 def warm(solver: Solver) -> None:
@@ -104,7 +80,7 @@ def warm(solver: Solver) -> None:
     solver.restore(before)
 
 
-def warm_up(setting: Setting, scene: Scene) -> None:
-    """Load or compile the code for `setting`, before timing."""
+def warm_up(model: str, scene: Scene, **options: Unpack[Options]) -> None:
+    """Load or compile the code for a `model` with its options, before timing."""
     with suppress(NumericsError):  # a run that fails reports it itself
-        watch(solver_of(setting, scene), _WARM_UP if scene.until is None else min(_WARM_UP, scene.until))
+        watch(build(model, scene, **options), _WARM_UP if scene.until is None else min(_WARM_UP, scene.until))

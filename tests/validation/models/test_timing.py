@@ -12,9 +12,10 @@ import pytest
 import slipwave as sw
 from tests.bench.__main__ import full_waves, main, run_program
 from tests.bench.peers import HELD, PEERS, At, Problem, _around, _at, table_of_peers
+from tests.bench.setting import Setting
 from tests.bench.through_python import Timed, table_of_times
 from validation.models import stopwatch
-from validation.models.timing import Setting, alternating, in_turn, quartiles
+from validation.models.timing import alternating, in_turn, quartiles
 
 PAPER = sw.read("paper", {"start.kind": "jump", "start.size": 3.0, "run.until": 80.0})
 PLAIN = """
