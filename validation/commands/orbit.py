@@ -24,7 +24,7 @@ from validation.commands.branch import tolerance_option
 from validation.commands.command import command
 from validation.commands.figures import motion_chart
 from validation.commands.options import ModelOptions, announced, option
-from validation.commands.phase_response import PhaseFacts, phase_facts, phase_rows, with_phase_response
+from validation.commands.phase_response import phase_rows, with_phase_response
 from validation.commands.response import Response, response_of, response_rows
 from validation.commands.result import Output, PointOfBranch, Result, aligned, rounded
 from validation.commands.wording import header, orbit_rows
@@ -120,14 +120,9 @@ class OrbitResult(Result):
 
     @cached_property
     def response(self) -> Response:
-        """Key of the scene -> its value, and the derivative of each figure. Raises NumericsError on a fold, SceneError for a
-        scene that was made in Python."""
+        """Figure -> key of the scene -> derivative, and under `phase` the response to short pulses. Raises NumericsError on a
+        fold, SceneError for a scene that was made in Python."""
         return response_of(self.found, self._responding)
-
-    @cached_property
-    def phase_response(self) -> PhaseFacts:
-        """The response to short pulses over the phase. Raises NumericsError on a fold."""
-        return phase_facts(self.found, self._responding)
 
     @cached_property
     def _responding(self) -> Responding:
@@ -169,9 +164,9 @@ class OrbitResult(Result):
         }
         if self.shows_response:
             try:
-                result |= {"response": self.response, "phase_response": self.phase_response}
+                result["response"] = self.response
             except NumericsError as reason:
-                result |= {"response": None, "phase_response": None, "notes": [*result["notes"], f"no response: {reason}"]}
+                result |= {"response": None, "notes": [*result["notes"], f"no response: {reason}"]}
         return result | cycle_in_si(orbit.values(), scene)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
@@ -200,7 +195,7 @@ class OrbitResult(Result):
             yield ""
             yield from response_rows(summary["response"], summary)
             yield ""
-            yield from phase_rows(summary["phase_response"], done.scene)
+            yield from phase_rows(summary["response"]["phase"], done.scene)
         yield f"wall time {self.wall_s:.3g} s"
 
 

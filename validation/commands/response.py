@@ -15,6 +15,7 @@ from slipwave.input.quantity import Quantity
 from slipwave.input.schema import KeyTable
 from slipwave.input.source import tables_of
 from slipwave.scene import Scene
+from validation.commands.phase_response import phase_facts
 from validation.commands.result import aligned, rounded
 from validation.data.variables import cycle_in_si
 from validation.models.orbits import OrbitFound
@@ -29,7 +30,8 @@ _SHOWN = {"T": "period_time", "stress drop": "stress_drop", "v_max": "v_max", "v
 _IN_SI = {"T": "period_s", "stress drop": "stress_drop_Pa", "v_max": "v_max_m_per_s", "v_min": "v_min_m_per_s"}
 
 Response: TypeAlias = dict[str, dict[str, Any]]
-"""Key of the scene -> its `value` and `unit` there, and figure -> derivative; None for all figures with the `reason`."""
+"""Figure -> key of the scene -> derivative; those of figures in SI under `si`. `keys`: the `value` and `unit` of each key, and
+the `reason` where its derivatives are None. `phase`: the response to short pulses."""
 
 
 @dataclass(frozen=True)
@@ -67,44 +69,45 @@ class _Number(Parameter):
 
 def response_of(found: OrbitFound, responding: Responding) -> Response:
     """The derivatives of an orbit's figures by every key that is a number, but those of start and run; with units also those of
-    the figures in SI, `si`. Raises NumericsError if another multiplier is 1, SceneError if the scene was not read."""
+    the figures in SI; and the phase response. Raises SceneError if the scene was not read."""
     closed, scene = found.found.closed, found.scene
-    response, figures = Response(), _figures(closed)
+    keys = dict[str, dict[str, Any]]()
+    slopes: Response = {name: {} for name in _figures(closed)}
     for number in _numbers(scene):
-        known: dict[str, Any] = {"value": number.value, "unit": number.shown}
+        keys[number.name] = {"value": number.value, "unit": number.shown}
+        by: Mapping[str, float] = {}
         try:
-            by: Mapping[str, float | None] = responding.by(number.beside(scene), _figures)
+            by = responding.by(number.beside(scene), _figures)
         except (SceneError, NumericsError) as error:
-            by = dict.fromkeys(figures)
-            known["reason"] = str(error)
-        own = {name: value for name, value in by.items() if not name.startswith(_SI)}
-        in_si = {name.removeprefix(_SI): value for name, value in by.items() if name.startswith(_SI)}
-        response[number.name] = known | own | ({"si": in_si} if in_si else {})
-    return response
+            keys[number.name]["reason"] = str(error)
+        for name, known in slopes.items():
+            known[number.name] = by.get(name)
+    in_si = {name: slopes.pop(name) for name in [*slopes] if name.startswith(_SI)}
+    twins = {"si": {name.removeprefix(_SI): known for name, known in in_si.items()}} if in_si else {}
+    return slopes | twins | {"keys": keys, "phase": phase_facts(found, responding)}
 
 
 def response_rows(response: Response, facts: Mapping[str, Any]) -> Iterator[str]:
     """The table: the effect in per cent of 1 % of each key, or, of a key that is 0, of 1, on the figures among the `facts`, in SI
     where the scene is; the largest on the period first."""
     names = _IN_SI if "si" in facts else _SHOWN
+    slopes, figures = response.get("si", response), facts.get("si", facts)
     rows = list[tuple[float, list[str]]]()
-    for key, by in response.items():
-        effects = [_effect(key, by, name, facts.get("si", facts)[name]) for name in names.values()]
-        label = f"r ({key})" if key.endswith("log10_r") else key
-        shown = [label, f"{by['value']:.6g} {by['unit']}".rstrip(), "1 %" if by["value"] else "1"]
+    for key, known in response["keys"].items():
+        is_log, value = key.endswith("log10_r"), known["value"]
+        change = 1.0 / math.log(10.0) if is_log else value or 100.0
+        effects = [_effect(slopes[name][key], change / figures[name]) for name in names.values()]
+        shown = [f"r ({key})" if is_log else key, f"{value:.6g} {known['unit']}".rstrip(), "1 %" if value else "1"]
         rows.append((abs(effects[0] or 0.0), [*shown, *(rounded(one, 4) for one in effects)]))
     rows.sort(key=lambda row: -row[0])
     yield from aligned(["effect in % of", "value", "change", *names], [row for _, row in rows])
-    yield from (f"{key}: {by['reason']}" for key, by in response.items() if "reason" in by)
+    yield from (f"{key}: {known['reason']}" for key, known in response["keys"].items() if "reason" in known)
 
 
-def _effect(key: str, by: Mapping[str, Any], name: str, figure: float) -> float | None:
-    derivative = by.get("si", by)[name]
-    if derivative is None:
+def _effect(slope: float | None, change: float) -> float | None:
+    if slope is None:
         return None
-    change = 1.0 / math.log(10.0) if key.endswith("log10_r") else by["value"] or 100.0
-    effect = float(derivative * change / figure)
-    return effect if abs(effect) > _WITHOUT_EFFECT else 0.0
+    return slope * change if abs(slope * change) > _WITHOUT_EFFECT else 0.0
 
 
 def _figures(closed: Closed) -> dict[str, float]:

@@ -97,14 +97,14 @@ def test_integrals_are_derivatives_of_the_period(scene, model):
     if scene != "reflection":
         assert by_stress == pytest.approx(0.0, abs=1e-9 * float((weights * np.abs(stress)).sum()))
     slope = friction_slopes(read.law, read.velocity).steady
-    assert by_drive + slope * by_stress == pytest.approx(-result.response["drive.velocity"]["period"], rel=1e-7)
+    assert by_drive + slope * by_stress == pytest.approx(-result.response["period"]["drive.velocity"], rel=1e-7)
 
 
 def test_an_unstable_orbit_has_a_phase_response():
     result = sw.orbit("paper-2.59", model="kelvin-voigt", near_period=79.09, tol=1e-9)
     assert result.facts["stable"] is False
     _, weights, values = result._responding.phase.samples
-    assert float((weights * values[1]).sum()) == pytest.approx(-result.response["drive.velocity"]["period"], rel=1e-6)
+    assert float((weights * values[1]).sum()) == pytest.approx(-result.response["period"]["drive.velocity"], rel=1e-6)
 
 
 @pytest.mark.slow
@@ -169,7 +169,7 @@ def test_the_locking_range_is_that_of_runs(harmonic):
 
 def test_harmonics_and_diffusion_are_integrals_of_the_curve():
     result = sw.orbit("paper", tol=1e-9, response=True)
-    known, phase, period = result.summary["phase_response"], result._responding.phase, result.period
+    known, phase, period = result.summary["response"]["phase"], result._responding.phase, result.period
     times = np.linspace(0.0, period, 200001)[:-1]
     stress, drive = phase.at(times)
     assert known["diffusion"]["stress"] == pytest.approx(0.5 * (stress**2).mean(), rel=1e-6)
@@ -191,7 +191,7 @@ def test_what_is_beyond_first_order_grows_as_the_square(monkeypatch):
 def test_the_command_says_draws_and_stores_the_phase_response(capsys, tmp_path):
     files = ["--out", str(tmp_path / "a.nc"), "--plot", str(tmp_path / "a.svg")]
     assert main(["orbit", "paper-si", "--tol", "1e-7", "--response", "--json", *files]) == 0
-    known = json.loads(capsys.readouterr().out)["phase_response"]
+    known = json.loads(capsys.readouterr().out)["response"]["phase"]
     phase, stress = np.array(known["phase"]), np.array(known["stress"])
     assert (np.diff(phase) >= 0.0).all()
     assert 0.0 <= phase[0] < phase[-1] < 1.0
@@ -211,12 +211,12 @@ def test_the_command_says_draws_and_stores_the_phase_response(capsys, tmp_path):
 def test_only_what_is_fitted_has_no_response_to_the_drive_and_a_plain_orbit_none_at_all():
     """`fitted` has the exact modes of plain slabs; behind grips the stress that the drive causes is fitted only if it changes."""
     drives = [
-        sw.orbit("paper", model=model, tol=1e-6, response=True).summary["phase_response"]["drive"]
+        sw.orbit("paper", model=model, tol=1e-6, response=True).summary["response"]["phase"]["drive"]
         for model in ("fitted:1", "modal:1")
     ]
     assert drives[0] == pytest.approx(drives[1], rel=1e-7)
     result = sw.orbit("grip", model="fitted:4", tol=1e-6, response=True)
-    assert set(result.summary["phase_response"]["drive"]) == {None}
-    assert None not in result.summary["phase_response"]["stress"]
-    assert len(result.summary["phase_response"]["stress"]) < 500
-    assert "phase_response" not in sw.orbit("paper", model="modal:0", tol=1e-6).summary
+    assert set(result.summary["response"]["phase"]["drive"]) == {None}
+    assert None not in result.summary["response"]["phase"]["stress"]
+    assert len(result.summary["response"]["phase"]["stress"]) < 500
+    assert "response" not in sw.orbit("paper", model="modal:0", tol=1e-6).summary
