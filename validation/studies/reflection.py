@@ -340,7 +340,7 @@ _CELLS_OF = {STEADY: REGIMES["steady"], **{word: REGIMES[word] for word in ("per
 _CELL = Look(
     kind="cells",
     colors=_CELLS_OF | {_SEVERAL: REGIMES["periodic"], UNDECIDED: PAPER},
-    hatches={_SEVERAL: "////", UNDECIDED: "..."},
+    hatches={_SEVERAL: "////", UNDECIDED: "xxx"},
 )
 _MARKS = {"LP": ("o", INK, 2.6), "NS": ("s", BLUE, 4.0), "PD": ("^", "#8a3a00", 4.6)}
 
