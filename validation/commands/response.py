@@ -21,9 +21,9 @@ from validation.data.variables import cycle_in_si
 from validation.models.orbits import OrbitFound
 from validation.models.parameter import Parameter, number_in
 
-_STEP = 1e-5  # of differences, relative: of fourth order, since one of second order leaves 1.4e-5 of the paper's derivatives
-_CENTRAL = {1: 2 / 3, -1: -2 / 3, 2: -1 / 12, -2: 1 / 12}  # steps -> weights
-_ONE_SIDED = {0: -25 / 12, 1: 4.0, 2: -3.0, 3: 4 / 3, 4: -1 / 4}
+_STEP = 1e-6  # of differences, relative: the paper's derivatives have errors of 2e-7 then, of 1.4e-5 at 1e-5
+_WEAK, _WIDER = 0.03, 100.0  # d ln(figure)/d ln(key), below which rounding counts for more, and the factor of the step then
+_CENTRAL, _ONE_SIDED = {1: 0.5, -1: -0.5}, {0: -1.5, 1: 2.0, 2: -0.5}  # steps -> weights
 _SI = "si."
 _WITHOUT_EFFECT = 1e-7  # per cent, of figures by 1 % of a key
 _SHOWN = {"T": "period_time", "stress drop": "stress_drop", "v_max": "v_max", "v_min": "v_min"}
@@ -54,9 +54,9 @@ class _Number(Parameter):
             table = table[part]
         return slipwave.read(base, {key: [{**one, field: written} if i == k else one for i, one in enumerate(table)]})
 
-    def beside(self, base: Scene) -> list[Beside]:
+    def beside(self, base: Scene, wider: float = 1.0) -> list[Beside]:
         """Scenes on both sides; at an end of the range this one and those on one side. Raises SceneError if there are none."""
-        step = _STEP * (1.0 / math.log(10.0) if self.name.endswith("log10_r") else abs(self.value) or 1.0)
+        step = wider * _STEP * (1.0 / math.log(10.0) if self.name.endswith("log10_r") else abs(self.value) or 1.0)
         failed = SceneError("")
         for sign, weights in ((1.0, _CENTRAL), (1.0, _ONE_SIDED), (-1.0, _ONE_SIDED)):
             try:
@@ -72,12 +72,15 @@ def response_of(found: OrbitFound, responding: Responding) -> Response:
     the figures in SI; and the phase response. Raises SceneError if the scene was not read."""
     closed, scene = found.found.closed, found.scene
     keys = dict[str, dict[str, Any]]()
-    slopes: Response = {name: {} for name in _figures(closed)}
+    figures = _figures(closed)
+    slopes: Response = {name: {} for name in figures}
     for number in _numbers(scene):
         keys[number.name] = {"value": number.value, "unit": number.shown}
         by: Mapping[str, float] = {}
         try:
             by = responding.by(number.beside(scene), _figures)
+            if number.value and all(abs(by[name] * number.value / figure) < _WEAK for name, figure in figures.items()):
+                by = responding.by(number.beside(scene, _WIDER), _figures)
         except (SceneError, NumericsError) as error:
             keys[number.name]["reason"] = str(error)
         for name, known in slopes.items():
