@@ -156,9 +156,10 @@ def _files(name: str, packages: bool) -> Iterator[Path]:
         yield from (path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file())
 
 
+@cache
 def commit(folder: Path | None = None) -> str:
     """Short hash of the checkout the code runs from, or of the last commit that changed a `folder` of it, with "+" if it was
-    edited since; "unknown" outside a checkout."""
+    edited before it was asked for; "unknown" outside a checkout."""
     import subprocess
 
     where = ["--", str(folder)] if folder else []
