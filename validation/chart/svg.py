@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tinos,serif"
 _SVG, _LINK = "http://www.w3.org/2000/svg", "{http://www.w3.org/1999/xlink}href"
 _COLOR, _REFERRED = re.compile(r"#[0-9a-f]{6}"), re.compile(r"url\(#(.*)\)|#(.*)")
+_FILL = re.compile(r"url\(#(.*?)\)")  # in a style: a hatch
 _MARKS = (f"{{{_SVG}}}use", f"{{{_SVG}}}path")
 _PLACES = ("d", "x", "y", "width", "height", "transform", "viewBox")
 _SHADES, _KEYS = 256, 16  # colours of a picture; of one whose colours a key explains
@@ -50,8 +51,10 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
 
 def _referred(root: ElementTree.Element) -> Iterator[str]:
     """The ids that attributes refer to."""
-    for value in (value for element in root.iter() for name, value in element.attrib.items() if name != "style"):
-        if match := _REFERRED.fullmatch(value):
+    for name, value in (pair for element in root.iter() for pair in element.attrib.items()):
+        if name == "style":
+            yield from _FILL.findall(value)
+        elif name != "fill" and (match := _REFERRED.fullmatch(value)):
             yield match[1] or match[2]
 
 
@@ -79,11 +82,14 @@ def _shorten(element: ElementTree.Element, own: dict[str, str]) -> None:
         element.set("id", own[words["id"]])
     for name, value in ((name, value) for name, value in words.items() if name != "id"):
         match = _REFERRED.fullmatch(value)
-        if match and name != "style":
+        if name == "fill":  # behind a hatch
+            name, value = "style", f"fill:{value}"
+        elif match and name != "style":
             value = value.replace(match[1] or match[2], own[match[1] or match[2]])
         elif name in _PLACES:
             value = " ".join(map(_tenths, value.split()))
         elif name == "style":
+            value = _FILL.sub(lambda fill: f"url(#{own[fill[1]]})", value)
             value = ";".join(part.replace(": ", ":") for part in value.split("; ") if not part.startswith("font-family"))
         element.set("href" if name == _LINK else name, value)
 
