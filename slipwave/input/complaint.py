@@ -30,7 +30,8 @@ def complaint(failure: ValidationError) -> str:
         case "union_tag_invalid" | "union_tag_not_found":
             word = next(iter(next(iter(at.below.values())).model_fields))
             given = fault["input"].get(word) if isinstance(fault["input"], dict) else fault["input"]
-            return f"{key}.{word} = {shorten(given)}: must be {choices(at.below, given)}"
+            told = ": missing;" if given is None else f" = {shorten(given)}:"
+            return f"{key}.{word}{told} must be {choices(at.below, given)}"
     return f"{key} = {value}: {_wanted(fault, at)}"
 
 

@@ -80,7 +80,7 @@ def phase_rows(facts: Mapping[str, Any], scene: Scene) -> Iterator[str]:
         for (name, words), unit in zip(_PULSES.items(), _AMPLITUDES[place], strict=True)
     ]
     yield from aligned(["a sine of amplitude A of", *(f"n = {n}" for n in range(1, _SHOWN + 1)), "first order up to"], rows)
-    yield "locks a cycle to n of its periods P while |n P/T - 1| < A times this, in 1/(the unit of A)"
+    yield "a cycle is locked to n periods P of the sine while |n P/T - 1| < A times this, in 1/(the unit of A)"
     spread = rounded(known["diffusion"]["stress"], 4)
     yield f"white shear stress of two-sided density S ({_DENSITIES[place]}): dates of events diffuse with D = {spread} S"
 
