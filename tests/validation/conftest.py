@@ -50,7 +50,7 @@ def answer(printed):
 @pytest.fixture
 def refused(capsys):
     """The line that a command says on stderr, which must end with that status and print nothing; if its input is wrong, it says
-    no more than which model it chose."""
+    no more than which model it chose, and notes."""
 
     def refused(*words, status=INPUT_WRONG):
         capsys.readouterr()
@@ -58,7 +58,7 @@ def refused(capsys):
         out, err = capsys.readouterr()
         assert out == ""
         *before, line = err.splitlines()
-        assert status != INPUT_WRONG or all(one.startswith("model auto: ") for one in before)
+        assert status != INPUT_WRONG or all(one.startswith(("model auto: ", "note: ")) for one in before)
         assert line.startswith("slipwave: ")
         return line
 

@@ -131,21 +131,3 @@ def test_a_record_beside_a_model(slips, tmp_path, capsys):
     assert "its elastic stress, which a load cell in the drive measures, drops by" in "\n".join(
         result.lines(facts | {"figure": ""})
     )
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["paper", "--models", "delay", "--columns", "time,mu"], "columns: needs a record: --with FILE"),
-        (["velocity-steps", "--with", "x.csv"], "its drive changes; cycles are compared under a constant drive.velocity"),
-        ([NAME, "--with", "x.csv"], "'x.csv': no slip event; a comparison of cycles needs two or more"),
-    ],
-)
-def test_refusals_are_one_line(words, told, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "x.csv").write_text("time [s],mu\n0,0.6\n1,0.6\n2,0.6\n")
-    assert main(["compare", *words]) == 2
-    lines = [line for line in capsys.readouterr().err.splitlines() if not line.startswith("note:")]
-    assert len(lines) == 1
-    assert told in lines[0]
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["x.csv"]

@@ -431,22 +431,6 @@ def test_a_hopf_point_ends_where_its_curve_turns():
     assert (found.points, found.reason) == (("HB1",), "")
 
 
-@pytest.mark.parametrize(
-    ("ends", "told"),
-    [
-        ("V", "--ends 'V': must be KEY=VALUE,VALUE,... of two values or more, as in face.coefficient=1,0.99"),
-        ("V=100", "must be KEY=VALUE,VALUE,... of two values or more"),
-        ("V=100,120,110", "--ends 'V=100,120,110': values must rise or fall throughout"),
-        ("V=100,fast", "must be a number"),
-        ("interface.law=ageing,slip", "must be a number"),
-        ("log10_r=-2.7,-2.6", "--ends 'log10_r=-2.7,-2.6': must be another parameter than --over"),
-        ("face.coefficient=1,0.99", "slab.face.coefficient"),
-    ],
-)
-def test_ends_over_nothing_is_one_line(ends, told, refused):
-    assert told in refused("branch", "paper", "--over", RANGE, "--ends", ends)
-
-
 OTHER = over_range(RANGE, sw.read("paper", {"interface.a": 0.03491}))
 
 

@@ -11,7 +11,6 @@ from reduced.impedance import impedance
 from reduced.impedance.transmission_line import Jet, slab_ratio
 from slipwave.friction.law import friction_slopes
 from slipwave.scene.slab import Layer
-from validation.commands.wording import header
 
 R = 0.0018
 GRIP = {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}
@@ -94,38 +93,6 @@ def test_rates_are_told_in_si_too(answer, printed):
     changes = UNITS | {"slab." + key: value for key, value in slab.items()} | {"drive.velocity": "1 um/s"}
     (face,) = slipwave.stability("rock", **changes).faces
     assert (face.omega / face.omega_per_s, face.spring_rate / face.spring_rate_per_s) == pytest.approx((10.0, 10.0), rel=1e-13)
-    scene = slipwave.read("rock", changes)
-    (line,) = [line for line in header(scene) if "it reflects" in line]
-    rate = scene.upper.termination.spring_rate
-    assert line.endswith(f"; below K/Z_g = {rate:.4g} V*/L ({rate / 10.0:.4g} rad/s) it is its spring")
-
-
-@pytest.mark.parametrize(
-    ("scene", "face", "lines"),
-    [
-        (
-            "unlike",
-            {"kind": "reflection", "coefficient": 1.0},
-            ["upper: rigid face: R = 1 for all waves", "lower: rigid face: R = 1 for all waves"],
-        ),
-        (
-            "unlike",
-            {"kind": "reflection", "coefficient": -1.0},
-            [
-                "upper: reflection: coefficient -1, R = -1 for fast waves",
-                "upper: at omega = 63.34 V*/L it reflects |R| = 1",
-                "lower: rigid face: R = 1 for all waves",
-            ],
-        ),
-        ("unlike", None, []),
-    ],
-)
-def test_a_face_of_one_side_that_reflects_everything_says_so(scene, face, lines):
-    assert [
-        line
-        for line in header(slipwave.read(scene, {"upper.face": face} if face else {}))
-        if "R" in line.split() or "|R|" in line
-    ] == lines
 
 
 def test_where_friction_strengthens_only_fast_waves_are_judged():

@@ -17,6 +17,16 @@ from validation.commands.cli import main
 RECORD = Path(__file__).with_name("printed.txt")
 FAST = ("--set", "drive.velocity=2000", "--until", "200")
 """Cycles of four transits, which repeat after 100."""
+ONE_SIDED = (
+    "{kind='reflection', coefficient=1}",
+    "{kind='reflection', coefficient=-1}",
+    "{kind='grip', stiffness=2, impedance=0}",
+)
+PARTS = (
+    "viscosity={kind='standard-linear', time='1 ms', ratio=0.5}",
+    "face={kind='machine', stiffness='3 GPa/m', impedance='9 MPa s/m', mass='27 t/m2'}",
+    "face={kind='grip', stiffness=2.0, impedance=0.5}",
+)
 COMMANDS = (
     ("run", "paper", "--model", "kelvin-voigt", *FAST),
     ("run", "paper-si", "--model", "delay", "--set", "drive.velocity=2000", "slab.thickness=0.0335", "--until", "200"),
@@ -34,6 +44,8 @@ COMMANDS = (
     ("stability", "grip", "--model", "fitted:4"),
     ("stability", "ramp"),
     ("stability", "unlike", "--json"),
+    *(("show", "unlike", "--set", f"upper.face={face}") for face in ONE_SIDED),
+    *(("show", "rock", "--set", "drive.velocity=1 um/s", f"slab.{part}") for part in PARTS),
 )
 
 RELATIVE, ABSOLUTE = 1e-5, 1e-9
@@ -72,7 +84,8 @@ def printed(capsys, folder):
         assert main([*words, *places]) == 0
         out, err = capsys.readouterr()
         yield "$ " + " ".join(words)
-        yield from (line.replace(str(folder), "FOLDER").rstrip() for line in out.splitlines())
+        head = "#" if words[0] == "show" else ""
+        yield from (line.replace(str(folder), "FOLDER").rstrip() for line in out.splitlines() if line.startswith(head))
         yield from (f"stderr: {line}" for line in err.splitlines())
 
 

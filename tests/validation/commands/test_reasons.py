@@ -16,7 +16,6 @@ from slipwave.solve import follow
 from slipwave.solve.follow import DAY
 from tests.granite import GRANITE, THIN
 from validation.commands.cli import main
-from validation.commands.wording import header
 from validation.models import progress as module
 from validation.models.build import build
 from validation.models.cycle import watch
@@ -190,45 +189,6 @@ def test_lines_come_every_ten_seconds_and_tell_share_and_time_left(monkeypatch, 
             told.append(" ".join(caplog.messages))
             caplog.clear()
     assert told == ["", "", "", "run: 18%", "", "run: 55%, 17 s left", "run: 65%, 51 to 210 s left"]
-
-
-UNITS = {"interface.normal_stress": "5 MPa", "interface.memory_length": "10 um", "interface.reference_velocity": "1 um/s"}
-SLAB = {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "10 m"}
-BLOCK = UNITS | {f"slab.{key}": value for key, value in SLAB.items()} | {"drive.velocity": "1 um/s"}
-
-
-@pytest.mark.parametrize(
-    ("name", "changes", "line", "end"),
-    [
-        (
-            "rock",
-            BLOCK | {"slab.viscosity": {"kind": "standard-linear", "time": "1 ms", "ratio": 0.5}},
-            "slabs: standard-linear: time 0.0001, ratio 0.5 (0.001 s)",
-            "",
-        ),
-        (
-            "rock",
-            BLOCK | {"slab.face": {"kind": "machine", "stiffness": "3 GPa/m", "impedance": "9 MPa s/m", "mass": "27 t/m2"}},
-            "slabs: machine: stiffness 2, impedance 1, mass 0.5 (3e+09 Pa/m, 9e+06 Pa s/m, 27000 kg/m2)",
-            ", R = 1 for fast waves",
-        ),
-        (
-            "rock",
-            BLOCK | {"slab.face": {"kind": "grip", "stiffness": 2.0, "impedance": 0.5}},
-            "slabs: grip: stiffness 2, impedance 0.5 ",
-            ", R = -0.3333 for fast waves",
-        ),
-        (
-            "unlike",
-            {"upper.face": {"kind": "grip", "stiffness": 2.0, "impedance": 0.0}},
-            "upper: grip: stiffness 2, impedance 0",
-            ", R = -1 for fast waves",
-        ),
-    ],
-)
-def test_faces_viscosity_and_layers_are_shown_with_their_values(name, changes, line, end):
-    (found,) = (shown for shown in header(slipwave.read(name, changes)) if shown.startswith(line[:10]) and "epsilon" not in shown)
-    assert (found[: len(line)], found[len(found) - len(end) :]) == (line, end)
 
 
 @pytest.mark.parametrize("command", ["run --until 1", "stability", "compare --models quasidynamic --until 1"])

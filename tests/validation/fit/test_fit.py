@@ -103,22 +103,6 @@ def test_a_level_and_its_drift_are_free_where_asked(steps, tmp_path):
     assert rows["drift"]["value"] == pytest.approx(1e-4 * 299.0, rel=1e-2)
 
 
-@pytest.mark.parametrize(
-    ("free", "line"),
-    [
-        ("interface.c", "interface.c"),
-        ("interface.a,interface.a", "--free interface.a: is given more than once"),
-        ("interface.law", "must be a number of the scene"),
-        ("slab.face.stiffness", "--free slab.face.stiffness: the scene gives no value to start from"),
-        ("", "--free: missing"),
-        ("level", "--free: missing; must be keys of the scene"),
-    ],
-)
-def test_a_wrong_key_is_named(free, line, steps):
-    with pytest.raises(SceneError, match=line):
-        sw.fit("velocity-steps", data=[str(steps)], free=[free])
-
-
 def test_parameters_that_only_act_together_are_named(steps):
     free = [*KEYS, "interface.a_star", "level"]
     with pytest.raises(NumericsError, match=r"do not determine interface\.a_star and level") as refused:

@@ -144,37 +144,6 @@ def test_a_point_without_a_value_has_a_status(capsys):
     assert reasons[1] == "slab.r = '0.002/q': division by zero at q = 0"
 
 
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (["q=1:2:3"], "--vary q: is neither a key of the scene nor a variable that a --set names"),
-        (["a=1:2:3", "slab.r=0.002*a"], "a: a variable must have a name that no key"),
-        (["slip=1:2:3", "slab.r=0.002*slip"], "slip: a variable must have a name"),
-        (["grip=1:2:3", "slab.r=0.002*grip"], "grip: a variable must have a name"),
-        (["period=1:2:3", "slab.r=0.002*period"], "period: a variable must have a name"),
-        (["log10_r=1:2:3", "slab.epsilon=1e-5*log10_r"], "log10_r: a variable must have a name"),
-        (["q=1:2:3", "slab.r=0.002*q", "q=2*q"], "--set q: is varied, and must not be set too"),
-        (["q=1:2:3", "slab.r=0.002*z", "z=w*q", "w=z+q"], "--set z, w: defined by themselves, in a circle"),
-        (["q=1:2:3", "slab.r=0.002*z", "z=z*q"], "--set z: defined by themselves, in a circle"),
-        (["q=1:2:3", "slab.r=0.002*q", "z=2*q"], "z = '2*q': unknown key"),
-        (["q=1:2:3", "slab.rr=0.002*q"], "slab.rr = '0.002*q': unknown key; did you mean r?"),
-        (["q=1:2:3", "slab.r=sin(q)"], "slab.r = 'sin(q)': 'sin' is no function"),
-        (["q=1:2:3", "slab.r=0.002*q)"], "slab.r = '0.002*q)': unexpected ')'"),
-        (["q=rigid,grip", "slab.r=0.002*q"], "q = 'rigid': must be a number"),
-        (["q=1xyz:2xyz:3", "slab.r=0.002*q"], "q = '1.0 xyz': must be a number, with a unit of a scene or none"),
-        (["q=1,slip", "slab.r=0.002*q"], "--vary q: 'slip' must be a number"),
-        (["slab.thickness=1m:2s:3"], "--vary slab.thickness: all values must have units of one kind"),
-        (["interface.law=ageing,agein"], "interface.law = 'agein': must be"),
-        (["face.kind=rigid,grip"], "slab.face.stiffness: missing"),
-        (["face.kind=rigid,grip", "face.stifness=1"], "unknown key"),
-    ],
-)
-def test_bad_variables_and_words_are_one_line(words, told, refused):
-    axis, *sets = words
-    line = ["sweep", "paper", "--measure", OURS, "--vary", axis, *(word for text in sets for word in ("--set", text))]
-    assert told in refused(*line)
-
-
 def test_axes_of_words(tmp_path):
     """Keys that one word needs are ignored where another has none; the words are coordinates."""
     sets = {"face.stiffness": 0.5, "face.impedance": "z"}
