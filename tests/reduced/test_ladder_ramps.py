@@ -5,7 +5,6 @@ import dataclasses
 import numpy as np
 import pytest
 from reduction_equations import EVERY_TERM, TRANSFER, Equations
-from scipy.integrate import solve_ivp
 
 import slipwave
 from reduced.delay.system import delay_system
@@ -122,23 +121,3 @@ def test_a_step_of_the_drive_reaches_the_interface_half_a_transit_later():
     assert off_the_waves(scene, "modal:1") == pytest.approx([5.7e-3, 4.7e-3, 2.7e-4, 2.6e-4], rel=0.02)
     assert off_the_waves(scene, "modal:16") == pytest.approx([8.0e-4, 7.3e-4, 7.5e-7, 1.2e-5], rel=0.1)
     assert (off_the_waves(scene, "modal:64") < [2.5e-4, 2.5e-4, 1e-7, 1e-5]).all()
-
-
-def test_kelvin_voigt_is_equation_41_of_the_paper():
-    """y' = eps (V - v), mu'' = 24 (y - mu) - 3 eps v', by scipy, in ln v: mu = F(v, psi)."""
-    changes = {"slab.log10_r": -2.75, "start.size": 0.0, "drive.velocity": DRIVES["ramp"]}
-    scene = slipwave.read_scene("paper", **changes)
-    law, r, epsilon = scene.law, scene.transit, scene.upper.epsilon
-
-    def rates(time, x):
-        y, mu, w, ln_v, psi = x
-        v = np.exp(ln_v)
-        healing = r * (np.exp(-psi) - v)
-        pace = (w - law.b * healing) / law.a
-        return [epsilon * (scene.drive.at(time) - v), w, 24.0 * (y - mu) - 3.0 * epsilon * v * pace, pace, healing]
-
-    x, begin = [scene.steady_stress, scene.steady_stress, 0.0, np.log(scene.velocity), scene.steady_psi], 0.0
-    for end in (20.0, 30.0, 40.0):
-        x, begin = solve_ivp(rates, (begin, end), x, rtol=1e-12, atol=1e-12, method="LSODA").y[:, -1], end
-    found = follow(ReducedModel(scene, reduction_of(scene, "kelvin-voigt"), 1e-11), 40.0)
-    assert [found.ln_v, found.psi, found.mu] == pytest.approx([x[3], x[4], x[1]], abs=2e-8)

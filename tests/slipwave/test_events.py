@@ -128,16 +128,6 @@ def test_steady_sliding_with_rounding_noise_has_no_event(noise):
     assert len(observer.state()["swings"]) <= 40
 
 
-def test_the_same_motion_on_another_clock_has_the_same_events():
-    """Time and elastic stress divided by 74: what an orbit looks like at r (1 + T)."""
-    slow = through(RIPPLED * 12)
-    fast = Motion(lambda t: slow.elastic(74.0 * t) / 74.0, lambda t: slow.unknown(74.0 * t), slow.until / 74.0)
-    ours, theirs = watch(fast).events(), watch(slow).events()
-    assert ours.time == pytest.approx(theirs.time / 74.0, abs=1e-9)
-    assert ours.v_max == pytest.approx(theirs.v_max, rel=1e-12)
-    assert ours.elastic_stress_drop == pytest.approx(theirs.elastic_stress_drop / 74.0, rel=1e-12)
-
-
 @pytest.mark.parametrize("count", range(14, 34))
 def test_few_pieces_wherever_they_end_give_the_date(count):
     """Also where the largest rate lies just behind the end of a piece, and v falls below half of it within the next."""

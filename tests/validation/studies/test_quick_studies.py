@@ -16,7 +16,6 @@ import slipwave
 from slipwave.sources import ROOT, import_closure, program
 from tests.validation.answer import read_table
 from validation.commands.cli import main
-from validation.measure.grids.limits import stops_beyond
 from validation.report import Budget, Outcome, sources, store
 from validation.report.compared import EXACT_MODEL, critical_r
 from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict
@@ -26,7 +25,7 @@ from validation.report.registered import study_called
 from validation.studies import checks
 from validation.studies import which_model as study
 from validation.studies.stability_attacks import CELLS as ATTACKED
-from validation.studies.stability_attacks import AttackOutcome, advised, attack, attack_verdict
+from validation.studies.stability_attacks import AttackOutcome, attack, attack_verdict
 from validation.studies.which_model import judged, laws, scenes
 
 
@@ -223,26 +222,11 @@ def test_every_claim_of_the_paper_is_settled_or_said_to_be_left_out():
     assert (paper[-1], rock[3]) == pytest.approx((1.04604, 5e-8), rel=1e-5)
 
 
-@pytest.mark.parametrize("model", ATTACKED)
-def test_a_step_past_the_limit_ends_with_a_message(model):
-    assert stops_beyond(model, 1.2)
-    assert not stops_beyond(model, 0.9)
-
-
 @pytest.mark.parametrize("name", ["V 4", "jump back"])
 def test_late_cycles_are_right(name):
     found = attack(name, late=True)
     assert set(found) == set(ATTACKED)
     assert not any(outcome.is_silently_wrong for outcome in found.values())
-
-
-@pytest.mark.parametrize("model", ["sbp:4", "fem:4"])
-def test_cells_that_the_message_asks_for_make_the_run_right(model):
-    advice = advised(model)
-    assert 0 < advice.stopped < advice.cells
-    assert "relaxes at" in advice.message
-    assert "more cells or a smaller cfl" in advice.message
-    assert advice.error < 1e-6
 
 
 def test_an_attack_must_end_right_to_1_percent_or_with_a_message():
