@@ -96,9 +96,12 @@ def _guess(nodes: Nodes, law: Law, own: Law, rule: Rule, memory: Memory, nodal: 
 
 
 @njit
-def _grows_unseen(nodes: Nodes, impedance: Full, resistance: float, limits: Limits, nodal: Nodal) -> bool:
-    """Whether a disturbance of the state at some node would grow by more than e^`growth` within the step, where the slabs'
-    impedance for such growth is `resistance`, or might grow while it swings by more than the angle `swing` of the `limits`.
+def _grows_unseen(
+    nodes: Nodes, impedance: Full, resistance: float, limits: Limits, nodal: Nodal, first: int = 0, longer: float = 1.0
+) -> bool:
+    """Whether a disturbance of the state at some node, from the `first` on, would grow by more than e^`growth` within a step
+    `longer` times as long as this one, where the slabs' impedance for such growth is `resistance`, or might grow while it swings
+    by more than the angle `swing` of the `limits`.
 
     With coefficients frozen at a node, the growth rates s are the zeros of (F_z + Z(s) v_z)(s - G_psi) + F_psi G_z. This is
     positive for large s; if it is negative at s = growth/length, there is a real zero beyond. Passive slabs (Re Z >= 0) let only
@@ -106,13 +109,13 @@ def _grows_unseen(nodes: Nodes, impedance: Full, resistance: float, limits: Limi
     (w length)^2 = F_psi G_z G_psi/F_z - G_psi^2, with G times the length.
     """
     growth = limits.growth
-    for j in range(len(nodes)):
-        total = 1.0 / nodal.inverse[j]
+    for j in range(first, len(nodes)):
+        total, by_z = 1.0 / nodal.inverse[j], longer * nodal.by_z[j]
         resists = total + (resistance - own(impedance, j)) * nodal.v_z[j]
-        by_psi = nodal.slope[j] + nodal.by_z[j] * nodal.ratio[j]
+        by_psi = longer * nodal.slope[j] + by_z * nodal.ratio[j]
         friction_z = total - own(impedance, j) * nodal.v_z[j]
-        swing = by_psi * (nodal.ratio[j] * total * nodal.by_z[j] / friction_z - by_psi)
-        if swing > limits.swing * limits.swing or resists * (growth - by_psi) + nodal.ratio[j] * total * nodal.by_z[j] < 0.0:
+        swing = by_psi * (nodal.ratio[j] * total * by_z / friction_z - by_psi)
+        if swing > limits.swing * limits.swing or resists * (growth - by_psi) + nodal.ratio[j] * total * by_z < 0.0:
             return True
     return False
 
@@ -167,6 +170,8 @@ def march(
         pairs = (now[TIME] - origin) / (2.0 * length)
         may_double = abs(pairs - math.floor(pairs + 0.5)) < 1e-3  # the end is a multiple of twice the length
         longer = level > 0 and size < 0.5 ** (s + 1) * limits.resolution and may_double
+        if longer and not planned:  # not tried in vain where already the end of this step forbids it
+            longer = not _grows_unseen(nodes, impedance, stretch.resistance[level - 1], limits, nodal, s - 1, 2.0)
         levels[NEXT] = level - 1 if longer else level
         k += 1
     return k, iterations, DONE

@@ -22,6 +22,7 @@ from slipwave.step.nodal import Nodal
 
 _MAX_NEWTON = 25
 _LARGEST_CHANGE = 2.0
+_SWEPT, _FINE = 3, 1e-12  # iterations that may sweep over strongly coupled nodes; tolerance below which none does
 
 
 @njit
@@ -40,7 +41,7 @@ def iterate(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Ar
         for k in range(s):
             for j in range(s):
                 nodal.change[j] += integral[k, j] * nodal.gain[k]
-        sweeps, left = _sweeps_for(impedance, total), 0.0
+        sweeps, left = _sweeps_for(impedance, total, iteration > _SWEPT or tolerance < _FINE), 0.0
         if sweeps:
             moved = _relax(nodes, impedance, integral, sweeps, nodal)
             left = total * moved if shared > 0.0 else 0.0
@@ -131,13 +132,16 @@ def _relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, nod
 
 
 @by_class(inline=True)
-def _sweeps_for(impedance: Impedance, total: float) -> int:
-    """Sweeps that a Newton iteration needs if the largest influence of all nodes on one is `total`; 0: elimination is cheaper."""
-    return 2 if total < 0.05 else 4 if total < 0.2 else 6 if total < 0.5 else 0
+def _sweeps_for(impedance: Impedance, total: float, exactly: bool) -> int:
+    """Sweeps that a Newton iteration needs if the largest influence of all nodes on one is `total`; 0: elimination is cheaper, or
+    wanted because it solves strongly coupled nodes `exactly`."""
+    if total < 0.5:
+        return 2 if total < 0.05 else 4 if total < 0.2 else 6
+    return 0 if exactly or total > 3.0 else 8 if total < 1.0 else 10
 
 
 @_sweeps_for.register(Diagonal)
-def _sweeps_alone(impedance, total):  # type: ignore[no-untyped-def]
+def _sweeps_alone(impedance, total, exactly):  # type: ignore[no-untyped-def]
     return 2 if total < 0.01 else 3 if total < 0.04 else 0  # what they leave, total^(sweeps + 1) < 3e-6, is not measured
 
 
