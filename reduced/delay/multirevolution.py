@@ -10,12 +10,15 @@ and gives the next d. This is the explicit Adams method with sums instead of int
 implicit Adams method of that order; the difference of both is the estimated error of the leap.
 """
 
-from functools import lru_cache
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from slipwave.observe.pieces import Array, barycentric_weights
+
+LONGEST = 4096
+"""Transits or blocks that a leap skips, at most."""
 
 
 class Past(NamedTuple):
@@ -34,13 +37,14 @@ class Past(NamedTuple):
 
     def total(self, first: float, last: float) -> Array:
         """Sum (m,) of the changes in the transits `first` to `last` - 1."""
-        nodes, weights = sum_rule(last - first, self.order)
-        return weights @ self._rows(first + nodes) @ self.change
+        nodes, weights = (rule[int(last - first)] for rule in sum_rules(self.order))
+        return np.asarray(weights @ self._rows(first + nodes) @ self.change)
 
     def error(self, first: float, last: float, change: Array) -> Array:
         """Change (m,) of `total` if the transit `last`, marched since with this `change`, replaces the oldest. Both polynomials
         agree at the other transits, so that their difference follows from that at `last`."""
-        (nodes, weights), others = sum_rule(last - first, self.order), self.number[1:]
+        nodes, weights = (rule[int(last - first)] for rule in sum_rules(self.order))
+        others = self.number[1:]
         shares = np.prod((first + nodes[:, None] - others) / (last - others), axis=1)
         return np.asarray(weights @ shares * (change - self._rows(np.array([last]))[0] @ self.change))
 
@@ -63,11 +67,13 @@ class Past(NamedTuple):
         return np.asarray(terms / terms.sum(axis=1)[:, None])
 
 
-@lru_cache(maxsize=4096)
-def sum_rule(count: float, order: int) -> tuple[Array, Array]:
-    """Nodes and weights (order/2,) with which the sum of a polynomial of degree `order` - 1 over 0, 1, .. `count` - 1 is exact:
-    Gauss's rule for sums, from the recurrence of the discrete Chebyshev polynomials."""
-    k = np.arange(1.0, min(order // 2, count))
-    beside = np.sqrt(k**2 * (count**2 - k**2) / (4.0 * (4.0 * k**2 - 1.0)))
-    nodes, vectors = np.linalg.eigh(np.diag(beside, 1) + np.diag(beside, -1))
-    return 0.5 * (count - 1.0) + nodes, count * vectors[0] ** 2
+@cache
+def sum_rules(order: int) -> tuple[Array, Array]:
+    """Nodes and weights (LONGEST + 1, order/2) with which the sum of a polynomial of degree `order` - 1 over 0, 1, .. n - 1 is
+    exact, for each n: Gauss's rule for sums, from the recurrence of the discrete Chebyshev polynomials."""
+    k, count = np.arange(1.0, order // 2), np.arange(LONGEST + 1.0)[:, None]
+    beside = np.sqrt(k**2 * np.maximum(count**2 - k**2, 0.0) / (4.0 * (4.0 * k**2 - 1.0)))
+    matrices = np.zeros((LONGEST + 1, order // 2, order // 2))
+    matrices[:, np.arange(1, order // 2), np.arange(order // 2 - 1)] = beside  # and as much above the diagonal
+    nodes, vectors = np.linalg.eigh(matrices)
+    return 0.5 * (count - 1.0) + nodes, count * vectors[:, 0] ** 2

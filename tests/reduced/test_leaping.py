@@ -244,9 +244,9 @@ def test_a_block_is_its_map_without_slip_and_the_slip_in_it(kind, velocity):
     block, still = solver._block_of(solver._repeating_steps()), solver._translation()
     before, psi = solver._now().vector - still, solver.state()["now"][1]
     pieces = solver._marched(block.steps)
-    slip = block.by_slip @ (rates(scene.law, pieces.z) - drive.at(solver.time)).ravel()
+    slip = (rates(scene.law, pieces.z) - drive.at(solver.time)).ravel() @ block.by_slip
     slip[-2] = solver.state()["now"][1] - psi
-    held = block.powers[0]
+    held = block.powers[0].T
     miss = held @ (solver._now().vector - still - held @ before - slip)  # once more: what no wave reads any more is left out
     assert np.abs(miss).max() < 1e-12 * np.abs(held @ slip).max() + 1e-15
 

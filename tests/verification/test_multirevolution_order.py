@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from order import assert_order
 
-from reduced.delay.multirevolution import Past
+from reduced.delay.multirevolution import Past, sum_rules
+from reduced.delay.stroboscopic_kernel import sum_of_new, turns, weights_of_sum
 
 RATE, LAST, ORDER = 1e-4, 30_000, 6
 LENGTHS = {6: np.array([600, 500, 400, 300, 200]), 8: np.array([625, 500, 400, 320, 300])}
@@ -88,3 +89,17 @@ def test_peaks_between_two_transits_are_found():
         )
     assert (past.peaks(44.0, 60.0), past.peaks(59.0, 60.0)) == ([45.0, 51.0], [])
     assert past._replace(highest=-past.highest).peaks(44.0, 60.0) == []
+
+
+@pytest.mark.parametrize("distance", [1, 2, 3, 40])
+def test_compiled_leaps_are_those_in_plain_numpy(distance):
+    """Sums over what a leap leaves out, what the block after it changes in them, and the blocks in which something turns."""
+    number, random = np.array([3.0, 5.0, 12.0, 20.0, 24.0, 30.0]), np.random.default_rng(distance)
+    past, new = Past(ORDER, number, random.random((ORDER, 3)), random.random((ORDER, 4))), random.random(3)
+    first, last = 31.0, 31.0 + distance
+    later = past.then(last, new, random.random(4))
+    rule = [table[distance] for table in sum_rules(ORDER)]
+    assert weights_of_sum(number, first, *rule) @ past.change == pytest.approx(past.total(first, last), rel=1e-12)
+    change = sum_of_new(later.number, first, *rule) * (new - past._rows(np.array([last]))[0] @ past.change)
+    assert change == pytest.approx(past.error(first, last, new), rel=1e-12)
+    assert turns(later.number, later.highest).tolist() == later.peaks(number[-1], last)
