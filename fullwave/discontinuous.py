@@ -20,13 +20,13 @@ from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.panels import LANES, differentiate_rows
 from fullwave.lines.scheme_limit import line_spectrum, longest_step
 from fullwave.lines.system import apply
-from fullwave.operators.lobatto import gauss_lobatto
+from fullwave.lobatto import gauss_lobatto
 from slipwave.observe.pieces import Array, lagrange_basis
 
 _ABREAST = LANES // 2  # elements that share a panel: their w, then their s
 
 
-class Elements(NamedTuple):
+class _Elements(NamedTuple):
     """Nodes per element, derivative matrix on [-1, 1] (flat), and 2/h per column (width,), 0 in padding columns.
 
     The w of four elements and then the s of the same four form a panel of eight. The slot of w at node i of element m is
@@ -37,7 +37,7 @@ class Elements(NamedTuple):
     scale: Array
 
 
-@apply.register(Elements)
+@apply.register(_Elements)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     width = operator.scale.size
     for panel in range(0, width, LANES):
@@ -80,7 +80,7 @@ class DiscontinuousGalerkin(MethodOfLines):
                 depth = section.start + length * (cell + 0.5 * (nodes + 1.0))
                 norm = 0.5 * length * weights
                 blocks.append(Block(section, rows + column, rows + column + _ABREAST, depth, norm, (lift, lift)))
-        elements = Elements(nodes.size, lagrange_basis(nodes).derivative.ravel(), scale)
+        elements = _Elements(nodes.size, lagrange_basis(nodes).derivative.ravel(), scale)
         return BlockGrid(elements, width * nodes.size, tuple(blocks))
 
     def elastic_limit(self) -> float:

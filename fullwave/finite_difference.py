@@ -2,12 +2,15 @@
 
 Bulk: velocities at nodes and half times, stresses in cells and at whole times, central differences in space and time
 (`leapfrog.media`). Interface: the half cell's momentum balance is Z v + F(v, psi) = R, the scalar condition of every solver
-(`leapfrog.friction`).
+(`leapfrog.kernel`).
 
 At cfl = 1 waves travel through a uniform slab without error, so the scheme is the delay system (35) discretised by the midpoint
 rule. Agreement with that system is therefore independent evidence only below cfl = 1. A slab or layer that is not a multiple of
 the common cell has a slightly smaller Courant number. The scheme conserves the energy K(u at n + 1/2) + P(sigma at n, n + 1)
-(`leapfrog.readout`).
+exactly, with K + P = sum m u^2/2 + sum dx sigma^n sigma^(n+1)/(2 eps), so that the energy balance (per unit area, in units of
+sigma L, since t = 0) closes to rounding. The kernel only sums the powers of drive, friction, dashpots and viscosity; the stored
+energy is computed here. Stresses are stored as deviations from steady sliding, whose stress enters separately, without
+cancellation.
 """
 
 import math
@@ -17,22 +20,77 @@ from typing import Any
 import numpy as np
 
 from fullwave.families import LEAPFROG
-from fullwave.leapfrog.grid import common_step, slab_grid
-from fullwave.leapfrog.kernel import MOST_PIECES, STEPS_PER_PIECE, march_leapfrog, steady_memory
-from fullwave.leapfrog.media import CHANGED
-from fullwave.leapfrog.readout import energy_of, leapfrog_snapshot
-from fullwave.leapfrog.viscous import steady_side
+from fullwave.leapfrog.faces import Rigid, face_energy
+from fullwave.leapfrog.grid import LeapfrogGrid, slab_grid
+from fullwave.leapfrog.kernel import FRICTION, INPUT, MOST_PIECES, RATE, STEPS_PER_PIECE, STRESS, Z, march_leapfrog, steady_memory
+from fullwave.leapfrog.media import CHANGED, KelvinVoigt, Side, StandardLinear, steady_side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
-from fullwave.sampling import pieces_until, sample_nodes
-from fullwave.slabs import marched_slabs
+from fullwave.sampling import pieces_until
+from fullwave.slabs import both_slabs, marched_slabs
+from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
 from slipwave.scene import Scene
-from slipwave.solve import Energy, Snapshot, State, take_back, whole_numbers
+from slipwave.solve import Energy, SlabSnapshot, Snapshot, State, take_back, whole_numbers
 
 _CELL_BYTES = 150.0  # measured, including the building of the grid: 50 in an elastic slab, 130 in a Kelvin-Voigt one
 _CELL_WORK = 20.0  # products in the time of one step of a cell: 1 ns in an elastic slab, 10 in a Kelvin-Voigt one
 _STEP_SECONDS, _CELL_SECONDS = 1e-7, 2e-9  # of the interface, and of a cell: 0.6 ns in an elastic slab, 10 in a Kelvin-Voigt one
+
+
+def _side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
+    """(change of stored energy, radiated energy, energy lost to viscosity) of a slab, in units of sigma L / transit."""
+    medium, face = side
+    stretch = np.diff(medium.velocity)
+    kinetic = 0.5 * float(grid.mass @ ((medium.velocity - velocity) * (medium.velocity + velocity)))
+    relaxed, ahead, compliance = medium.stress, medium.stress + grid.stiffness * stretch, grid.width / (2.0 * grid.impedance)
+    branch, viscous = 0.0, float(medium.lost[0]) * grid.step if isinstance(medium, StandardLinear | KelvinVoigt) else 0.0
+    if isinstance(medium, StandardLinear):
+        q, unrelaxed = medium.relaxing, medium.branch / grid.stiffness
+        mean = (q + 0.5 * medium.branch * stretch) / (1.0 + medium.half_decay)
+        q_ahead = 2.0 * mean - q
+        branch = float((compliance / unrelaxed) @ (q * q_ahead))
+        viscous += 0.5 * grid.step * float(medium.weight @ (q * mean))
+        relaxed = medium.stress - q
+        ahead = ahead - 2.0 * medium.half_decay * mean - q_ahead
+        compliance = compliance / (1.0 - unrelaxed)
+    elastic = float(compliance @ (relaxed * ahead + steady_stress * (relaxed + ahead)))
+    spring, radiated = face_energy(face, steady_stress, grid.step)
+    return kinetic + elastic + branch + spring, radiated, viscous
+
+
+def _slab(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:
+    """Fields of a slab: the deviation of the stress from steady sliding, and the velocity in the slab's own direction."""
+    velocity, stress = _at_whole_time(side, grid, interface_stress, rate)
+    if isinstance(side.face, Rigid):
+        velocity[-1] = drive
+    elif not isinstance(side.medium, KelvinVoigt):
+        velocity[-1] = _beyond(velocity[:-1])
+    weight = grid.impedance * grid.width
+    between = (weight[1:] * stress[:-1] + weight[:-1] * stress[1:]) / (weight[1:] + weight[:-1])
+    outermost = _beyond(np.array([between[-1], stress[-1]])) if between.size else stress[-1]
+    at_nodes = np.concatenate(([interface_stress], between, [outermost]))
+    return SlabSnapshot(grid.depth / grid.depth[-1], velocity, at_nodes)
+
+
+def _at_whole_time(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float) -> tuple[Array, Array]:
+    """Velocities at the nodes (except the outermost) and total stresses in the cells."""
+    medium = side.medium
+    velocity = medium.velocity.copy()
+    velocity[0] = rate
+    if isinstance(medium, KelvinVoigt):
+        for j in range(1, velocity.size):
+            velocity[j] = medium.alpha[j] * velocity[j - 1] + medium.beta[j]
+        return velocity, medium.stress + medium.damping * np.diff(velocity)
+    velocity[1:-1] -= np.diff(medium.stress) / grid.inertia[1:-1]
+    return velocity, medium.stress
+
+
+def _beyond(values: Array) -> float:
+    """The next value of a smooth equidistant sequence, extrapolated from its last two or three."""
+    if values.size < 3:
+        return float(2.0 * values[-1] - values[-2]) if values.size > 1 else float(values[-1])
+    return float(3.0 * (values[-1] - values[-2]) + values[-3])
 
 
 class Leapfrog:
@@ -49,15 +107,15 @@ class Leapfrog:
         require_whole("cells", cells, 2, MOST_CELLS)
         require_cfl(cfl)
         self.scene, self.cells, self.cfl = scene, int(cells), float(cfl)
-        self.nodes = sample_nodes(STEPS_PER_PIECE)
+        self.nodes = np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1)
         self.failures, self.failed_at = 0, math.nan
         with enough_memory(self.cells):
             self._set_up()
 
     def _set_up(self) -> None:
         scene, cells, cfl = self.scene, self.cells, self.cfl
-        self.step = common_step(scene, cells, cfl)
         travels = [slab.round_trip / scene.transit for slab in marched_slabs(scene)]
+        self.step = cfl * 0.5 * (min(scene.upper.round_trip, scene.lower.round_trip) / scene.transit) / cells
         require_bytes(cells, _CELL_BYTES * cfl * 0.5 * sum(travels) / self.step)
         self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in marched_slabs(scene)]
         self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(marched_slabs(scene), self._grids, strict=True)]
@@ -113,13 +171,32 @@ class Leapfrog:
 
     def energy(self) -> Energy:
         """As `Solver`."""
-        return energy_of(self.scene, self._memory, list(zip(self._sides, self._grids, strict=True)))
+        scene, unit = self.scene, self.scene.transit
+        sides = zip(self._sides, self._grids, strict=True)
+        sums = [_side_energy(side, grid, scene.steady_stress, 0.5 * scene.velocity) for side, grid in sides]
+        copies = 3 - len(sums)  # an only slab, which stands for both, counts twice
+        stored, radiated, viscous = (copies * sum(column) for column in zip(*sums, strict=True))
+        spent = unit * self.step
+        return Energy(
+            input=float(spent * self._memory[INPUT]),
+            friction=float(spent * self._memory[FRICTION]),
+            radiated=unit * radiated,
+            viscous=unit * viscous,
+            stored=unit * stored,
+        )
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`, of second order."""
         if self._sample < 0:  # the interface's velocity at t = 0 is only known once the sample there is taken
             self._fill(empty_pieces(0, self.nodes.size))
-        return leapfrog_snapshot(self.scene, self.time, self._memory, self._sides, self._grids)
+        scene, memory = self.scene, self._memory
+        stress, rate = float(memory[STRESS]) - scene.steady_stress, float(memory[RATE])
+        drive = 0.5 * scene.drive.at(self.time)
+        rates = rate, rate_of(scene.law, float(memory[Z])) - rate
+        marched = zip(self._sides, self._grids, rates, strict=False)
+        shots = [_slab(side, grid, stress, own, drive) for side, grid, own in marched]
+        shown = [SlabSnapshot(shot.depth, shot.velocity, shot.stress + scene.steady_stress) for shot in shots]
+        return both_slabs(scene, self.time, shown)
 
     def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
         """As `FieldSolver`; stresses, which are stored at other times, are unchanged."""

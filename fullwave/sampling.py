@@ -1,14 +1,9 @@
 """Samples at the ends of equal steps, grouped into `Pieces`. n steps make a polynomial of degree n, so values between the samples
-are of order n + 1 and never limit a scheme of order n or less."""
+are of order n + 1 and never limit a scheme of order n or less. Neighbouring pieces share their end samples."""
 
 import numpy as np
 
-from slipwave.observe.pieces import Array, Pieces, empty_pieces
-
-
-def sample_nodes(steps: int) -> Array:
-    """Nodes in [0, 1] of a piece of `steps` steps; neighbouring pieces share their end samples."""
-    return np.linspace(0.0, 1.0, steps + 1)
+from slipwave.observe.pieces import Pieces, empty_pieces
 
 
 def pieces_until(first: int, step: float, until: float, steps: int, most: int) -> Pieces:

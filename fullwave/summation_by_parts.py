@@ -6,16 +6,28 @@ is the central difference of order 2m. Near each end 2m + 1 rows (one for order 
 4.1). It is not needed, because media are uniform within a block. Strand, J. Comput. Phys. 110 (1994); penalties in characteristic
 variables: Kozdon, Dunham and Nordstrom, J. Sci. Comput. 50 (2012).
 
-The end rows are computed, not copied from a table (`closure`). A layer is one block; two layers are coupled through upwind
-states, as are slab and interface. Energy never grows, because the penalties dissipate.
+A layer is one block; two layers are coupled through upwind states, as are slab and interface. Energy never grows, because the
+penalties dissipate.
+
+The end rows: H and Q are computed together, not copied from a table. The conditions are Q p = H p' for all polynomials p of
+degree 2m - 1 or less, linear in both. D = H^-1 Q is then of order 2m - 1 in the end rows, and the solution keeps the order 2m of
+the interior. This requires a full norm matrix for the 2m + 1 end nodes. The end node itself is coupled to no other in H (Strand's
+restricted full norm), so that a penalty acts on one node. The conditions leave three entries free for order 4 and four for order
+6; these are chosen to minimise the residual Q p - H p' of degree 2m (sum of squares). Order 2 needs one row: the trapezoidal
+rule. Strand, J. Comput. Phys. 110 (1994); Carpenter, Nordstrom and Gottlieb, J. Comput. Phys. 148 (1999).
+
+The conditions depend on each other (rank 18 of 20, 39 of 42), so they are solved by least squares. The true singular values lie
+above 3e-4 of the largest; the others are rounding. H is positive definite; rounding changes its entries by some 1e-11 at order 6,
+but Q stays skew and the conditions hold to rounding (tests/fullwave/test_operators.py).
 """
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import scipy.sparse
+from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
 from fullwave.families import BY_PARTS
@@ -23,13 +35,88 @@ from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half
 from fullwave.lines.march import MethodOfLines, method_for
 from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
 from fullwave.lines.system import apply
-from fullwave.operators.closure import boundary_closure, central_coefficients, closure_rows
 from slipwave.observe.pieces import Array
+
+_Pairs: TypeAlias = tuple[NDArray[np.intp], NDArray[np.intp]]
+"""Index pairs (i, j) of the unknown entries: i <= j in H, i < j in Q."""
+
+_DEPENDENT = 1e-12  # singular values below this share of the largest belong to conditions that follow from others
+
 
 _SAMPLE_CELLS = 56  # of the longest line from which a step limit is computed; twice as many cells lower it by 0.2 per cent
 
 
-class Differences(NamedTuple):
+def _central_coefficients(order: int) -> Array:
+    """c_k of u'(0) = sum c_k (u_k - u_-k), k = 1..3 (zero beyond order/2), h = 1: exact for x, x^3, .., x^(order - 1)."""
+    half = order // 2
+    powers = 2 * np.arange(half) + 1
+    offsets = np.arange(1, half + 1)
+    known = np.zeros(half)
+    known[0] = 0.5
+    return np.concatenate((np.linalg.solve(offsets[None, :] ** powers[:, None].astype(float), known), np.zeros(3 - half)))
+
+
+def closure_rows(order: int) -> int:
+    """Number of nodes at each end whose rows differ from those of the interior."""
+    return 1 if order == 2 else order + 1
+
+
+@cache
+def boundary_closure(order: int) -> tuple[Array, Array]:
+    """(H, D) near an end, h = 1: norm (rows, rows) of the end nodes, and their rows of D, shape (rows, rows + order/2)."""
+    rows = closure_rows(order)
+    upper = np.triu_indices(rows)
+    alone = (upper[0] > 0) | (upper[1] == 0)
+    of_norm, of_skew = (upper[0][alone], upper[1][alone]), np.triu_indices(rows, 1)
+    exact = [_condition(order, of_norm, of_skew, degree) for degree in range(order)]
+    matrix, known = (np.concatenate(parts) for parts in zip(*exact, strict=True))
+    solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=_DEPENDENT)
+    free = np.linalg.svd(matrix)[2][rank:].T
+    beyond, wanted = _condition(order, of_norm, of_skew, order)
+    solution = solution + free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
+    norm, skew = np.zeros((rows, rows)), np.zeros((rows, rows))
+    count = of_norm[0].size
+    norm[of_norm] = norm.T[of_norm] = solution[:count]
+    skew[of_skew] = solution[count:]
+    skew -= skew.T
+    skew[0, 0] = -0.5
+    closure = np.linalg.solve(norm, np.hstack((skew, _known_part(order, rows))))
+    return norm, np.asarray(closure, dtype=np.float64)
+
+
+def _known_part(order: int, rows: int) -> Array:
+    """The part of Q that couples the end rows to the interior; it follows from skew symmetry."""
+    central = _central_coefficients(order)
+    part = np.zeros((rows, order // 2))
+    for i in range(rows):
+        for j in range(order // 2):
+            if 0 < rows + j - i <= order // 2:
+                part[i, j] = central[rows + j - i - 1]
+    return part
+
+
+def _condition(order: int, of_norm: _Pairs, of_skew: _Pairs, degree: int) -> tuple[Array, Array]:
+    """The linear system, one row per end node, that makes D exact for a polynomial of `degree`; columns: entries of H, then of Q.
+
+    It uses Legendre polynomials over these nodes; powers of x would be equivalent but twenty times more sensitive to rounding."""
+    rows = closure_rows(order)
+    points = np.arange(rows + order // 2, dtype=float)
+    polynomial = Legendre.basis(degree, domain=[points[0], points[-1]])
+    values, slopes = polynomial(points), polynomial.deriv()(points)
+    count, columns = of_norm[0].size, np.arange(of_norm[0].size + of_skew[0].size)
+    matrix = np.zeros((rows, columns.size))
+    i, j = of_norm
+    matrix[j, columns[:count]] = -slopes[i]
+    matrix[i, columns[:count]] = -slopes[j]
+    i, j = of_skew
+    matrix[i, columns[count:]] = values[j]
+    matrix[j, columns[count:]] = -values[i]
+    known = -_known_part(order, rows) @ values[rows:]
+    known[0] += 0.5 * values[0]
+    return matrix, known
+
+
+class _Differences(NamedTuple):
     """`first` (blocks + 1,): node at which each block begins; `scale` 1/h per block; central coefficients (3,); end rows (rows,
     columns) of D at h = 1. The slot of w at node i is i, that of s is `half` + i."""
 
@@ -43,7 +130,7 @@ class Differences(NamedTuple):
 def difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
     """(D, H) on [0, 1] with `cells` cells, both (nodes, nodes), D full and H sparse. For tests and step limits."""
     _, closure = boundary_closure(order)
-    central = central_coefficients(order)
+    central = _central_coefficients(order)
     nodes, (rows, columns) = cells + 1, closure.shape
     matrix = np.zeros((nodes, nodes))
     for i in range(rows, nodes - rows):
@@ -51,17 +138,17 @@ def difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
             matrix[i, i + k], matrix[i, i - k] = central[k - 1], -central[k - 1]
     matrix[:rows, :columns] = closure
     matrix[-rows:, -columns:] = -closure[::-1, ::-1]
-    return matrix * cells, difference_norm(order, cells) / cells
+    return matrix * cells, _difference_norm(order, cells) / cells
 
 
-def difference_norm(order: int, cells: int) -> Any:
+def _difference_norm(order: int, cells: int) -> Any:
     """H at h = 1: sparse (nodes, nodes), the identity except for a block at each end."""
     norm, _ = boundary_closure(order)
     inside = scipy.sparse.eye_array(cells + 1 - 2 * norm.shape[0])
     return scipy.sparse.block_diag((norm, inside, norm[::-1, ::-1]), format="csr")
 
 
-@apply.register(Differences)
+@apply.register(_Differences)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     firsts, scales, central, closure = operator.first, operator.scale, operator.central, operator.closure
     rows, columns = closure.shape
@@ -120,10 +207,10 @@ class SummationByParts(MethodOfLines):
             lift = 1.0 / (h * norm[0, 0])
             depth = section.start + h * (slots - start)
             blocks.append(
-                Block(section, slots, half + slots, depth, h * difference_norm(self.number, section.cells), (lift, lift))
+                Block(section, slots, half + slots, depth, h * _difference_norm(self.number, section.cells), (lift, lift))
             )
         scale = np.array([section.cells / section.length for section in sections])
-        return BlockGrid(Differences(first, scale, central_coefficients(self.number), closure, half), 2 * half, tuple(blocks))
+        return BlockGrid(_Differences(first, scale, _central_coefficients(self.number), closure, half), 2 * half, tuple(blocks))
 
     def elastic_limit(self) -> float:
         """As `MethodOfLines`."""

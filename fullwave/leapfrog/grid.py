@@ -10,7 +10,6 @@ import numpy as np
 
 from fullwave.options import CellsRefused
 from slipwave.observe.pieces import Array
-from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
 
 MOST_CELLS = 10_000_000
@@ -51,12 +50,6 @@ class LeapfrogGrid:
     def is_uniform(self) -> bool:
         """Whether it has one width and one impedance, and no burden."""
         return self.burden == 0.0 and bool(np.all(self.width == self.width[0]) and np.all(self.impedance == self.impedance[0]))
-
-
-def common_step(scene: Scene, cells: int, cfl: float) -> float:
-    """Time step in transits."""
-    shorter = min(scene.upper.round_trip, scene.lower.round_trip) / scene.transit
-    return cfl * 0.5 * shorter / cells
 
 
 def slab_grid(slab: Slab, transit: float, step: float, cfl: float, cells: int) -> LeapfrogGrid:

@@ -1,5 +1,5 @@
-"""A slab on its staggered grid: the functions that the kernel calls, for elastic layers. Other media register their own versions:
-homogeneous slabs here, for speed, viscous ones in `viscous`.
+"""A slab on its staggered grid: the functions that the kernel calls, for elastic layers. Homogeneous slabs, for speed, and
+viscous ones register their own versions.
 
 Depth is travel time (transits of the upper slab) from the interface, so that waves have speed 1, and `u` is the velocity in the
 slab's own direction of drive (u = w_1 above, u = -w_2 below). Both slabs then obey
@@ -12,16 +12,27 @@ carry half a cell. Virieux (1986) describes the scheme in two dimensions; it is 
     load        Z and S of  Z u + mu = S  at the interface, from its half cell's momentum balance; u is the mean over the step
     accelerate  advance velocities to the next half step, once u is known; returns the power of the outer face
     strain      advance stresses to the next whole step
+
+Viscous slabs, both of order 2:
+standard linear  sigma = sigma_r + q; the Maxwell branch q' = eps_1 u_s - q/time, eps_1 = eps ratio/(1 + ratio), follows the
+                 trapezoidal rule cell by cell: equations are not coupled, and the step limit stays dt <= dx.
+Kelvin-Voigt     sigma = sigma_e + eps time u_s. The viscous part is the mean of two half steps (Crank and Nicolson), a
+                 tridiagonal system. It is eliminated from the outer face to the interface, where it gives (Z, S) as for other
+                 slabs. It has no step limit of its own (an explicit scheme would need dt < dx^2/(2 time)), and each step
+                 dissipates exactly sum c (du)^2 dt.
+Stresses are deviations from that of steady sliding, which the spring that never relaxes carries.
 """
 
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fullwave.leapfrog.faces import Grip, Rigid, push, settle_face
+from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, push, settle_face
 from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
+from slipwave.scene.slab import Slab
 
 CHANGED = ("velocity", "stress", "relaxing", "lost", "memory")
 """Fields of media and faces that a march changes, for checkpoints."""
@@ -58,16 +69,16 @@ class Side(NamedTuple):
     face: Rigid | Grip
 
 
-def layered_medium(grid: LeapfrogGrid, velocity: float) -> Layered:
+def _layered_medium(grid: LeapfrogGrid, velocity: float) -> Layered:
     """A slab of any layers that moves steadily at `velocity`."""
     n, inertia = grid.width.size, grid.inertia
     ends = float(inertia[0]), float(inertia[-1])
     return Layered(np.full(n + 1, velocity), np.zeros(n), 2.0 / inertia, grid.stiffness, *ends)
 
 
-def elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
+def _elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
     """A slab that moves steadily at `velocity`."""
-    layered = layered_medium(grid, velocity)
+    layered = _layered_medium(grid, velocity)
     if not grid.is_uniform:
         return layered
     return Uniform(*layered[:2], 0.5 * float(layered.mobility[0]), float(layered.stiffness[0]), layered.inertia)
@@ -119,3 +130,108 @@ def _strain_uniform(medium):  # type: ignore[no-untyped-def]
     velocity, stress = medium.velocity, medium.stress
     for j in range(stress.size):
         stress[j] += medium.stiffness * (velocity[j + 1] - velocity[j])
+
+
+class StandardLinear(NamedTuple):
+    """The fields of Layered; the branch's stress `relaxing` q (n,), its eps_1 dt/dx (n,), dt/(2 time), the weights
+    dx/(eps_1 time) of its losses (n,), and `lost` (1,), the sum of the dissipated powers."""
+
+    velocity: Array
+    stress: Array
+    mobility: Array
+    stiffness: Array
+    inertia: float
+    outer_inertia: float
+    relaxing: Array
+    branch: Array
+    half_decay: float
+    weight: Array
+    lost: Array
+
+
+class KelvinVoigt(NamedTuple):
+    """Velocity, stress and stiffness as in Layered; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the
+    elimination's alpha and 1/pivot (n + 1,), its `beta` (n + 1,), and `lost` (1,) as in StandardLinear."""
+
+    velocity: Array
+    stress: Array
+    stiffness: Array
+    node_inertia: Array
+    damping: Array
+    alpha: Array
+    pivot: Array
+    beta: Array
+    lost: Array
+
+
+def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
+    """A slab that moves steadily at `velocity`, with prepared elimination; viscous `time` in transits."""
+    n, inertia = grid.width.size, grid.inertia
+    damping = grid.impedance * time / grid.width
+    alpha, pivot = np.zeros(n + 1), np.zeros(n + 1)
+    alpha[n] = coupling(face, inertia[-1], damping[-1])
+    for j in range(n - 1, 0, -1):
+        pivot[j] = 1.0 / (inertia[j] + damping[j] * (1.0 - alpha[j + 1]) + damping[j - 1])
+        alpha[j] = damping[j - 1] * pivot[j]
+    fields = np.full(n + 1, velocity), np.zeros(n), grid.stiffness
+    return KelvinVoigt(*fields, inertia, damping, alpha, pivot, np.zeros(n + 1), np.zeros(1))
+
+
+def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
+    """A slab in steady sliding at the scene's initial velocity."""
+    face = compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
+    velocity, solid = 0.5 * scene.velocity, slab.rheology
+    if solid.blocks_fast_waves:
+        return Side(_kelvin_voigt(grid, velocity, solid.retardation / scene.transit, face), face)
+    if solid.ratio == 0.0:
+        return Side(_elastic_medium(grid, velocity), face)
+    time, share = solid.relaxation / scene.transit, solid.ratio / (1.0 + solid.ratio)
+    branch, decay = share * grid.stiffness, 0.5 * grid.step / time
+    weight = grid.width / (share * grid.impedance * time)
+    elastic = _layered_medium(grid, velocity)
+    return Side(StandardLinear(*elastic, np.zeros(grid.width.size), branch, decay, weight, np.zeros(1)), face)
+
+
+@strain.register(StandardLinear)
+def _strain_standard_linear(medium):  # type: ignore[no-untyped-def]
+    velocity, stress, relaxing = medium.velocity, medium.stress, medium.relaxing
+    h = medium.half_decay
+    lost = 0.0
+    for j in range(stress.size):
+        stretch = velocity[j + 1] - velocity[j]
+        mean = (relaxing[j] + 0.5 * medium.branch[j] * stretch) / (1.0 + h)
+        relaxing[j] = 2.0 * mean - relaxing[j]
+        stress[j] += medium.stiffness[j] * stretch - 2.0 * h * mean
+        lost += medium.weight[j] * mean * mean
+    medium.lost[0] += lost
+
+
+@load.register(KelvinVoigt)
+def _load_kelvin_voigt(medium, face, mean, following):  # type: ignore[no-untyped-def]
+    velocity, stress, beta, inertia, damping = medium.velocity, medium.stress, medium.beta, medium.node_inertia, medium.damping
+    n = stress.size
+    _, beta[n] = settle_face(face, inertia[n], velocity[n], stress[n - 1], damping[n - 1], mean, following)
+    for j in range(n - 1, 0, -1):
+        known = inertia[j] * velocity[j] + stress[j] - stress[j - 1]
+        beta[j] = (known + damping[j] * beta[j + 1]) * medium.pivot[j]
+    impedance = inertia[0] + damping[0] * (1.0 - medium.alpha[1])
+    return impedance, inertia[0] * velocity[0] + stress[0] + damping[0] * beta[1]
+
+
+@accelerate.register(KelvinVoigt)
+def _accelerate_kelvin_voigt(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
+    velocity = medium.velocity
+    n = medium.stress.size
+    velocity[0] = 2.0 * rate - velocity[0]
+    below = rate
+    lost = 0.0
+    pull = 0.0
+    old = velocity[n]
+    for j in range(1, n + 1):
+        above = medium.alpha[j] * below + medium.beta[j]
+        pull = medium.damping[j - 1] * (above - below)
+        lost += pull * (above - below)
+        velocity[j] = 2.0 * above - velocity[j]
+        below = above
+    medium.lost[0] += lost
+    return push(face, medium.stress[n - 1] + pull + medium.node_inertia[n] * (below - old), below, mean)

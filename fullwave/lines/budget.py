@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from fullwave.lines.blocks import BlockGrid, Section
-from fullwave.lines.runge_kutta import RungeKutta
 from fullwave.options import CellsRefused
 
 MOST_BYTES = 4e9
@@ -35,12 +34,6 @@ _ASSEMBLY = 4.0  # copies of a sparse operator in memory during its assembly (me
 def steps_at_once(work: float) -> int:
     """Steps of `work` products each in one call of compiled code; at least one."""
     return max(1, int(MOST_WORK / max(work, 1.0)))
-
-
-def march_work(values: int, order: int, method: RungeKutta, viscous: bool) -> float:
-    """Products in a Runge-Kutta step of a state of `values`: in each stage, order + 1 nodes per row of the operator, which
-    viscosity applies twice, and on average half of the earlier stages."""
-    return method.stages * values * ((order + 1.0) * (2.0 if viscous else 1.0) + 0.5 * method.stages)
 
 
 @contextmanager

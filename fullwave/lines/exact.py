@@ -9,8 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, steps_at_once
-from fullwave.lines.grid_ledger import FRICTION, INPUT, RADIATED, VISCOUS
-from fullwave.lines.grid_slabs import GridSlabs
+from fullwave.lines.grid_slabs import FRICTION, INPUT, RADIATED, VISCOUS, GridSlabs
 from fullwave.lines.propagator import halves
 from fullwave.lines.system import System
 from slipwave.friction import rate_of
@@ -30,12 +29,6 @@ Tables take 40 ms for 270 unknowns, 0.2 to 0.5 s for 500, 0.7 to 1.8 s for 800, 
 `sbp:2`, whose explicit steps are cheapest); a scene of the gallery has 4000."""
 
 
-def cheaper_march(scene: Scene, unknowns: int) -> TimeMarch:
-    """The exact march up to `MOST_BY_DEFAULT` unknowns. After a start with a jump both marches must resolve waves as short as the
-    grid allows; then the explicit march is cheaper on most grids."""
-    return "explicit" if unknowns > MOST_BY_DEFAULT or scene.start.kind is StartKind.JUMP else "exact"
-
-
 STAGES = 8
 LONGEST = 1.0
 """Longest step (transits)."""
@@ -46,6 +39,12 @@ time."""
 
 _FIRST = 0.125
 _STEP_SECONDS = 2e-6
+
+
+def cheaper_march(scene: Scene, unknowns: int) -> TimeMarch:
+    """The exact march up to `MOST_BY_DEFAULT` unknowns. After a start with a jump both marches must resolve waves as short as the
+    grid allows; then the explicit march is cheaper on most grids."""
+    return "explicit" if unknowns > MOST_BY_DEFAULT or scene.start.kind is StartKind.JUMP else "exact"
 
 
 class ExactMarch(PortMarch):

@@ -11,7 +11,7 @@ from fullwave.lines.panels import LANES
 from fullwave.lines.runge_kutta import RungeKutta, scaled_method
 from fullwave.lines.scheme_limit import longest_decay_step
 from fullwave.lines.system import ELASTIC, FRICTION, INPUT, PSI, RADIATED, VISCOUS, System
-from fullwave.sampling import pieces_until, sample_nodes
+from fullwave.sampling import pieces_until
 from slipwave.errors import NumericsError
 from slipwave.friction import unknown_of
 from slipwave.observe.pieces import Array, Pieces
@@ -38,7 +38,7 @@ class ExplicitMarch:
         self, scene: Scene, system: System, method: RungeKutta, step: float, values: Array, work: float, cells: int, model: str
     ) -> None:
         self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
-        self.nodes, self._scaled = sample_nodes(STEPS_PER_PIECE), scaled_method(method, step)
+        self.nodes, self._scaled = np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1), scaled_method(method, step)
         unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
         self._values = Integrated(_room(values.size), unknowns, _room(values.size), _room(method.stages * values.size))
         self.layout = self._values.state

@@ -1,27 +1,104 @@
 """A grid as `Slabs` (`slipwave.step.port`), propagated exactly by tables that are made for a step length when it is first needed,
-by doubling shorter steps."""
+by doubling shorter steps; and its energy balance: work of the drive and heat of each step, from quantities of its port."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
 
 from fullwave.lines.blocks import state_size
 from fullwave.lines.budget import MOST_BYTES
-from fullwave.lines.grid_ledger import GridLedger
 from fullwave.lines.matrix import motion_of
-from fullwave.lines.propagator import LinearSlabs, StepMap, grid_impedance_at, to_legendre
-from fullwave.lines.step_maps import StepMaps, at_nodes, dissipation_of
+from fullwave.lines.propagator import LinearSlabs, StepMap, StepMaps, at_nodes, dissipation_of
 from fullwave.lines.system import System
 from fullwave.slabs import marched_slabs
+from slipwave.compiled import njit
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
-from slipwave.step.collocation import radau
-from slipwave.step.port import LEVELS, Levels, Port, blank_port, line_aligned, padded
+from slipwave.scene.drive import Forcing
+from slipwave.step.collocation import Nodes, radau
+from slipwave.step.nodal import Nodal
+from slipwave.step.port import LEVELS, Levels, Port, blank_port, line_aligned, padded, propagate, record
 from slipwave.threads import one_thread
+
+INPUT, FRICTION, RADIATED, VISCOUS = range(4)  # entries of `_GridLedger.entries`
+
 
 _MOST_KNOWN, _FEWEST_KNOWN = 64, 2
 _HELD = 80  # numbers held for one longest length, over the square of the unknowns (33 measured; with viscosity 74)
+
+
+class _GridLedger(NamedTuple):
+    """If `is_kept` (1,), the `entries` (4,) are summed. Per level, from (x, u, c) of the `Port`: `moments` (L, n + 2 s, m), and
+    as a quadratic form viscous `heat` (L, n + 2 s, n + 2 s), empty in elastic slabs. `copies` of each marched slab; `sides`,
+    their number; the `dashpots`. `taken` (m,) and `spare` (n + 2 s,) are scratch.
+
+    The moments: of all tractions (two), of the slip at faces under a dead load, then those of each dashpot's slip (s each)."""
+
+    is_kept: NDArray[np.bool_]
+    entries: Array
+    moments: Array
+    heat: Array
+    forcing: Forcing
+    copies: float
+    sides: int
+    dashpots: Array
+    taken: Array
+    spare: Array
+
+
+@record.register(_GridLedger)
+def _record_step(ledger, port, nodes, level, rows, integral, nodal):  # type: ignore[no-untyped-def]
+    _add_work(ledger, port, nodes, level, rows, integral, nodal)
+    if ledger.heat.size:
+        scale = ledger.copies * port.length[level] * ledger.forcing.transit
+        ledger.entries[VISCOUS] += scale * _heat(ledger.heat, level, rows, port.vector, ledger.spare)
+
+
+@njit
+def _heat(heat: Array, level: int, rows: int, vector: Array, spare: Array) -> float:
+    """vector . heat[level] vector."""
+    for k in range(spare.size):
+        spare[k] = 0.0
+    propagate(heat, level, rows, vector, spare)
+    total = 0.0
+    for k in range(rows):
+        total += vector[k] * spare[k]
+    return total
+
+
+@njit
+def _add_work(ledger: _GridLedger, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, nodal: Nodal) -> None:
+    """Add the step's work of the drive, heat of friction and radiation. Friction's stress and slip rate are polynomials, and the
+    drive is linear, so that their moments give their work exactly; a dashpot's slip is represented by its projection."""
+    s, forcing, entries, dashpots = len(nodes), ledger.forcing, ledger.entries, ledger.dashpots
+    length, moments, taken, vector = port.length[level], ledger.moments, ledger.taken, port.vector
+    for k in range(taken.size):
+        taken[k] = 0.0
+    for i in range(rows):
+        for k in range(taken.size):
+            taken[k] += moments[level, i, k] * vector[i]
+    heat = 0.0
+    for j in range(s):
+        stress = nodal.incoming[j]
+        for m in range(s):
+            stress -= port.impedance[level, j, m] * nodal.v[m]
+        heat += integral[j, s - 1] * stress * nodal.v[j]
+    entries[FRICTION] += length * forcing.transit * heat
+    slope = (nodal.drive[s - 1] - nodal.drive[0]) / (nodes[s - 1] - nodes[0])
+    middle = nodal.drive[s - 1] - 0.5 * slope
+    done = 0.5 * (middle * (ledger.sides * forcing.steady_stress + taken[0]) + 0.5 * slope * taken[1])
+    scale = ledger.copies * length * forcing.transit
+    entries[INPUT] += scale * (done - forcing.steady_stress * taken[2])
+    lost = 0.0
+    for side in range(dashpots.size):
+        for k in range(s):
+            moment = taken[3 + side * s + k]
+            lost += dashpots[side] * (2 * k + 1) * moment * moment
+    entries[RADIATED] += scale * lost
 
 
 class GridSlabs:
@@ -56,7 +133,8 @@ class GridSlabs:
         self._dissipation = dissipation_of(system, motion, self.slots)
         self._power = system.interface.copies, system.interface.sides, dashpot[damped]
         self.entries, self.is_kept = np.zeros(4), np.zeros(1, dtype=np.bool_)
-        self.to_legendre = to_legendre(radau(stages).nodes)
+        # coefficients of the polynomial with given values at the nodes, (stages, stages)
+        self.to_legendre = np.linalg.inv(legendre.legvander(2.0 * radau(stages).nodes - 1.0, stages - 1))
         self._known: dict[str, tuple[StepMaps, Port]] = {}
         self._most_known = max(_FEWEST_KNOWN, min(most_known, int(MOST_BYTES / (8.0 * _HELD * self.remembered**2))))
 
@@ -96,7 +174,7 @@ class GridSlabs:
         heat = line_aligned(LEVELS, rows, rows) if self._dissipation else np.empty((0, 0, 0))
         moments = np.zeros((LEVELS, rows, m))
         ledger = (self.is_kept, self.entries, moments, heat, self.scene.forcing, *self._power, np.zeros(m), np.zeros(rows))
-        return port._replace(ledger=GridLedger(*ledger))
+        return port._replace(ledger=_GridLedger(*ledger))
 
     def prepare(self, port: Port, level: int) -> None:
         """As `Slabs`."""
@@ -124,7 +202,7 @@ class GridSlabs:
     def resistance(self, port: Port, levels: Levels, growth: float) -> Array:
         """As `Slabs`."""
         with one_thread():
-            return np.array([grid_impedance_at(self.slabs, growth / length) for length in port.length[levels].tolist()])
+            return np.array([self.slabs.impedance(growth / length) for length in port.length[levels].tolist()])
 
     @property
     def follows_drive(self) -> bool:

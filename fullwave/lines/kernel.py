@@ -1,12 +1,34 @@
-"""The compiled loop of the method-of-lines march: equal Runge-Kutta steps, with a sample of the interface after each."""
+"""The compiled loop of the method-of-lines march: equal Runge-Kutta steps, with a sample of the interface after each; and the
+time derivative of a `System`, the right-hand side that every stage of every family evaluates.
+
+`rates` is flat: a stage's values begin at index `at`.
+"""
 
 from typing import NamedTuple
 
-from fullwave.lines.motion import rates_of
 from fullwave.lines.runge_kutta import RungeKutta, combine_stages
-from fullwave.lines.system import ELASTIC, PSI, System
-from slipwave.compiled import njit
+from fullwave.lines.system import (
+    ELASTIC,
+    FRICTION,
+    GRIP,
+    INPUT,
+    PSI,
+    RADIATED,
+    VISCOUS,
+    GridInterface,
+    System,
+    Tops,
+    Traces,
+    apply,
+    dissipate,
+    retard,
+    total_stress,
+)
+from slipwave.compiled import inlined, njit
+from slipwave.friction import respond
+from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array, Pieces
+from slipwave.scene.drive import Forcing, nudge_rate, velocity_at
 
 STEPS_PER_PIECE = 8
 """Steps in one piece: its nine samples make a polynomial of degree 8, so observers never limit a scheme of order 8 or less."""
@@ -14,6 +36,96 @@ STEPS_PER_PIECE = 8
 MOST_PIECES = 512
 """Pieces in one chunk, fewer on big grids (`budget.MOST_WORK`): they take some 200 kB, and the cost of leaving compiled code is
 shared by 4096 steps."""
+
+
+@inlined
+def _meet_joints(joints: int, traces: Traces, state: Array) -> None:
+    """w* - w on both sides of each joint, from continuity of velocity and stress."""
+    for near in range(0, 2 * joints, 2):
+        far = near + 1
+        pull = traces.impedance[far] * traces.arriving[far] - traces.impedance[near] * traces.arriving[near]
+        both = traces.impedance[far] * traces.stiffened[far] + traces.impedance[near] * traces.stiffened[near]
+        common = pull / both
+        traces.jump[near] = common - state[traces.velocity[near]]
+        traces.jump[far] = common - state[traces.velocity[far]]
+
+
+@inlined
+def _meet_interface(
+    interface: GridInterface, forcing: Forcing, traces: Traces, state: Array, z: float
+) -> tuple[float, float, float, int]:
+    """Friction solve at the interface: returns (z, v, mu, iterations) and sets w* - w of each slab."""
+    first = 2 * interface.joints
+    free = forcing.velocity
+    for k in range(first, first + interface.sides):
+        free += interface.copies * traces.arriving[k] / traces.stiffened[k]
+    incoming = forcing.steady_stress + interface.impedance * free
+    psi = state[interface.size + PSI]
+    z, iterations = solve_interface(interface.law, interface.impedance, incoming, psi, z)
+    v = respond(interface.law, z, psi)[0]
+    change = interface.impedance * (free - v)
+    for k in range(first, first + interface.sides):
+        own = (traces.arriving[k] - change / traces.impedance[k]) / traces.stiffened[k]
+        traces.jump[k] = own - state[traces.velocity[k]]
+    return z, v, forcing.steady_stress + change, iterations
+
+
+@inlined
+def _meet_tops(
+    interface: GridInterface, forcing: Forcing, traces: Traces, tops: Tops, drive: float, state: Array, rates: Array, at: int
+) -> None:
+    """Sets w* - w at the outer faces, each driven at half of `drive`, and the rates of the springs' loads, of heavy faces'
+    velocities, of the input and of the radiation."""
+    first, load = 2 * interface.joints + interface.sides, interface.size + GRIP
+    steady = 0.5 * forcing.velocity
+    change = 0.5 * drive - steady
+    power = lost = 0.0
+    for side in range(interface.sides):
+        k = first + side
+        arriving, mass = traces.arriving[k], tops.mass[side]
+        if mass > 0.0:
+            face = state[interface.heavy + side]
+        else:
+            face = tops.driven[side] * change + tops.yielding[side] * (state[load + side] - arriving)
+        slip = change - face
+        rates[at + load + side] = tops.spring[side] * slip
+        traction = traces.impedance[k] * (arriving + traces.stiffened[k] * face)
+        if mass > 0.0:
+            pull = traces.impedance[k] * state[load + side] + tops.dashpot[side] * slip
+            rates[at + interface.heavy + side] = (pull - traction) / mass
+            traction = pull
+        power += (forcing.steady_stress + traction) * (0.5 * drive) - tops.dead[side] * forcing.steady_stress * slip
+        lost += tops.dashpot[side] * slip * slip
+        traces.jump[k] = face - state[traces.velocity[k]]
+    scale = interface.copies * forcing.transit
+    rates[at + interface.size + INPUT] = scale * power
+    rates[at + interface.size + RADIATED] = scale * lost
+
+
+@inlined
+def _rates_of(system: System, time: float, state: Array, rates: Array, at: int, z: float) -> tuple[float, float, float, int]:
+    """rates[at:] = d state/dt~ at `time` (transits). Returns (z, mu, state relaxation per transit, iterations of the solve)."""
+    operator, medium, interface, forcing = system.operator, system.medium, system.interface, system.forcing
+    traces, size, ends = system.traces, system.interface.size, system.traces.lift.size
+    velocity = velocity_at(system.drive, time, time)
+    apply(operator, state, rates, at)
+    for k in range(ends):
+        stress = total_stress(medium, traces.stress[k], state, rates, at)
+        traces.arriving[k] = stress - traces.sign[k] * traces.stiffened[k] * state[traces.velocity[k]]
+    _meet_joints(interface.joints, traces, state)
+    _meet_tops(interface, forcing, traces, system.tops, velocity, state, rates, at)
+    z, v, mu, iterations = _meet_interface(interface, forcing, traces, state, z)
+    for k in range(ends):
+        rates[at + traces.stress[k]] += traces.sign[k] * traces.lift[k] * traces.jump[k]
+    retard(medium, operator, size, state, rates, at)
+    for k in range(ends):
+        rates[at + traces.velocity[k]] += traces.lift[k] * traces.jump[k]
+    rates[at + size + VISCOUS] = interface.copies * forcing.transit * dissipate(medium, size, state, rates, at)
+    rates[at + size + FRICTION] = forcing.transit * mu * v
+    rates[at + size + ELASTIC] = forcing.stiffness * (velocity - v)
+    answer = respond(interface.law, z, state[size + PSI])
+    rates[at + size + PSI] = forcing.transit * answer[5] + nudge_rate(forcing.nudge, time)
+    return z, mu, forcing.transit * abs(answer[7]), iterations
 
 
 class Integrated(NamedTuple):
@@ -58,7 +170,7 @@ def march_lines(
             combine_stages(weight, stages, stage, state, rates, trial)
             guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
             at = stage * state.size
-            z, mu, relaxation, iterations = rates_of(system, time + abscissae[stage], trial, rates, at, guess)
+            z, mu, relaxation, iterations = _rates_of(system, time + abscissae[stage], trial, rates, at, guess)
             fastest = max(fastest, relaxation)
             if stage == 0:
                 sample = (z, state[size + PSI], mu, state[size + ELASTIC])

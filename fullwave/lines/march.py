@@ -8,22 +8,91 @@ from typing import Any, ClassVar
 import numpy as np
 
 from fullwave.families import FullWave
-from fullwave.lines.blocks import BlockGrid, Section, assemble, sections_of, state_size
-from fullwave.lines.budget import enough_memory, march_work, require_few_unknowns, require_memory
+from fullwave.lines.blocks import Block, BlockGrid, Chain, Section, assemble, sections_of, state_size
+from fullwave.lines.budget import enough_memory, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch, TimeMarch, cheaper_march
 from fullwave.lines.explicit import ExplicitMarch
-from fullwave.lines.readout import snapshot_of, stored_energy, twice_energy
 from fullwave.lines.runge_kutta import RungeKutta, method_of
 from fullwave.lines.scheme_limit import relaxation_limit, spectral_limit
-from fullwave.lines.system import ELASTIC, PSI, System
+from fullwave.lines.system import ELASTIC, GRIP, PSI, SCALARS, System, Viscous
 from fullwave.options import require_cfl
-from fullwave.slabs import marched_slabs
+from fullwave.slabs import both_slabs, marched_slabs
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
-from slipwave.solve import Energy, Snapshot, State
+from slipwave.solve import Energy, SlabSnapshot, Snapshot, State
 from slipwave.step.flow import Cycle, InterfaceState
 from slipwave.step.port_flow import PortFlow
+
+
+def _stored_energy(grid: BlockGrid, system: System, state: Array) -> float:
+    """Change since steady sliding of the energy of all slabs and of their terminations, in units of sigma L."""
+    interface = system.interface
+    total = sum(_block_energy(block, system, state) for block in grid.blocks)
+    for side in range(interface.sides):
+        spring = float(system.tops.spring[side])
+        if spring > 0.0:
+            load = float(state[interface.size + GRIP + side])
+            impedance = float(system.traces.impedance[system.traces.lift.size - interface.sides + side])
+            total += load * (impedance * load + 2.0 * system.forcing.steady_stress) / (2.0 * spring)
+        if interface.heavy:
+            velocity = float(state[interface.heavy + side])
+            total += 0.5 * float(system.tops.mass[side]) * velocity * (velocity + system.forcing.velocity)
+    return interface.copies * system.forcing.transit * total
+
+
+def _block_energy(block: Block, system: System, state: Array) -> float:
+    """Half of eps (w.H w + s.H s), without the steady part; in a Zener solid s is the sum of a relaxed and a memory spring."""
+    steady = system.forcing.steady_stress / block.section.impedance
+    velocity, stress = state[block.velocity], state[block.stress]
+    parts = [(velocity, 0.5 * system.forcing.velocity, 1.0)]
+    medium = system.medium
+    if isinstance(medium, Viscous) and medium.rate[block.stress[0]] > 0.0:
+        memory = state[system.interface.size + SCALARS + block.stress]
+        fraction = float(medium.fraction[block.stress[0]])
+        parts += [(stress - memory, steady, 1.0 - fraction), (memory, 0.0, fraction)]
+    else:
+        parts.append((stress, steady, 1.0))
+    return block.section.impedance * sum(_excess(block.norm, values, mean) / share for values, mean, share in parts)
+
+
+def _excess(norm: Any, change: Array, mean: float) -> float:
+    """Integral of ((mean + change)^2 - mean^2)/2."""
+    weighted = _weighted(norm, change)
+    return float(0.5 * (change @ weighted) + mean * weighted.sum())
+
+
+def _weighted(norm: Any, values: Array) -> Array:
+    return np.asarray(norm * values if isinstance(norm, np.ndarray) else norm @ values)
+
+
+def _twice_energy(grid: BlockGrid, state: Array) -> float:
+    """w.H w + s.H s of the deviations from steady sliding in the marched slabs (V*^2)."""
+    fields = [(block.norm, state[slots]) for block in grid.blocks for slots in (block.velocity, block.stress)]
+    return float(sum(values @ _weighted(norm, values) for norm, values in fields))
+
+
+def _snapshot_of(scene: Scene, grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:
+    """Fields of both slabs at `time`; if one slab is marched, it gives both."""
+    return both_slabs(scene, time, [_slab_fields(chain, system, state) for chain in grid.chains])
+
+
+def _slab_fields(chain: Chain, system: System, state: Array) -> SlabSnapshot:
+    """Fields of a marched slab. The two values at a joint are averaged."""
+    velocity = np.concatenate([state[block.velocity] for block in chain.blocks]) + 0.5 * system.forcing.velocity
+    stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in chain.blocks])
+    means = [np.bincount(chain.node, field) / chain.values for field in (velocity, stress + system.forcing.steady_stress)]
+    return SlabSnapshot(chain.depth, means[0], means[1])
+
+
+def _total_stress(block: Block, system: System, state: Array) -> Array:
+    """s plus, in a Kelvin-Voigt slab, tau times the strain rate (from second-order differences, accurate enough for pictures)."""
+    medium = system.medium
+    stress: Array = state[block.stress]
+    if isinstance(medium, Viscous) and medium.retardation[block.stress[0]] > 0.0:
+        rate = np.gradient(state[block.velocity], block.depth, edge_order=2 if block.depth.size > 2 else 1)
+        stress = stress + medium.retardation[block.stress[0]] * rate
+    return stress
 
 
 def method_for(family: FullWave, number: int) -> RungeKutta:
@@ -94,7 +163,10 @@ class MethodOfLines(ABC):
             step = min(step, self.cfl * spectral_limit(scene, self.grid_of, self.sections, method))
         values[self.grid.size + PSI] = scene.steady_psi + scene.start.jump_size
         values[self.grid.size + ELASTIC] = scene.steady_stress
-        work = march_work(values.size, self.family.order_bulk(self.number), method, viscous)
+        # products in a step: in each stage, order + 1 nodes per row of the operator, which viscosity applies twice, and on
+        # average half of the earlier stages
+        of_stage = (self.family.order_bulk(self.number) + 1.0) * (2.0 if viscous else 1.0) + 0.5 * method.stages
+        work = method.stages * values.size * of_stage
         return ExplicitMarch(scene, self.system, method, step, values, work, self.cells, self.model)
 
     def system_of(self, scene: Scene) -> System:
@@ -137,12 +209,12 @@ class MethodOfLines(ABC):
         if work is None:
             return None
         supplied, friction, radiated, viscous = work
-        stored = stored_energy(self.grid, self.system, self._march.layout)
+        stored = _stored_energy(self.grid, self.system, self._march.layout)
         return Energy(supplied, friction, radiated, viscous, stored)
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`."""
-        return snapshot_of(self.scene, self.grid, self.system, self.time, self._march.layout)
+        return _snapshot_of(self.scene, self.grid, self.system, self.time, self._march.layout)
 
     def keep_frames(self, interval: float) -> None:
         """As `FieldSolver`."""
@@ -150,7 +222,7 @@ class MethodOfLines(ABC):
 
     def frames(self) -> list[Snapshot]:
         """As `FieldSolver`."""
-        shown = [snapshot_of(self.scene, self.grid, self.system, time, values) for time, values in self._march.frames()]
+        shown = [_snapshot_of(self.scene, self.grid, self.system, time, values) for time, values in self._march.frames()]
         return shown or [self.snapshot()]
 
     def disturb(self, noise: Callable[[int], Array], stressed: bool = True) -> None:
@@ -168,7 +240,7 @@ class MethodOfLines(ABC):
 
     def deviation_energy(self) -> float:
         """As `FieldSolver`; that of the marched slabs."""
-        return twice_energy(self.grid, self._march.layout)
+        return _twice_energy(self.grid, self._march.layout)
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
         """As `PortMarch`. Raises SceneError if it marches explicitly."""

@@ -36,6 +36,9 @@ too long, since the worst phase lies between two; with 400 it is right to 1e-6."
 _BISECTIONS = 40
 
 
+_SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
+
+
 def line_spectrum(derivative: Array, lift: Array) -> Complex:
     """Eigenvalues of u_t = -D u + lift (inflow - u_0) with inflow = phase * u_end, for phases on the unit circle and for 0.
     `derivative` D (n, n) and `lift` (n,) belong to a line of length 1."""
@@ -75,9 +78,6 @@ def _real_reach(order: int) -> float:
 def longest_decay_step(rate: float, method: RungeKutta) -> float:
     """Largest stable step for u' = -rate u."""
     return _real_reach(method.order) / rate if rate > 0.0 else np.inf
-
-
-_SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
 
 
 def relaxation_limit(system: System, method: RungeKutta) -> float:

@@ -12,7 +12,7 @@ import scipy.linalg
 from reduced.continuation.point import FlowFamily, Metric, OrbitPoint, direction, point_near
 from reduced.continuation.special import Special
 from reduced.orbit.closing import Closed, FlowAt, by_parameter, close
-from reduced.orbit.figures import difference_of_parts
+from reduced.orbit.periodic import difference_of_parts
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene

@@ -24,16 +24,19 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Constant
 from slipwave.solve import State
 from slipwave.step.collocation import radau, rule_of
-from slipwave.step.flow import NO_PUSH, Cycle, Pulses, Push, eigenvalues_without, idle_states, impulses
+from slipwave.step.flow import NO_PUSH, Cycle, Pulses, Push, eigenvalues_without, impulses
 from slipwave.step.nodal import DONE, Limits, Physics, nodal_of
 from slipwave.step.solve import first_guess
 from slipwave.step.tangent import Motion
+from slipwave.threads import one_thread
 
 _NEWTON = 1e-13
 _FEWEST = 3.0  # steps per transit
 _FINE = 32  # points of quadrature in a step
 _UNDAMPED = 1e-9  # decay in a transit
 _CHANGE = 1e-5  # of a step's length, for slopes of its polynomials
+_SQUARINGS = 20
+_LEFT = 1e-6  # singular value, over the largest, of what has not died out
 _SAME = 1e-13  # relative difference of travel times that is rounding
 _LOOSE, _TRIED = (1.01, 1.3), 100  # numbers of steps, relative, of which one is taken where travel times change
 _ANY_STEP = Limits(_NEWTON, math.inf, math.inf)  # a mesh that does not change rejects no step
@@ -174,7 +177,7 @@ class DelayFlow:
         rate = scene.velocity * friction_slopes(scene.law, scene.velocity).direct / impedance
         pieces = empty_pieces(1, NODES)
         pieces.z[:], pieces.psi[:] = unknown_of(scene.law, rate), scene.steady_psi
-        return idle_states(self.tangent(Cycle(self.length, self.steady, self.steady, pieces, 0), frozen=True))
+        return _idle_states(self.tangent(Cycle(self.length, self.steady, self.steady, pieces, 0), frozen=True))
 
     @cached_property
     def undecided(self) -> bool:
@@ -197,8 +200,8 @@ class DelayFlow:
 
     def loosened(self, cycle: Cycle, scenes: Sequence[Scene]) -> "tuple[DelayFlow, Array]":
         """As `Flow`: where travel times differ, on shorter steps of which none is a whole number."""
-        travel = self._lines.travel
-        if all(travel.size == other.size and np.allclose(travel, other, _SAME, 0.0) for other in _travels(scenes)):
+        travel, others = self._lines.travel, [lines_of(scene).travel for scene in scenes]
+        if all(travel.size == other.size and np.allclose(travel, other, _SAME, 0.0) for other in others):
             return self, cycle.start
         steps = np.linspace(*_LOOSE, _TRIED) / self.length
         parts = np.outer(steps, travel) % 1.0
@@ -279,8 +282,14 @@ class DelayFlow:
         return faces
 
 
-def _travels(scenes: Sequence[Scene]) -> list[Array]:
-    return [lines_of(scene).travel for scene in scenes]
+def _idle_states(step: Array) -> Array:
+    """Orthonormal basis (n, m) of the states that do not decay under repeated application of `step` (n, n)."""
+    power = step
+    with one_thread():
+        for _ in range(_SQUARINGS):
+            power = power @ power
+        states, sizes, _ = np.linalg.svd(power)
+    return states[:, sizes > _LEFT * max(float(sizes[0]), 1.0)]
 
 
 @cache

@@ -15,7 +15,7 @@ from slipwave.friction import Law, respond
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
 from slipwave.step.impedance import Diagonal
-from slipwave.step.tangent import Answer, Motion, step_answer
+from slipwave.step.tangent import Motion, blank_answer, step_answer
 
 
 class Exchange(NamedTuple):
@@ -117,17 +117,16 @@ def march_tangent(
     step on the friction clock. psi is evaluated within the last step, by the weights `last` (s + 1,) of psi at its start and
     nodes; all else at its end. Returns the ring index of the step after the last."""
     s, count, stress, impedance = len(nodes), motion.z.shape[0], memory.shape[1], exchange.impedance
-    row, matrix, at_end = np.empty((4, s)), np.empty((s + 1, s + 1)), np.zeros(s + 1)
-    answer = Answer(np.empty((2 * s, 2 * s + 1)), row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
+    answer, matrix, at_end = blank_answer(nodes), np.empty((s + 1, s + 1)), np.zeros(s + 1)
     before, received = np.zeros((stress + s + 1, memory.shape[2])), np.zeros((s + 1, memory.shape[2]))
     at_end[s] = 1.0
     for n in range(count):
         step_answer(nodes, law, Diagonal(impedance), h, integral, motion, n, answer)
-        step_matrix(nodes, impedance, answer.matrix, last if n == count - 1 else at_end, matrix)
-        arrive_columns(nodes, exchange, memory, cursor, before)
-        combine(exchange, stress, before, received)
-        multiply(nodes, matrix, received, before, stress)
-        combine(exchange, 0, before, memory[cursor])
+        _step_matrix(nodes, impedance, answer.matrix, last if n == count - 1 else at_end, matrix)
+        _arrive_columns(nodes, exchange, memory, cursor, before)
+        _combine(exchange, stress, before, received)
+        _multiply(nodes, matrix, received, before, stress)
+        _combine(exchange, 0, before, memory[cursor])
         cursor = cursor + 1 if cursor + 1 < memory.shape[0] else 0
     return cursor
 
@@ -148,24 +147,23 @@ def march_back(
     motion, `memory` (ring, rows) with an empty last row, by shear stress on the interface and by the drive. `matrices`:
     `exchange_matrix` and `driven_matrix`. The stress acts on friction only: slabs feel the slip that it causes."""
     s, cursor, (passed, driven) = len(nodes), memory.shape[0] - 1, matrices
-    stress, row, matrix, at_end = memory.shape[1], np.empty((4, s)), np.empty((s + 1, s + 1)), np.zeros(s + 1)
-    answer = Answer(np.empty((2 * s, 2 * s + 1)), row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
+    stress, answer, matrix, at_end = memory.shape[1], blank_answer(nodes), np.empty((s + 1, s + 1)), np.zeros(s + 1)
     at_end[s] = 1.0
     for n in range(motion.z.shape[0] - 1, -1, -1):
         cursor = cursor - 1 if cursor else memory.shape[0] - 1
         step_answer(nodes, law, Diagonal(exchange.impedance), h, integral, motion, n, answer)
-        step_matrix(nodes, exchange.impedance, answer.matrix, at_end, matrix)
+        _step_matrix(nodes, exchange.impedance, answer.matrix, at_end, matrix)
         before = np.dot(memory[cursor], passed[:stress])
         received = np.dot(before[stress:], matrix)
         pulses[0, n], pulses[1, n] = received[:s] - before[stress:-1], np.dot(memory[cursor], driven)
         before += np.dot(received, passed[stress:])
         memory[cursor] = 0.0
-        depart(nodes, exchange, before, cursor, memory)
+        _depart(nodes, exchange, before, cursor, memory)
 
 
 @njit
-def depart(nodes: Nodes, exchange: Exchange, before: Array, cursor: int, memory: Array) -> None:
-    """The adjoint of `arrive_columns`, added to `memory` (ring, rows)."""
+def _depart(nodes: Nodes, exchange: Exchange, before: Array, cursor: int, memory: Array) -> None:
+    """The adjoint of `_arrive_columns`, added to `memory` (ring, rows)."""
     s, ring, weights = len(nodes), memory.shape[0], exchange.weights
     for i in range(memory.shape[1]):
         j = i % s
@@ -181,7 +179,7 @@ def depart(nodes: Nodes, exchange: Exchange, before: Array, cursor: int, memory:
 
 
 @njit
-def step_matrix(nodes: Nodes, impedance: float, answer: Array, weights: Array, matrix: Array) -> None:
+def _step_matrix(nodes: Nodes, impedance: float, answer: Array, weights: Array, matrix: Array) -> None:
     """matrix (s + 1, s + 1) <- d(stress at the nodes, psi at the end)/d(incoming stress at the nodes, psi at the start), where
     `weights` (s + 1,) of psi at its start and nodes give psi at the end."""
     s = len(nodes)
@@ -197,7 +195,7 @@ def step_matrix(nodes: Nodes, impedance: float, answer: Array, weights: Array, m
 
 
 @njit
-def arrive_columns(nodes: Nodes, exchange: Exchange, memory: Array, cursor: int, arrived: Array) -> None:
+def _arrive_columns(nodes: Nodes, exchange: Exchange, memory: Array, cursor: int, arrived: Array) -> None:
     """Rows of arrived <- output of earlier steps that arrives in the step at `cursor`."""
     s, ring, weights = len(nodes), memory.shape[0], exchange.weights
     for i in range(memory.shape[1]):
@@ -217,7 +215,7 @@ def arrive_columns(nodes: Nodes, exchange: Exchange, memory: Array, cursor: int,
 
 
 @njit
-def multiply(nodes: Nodes, matrix: Array, source: Array, target: Array, first: int) -> None:
+def _multiply(nodes: Nodes, matrix: Array, source: Array, target: Array, first: int) -> None:
     """Rows of target from `first` <- matrix (s + 1, s + 1) times source."""
     s = len(nodes)
     for j in range(matrix.shape[0]):
@@ -229,7 +227,7 @@ def multiply(nodes: Nodes, matrix: Array, source: Array, target: Array, first: i
 
 
 @njit
-def combine(exchange: Exchange, first: int, source: Array, target: Array) -> None:
+def _combine(exchange: Exchange, first: int, source: Array, target: Array) -> None:
     """target <- rows of the matrix from `first`, times source."""
     for i in range(target.shape[0]):
         for k in range(exchange.starts[first + i], exchange.starts[first + i + 1]):

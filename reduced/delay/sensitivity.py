@@ -7,7 +7,6 @@ arrival of each jump, so that the derivative does not exist there.
 """
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,16 +18,8 @@ from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.scene import Scene
 from slipwave.step.collocation import Nodes, rule_of
 from slipwave.step.impedance import Diagonal
-from slipwave.step.sensitivity import Carried, Given, Sides, answer_given, drive_on, given_by, start_by, stress_by
-from slipwave.step.tangent import Answer, Motion, step_answer
-
-
-class Waves(NamedTuple):
-    """Derivatives by m parameters: of the `arriving` waves at the nodes of one transit's steps (steps, m, s), and the direct ones
-    of the waves `launched` in k steps (k, m, s)."""
-
-    arriving: Array
-    launched: Array
+from slipwave.step.sensitivity import Given, Sides, answer_given, drive_on, given_by, start_by, stress_by
+from slipwave.step.tangent import Motion, blank_answer, step_answer
 
 
 @allocating
@@ -39,16 +30,16 @@ def _carry_waves(
     lengths: Array,
     integral: Array,
     motion: Motion,
-    waves: Waves,
+    waves: Array,
     given: Given,
     psi: Array,
 ) -> None:
-    """Carry the derivatives along the `motion` in steps of the lengths `lengths` (friction clock); `integral` is A transposed."""
-    s, count, width = len(nodes), waves.arriving.shape[0], 2 * len(nodes) + 1
-    row = np.empty((4, s))
-    answer = Answer(np.empty((2 * s, width)), row[0], row[1], row[2], row[3], np.empty((s, width)))
+    """Carry the derivatives, of the arriving `waves` at the nodes of one transit's steps (steps, m, s) and of `psi` (m,), along
+    the `motion` in steps of the lengths `lengths` (friction clock); `integral` is A transposed. The memory of `given` is the wave
+    that is launched."""
+    s, count, answer = len(nodes), waves.shape[0], blank_answer(nodes)
     for k in range(lengths.size):
-        arriving = waves.arriving[k % count]
+        arriving = waves[k % count]
         for c in range(psi.size):
             for j in range(s):
                 given.stress[k, c, j] += arriving[c, j]
@@ -56,7 +47,7 @@ def _carry_waves(
         answer_given(nodes, answer, k, given, psi)
         for c in range(psi.size):
             for j in range(s):
-                arriving[c, j] += waves.launched[k, c, j] - 2.0 * impedance * given.rate[k, c, j]
+                arriving[c, j] += given.memory[k, c, j] - 2.0 * impedance * given.rate[k, c, j]
 
 
 def delay_sensitivity(scene: Scene, sides: Sequence[Sides], until: float, tolerance: float) -> Iterator[tuple[Pieces, Array]]:
@@ -65,7 +56,7 @@ def delay_sensitivity(scene: Scene, sides: Sequence[Sides], until: float, tolera
     if any(abs(clock - 1.0) > SAME for _, clocks, _ in sides for clock in clocks):
         raise SceneError("delay: the derivative by a parameter that changes the transit does not exist at every moment")
     solver = Delay(scene, tolerance=tolerance)
-    carried, mesh, arriving = start_by(sides, 0), None, np.empty(0)
+    psi, mesh, arriving = start_by(sides), None, np.empty(0)
     end = np.ceil(until - SAME)
     while solver.time < end - SAME:
         pieces = solver.advance(end)
@@ -77,7 +68,7 @@ def delay_sensitivity(scene: Scene, sides: Sequence[Sides], until: float, tolera
             arriving, mesh = np.stack([change / (2.0 * side.step) for change, side in zip(changes, sides, strict=True)], 1), now
         elif now.steps != mesh.steps or not np.allclose(now.lengths, mesh.lengths):
             arriving, mesh = np.moveaxis(mesh.resample(np.moveaxis(arriving, 0, 1), solver.nodes, now), 1, 0).copy(), now
-        yield pieces, _carried_along(scene, sides, pieces, arriving, carried)
+        yield pieces, _carried_along(scene, sides, pieces, arriving, psi)
 
 
 def _mesh_of(pieces: Pieces) -> TransitMesh:
@@ -86,21 +77,19 @@ def _mesh_of(pieces: Pieces) -> TransitMesh:
     return TransitMesh(count, pieces.length[:count].copy(), pieces.time[:count] - pieces.time[0])
 
 
-def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arriving: Array, carried: Carried) -> Array:
-    """d mu/dp along `pieces`; `arriving` and `carried` are advanced to their end."""
+def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arriving: Array, psi: Array) -> Array:
+    """d mu/dp along `pieces`; `arriving` and `psi` are advanced to their end."""
     _, rule, shape = rule_of(pieces.z.shape[1])
     nodes, own = np.array(shape), plain_impedance(scene)
-    given, here = given_by(scene, sides, pieces, 0)
+    given, here = given_by(scene, sides, pieces, nodes.size)
     direct = -given.stress
-    launched = np.zeros_like(given.stress)
     for i, (scenes, _, step) in enumerate(sides):
         for one, sign in zip(scenes, (0.5, -0.5), strict=True):
             impedance = plain_impedance(one)
             if impedance != own or one.velocity != scene.velocity:
                 drive = drive_on(one, pieces, nodes, 1.0, 0.5)
-                launched[:, i] += sign / step * 2.0 * impedance * (drive - here.v)
+                given.memory[:, i] += sign / step * 2.0 * impedance * (drive - here.v)
                 given.stress[:, i] -= sign / step * impedance * here.v
     motion, lengths = Motion(pieces.z, pieces.psi, False), pieces.length * scene.transit
-    waves = Waves(arriving, launched)
-    _carry_waves(shape, scene.law, own, lengths, rule.integral, motion, waves, given, carried.psi)
+    _carry_waves(shape, scene.law, own, lengths, rule.integral, motion, arriving, given, psi)
     return stress_by(here, given, direct)

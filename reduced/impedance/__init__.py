@@ -1,7 +1,6 @@
 """The slab pair as a one-port: its exact impedance, its reductions, and their passivity (MODEL.md section 3)."""
 
 from reduced.impedance.models import check_passivity, impedance, is_exact, ratio_of
-from reduced.impedance.of_reduction import poles_and_residues
 from reduced.impedance.reduce import reduction_of
 from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio, slab_ratio
 
@@ -13,7 +12,6 @@ __all__ = [
     "impedance",
     "is_exact",
     "pair_ratio",
-    "poles_and_residues",
     "ratio_of",
     "reduction_of",
     "slab_ratio",

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from reduced.families import DELAY
-from reduced.impedance.of_reduction import poles_and_residues, real_part_on_axis, reduction_ratio, sign_frequencies
 from reduced.impedance.reduce import analysed
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio
@@ -29,7 +28,7 @@ def ratio_of(scene: Scene, model: str | Reduction = "delay") -> Callable[[Jet], 
     if isinstance(model, str) and is_exact(model):
         return lambda s: pair_ratio(scene, s)
     reduced = analysed(scene, model) if isinstance(model, str) else model
-    return lambda s: reduction_ratio(reduced, scene.upper.epsilon, scene.transit, s)
+    return lambda s: reduced.ratio(scene.upper.epsilon, scene.transit, s)
 
 
 def impedance(scene: Scene, s_friction_clock: object, model: str = "delay") -> Complex:
@@ -51,12 +50,13 @@ class Passivity:
 def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
     """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to 200 radians per transit and in the right half plane,
     poles in the closed left half plane, and positive residues of poles on the axis. A reduction is also checked wherever its Re Z
-    may change sign (`of_reduction`)."""
+    may change sign (`Reduction.sign_frequencies`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, _HIGHEST, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
     if not is_exact(model):
-        s = np.append(s, 1j * np.maximum(sign_frequencies(analysed(scene, model)), 1e-6))
-    real = real_part_on_axis(ratio_of(scene, model)(Jet.variable(s / scene.transit)))
+        s = np.append(s, 1j * np.maximum(analysed(scene, model).sign_frequencies(), 1e-6))
+    p, q = (jet.value for jet in ratio_of(scene, model)(Jet.variable(s / scene.transit)))
+    real = (q * p.conj()).real / (np.abs(q) * np.abs(p) + 1e-300)  # relative to |Z|
     lowest = int(np.argmin(real))
     bad = _unstable_poles(scene, model)
     return Passivity(bool(real[lowest] >= -1e-9 and not bad), float(real[lowest]), complex(s[lowest]), bad)
@@ -66,7 +66,7 @@ def _unstable_poles(scene: Scene, model: str) -> tuple[complex, ...]:
     """Poles (1/transit) that contradict passivity; none of the exact one-port, a chain of passive sections."""
     if is_exact(model):
         return ()
-    poles, residues = poles_and_residues(analysed(scene, model))
+    poles, residues = analysed(scene, model).poles_and_residues()
     on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
     wrong = (poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))
     return tuple(complex(pole) for pole in poles[wrong])

@@ -15,6 +15,16 @@ V acts at the outer faces, half a transit away. Its stress at an interface witho
 eps/(2 sinh(s/2)) = eps (1/s + sum_k (-1)^k 2 s/(s^2 + (2 pi k)^2)): a reduction with modes has this as its `transfer`, and u = v
 in the equations of tau, which the transfer's terms drive by V. In the others V acts on the spring and on the damping.
 
+The frequencies at which Re Z can change its sign follow from the eigenvalues of a Hamiltonian pencil, so that no interval is
+missed. Spring and mass do not dissipate. The rest is G(s) = D + C (s - A)^-1 B with the damping D, and G(s) + G(-s) is 0 exactly
+at the finite eigenvalues of
+
+    [[A, 0, B], [0, -A^T, -C^T], [C, B^T, 2 D]] x = s [[1, 0, 0], [0, 1, 0], [0, 0, 0]] x
+
+(Boyd, Balakrishnan and Kabamba 1989, as a pencil, so that D may be 0). Re G(i omega) changes its sign only at imaginary ones.
+Rounding displaces these from the axis; therefore the imaginary parts of all eigenvalues are used, though some are not zeros of Re
+G.
+
 `reduced.families` lists the reductions.
 """
 
@@ -24,8 +34,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from reduced.families import MOST_MODES, REDUCTIONS
+from reduced.impedance.transmission_line import Complex, Jet, Ratio
 from slipwave.errors import SceneError
+from slipwave.observe.pieces import Array
 
 
 @dataclass(frozen=True)
@@ -84,6 +98,86 @@ class Reduction:
     def runs_away(self) -> bool:
         """Whether nothing limits v after a loss of stability, so that there is no limit cycle (no inertia, no radiation)."""
         return self.is_algebraic and self.damping == 0.0 and not self.frequencies and not self.relaxations
+
+    def ratio(self, epsilon: float, transit: float, s: Jet) -> Ratio:
+        """(p, q) with Z = q/p of a reduction; s on the friction clock, `transit` and `epsilon` are those of the upper slab.
+
+        Each new term n/d turns q/p into (q d + n p)/(p d). Both are divided by powers of (1 + t/1000), t = s * transit, so that
+        64 modes do not overflow; p and q are analytic to the right of t = -1000.
+        """
+        t = s * transit
+        p, q = s.constant(1.0), (t * self.mass + self.damping) * epsilon
+        for n, d in self._ratios(t):
+            p, q = p * d, q * d + n * p * epsilon
+        return p, q
+
+    def _ratios(self, t: Jet) -> list[Ratio]:
+        """(numerator, denominator) of every term of Z/epsilon except mass and damping; t = s * transit."""
+        tame = 1.0 / (1.0 + t * 1e-3)
+        terms = [(self.spring * tame, t * tame)] if self.spring else []
+        for omega, residue, decay, offset in self.modes:
+            scale = tame * tame * omega**-2
+            terms.append(((t * residue + offset) * scale, (t * t + t * (2.0 * decay) + omega**2) * scale))
+        for strength, rate in self.relaxations:
+            scale = tame * (1.0 / rate)
+            terms.append((strength * scale, (t + rate) * scale))
+        return terms
+
+    def poles_and_residues(self) -> tuple[Complex, Complex]:
+        """Poles (in 1/transit) of Z/epsilon and the residues there, including conjugates; the spring's pole 0 comes first.
+
+        A mode's pole pair is -decay +- i sqrt(omega^2 - decay^2), its residue (residue s + offset)/(2 s + 2 decay).
+        """
+        poles: list[complex] = [0.0] if self.spring else []
+        residues: list[complex] = [self.spring] if self.spring else []
+        for omega, residue, decay, offset in self.modes:
+            root = cmath.sqrt(decay**2 - omega**2)
+            for pole in (-decay + root, -decay - root):
+                poles.append(pole)
+                residues.append((residue * pole + offset) / (2.0 * (pole + decay)))
+        for strength, rate in self.relaxations:
+            poles.append(-rate)
+            residues.append(strength)
+        return np.array(poles, dtype=complex), np.array(residues, dtype=complex)
+
+    def state_space(self) -> tuple[Array, Array, Array]:
+        """(A, B, C) of Z/epsilon = C (s - A)^-1 B + damping + mass s, transit clock: the spring, if there is one, two states of
+        every mode, those of an oscillator scaled by its frequency to equal size, and the relaxations."""
+        sprung, pairs = int(self.spring > 0.0), len(self.frequencies)
+        n = sprung + 2 * pairs + len(self.relaxations)
+        a, b, c = np.zeros((n, n)), np.zeros(n), np.zeros(n)
+        b[:sprung], c[:sprung] = 1.0, self.spring
+        for first, (omega, residue, decay, offset) in zip(range(sprung, n, 2), self.modes, strict=False):
+            second = first + 1
+            a[first, second], a[second, first], a[second, second] = omega, -omega, -2.0 * decay
+            b[second], c[first], c[second] = 1.0, offset / omega, residue
+        for k, (strength, rate) in enumerate(self.relaxations, start=sprung + 2 * pairs):
+            a[k, k], b[k], c[k] = -rate, 1.0, strength
+        return a, b, c
+
+    def dissipation(self, omega: Array) -> Array:
+        """Re Z(i omega)/epsilon, omega in radians per transit."""
+        terms = replace(self, spring=0.0)._ratios(Jet.variable(1j * np.asarray(omega, dtype=float)))
+        return np.asarray(self.damping + np.zeros(np.shape(omega)) + sum((n.value / d.value).real for n, d in terms))
+
+    def sign_frequencies(self) -> Array:
+        """Frequencies (radians per transit) that decide passivity: those of the poles, and at least one in every interval of the
+        axis in which Re Z has one sign. A reduction is passive if Re Z is nowhere negative on them and its poles are stable."""
+        turns = np.unique(np.concatenate([[0.0], np.abs(self._zeros().imag), self.frequencies]))
+        return np.concatenate([turns, 0.5 * (turns[1:] + turns[:-1]), [2.0 * turns[-1] + 1.0, 1e3 * (turns[-1] + 1.0)]])
+
+    def _zeros(self) -> Complex:
+        """Zeros of G(s) + G(-s)."""
+        from scipy.linalg import eigvals
+
+        a, b, c = replace(self, spring=0.0).state_space()
+        n = b.size
+        pencil, weight = np.zeros((2 * n + 1, 2 * n + 1)), np.diag(np.append(np.ones(2 * n), 0.0))
+        pencil[:n, :n], pencil[n : 2 * n, n : 2 * n] = a, -a.T
+        pencil[:n, -1], pencil[n : 2 * n, -1] = b, -c
+        pencil[-1, :n], pencil[-1, n : 2 * n], pencil[-1, -1] = c, b, 2.0 * self.damping
+        zeros = np.asarray(eigvals(pencil, weight), dtype=np.complex128)
+        return zeros[np.isfinite(zeros)]
 
 
 def _modal(modes: int) -> Reduction:

@@ -1,15 +1,28 @@
-"""A periodic orbit with its figures, their errors from two meshes, and its stability."""
+"""A periodic orbit with its figures (MODEL.md section 6) from its polynomials, their errors from two meshes, and its stability;
+and whether a cycle repeats a shorter one."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.figures import amplitude, figures_of, unresolved
 from reduced.orbit.multipliers import Multipliers, multipliers
 from slipwave.errors import NumericsError
-from slipwave.observe.pieces import Array
+from slipwave.friction import allows_rest, rate_of, resampled
+from slipwave.observe.extrema import extrema
+from slipwave.observe.history import values_at
+from slipwave.observe.pieces import Array, lagrange_basis
 from slipwave.observe.statistics import Estimate, Orbit
-from slipwave.step.flow import Flow
+from slipwave.step.collocation import highest_coefficient
+from slipwave.step.flow import Cycle, Flow
+
+# of the highest Legendre coefficient of a step: what is taken for the first one that is left out; a tenth on average
+_NEXT = 0.25
+_STRESS_ROUNDING = 1e-14  # relative
+_SAMPLES, _SAME = 200, 1e-6  # of a part of a cycle, and differences of ln v and psi in two parts that are none
+_NAMES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
+
 
 FINER = 1.5
 """Ratio of the steps of two meshes whose figures are compared."""
@@ -20,6 +33,57 @@ _LEAST_GAIN = 4.0  # a mesh that is finer by FINER reduces the errors of a perio
 _ROUNDING = 2e-12  # relative differences below this may be rounding errors, which no mesh reduces; 1.3e-12 occurs
 _LEAST_ERROR = 1e-12  # relative; smaller differences are chance: in 200 random orbits rounding moved a period by up to 7e-13
 _LEAST_AMPLITUDE = 1e-3  # of ln v; smaller orbits are steady sliding up to the accuracy that is asked for
+
+
+def figures_of(closed: Closed) -> dict[str, float]:
+    """The figures of a closed cycle: name -> period (transits), stress_drop and elastic_stress_drop (maximum minus minimum over
+    the cycle, in units of the normal stress), v_max and v_min (V*)."""
+    law, basis, pieces = closed.flow.scene.law, lagrange_basis(closed.flow.nodes), closed.cycle.pieces
+    (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (extrema(basis, rows) for rows in (pieces.mu, pieces.y, pieces.z))
+    if allows_rest(law):
+        each = resampled(law, pieces.z, pieces.psi, lambda z: np.array([extrema(basis, row[None]) for row in z]))
+        z_max, z_min = float(each[:, 0].max()), float(each[:, 1].min())
+    values = closed.cycle.period, mu_max - mu_min, y_max - y_min, rate_of(law, z_max), rate_of(law, z_min)
+    return dict(zip(_NAMES, values, strict=True))
+
+
+def _unresolved(closed: Closed) -> dict[str, float]:
+    """Estimated truncation error of the figures that are extrema, from the highest coefficients of the steps there: the actual
+    error depends on where in its step an extremum happens to lie."""
+    law, pieces = closed.flow.scene.law, closed.cycle.pieces
+    tail = _NEXT * highest_coefficient(closed.flow.nodes)
+    (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (_left_out(rows, tail) for rows in (pieces.mu, pieces.y, pieces.z))
+    rounding = _STRESS_ROUNDING * float(np.abs(pieces.mu).max())
+    high, low = float(pieces.z.max()), float(pieces.z.min())
+    rates = rate_of(law, high + z_max) - rate_of(law, high), rate_of(law, low + z_min) - rate_of(law, low)
+    return dict(zip(_NAMES, (0.0, mu_max + mu_min + rounding, y_max + y_min + rounding, *rates), strict=True))
+
+
+def _left_out(rows: Array, tail: Array) -> tuple[float, float]:
+    """Truncation errors of the maximum and of the minimum: of the step with that nodal value and its neighbours, since it may lie
+    on an end."""
+    at = (int(rows.max(axis=1).argmax()), int(rows.min(axis=1).argmin()))
+    largest, smallest = (float(np.abs(rows.take((k - 1, k, k + 1), axis=0, mode="wrap") @ tail).max()) for k in at)
+    return largest, smallest
+
+
+def amplitude(cycle: Cycle) -> float:
+    """Maximum minus minimum of the rate unknown z at the nodes."""
+    return float(np.ptp(cycle.pieces.z))
+
+
+def difference_of_parts(cycle: Cycle, nodes: Array, parts: int) -> float:
+    """Largest difference of z and psi between the first and the second of `parts` equal parts of a closed cycle."""
+    basis, length = lagrange_basis(nodes), cycle.period / parts
+    times = np.linspace(0.0, length, _SAMPLES, endpoint=False)[1:]
+    first, second = (np.array(values_at(cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, length))
+    return float(np.abs(second - first).max())
+
+
+def repeats_sooner(cycle: Cycle, nodes: Array, cycles: int) -> bool:
+    """Whether a closed cycle of `cycles` slip events repeats a shorter one."""
+    divisors = [parts for parts in range(2, cycles + 1) if cycles % parts == 0]
+    return any(difference_of_parts(cycle, nodes, parts) < _SAME for parts in divisors)
 
 
 @dataclass(frozen=True)
@@ -41,7 +105,7 @@ def periodic_orbit(
     The mesh is refined by `FINER` until the figures of two meshes agree, each orbit solved to rounding errors (with a larger
     residual Newton's method may not move from the coarse orbit, and the difference would vanish). The error is estimated as a
     quarter of the difference, or twice a difference of the size of rounding. For extrema, whose difference may be small by
-    chance, the truncation error (`unresolved`) is a second estimate.
+    chance, the truncation error (`_unresolved`) is a second estimate.
 
     Raises NumericsError if no orbit is found, or if the one found is steady sliding.
     """
@@ -51,7 +115,7 @@ def periodic_orbit(
             progress(f"mesh {mesh + 2}, {fine.flow.size} values of the state")
         finer, start = fine.flow.remeshed(fine.cycle, FINER)
         coarse, fine = fine, _moving(close(finer, start, fine.cycle.period, _TO_ROUNDING))
-        before, now, left_out = figures_of(coarse), figures_of(fine), unresolved(fine)
+        before, now, left_out = figures_of(coarse), figures_of(fine), _unresolved(fine)
         orbit = Orbit(**{name: Estimate(value, max(_error(value, before[name]), left_out[name])) for name, value in now.items()})
         settled = all(figure.error < tolerance * abs(figure.value) for figure in vars(orbit).values())
         if settled:

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.impedance import Complex, Jet, Ratio, is_exact, ratio_of
-from reduced.impedance.of_reduction import state_space
 from reduced.impedance.reduce import analysed
 from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import slab_ratio
@@ -68,11 +67,12 @@ class Characteristic:
         return np.logical_and(*small)
 
     def eigenvalues(self) -> Complex:
-        """All roots of a `reduction`: eigenvalues of its linear equations (`state_space`) for deviations u of the slip rate from
-        steady sliding, with friction's stress  F_v u + x,  x' = -G_phi (x + (F_v - F_ss') u).  With a mass, u is a state."""
+        """All roots of a `reduction`: eigenvalues of its linear equations (`Reduction.state_space`) for deviations u of the slip
+        rate from steady sliding, with friction's stress  F_v u + x,  x' = -G_phi (x + (F_v - F_ss') u).  With a mass, u is a
+        state."""
         assert self.reduction is not None
         model, slopes, transit, epsilon = self.reduction, self.slopes, self.transit, self.scene.upper.epsilon
-        a, b, c = state_space(model)
+        a, b, c = model.state_space()
         rates = np.diag(np.append(np.zeros(b.size), -slopes.healing * transit))
         rates[:-1, :-1] = a
         driven = np.append(b, slopes.healing * (slopes.steady - slopes.direct) * transit)

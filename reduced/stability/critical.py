@@ -74,7 +74,9 @@ def _by_angle(problem: Characteristic) -> list[tuple[float, float]]:
     def excess(theta: Array) -> Array:
         """Reactance of friction and slabs together: zero at a crossing."""
         z = zeta(theta)
-        return _reactance(slopes, _omega(slopes, z)) + z.imag
+        omega = _omega(slopes, z)
+        of_friction = omega * slopes.healing * (slopes.direct - slopes.steady) / (omega**2 + slopes.healing**2)
+        return of_friction + z.imag
 
     values = excess(_THETA)
     theta = _sign_changes(excess, _THETA, values)
@@ -98,11 +100,6 @@ def _omega(slopes: FrictionSlopes, zeta: NDArray[np.complex128]) -> Array:
     """Frequency at which Re H = -Re zeta; nan where the slab dissipates too much."""
     with np.errstate(invalid="ignore"):
         return np.asarray(slopes.healing * np.sqrt(-(slopes.steady + zeta.real) / (slopes.direct + zeta.real)))
-
-
-def _reactance(slopes: FrictionSlopes, omega: Array) -> Array:
-    """Im H(i omega)."""
-    return omega * slopes.healing * (slopes.direct - slopes.steady) / (omega**2 + slopes.healing**2)
 
 
 def critical_epsilon(scene: Scene, model: str = "delay") -> float:

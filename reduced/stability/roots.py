@@ -21,21 +21,6 @@ _DEEPEST = 40
 _CUTS = (0.5123, 0.4711, 0.5371, 0.4313, 0.5779)
 
 
-def upper_half(disc: tuple[float, float], left: float) -> Complex:
-    """Corners of the path around {Re s > left, |s - centre| < radius} in the upper half plane, counter-clockwise from the real
-    axis to the real axis; `disc` is (centre, radius), and its arc is divided into 32 chords outside of it."""
-    centre, radius = disc[0], disc[1] / np.cos(np.pi / 64.0)
-    angle = np.linspace(0.0, np.arccos((left - centre) / radius), 33)
-    arc = centre + radius * np.exp(1j * angle)
-    return np.append(arc[:-1], [complex(left, arc[-1].imag), complex(left)])
-
-
-def upper_rectangle(low: complex, high: complex) -> Complex:
-    """As `upper_half`, for the upper half of the rectangle between the corners `low` (left) and `high` (right), mirrored at the
-    real axis."""
-    return np.array([complex(high.real), high, complex(low.real, high.imag), complex(low.real)])
-
-
 def rectangle(low: complex, high: complex) -> Complex:
     """Corners of the rectangle between `low` (left, below) and `high` (right, above), counter-clockwise, closed."""
     return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag), low])

@@ -8,7 +8,7 @@ import numpy as np
 from reduced.impedance import Complex
 from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.essential import fast_pattern
-from reduced.stability.roots import OnContour, count_zeros, distinct, polish, resolved, upper_half, upper_rectangle, zeros_in
+from reduced.stability.roots import OnContour, count_zeros, distinct, polish, resolved, zeros_in
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
 
@@ -74,6 +74,15 @@ def certified(scene: Scene, model: str = "delay") -> tuple[bool | None, int]:
     return (True if _number(idle[np.abs(idle.real) <= _neutral_rate(problem)]) >= near else None), 0
 
 
+def _upper_half(disc: tuple[float, float], left: float) -> Complex:
+    """Corners of the path around {Re s > left, |s - centre| < radius} in the upper half plane, counter-clockwise from the real
+    axis to the real axis; `disc` is (centre, radius), and its arc is divided into 32 chords outside of it."""
+    centre, radius = disc[0], disc[1] / np.cos(np.pi / 64.0)
+    angle = np.linspace(0.0, np.arccos((left - centre) / radius), 33)
+    arc = centre + radius * np.exp(1j * angle)
+    return np.append(arc[:-1], [complex(left, arc[-1].imag), complex(left)])
+
+
 def _neutral_rate(problem: Characteristic) -> float:
     """|Re s| below which a root is neutral."""
     return NEUTRAL * min(problem.slopes.reach, 1.0 / problem.longest)
@@ -94,7 +103,7 @@ def unstable_count(problem: Characteristic, beyond: float | None = None) -> int:
     left = _neutral_rate(problem) if beyond is None else beyond
     for margin in _MARGINS:
         try:
-            return count_zeros(problem.jet, upper_half((centre, margin * radius), left * margin), problem.anchors)
+            return count_zeros(problem.jet, _upper_half((centre, margin * radius), left * margin), problem.anchors)
         except OnContour as error:
             failure = error
     raise failure
@@ -146,7 +155,8 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
         roots = roots[(roots.imag < top) & (roots.real > corner.real) & (roots.real < right)]
         cut = _cut(problem, roots, corner.real, most)
         roots = roots[roots.real > cut]
-        count = count_zeros(problem.jet, upper_rectangle(complex(cut), complex(right, top)), problem.anchors)
+        upper = np.array([right, complex(right, top), complex(cut, top), cut])  # half of a rectangle, mirrored at the real axis
+        count = count_zeros(problem.jet, upper, problem.anchors)
         if count == _number(roots):
             return roots
     return _upper(zeros_in(problem.jet, complex(cut, -top), complex(right, top), count, problem.anchors))

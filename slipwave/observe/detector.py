@@ -2,6 +2,9 @@
 
 Turning points are roots of y' within the polynomial of a piece. Between two pieces the slope may also change sign without a root.
 
+For laws that allow v <= 0 the rate unknown of a piece is replaced, where v changes its sign, by one that is as smooth as the
+stress (`OfStep`).
+
 The date of a slip event is the time at which v, rising to its maximum in the fall of the elastic stress, passes half of that
 maximum. If v is above this level in the whole rise, the date is the beginning of the fall. This time is close to that of the
 steepest rise of v, where dv/dt is largest. That is a root of a second derivative: a polynomial that gives v to 1e-9 gives it to
@@ -15,14 +18,18 @@ from typing import NamedTuple
 import numpy as np
 
 from slipwave.compiled import inlined, njit
-from slipwave.friction import Law, law_of_step, rate_of, unknown_of
+from slipwave.compiled.dispatch import by_class
+from slipwave.friction import Law, OfStep, law_of_step, rate_of, to_own, to_step, unknown_of
 from slipwave.observe.extrema import bounds, differentiate, evaluate, find_root, overshoot, raise_record
 from slipwave.observe.pieces import Array, Basis, Pieces
-from slipwave.observe.reversal import SCRATCH, passage, raise_rate
 from slipwave.observe.swings import BEGAN, BEGIN, COLUMNS, DATE, DIRECTION, END, ENDED, RECORDS, thin
 
-_FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
+_SLOPES, _VALUES, _EXTREMES = 1, 2, 3  # rows of the detector's scratch
+_SCRATCH = 4
+"""Rows of scratch; the first is not used here."""
 
+
+_FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 # slots of the memory of a rise: level of z, row after that of the piece in which v reached its maximum (0: the date is known),
 # first and last (exclusive) of the pieces that are kept
 LEVEL, RISING, FRONT, KEPT = 0, 1, 2, 3
@@ -30,6 +37,66 @@ SLOTS = 4
 _TIME, _LENGTH, _LOWEST = 0, 1, 2  # columns of a piece that is kept, before its values of z
 FIRST_NODE = 3
 _FIRST_SIZE, MOST_KEPT = 256, 1 << 17  # pieces; of a rise over half as many from half to full height every other one is kept
+
+
+@by_class()
+def _raise_rate(
+    law: Law, own: Law, basis: Basis, z: Array, scratch: Array, memory: Array, slot: int, begin: float, end: float
+) -> None:
+    """`raise_record` of the unknown `z` of the law `own` in a piece; `law`: its `law_of_step` there."""
+    raise_record(basis, z, scratch[_SLOPES], memory, slot, begin, end)
+
+
+@_raise_rate.register(OfStep)
+def _raise_smoothly(law, own, basis, z, scratch, memory, slot, begin, end):  # type: ignore[no-untyped-def]
+    values, extremes = scratch[_VALUES], scratch[_EXTREMES]
+    for j in range(z.size):
+        values[j] = z[j]
+    to_step(law, own, values)
+    extremes[0], extremes[1] = memory[slot], -memory[slot + 1]
+    to_step(law, own, extremes[:2])
+    extremes[1] = -extremes[1]
+    high, low = extremes[0], extremes[1]
+    raise_record(basis, values, scratch[_SLOPES], extremes, 0, begin, end)
+    raised, lowered = extremes[0] > high, extremes[1] > low
+    extremes[1] = -extremes[1]
+    to_own(law, extremes[:2])
+    if raised:
+        memory[slot] = extremes[0]
+    if lowered:
+        memory[slot + 1] = -extremes[1]
+
+
+@by_class()
+def _last_passage(law: Law, basis: Basis, z: Array, lowest: float, level: float, node: int, scratch: Array) -> float:
+    """Point of a piece with unknowns `z`, of which `lowest` is the least, at which z last passed `level` upwards before `node`; 1
+    if it did in a jump at the end of the piece, -1 if z was above `level` all the time."""
+    return _passage(basis, z, lowest, level, node)
+
+
+@_last_passage.register(OfStep)
+def _pass_smoothly(law, basis, z, lowest, level, node, scratch):  # type: ignore[no-untyped-def]
+    values, own, rate = scratch[_VALUES], law.law, rate_of(law.law, level)
+    if rate <= 0.0 or lowest > unknown_of(own, 0.0):
+        return _passage(basis, z, lowest, level, node)
+    for j in range(z.size):
+        values[j] = z[j]
+    here, extremes = OfStep(own, 0.5 * rate), scratch[_EXTREMES]  # as smooth as v below the level
+    extremes[0], extremes[1] = lowest, level
+    to_step(here, own, values)
+    to_step(here, own, extremes[:2])
+    return _passage(basis, values, extremes[0], extremes[1], node)
+
+
+@njit
+def _passage(basis: Basis, z: Array, lowest: float, level: float, node: int) -> float:
+    if node == z.size and z[node - 1] < level:
+        return 1.0
+    if lowest < level:
+        for j in range(min(node, z.size - 1) - 1, -1, -1):
+            if z[j] < level:
+                return find_root(basis, z, level, basis.nodes[j], basis.nodes[j + 1])
+    return find_root(basis, z, level, 0.0, basis.nodes[0]) if evaluate(basis, z, 0.0) < level <= z[0] else -1.0
 
 
 def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) -> Array:
@@ -60,7 +127,7 @@ class Detector(NamedTuple):
 def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
     """A detector before the first piece, with rows for `swings` swings."""
     n = basis.nodes.size
-    memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((SCRATCH, max(n, 2)))
+    memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((_SCRATCH, max(n, 2)))
     return Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
 
 
@@ -161,7 +228,7 @@ def _date(found: Detector) -> None:
     level = min(memory[LEVEL], kept[last, FIRST_NODE + node])
     for piece in range(last, int(memory[FRONT]) - 1, -1):
         z, before = kept[piece, FIRST_NODE:], node if piece == last else n
-        point = passage(law_of_step(found.law, 0.0), basis, z, kept[piece, _LOWEST], level, before, found.scratch)
+        point = _last_passage(law_of_step(found.law, 0.0), basis, z, kept[piece, _LOWEST], level, before, found.scratch)
         if point >= 0.0:
             date = max(found.running[BEGAN], kept[piece, _TIME] + kept[piece, _LENGTH] * point)
             break
@@ -188,7 +255,7 @@ def _take(pieces: Pieces, k: int, begin: float, end: float, found: Detector) -> 
     """Update the running swing's records with the part [begin, end] of piece k and, in a fall, follow the rise of v."""
     basis, running, slopes, law = found.basis, found.running, found.scratch[1], law_of_step(found.law, pieces.psi[k, 0])
     highest = running[RECORDS]
-    raise_rate(law, found.law, basis, pieces.z[k], found.scratch, running, RECORDS, begin, end)
+    _raise_rate(law, found.law, basis, pieces.z[k], found.scratch, running, RECORDS, begin, end)
     raise_record(basis, pieces.mu[k], slopes, running, RECORDS + 2, begin, end)
     if running[DIRECTION] < 0.0:
         _follow_rise(pieces, k, running[RECORDS] > highest, found)

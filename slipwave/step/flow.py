@@ -14,8 +14,6 @@ from slipwave.step.collocation import radau
 from slipwave.threads import one_thread
 
 _CHANGE = 1e-6  # of the period, relative
-_SQUARINGS = 20
-_LEFT = 1e-6  # singular value, over the largest, of what has not died out
 
 
 class Cycle(NamedTuple):
@@ -152,16 +150,6 @@ def velocity_by_difference(flow: Flow, cycle: Cycle) -> Array:
 def impulses(time: Array, length: Array, nodes: Array, changes: Array) -> Pulses:
     """`Pulses` from the derivatives by stress and drive at the nodes, `changes` (2, k, s): over the weight of a node in time."""
     return Pulses(time, length, *(changes / (length[:, None] * radau(nodes.size).integral[-1])))
-
-
-def idle_states(step: Array) -> Array:
-    """Orthonormal basis (n, m) of the states that do not decay under repeated application of `step` (n, n)."""
-    power = step
-    with one_thread():
-        for _ in range(_SQUARINGS):
-            power = power @ power
-        states, sizes, _ = np.linalg.svd(power)
-    return states[:, sizes > _LEFT * max(float(sizes[0]), 1.0)]
 
 
 def eigenvalues_without(matrix: Array, idle: Array) -> NDArray[np.complex128]:

@@ -1,6 +1,7 @@
 """A slab model in the collocation step: for every step length a linear map of its memory, the slip rate and the drive."""
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple, Protocol, TypeAlias
 
 import numpy as np
@@ -110,6 +111,14 @@ def blank_port(scene: Scene, longest: float, levels: int, remembered: int, stage
         np.zeros(n + 2 * stages),
         NoLedger(np.zeros(1, dtype=np.bool_)),
     )
+
+
+def prepared(slabs: Slabs, port: Port, levels: Iterable[int]) -> Port:
+    """`port` with the tables of these `levels`, made where they are not ready."""
+    for level in levels:
+        if not port.ready[level]:
+            slabs.prepare(port, level)
+    return port
 
 
 def padded(remembered: int) -> int:

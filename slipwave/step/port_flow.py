@@ -21,7 +21,7 @@ from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import NO_PUSH, Cycle, Pulses, Push, impulses, velocity_by_difference
 from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, Memory, Stretch, begin, march, resolution_of
 from slipwave.step.nodal import DONE, TIME, Limits, Physics, nodal_of
-from slipwave.step.port import LEVELS, Port, Slabs
+from slipwave.step.port import LEVELS, Port, Slabs, prepared
 from slipwave.step.solve import first_guess
 from slipwave.step.tangent import Motion, carry, carry_back
 from slipwave.threads import one_thread
@@ -163,9 +163,7 @@ class PortFlow:
         """Port for the steps of `period`, with arbitrary memory; the last one is kept for the tangent."""
         longest, levels = period / self.mesh.count, self.mesh.levels
         if self._made is None or self._made.length[0] != longest:
-            self._made = self._slabs.port(longest, int(levels.max()) + 1)
-            for level in np.unique(levels)[::-1]:
-                _prepare(self._slabs, self._made, int(level))
+            self._made = prepared(self._slabs, self._slabs.port(longest, int(levels.max()) + 1), np.unique(levels)[::-1].tolist())
         return self._made
 
 
@@ -186,7 +184,7 @@ def _mesh_of(slabs: Slabs, start: Array, period: float, longest: float, resoluti
     steps, ended, missing = 0, NOT_READY, {_FIRST, *np.flatnonzero(port.ready).tolist()}
     while ended == NOT_READY:
         for level in missing:
-            _prepare(slabs, port, level)
+            prepared(slabs, port, [level])
             stretch.resistance[level] = slabs.resistance(port, np.array([level]), growth)[0]
         rest = pieces.part(slice(steps, None))
         more, _, ended = _march(slabs, port, memory, Limits(_NEWTON, resolution, growth), stretch, rest, drive)
@@ -201,18 +199,13 @@ def _begin(slabs: Slabs, port: Port, start: Array, level: int) -> Memory:
     """Memory of a march from the state `start`, whose first step has the length of `level`."""
     scene, stages = slabs.scene, slabs.stages
     port.values[: slabs.remembered] = start[:-1]
-    _prepare(slabs, port, level)
+    prepared(slabs, port, [level])
     incoming = port.steady[level] + port.values @ port.free[level]
     z, impedance = unknown_of(scene.law, scene.velocity), float(port.impedance[level, 0].sum())
     guess, _ = first_guess(rule_of(stages)[2], scene.law, impedance, incoming, start[-1], z)
     memory = begin(start[-1], scene.steady_stress, float(guess.z[0]), stages)
     memory.levels[NEXT] = level
     return memory
-
-
-def _prepare(slabs: Slabs, port: Port, level: int) -> None:
-    if not port.ready[level]:
-        slabs.prepare(port, level)
 
 
 def _march(

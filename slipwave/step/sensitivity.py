@@ -20,8 +20,8 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Constant, Ramps, velocity_at
 from slipwave.step.collocation import Nodes, rule_of
 from slipwave.step.impedance import Full
-from slipwave.step.port import Port, Slabs, propagate
-from slipwave.step.tangent import Answer, Motion, step_answer
+from slipwave.step.port import Port, Slabs, prepared, propagate
+from slipwave.step.tangent import Answer, Motion, blank_answer, step_answer
 
 
 class Sides(NamedTuple):
@@ -34,20 +34,13 @@ class Sides(NamedTuple):
 
 class Given(NamedTuple):
     """Direct derivatives of k steps of s nodes by m parameters: of the `stress` and of h G, `gain` (k, m, s), and of the `memory`
-    after the step (k, m, n). The responses: of v, `rate`, and of psi, `state` (k, m, s)."""
+    (k, m, n) by the step. The responses: of v, `rate`, and of psi, `state` (k, m, s)."""
 
     stress: Array
     gain: Array
     memory: Array
     rate: Array
     state: Array
-
-
-class Carried(NamedTuple):
-    """Present derivatives by m parameters: of the `memory` (m, n) and of `psi` (m,)."""
-
-    memory: Array
-    psi: Array
 
 
 class LawAlong(NamedTuple):
@@ -61,7 +54,7 @@ class LawAlong(NamedTuple):
     growth: Array
 
 
-def law_along(law: Law, pieces: Pieces) -> LawAlong:
+def _law_along(law: Law, pieces: Pieces) -> LawAlong:
     """Rate, friction and their derivatives of `law` along a motion."""
     answers = np.empty((6, *pieces.z.shape))
     _respond_all(law, pieces.z, pieces.psi, answers)
@@ -95,21 +88,21 @@ def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Arra
 
 def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, LawAlong]:
     """Direct derivatives along `pieces` through the law and the clock, zero through the slabs; and the law along them."""
-    (steps, stages), count, here = pieces.z.shape, len(sides), law_along(scene.law, pieces)
+    (steps, stages), count, here = pieces.z.shape, len(sides), _law_along(scene.law, pieces)
     stress, gain = np.zeros((2, steps, count, stages))
     for i, (scenes, clocks, step) in enumerate(sides):
         for one, clock, sign in zip(scenes, clocks, (0.5, -0.5), strict=True):
-            own = here if one.law == scene.law else law_along(one.law, pieces)
+            own = here if one.law == scene.law else _law_along(one.law, pieces)
             stress[:, i] -= sign / step * own.stress
             gain[:, i] += (sign / step * clock * one.transit * pieces.length)[:, None] * own.growth
     rate, state = np.empty((2, steps, count, stages))
     return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state), here
 
 
-def start_by(sides: Sequence[Sides], remembered: int) -> Carried:
-    """Derivatives at the start: of psi; those of the memory, zero in steady sliding, vanish."""
-    psi = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in sides]
-    return Carried(np.zeros((len(sides), remembered)), np.array(psi))
+def start_by(sides: Sequence[Sides]) -> Array:
+    """Derivatives of psi at the start (m,); those of the memory, zero in steady sliding, vanish."""
+    ends = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in sides]
+    return np.array(ends)
 
 
 def stress_by(here: LawAlong, given: Given, direct: Array) -> Array:
@@ -143,18 +136,17 @@ def _carry(
     plan: NDArray[np.int64],
     motion: Motion,
     given: Given,
-    changes: Carried,
+    changes: tuple[Array, Array],
 ) -> None:
-    """Carry the `changes` along the `motion` in steps of the levels `plan`, one `transit` on the friction clock; `integral` is A
-    transposed. given.stress <- the total derivative of the incoming stress."""
-    s, n, memory = len(nodes), changes.memory.shape[1], changes.memory
-    row, width = np.empty((4, s)), 2 * s + 1
-    answer = Answer(np.empty((2 * s, width)), row[0], row[1], row[2], row[3], np.empty((s, width)))
+    """Carry the `changes`, of the memory (m, n) and of psi (m,), along the `motion` in steps of the levels `plan`, one `transit`
+    on the friction clock; `integral` is A transposed. given.stress <- the total derivative of the incoming stress."""
+    s, (memory, psi), answer = len(nodes), changes, blank_answer(nodes)
+    n = memory.shape[1]
     for k in range(plan.size):
         level = plan[k]
         step_answer(nodes, law, Full(port.impedance[level]), port.length[level] * transit, integral, motion, k, answer)
         given.stress[k] += np.dot(memory, port.free[level])
-        answer_given(nodes, answer, k, given, changes.psi)
+        answer_given(nodes, answer, k, given, psi)
         memory += np.dot(memory, port.change[level, :n]) + np.dot(given.rate[k], port.change[level, n : n + s]) + given.memory[k]
 
 
@@ -172,7 +164,8 @@ def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Ar
     """d mu/dp (k, m, s) at the nodes of all `pieces` of a march of `slabs` from the start of their scene, without a nudge."""
     scene, (rule, compiled, shape) = slabs.scene, rule_of(slabs.stages)
     remembered = slabs.port(1.0, 1).values.size
-    (given, law), changes = given_by(scene, sides, pieces, remembered), start_by(sides, remembered)
+    given, law = given_by(scene, sides, pieces, remembered)
+    changes = np.zeros((len(sides), remembered)), start_by(sides)
     values = np.zeros(remembered)
     direct = -given.stress
     pairs = [tuple(slabs.of(one) for one in scenes) for scenes, _, _ in sides]
@@ -183,25 +176,18 @@ def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Ar
         longest = float(here.length.max())
         plan = np.rint(np.log2(longest / here.length)).astype(np.int64)
         levels = int(plan.max()) + 1
-        port = _ready(slabs, longest, levels)
+        port = prepared(slabs, slabs.port(longest, levels), range(levels))
         v, memory = rates(scene.law, here.z), np.empty((plan.size, remembered))
         moved = np.column_stack([memory, v - scene.velocity, drive_on(scene, here, rule.nodes) - scene.velocity])
         _remember(port.change, plan, moved, values, memory)
         for i, (pair, (_, clocks, step)) in enumerate(zip(pairs, sides, strict=True)):
             for side, clock, sign in zip(pair, clocks, (1.0, -1.0), strict=True):
-                table, velocity = _ready(side, longest * clock, levels), side.scene.velocity
+                table, velocity = prepared(side, side.port(longest * clock, levels), range(levels)), side.scene.velocity
                 drive = drive_on(side.scene, here, rule.nodes, clock) - velocity
                 _add(table, plan, (memory, v, v - velocity, drive), sign / (2.0 * step), (own.stress[:, i], own.memory[:, i]))
         motion = Motion(here.z, here.psi, False)
         _carry(shape, scene.law, port, scene.transit, compiled.integral, plan, motion, own, changes)
     return stress_by(law, given, direct)
-
-
-def _ready(slabs: Slabs, longest: float, levels: int) -> Port:
-    port = slabs.port(longest, levels)
-    for level in np.flatnonzero(~port.ready):
-        slabs.prepare(port, int(level))
-    return port
 
 
 def _add(port: Port, plan: NDArray[np.int64], motion: Sequence[Array], weight: float, sums: tuple[Array, Array]) -> None:

@@ -49,6 +49,13 @@ class Answer(NamedTuple):
     state: Array
 
 
+@allocating
+def blank_answer(nodes: Nodes) -> Answer:
+    """Room for the answer of a step."""
+    s, row = len(nodes), np.empty((4, len(nodes)))
+    return Answer(np.empty((2 * s, 2 * s + 1)), row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
+
+
 @njit
 def step_answer(
     nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Array, motion: Motion, k: int, answer: Answer
@@ -141,10 +148,8 @@ def carry(
 ) -> None:
     """Carry m disturbances, of the port's `values` (m, n) and of psi, `state` (m,), along the `motion` in steps of the levels
     `plan`. One `transit` on the friction clock; `integral` is A transposed."""
-    s, count, width = len(nodes), state.size, 2 * len(nodes) + 1
-    row, answer = np.empty((4, s)), np.empty((2 * s, width))
-    scratch = Answer(answer, row[0], row[1], row[2], row[3], np.empty((s, width)))
-    n = values.shape[1]
+    s, count, n, scratch = len(nodes), state.size, values.shape[1], blank_answer(nodes)
+    answer = scratch.matrix
     stress, rate = np.empty((count, s)), np.empty((count, s))
     kept, gained = np.empty_like(values), np.empty_like(values)
     for k in range(plan.size):
@@ -182,9 +187,8 @@ def carry_back(
 ) -> None:
     """The adjoint of `carry`: pulses (2, k, s) <- derivatives of a functional of the state at the motion's end, of the port's
     values, `values` (n,), and then of psi, by the incoming stress and by the drive at the nodes of all steps."""
-    s, n = len(nodes), values.size - 1
-    row, answer = np.empty((4, s)), np.empty((2 * s, 2 * s + 1))
-    scratch = Answer(answer, row[0], row[1], row[2], row[3], np.empty((s, 2 * s + 1)))
+    s, n, scratch = len(nodes), values.size - 1, blank_answer(nodes)
+    answer = scratch.matrix
     memory, psi = values[:n], values[n]
     for k in range(plan.size - 1, -1, -1):
         level = plan[k]

@@ -9,8 +9,7 @@ import pytest
 from fullwave.finite_element import assemble_layer
 from fullwave.lines.runge_kutta import CLASSICAL, combine_stages, method_of
 from fullwave.lines.scheme_limit import longest_decay_step, longest_step
-from fullwave.operators.closure import boundary_closure, closure_rows
-from fullwave.summation_by_parts import difference_matrix
+from fullwave.summation_by_parts import boundary_closure, closure_rows, difference_matrix
 
 
 @pytest.mark.parametrize("order", [2, 4, 6])

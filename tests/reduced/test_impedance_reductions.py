@@ -10,7 +10,6 @@ from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, LOSSY, ROUND_TRIP,
 import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, reduction_of
-from reduced.impedance.of_reduction import dissipation, sign_frequencies
 from reduced.impedance.reduce import spring_damping_mass
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
@@ -129,8 +128,8 @@ def test_a_fit_that_is_too_far_off_is_refused_with_place_and_size(monkeypatch, s
         p, q = ratio(model, epsilon, transit, s)
         return p, q * (1.0 + share)
 
-    ratio = fit.reduction_ratio
-    monkeypatch.setattr(fit, "reduction_ratio", spoiled)
+    ratio = Reduction.ratio
+    monkeypatch.setattr(Reduction, "ratio", spoiled)
     scene = LOSSY["standard linear"]
     fit.fit_scene.cache_clear()
     if refused:
@@ -192,7 +191,7 @@ def scanned(model):
     widths = np.maximum(np.array([decay for _, _, decay, _ in model.modes]), 1e-9)
     across = np.add.outer(np.linspace(-30.0, 30.0, 2001), np.zeros(widths.size)) * widths + np.array(model.frequencies)
     omega = np.concatenate([np.linspace(0.0, 300.0, 30_001), np.geomspace(300.0, 1e6, 500), np.abs(across.ravel())])
-    return float(dissipation(model, omega).min())
+    return float(model.dissipation(omega).min())
 
 
 FITS = [("grip below", 9), ("grip below", 16)]
@@ -205,7 +204,7 @@ EVERY_FIT = [pytest.param(name, count, marks=pytest.mark.slow) for name in SCENE
 def test_a_fit_is_passive_at_every_frequency(name, count):
     model = reduction_of(SCENES[name], f"fitted:{count}")
     if not model.is_lossless:
-        assert dissipation(model, sign_frequencies(model)).min() >= 0.0
+        assert model.dissipation(model.sign_frequencies()).min() >= 0.0
         assert scanned(model) >= 0.0
         assert min(model.decays, default=0.0) >= 0.0
     assert check_passivity(SCENES[name], f"fitted:{count}").passive
@@ -229,7 +228,7 @@ def test_an_active_reduction_is_seen(wrong, where, monkeypatch):
     assert not found.passive
     if where:
         assert found.where.imag == pytest.approx(where, abs=1e-3)
-        assert dissipation(wrong, sign_frequencies(wrong)).min() < -0.1
+        assert wrong.dissipation(wrong.sign_frequencies()).min() < -0.1
 
 
 @pytest.mark.parametrize("name", ["grip", "grip below", "machine", "machine below"])

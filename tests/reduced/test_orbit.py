@@ -11,9 +11,9 @@ import pytest
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import CycleSection, closest_returns
 from reduced.orbit.closing import close, close_family
-from reduced.orbit.figures import amplitude, figures_of, repeats_sooner
 from reduced.orbit.multipliers import floquet, multipliers
 from reduced.orbit.newton import Evaluated, solve_by_newton
+from reduced.orbit.periodic import amplitude, figures_of, repeats_sooner
 from slipwave import read_scene
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Pieces

@@ -16,8 +16,8 @@ from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach, guesses
 from reduced.orbit.closing import close
-from reduced.orbit.figures import figures_of, repeats_sooner
 from reduced.orbit.multipliers import floquet
+from reduced.orbit.periodic import figures_of, repeats_sooner
 from reduced.stability.onsets import _bracket, onsets
 from slipwave import read
 from slipwave.errors import NumericsError

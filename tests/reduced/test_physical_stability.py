@@ -7,7 +7,7 @@ import pytest
 
 import slipwave
 from reduced.stability import analyse, characteristic, scaled, spectrum, unstable_count
-from reduced.stability.in_si import stability_in_si, thickened
+from reduced.stability.analyse import stability_in_si, thickened
 from tests.granite import GRANITE
 
 MACHINE = GRANITE | {

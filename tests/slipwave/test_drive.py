@@ -8,8 +8,7 @@ import pytest
 import slipwave
 from slipwave.compiled import allocating
 from slipwave.observe import Pieces
-from slipwave.observe.protocol import ProtocolObserver
-from slipwave.observe.stages import stages_of
+from slipwave.observe.protocol import ProtocolObserver, stages_of
 from slipwave.scene.drive import NUDGE_CENTRE, Constant, Drive, Ramps, nudge_rate, velocity_at
 
 MANY = 10_000

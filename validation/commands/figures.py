@@ -9,7 +9,7 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.observe.envelope import Envelope, Ranges
 from slipwave.observe.pieces import Array
-from slipwave.observe.stages import StageFigures
+from slipwave.observe.protocol import StageFigures
 from slipwave.scene import Scene
 from slipwave.solve import Leaping
 from validation.chart import GREY, GUIDE, POINTS, Chart, Look, Panel, Scale, Second, Trace, outline

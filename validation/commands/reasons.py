@@ -52,7 +52,7 @@ def on_stability(scene: Scene, found: "Stability") -> str:
 def _what_would_change(scene: Scene, found: "Stability") -> str:
     """Text: the thickness or normal stress, or r or epsilon, beyond which the stability changes; empty if there is none, or at
     neutral stability."""
-    from reduced.stability.in_si import stability_in_si
+    from reduced.stability.analyse import stability_in_si
 
     physical = stability_in_si(scene, found)
     if physical is not None and scene.units is not None:

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias
 
 import slipwave
 from reduced.orbit.closing import Closed
-from reduced.orbit.figures import figures_of
+from reduced.orbit.periodic import figures_of
 from reduced.orbit.response import Beside, Responding
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input.assemble import validate

@@ -11,7 +11,7 @@ from fullwave.fields.files import write_field
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, part_of
 from slipwave.input import SceneSource
-from slipwave.observe.stages import StageFigures
+from slipwave.observe.protocol import StageFigures
 from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import StartKind
 from slipwave.solve import Leaping, has_fields

@@ -14,7 +14,7 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.files import TIME, whole_or_absent
 from slipwave.observe import Events
-from slipwave.observe.stages import StageFigures
+from slipwave.observe.protocol import StageFigures
 from slipwave.scene import Scene
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import (

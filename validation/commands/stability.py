@@ -10,8 +10,8 @@ import numpy as np
 
 from reduced.families import DELAY, REDUCTIONS
 from reduced.stability import Stability, analyse, friction_slopes
+from reduced.stability.analyse import PhysicalStability, stability_in_si
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
-from reduced.stability.in_si import PhysicalStability, stability_in_si
 from slipwave.files import FIGURES
 from slipwave.input import SceneSource
 from slipwave.scene import Scene

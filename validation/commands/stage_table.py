@@ -6,7 +6,7 @@ from dataclasses import asdict
 from itertools import pairwise
 from typing import Any
 
-from slipwave.observe.stages import StageFigures
+from slipwave.observe.protocol import StageFigures
 from slipwave.scene import Scene
 from validation.commands.result import rounded
 from validation.data.variables import STAGE_QUANTITIES, shown_in, twins_in_si

@@ -22,7 +22,7 @@ from reduced.continuation.start import (
     without_derivatives,
 )
 from reduced.orbit.closing import Closed
-from reduced.orbit.figures import amplitude
+from reduced.orbit.periodic import amplitude
 from reduced.stability.characteristic import characteristic
 from reduced.stability.onsets import ONSET_WIDTH, Onset, onsets
 from reduced.stability.spectrum import unstable_count

@@ -7,8 +7,8 @@ from typing import NamedTuple, cast
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import MOST_TRANSITS, FlowingSolver, Guess, guesses
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.figures import figures_of, repeats_sooner
 from reduced.orbit.multipliers import multipliers
+from reduced.orbit.periodic import figures_of, repeats_sooner
 from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
 from slipwave.observe.statistics import Estimate, Orbit

@@ -6,7 +6,7 @@ from reduced.continuation.curve import OnCurve
 from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special
 from reduced.orbit.closing import CLOSES_TO
-from reduced.orbit.figures import figures_of
+from reduced.orbit.periodic import figures_of
 
 SPECIAL_KINDS = {"HB": "Hopf", "LP": "fold", "PD": "period doubling", "NS": "torus"}
 """Kinds of special points, and their names."""
@@ -23,7 +23,7 @@ class StopAt(NamedTuple):
 
 
 class BranchPoint(NamedTuple):
-    """An orbit at a `value` of the parameter: its figures (`reduced.orbit.figures`), the number of `unstable` multipliers, None
+    """An orbit at a `value` of the parameter: its figures (`reduced.orbit.periodic`), the number of `unstable` multipliers, None
     where they cannot be counted, and whether it is `stable`, None if multipliers do not decide; `idle`: whether both are said
     without the idle modes that the orbit has (`reduced.stability.idle`)."""
 

@@ -18,8 +18,7 @@ from slipwave.friction.law import name_of
 from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
 from slipwave.observe.envelope import Envelope
 from slipwave.observe.events import NO_EVENTS
-from slipwave.observe.protocol import ProtocolObserver
-from slipwave.observe.stages import stages_of
+from slipwave.observe.protocol import ProtocolObserver, stages_of
 from slipwave.observe.torus import MANY
 from slipwave.observe.verdict import REPEATS, Kind, repeating
 from slipwave.scene import Scene

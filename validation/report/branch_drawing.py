@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 
-from reduced.orbit.figures import figures_of
+from reduced.orbit.periodic import figures_of
 from validation.chart import DOTTED, GREY, Look, Trace, with_gaps
 from validation.chart.looks import NAMES, model_look, style_of
 from validation.measure.over_r import Branch, parts

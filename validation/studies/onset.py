@@ -10,7 +10,7 @@ import numpy as np
 
 import slipwave
 from reduced import closed_forms
-from reduced.impedance import check_passivity, poles_and_residues
+from reduced.impedance import check_passivity
 from reduced.impedance.reduction import TAYLOR as TRUNCATION
 from reduced.parameters import scaled, with_parameter
 from reduced.stability import Boundary, FrictionSlopes, analyse, boundary, critical_round_trip, friction_slopes
@@ -240,7 +240,7 @@ def _crossed(name: str, onset: tuple[slipwave.Scene, str, float]) -> Verdict:
 
 def taylor(paper: slipwave.Scene) -> Verdict:
     """The next truncation, which has growing roots of its own."""
-    pole = max(poles_and_residues(TRUNCATION)[0], key=lambda value: (value.real, value.imag))
+    pole = max(TRUNCATION.poles_and_residues()[0], key=lambda value: (value.real, value.imag))
     known = cmath.sqrt(complex(-40.0, math.sqrt(320.0)))  # 1 + s^2/24 + s^4/1920 = 0
     growing = analyse(with_parameter(paper, "log10_r", -3.5), "taylor").unstable_roots
     passive = check_passivity(paper, "taylor").passive

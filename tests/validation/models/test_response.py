@@ -9,7 +9,7 @@ import pytest
 
 import slipwave as sw
 from reduced.orbit.closing import close
-from reduced.orbit.figures import figures_of
+from reduced.orbit.periodic import figures_of
 from reduced.orbit.response import Responding
 from slipwave.errors import NumericsError
 from validation.commands.cli import main

@@ -8,7 +8,7 @@ import numpy as np
 
 from fullwave.adapt import difference_of, probe
 from reduced.orbit.closing import close
-from reduced.orbit.figures import figures_of
+from reduced.orbit.periodic import figures_of
 from slipwave.errors import NumericsError
 from slipwave.observe.events import Events
 from slipwave.observe.pieces import Array

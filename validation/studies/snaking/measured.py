@@ -16,8 +16,8 @@ import slipwave as sw
 from reduced.continuation.point import OrbitPoint
 from reduced.continuation.special import Special, critical
 from reduced.orbit.closing import Closed
-from reduced.orbit.figures import figures_of
 from reduced.orbit.multipliers import count_unstable, floquet
+from reduced.orbit.periodic import figures_of
 from slipwave.observe import HistoryObserver
 from slipwave.observe.statistics import Estimate
 from slipwave.solve import follow

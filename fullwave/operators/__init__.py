@@ -1,1 +1,0 @@
-"""Nodes, elements and closures from which the families build their operators."""
