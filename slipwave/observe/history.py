@@ -79,7 +79,7 @@ def named_columns(law: Law, samples: Sequence[Array] | Array) -> dict[str, Array
 def values_at(pieces: Pieces, basis: Basis, times: Array, law: Law = None) -> list[Array]:
     """z, psi, mu and y at `times` (transits); where two pieces meet, the values at the end of the earlier one. `law`: of the
     motion, if v may change its sign. Raises ValueError for a time more than half a piece outside `pieces`."""
-    which = np.clip(np.searchsorted(pieces.time, times - SAME) - 1, 0, None)
+    which = np.maximum(pieces.time.searchsorted(times - SAME) - 1, 0)
     outside = np.abs(times - pieces.time[which] - 0.5 * pieces.length[which]) > pieces.length[which]
     if outside.any():
         raise ValueError(f"no piece contains t = {times[outside][0]:.9g} transits")

@@ -100,12 +100,14 @@ class PortMarch:
         last, end = pieces.part(slice(-1, None)), self.time
         if until >= end - slack(end) or last.length[0] <= _UNCUT:
             return pieces
-        starts, lengths = np.array([last.time[0], until]), np.array([until - last.time[0], end - until])
+        start, shape = float(last.time[0]), (2, self.nodes.size)
+        starts, lengths = np.array([start, until]), np.array([until - start, end - until])
         times = (starts[:, None] + lengths[:, None] * self.nodes).ravel()
-        values = values_at(last, lagrange_basis(self.nodes), times, self.slabs.scene.law)
-        halves = Pieces(starts, lengths, *(row.reshape(2, -1) for row in values))
-        self._rest = halves.part(slice(1, 2))
-        return Pieces.joined([pieces.part(slice(-1)), halves.part(slice(1))])
+        halves = [row.reshape(shape) for row in values_at(last, lagrange_basis(self.nodes), times, self.slabs.scene.law)]
+        self._rest = Pieces(starts[1:], lengths[1:], *(half[1:] for half in halves))
+        for column, half in zip(last[1:], [lengths, *halves], strict=True):
+            column[0] = half[0]
+        return pieces
 
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from slipwave.errors import SceneError
 from slipwave.files import FIGURES
 from slipwave.input import SceneSource
+from slipwave.observe import EventObserver
 from slipwave.scene import Scene
 from slipwave.solve import Solver
 from slipwave.solve.follow import require_time
@@ -197,8 +198,10 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
     found: dict[str, tuple[Run, OneCycle | None]] = {}
     stopped = ""
     for solver in sorted(solvers, key=lambda solver: solver is not first):
-        observer = CycleObserver(solver)
-        run = reconsidered(simulate(solver, length, [observer], most_seconds=most), one_port_of(solver.model))
+        watch = EventObserver(scene, solver.nodes)
+        observer = CycleObserver(solver, watch)
+        run = simulate(solver, length, [observer] if scene.record else [], most_seconds=most, watch=watch)
+        run = reconsidered(run, one_port_of(solver.model))
         stopped = f"model {solver.model}" if run.stopped else ""
         found[solver.model] = run, observer.cycle(second_half(solver, run.until))
         if stopped:

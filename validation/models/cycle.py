@@ -40,19 +40,16 @@ def watch(solver: Solver, until: float, *others: Observer) -> EventObserver:
 
 
 class CycleObserver:
-    """Observer that keeps the last complete cycle and the present one: memory O(cycle). It detects events itself, by the detector
-    of every run.
-    """
+    """Observer that keeps the last complete cycle and the present one: memory O(cycle). `watch`: the observer of the run's events,
+    which sees the pieces first."""
 
-    def __init__(self, solver: Solver) -> None:
-        self._law = solver.scene.law
-        self._watch = EventObserver(solver.scene, solver.nodes)
+    def __init__(self, solver: Solver, watch: EventObserver) -> None:
+        self._law, self._watch = solver.scene.law, watch
         self._history = HistoryObserver(solver.scene.law, solver.nodes)
         self._most = _FIRST_MOST
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        self._watch.scan(pieces)
         self._history.scan(pieces)
         if len(self._history) > self._most:
             dates = self._watch.dates()

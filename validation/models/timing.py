@@ -22,6 +22,7 @@ from validation.models.by_name import Options
 from validation.models.cycle import watch
 
 _WARM_UP = 2.0  # transits
+_warmed: set[tuple[object, ...]] = set()
 
 Name = TypeVar("Name")
 Answer = TypeVar("Answer")
@@ -73,7 +74,14 @@ class March:
 
 
 def warm(solver: Solver) -> None:
-    """Load or compile the code for a march of `solver`, which is not changed, before timing."""
+    """Load or compile the code for a march of `solver`, which is not changed, before timing; once for models and scenes of the
+    same kinds."""
+    scene = solver.scene
+    slabs = ((type(slab.face), type(slab.viscosity), len(slab.layers)) for slab in scene.slabs)
+    kinds = solver.model, type(solver), type(scene.law), type(scene.drive.compiled), *slabs
+    if kinds in _warmed:
+        return
+    _warmed.add(kinds)
     before = solver.state()
     with suppress(NumericsError):
         EventObserver(solver.scene, solver.nodes).scan(solver.advance(solver.time + _WARM_UP))
