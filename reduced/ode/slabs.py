@@ -25,7 +25,7 @@ from slipwave.observe.pieces import Array, slack
 from slipwave.scene import Scene
 from slipwave.solve import Energy
 from slipwave.step.collocation import radau
-from slipwave.step.port import LEVELS, Levels, Port, blank_port
+from slipwave.step.port import LEVELS, NO_LEDGER, Levels, Port, line_aligned, padded
 from slipwave.step.port_march import PortMarch
 
 
@@ -45,23 +45,19 @@ class ReducedSlabs:
 
     def port(self, longest: float, levels: int = LEVELS) -> Port:
         """As `Slabs`; all tables are made at once."""
-        scene, blank = self.scene, blank_port(self.scene, longest, levels, self.remembered, self.stages)
-        blank.ready[:] = True
-        impedance, free, driven, change = _tables(self.reduction, scene.upper.epsilon, self.stages, longest, levels)
-        steady = scene.steady_stress + impedance.sum(axis=2) * scene.velocity
-        if blank.values.size == self.remembered:
-            return blank._replace(impedance=impedance, steady=steady, free=free, driven=driven, change=change)
-        n = self.remembered
-        blank.free[:, :n], blank.change[:, :n, :n] = free, change[:, :n]
-        blank.change[:, blank.values.size :, :n] = change[:, n:]
-        return blank._replace(impedance=impedance, steady=steady, driven=driven)
+        scene, stages = self.scene, self.stages
+        length, impedance, free, driven, change = _tables(self.reduction, scene.upper.epsilon, stages, longest, levels)
+        steady, n = scene.steady_stress + impedance.sum(axis=2) * scene.velocity, free.shape[1]
+        tables = length, np.ones(levels, dtype=np.bool_), impedance, steady, free, driven, change
+        return Port(*tables, scene.velocity, scene.drive.is_constant, line_aligned(n), np.zeros(n + 2 * stages), NO_LEDGER)
 
     def prepare(self, port: Port, level: int) -> None:
         """As `Slabs`."""
 
     def resistance(self, port: Port, levels: Levels, growth: float) -> Array:
         """As `Slabs`."""
-        return self.scene.upper.epsilon * impedance_at(self.reduction, growth / port.length[levels])
+        resistance = _resistances(self.reduction, growth, float(port.length[0]), port.length.size)
+        return self.scene.upper.epsilon * resistance[levels]
 
     @property
     def follows_drive(self) -> bool:
@@ -81,9 +77,15 @@ def impedance_at(reduction: Reduction, s: Array) -> Array:
 
 
 @lru_cache(maxsize=16)
-def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, levels: int) -> tuple[Array, Array, Array, Array]:
-    """`impedance`, `free`, `driven` and `change` (`Port`) for `levels` step lengths, of which `longest` (transits) is the first.
-    A change of the drive acts on the spring as the opposite slip rate, on the mass not at all, and on the rest by the
+def _resistances(reduction: Reduction, growth: float, longest: float, levels: int) -> Array:
+    """`impedance_at` the growth rate `growth`/length of all step lengths."""
+    return impedance_at(reduction, growth / np.ldexp(longest, -np.arange(levels)))
+
+
+@lru_cache(maxsize=16)
+def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, levels: int) -> tuple[Array, ...]:
+    """`length`, `impedance`, `free`, `driven` and `change` (`Port`) for `levels` step lengths, the first of them `longest`
+    (transits). A change of the drive acts on the spring as the opposite slip rate, on the mass not at all, and on the rest by the
     `transfer`; as the opposite slip rate without one."""
     rule = radau(stages)
     residue, offset, decay2, omega2, by_residue, by_offset = _terms(reduction)
@@ -125,7 +127,11 @@ def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, l
     kept = _kept(reduction)
     change = np.concatenate([own[:, kept], by_rate, by_drive], axis=1)[:, :, kept]
     impedance, driven = elastic + epsilon * inertia, np.ascontiguousarray(driven.swapaxes(1, 2))
-    return impedance, np.ascontiguousarray(free[:, kept]), driven, np.ascontiguousarray(change)
+    used, whole = int(kept.sum()), padded(int(kept.sum()))
+    frees, changes = line_aligned(levels, whole, s), line_aligned(levels, whole + 2 * s, whole)
+    frees[:, :used], changes[:, :used, :used] = free[:, kept], change[:, :used]
+    changes[:, whole:, :used] = change[:, used:]
+    return length, impedance, frees, driven, changes
 
 
 def _terms(reduction: Reduction) -> Array:

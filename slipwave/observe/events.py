@@ -23,7 +23,7 @@ import numpy as np
 
 from slipwave.friction import rate_of, rates, respond, unknown_of
 from slipwave.friction.law import friction_slopes
-from slipwave.observe.detector import KEPT, MOST_KEPT, new_detector, rise_buffer, scan
+from slipwave.observe.detector import KEPT, MOST_KEPT, RISING, new_detector, rise_buffer, scan
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis
 from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, ENDED, RECORDS, JudgedSwings, judge_swings
 from slipwave.scene import Scene
@@ -98,7 +98,8 @@ class EventObserver:
         the next pieces."""
         if after not in self._judged:
             found = self._found
-            scan(empty_pieces(0, found.basis.nodes.size), 0, found)
+            if found.rise[RISING] > 0.0:
+                scan(empty_pieces(0, found.basis.nodes.size), 0, found)
             running = np.empty((0, COLUMNS)) if math.isnan(found.last[0]) else found.running[None, :]
             swings = np.concatenate((found.swings[: int(found.filled[0])], running))
             self._judged[after] = judge_swings(swings, found.floor, after, self._loading, self._least, self._drifts)

@@ -119,7 +119,7 @@ def judge_swings(swings: Array, floor: float, after: float, loading: float, leas
     """
     swings = swings.copy()
     drift = _mean_drift(swings, after) if drifts else 0.0
-    swings[:, [BEGIN, END]] -= drift * swings[:, [BEGAN, ENDED]]
+    swings[:, BEGIN : END + 1] -= drift * swings[:, BEGAN : ENDED + 1]
     threshold = _threshold(swings, floor, after)
     swings = swings[: _simplify(swings, 0, len(swings), threshold)]
     sizes = swings[:, DIRECTION] * (swings[:, END] - swings[:, BEGIN])
@@ -127,7 +127,7 @@ def judge_swings(swings: Array, floor: float, after: float, loading: float, leas
     slips = (sizes + (loading - drift) * (swings[:, ENDED] - swings[:, BEGAN]))[falls] >= least
     events = falls[slips]
     over = bool(events.size) and bool((sizes[events[-1] + 1 :] >= threshold).any())
-    swings[:, [BEGIN, END]] += drift * swings[:, [BEGAN, ENDED]]
+    swings[:, BEGIN : END + 1] += drift * swings[:, BEGAN : ENDED + 1]
     return JudgedSwings(swings, events, sizes[events], over, falls.size - events.size)
 
 

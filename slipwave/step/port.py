@@ -28,6 +28,9 @@ class NoLedger(NamedTuple):
     is_kept: NDArray[np.bool_]
 
 
+NO_LEDGER = NoLedger(np.zeros(1, dtype=np.bool_))
+
+
 class Port(NamedTuple):
     """The memory x (n,), a deviation from steady sliding at V_0, gives at each level, with u = v - V_0 and c = V - V_0,
 
@@ -109,7 +112,7 @@ def blank_port(scene: Scene, longest: float, levels: int, remembered: int, stage
         scene.drive.is_constant,
         line_aligned(n),
         np.zeros(n + 2 * stages),
-        NoLedger(np.zeros(1, dtype=np.bool_)),
+        NO_LEDGER,
     )
 
 

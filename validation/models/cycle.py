@@ -40,8 +40,8 @@ def watch(solver: Solver, until: float, *others: Observer) -> EventObserver:
 
 
 class CycleObserver:
-    """Observer that keeps the last complete cycle and the present one: memory O(cycle). `watch`: the observer of the run's events,
-    which sees the pieces first."""
+    """Observer that keeps the last complete cycle and the present one: memory O(cycle). `watch`: the observer of the run's
+    events, which sees the pieces first."""
 
     def __init__(self, solver: Solver, watch: EventObserver) -> None:
         self._law, self._watch = solver.scene.law, watch

@@ -21,7 +21,7 @@ from validation.sweep.measures import measure_of
 MOST = 10**8
 """Most points of a sweep."""
 
-Alone: TypeAlias = tuple[dict[str, Any], bool]
+Alone: TypeAlias = tuple[dict[str, Any], Scene]
 """The fields of a scene that a changed key affects, and whether that scene was read."""
 
 Indices = npt.NDArray[np.int64]
@@ -78,10 +78,14 @@ class Plan:
         read and checked once, not once a point."""
         changes = self.changes(point)
         alone = [] if self.rows or self.scenes.sets else [self._alone(key, value) for key, value in changes.items()]
+        if len(alone) == 1:
+            return alone[0][1]
         merged = {name: value for differing, _ in alone for name, value in differing.items()}
         if not alone or len(merged) < sum(len(differing) for differing, _ in alone):
             return self.scenes.scene(changes)
-        written = apply_overrides(tables_of(self.base)[1], changes) if all(is_read for _, is_read in alone) else None
+        written = (
+            apply_overrides(tables_of(self.base)[1], changes) if all(scene.tables is not None for _, scene in alone) else None
+        )
         return replace(self.base, **merged, written=written)
 
     def _alone(self, key: str, value: float | str) -> Alone:
@@ -89,7 +93,7 @@ class Plan:
             scene = self.scenes.scene({key: value})
             now, before = vars(scene), vars(self.base)
             differ = {one.name: now[one.name] for one in fields(Scene) if one.init and now[one.name] != before[one.name]}
-            self._known[key, value] = differ, scene.tables is not None
+            self._known[key, value] = differ, scene
         return self._known[key, value]
 
     @cached_property
