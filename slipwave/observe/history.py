@@ -84,7 +84,13 @@ def values_at(pieces: Pieces, basis: Basis, times: Array, law: Law = None) -> li
     if outside.any():
         raise ValueError(f"no piece contains t = {times[outside][0]:.9g} transits")
     points = np.minimum(1.0, (times - pieces.time[which]) / pieces.length[which])
+    return evaluated([values[which] for values in pieces[2:]], basis, points, law)
+
+
+def evaluated(nodal: Sequence[Array], basis: Basis, points: Array, law: Law) -> list[Array]:
+    """z, psi, mu and y at `points` (m,) of pieces with these `nodal` values, (m, n), or (1, n) of a single piece; `law` as for
+    `values_at`."""
     rows = interpolation_matrix(basis, points)
-    z, *others = (values[which] for values in pieces[2:])
-    z = resampled(law, z, others[0], lambda nodal: np.add.reduce(rows * nodal, axis=1, keepdims=True))
+    z, *others = nodal
+    z = resampled(law, z, others[0], lambda values: np.add.reduce(rows * values, axis=1, keepdims=True))
     return [z[:, 0], *(np.add.reduce(rows * values, axis=1) for values in others)]

@@ -21,6 +21,7 @@ from slipwave.step.impedance import Diagonal, Impedance, influence, others, own
 from slipwave.step.nodal import Nodal
 
 _MAX_NEWTON = 25
+_RESOLVED = 1e-3  # of the tolerance: what sweeps need not resolve
 _LARGEST_CHANGE = 2.0
 _SWEPT, _FINE = 3, 1e-12  # iterations that may sweep over strongly coupled nodes; tolerance below which none does
 
@@ -43,7 +44,8 @@ def iterate(nodes: Nodes, law: Law, impedance: Impedance, h: float, integral: Ar
                 nodal.change[j] += integral[k, j] * nodal.gain[k]
         sweeps, left = _sweeps_for(impedance, total, iteration > _SWEPT or tolerance < _FINE), 0.0
         if sweeps:
-            moved = _relax(nodes, impedance, integral, sweeps, nodal)
+            enough = _RESOLVED * tolerance / total if shared > 0.0 else 0.0
+            moved = _relax(nodes, impedance, integral, sweeps, enough, nodal)
             left = total * moved if shared > 0.0 else 0.0
         else:
             _eliminate_nodes(impedance, nodes, integral, nodal)
@@ -102,14 +104,15 @@ def _correct(nodes: Nodes, law: Law, impedance: Impedance, nodal: Nodal) -> floa
 
 
 @inlined
-def _relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, nodal: Nodal) -> float:
+def _relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, enough: float, nodal: Nodal) -> float:
     """nodal.change, the right-hand side c of psi, <- change of psi, and the mismatch as if every other node's z had changed, by
     `sweeps` over the equations
 
         dz = -mismatch - kappa dz - ratio dpsi,     dpsi = c + A (slope dpsi - B kappa dz),
 
-    B = h G_z and kappa_jl = K_jl v_z,l/(F_z,j + K_jj v_z,j) for l != j. Returns the last change. An early node influences a late
-    one as in an integral, so that sweeps converge faster than powers of the largest influence on a node.
+    B = h G_z and kappa_jl = K_jl v_z,l/(F_z,j + K_jj v_z,j) for l != j. Returns the last change; if that is below `enough`, the
+    sweeps end. An early node influences a late one as in an integral, so that sweeps converge faster than powers of the largest
+    influence on a node.
     """
     s, moved = len(nodes), 0.0
     for j in range(s):
@@ -125,6 +128,8 @@ def _relax(nodes: Nodes, impedance: Impedance, integral: Array, sweeps: int, nod
                 change += integral[m, j] * nodal.gain[m]
             moved = max(moved, abs(change - nodal.trial[j]))
             nodal.trial[j] = change
+        if enough > 0.0 and moved < enough:
+            break
     for j in range(s):
         nodal.mismatch[j] += nodal.stress[j]
         nodal.change[j] = nodal.trial[j]

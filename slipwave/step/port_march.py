@@ -6,7 +6,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.friction import rate_of, said_of_rest, unknown_of
-from slipwave.observe.history import values_at
+from slipwave.observe.history import evaluated
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis, slack
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import growth_limit, rule_of
@@ -100,10 +100,11 @@ class PortMarch:
         last, end = pieces.part(slice(-1, None)), self.time
         if until >= end - slack(end) or last.length[0] <= _UNCUT:
             return pieces
-        start, shape = float(last.time[0]), (2, self.nodes.size)
+        start, length, shape = float(last.time[0]), float(last.length[0]), (2, self.nodes.size)
         starts, lengths = np.array([start, until]), np.array([until - start, end - until])
-        times = (starts[:, None] + lengths[:, None] * self.nodes).ravel()
-        halves = [row.reshape(shape) for row in values_at(last, lagrange_basis(self.nodes), times, self.slabs.scene.law)]
+        points = np.minimum(1.0, (starts[:, None] + lengths[:, None] * self.nodes - start).ravel() / length)
+        basis, law = lagrange_basis(self.nodes), self.slabs.scene.law
+        halves = [row.reshape(shape) for row in evaluated(last[2:], basis, points, law)]
         self._rest = Pieces(starts[1:], lengths[1:], *(half[1:] for half in halves))
         for column, half in zip(last[1:], [lengths, *halves], strict=True):
             column[0] = half[0]
