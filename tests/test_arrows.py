@@ -30,7 +30,7 @@ PROOF = {f"validation/{one}" for one in ("measure", "verification", "studies", "
 OFFERED = {"slipwave/__init__.py", "slipwave/errors.py"}
 """What a study may import besides `chart`, `references` and the proof: the public functions."""
 
-ABOUT_KERNELS = {"onset", "bifurcation/doubling", "orders/in_space", "orders/in_time", "snaking/measured", "which_model/laws"}
+ABOUT_KERNELS = {"onset", "bifurcation/doubling", "orders", "snaking", "which_model/laws"}
 
 
 def arrows(root):

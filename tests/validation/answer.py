@@ -13,7 +13,7 @@ from pydantic import TypeAdapter
 
 from slipwave.files import whole_or_absent
 from slipwave.sources import ROOT
-from validation.report.model_table import ModelCell, ModelTable, words_of
+from validation.report.model_table import ModelCell, ModelTable
 from validation.report.text import markup
 
 TABLE = ROOT / "reports" / "baseline" / "models" / "which-model.json"
@@ -53,7 +53,7 @@ def _rows(table: ModelTable) -> Iterator[str]:
 
 
 def _shown(cell: ModelCell) -> str:
-    words = words_of(cell, "T")
+    words = cell.words("T")
     return _html(words if cell.right or words == cell.regime else f"{words} ({cell.regime})")
 
 

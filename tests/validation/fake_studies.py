@@ -18,7 +18,7 @@ from validation.report import (
     StudyResult,
     Verdict,
     registered,
-    sources,
+    store,
     table,
 )
 
@@ -80,8 +80,8 @@ class Fake:
         for function in (
             slipwave.sources._read,
             slipwave.sources.imported_files,
-            sources._words,
-            sources._called,
+            store._words,
+            store._called,
         ):  # each process reads once
             function.cache_clear()
 

@@ -18,9 +18,9 @@ from slipwave.observe.statistics import Estimate
 from validation.measure.in_words import able, motion_at, scene_of
 from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, motions, special_points
 from validation.measure.regimes import FIGURES, Regime
-from validation.report.advice import JUDGED
+from validation.report.compared import JUDGED
 from validation.studies import asymmetry, reflection, which_model
-from validation.studies.which_model.means import paper_at
+from validation.studies.which_model.judged import paper_at
 
 _FIRST, _LONGER, _MOST = 20000.0, 1.2, 16.0
 PAPER, SCENES, MANY = 2e-3, 5e-3, 1e-2
@@ -51,7 +51,7 @@ def wanted() -> Iterator[tuple[str, str, Callable[[float], Regime], float, bool]
     for log10_r in which_model.BEYOND:
         for model in which_model.EVERY:
             yield model, paper_at(log10_r), partial(which_model.regime_at, model, log10_r), PAPER, False
-    for place in which_model.scenes.places_of():
+    for place in which_model.places_of():
         for model in which_model.IN_SCENES:
             yield model, place[0].settings, partial(which_model.regime_in, model, place), SCENES, False
     for pair in asymmetry.PAIRS:

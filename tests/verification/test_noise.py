@@ -9,7 +9,7 @@ from exact_waves import LOCKED, fields, impose, rate_scene, squared
 
 import slipwave
 from fullwave.finite_difference import Leapfrog
-from validation.measure.grids.limits import CELLS, MEDIA, around_the_limit, growth
+from validation.measure.limits import CELLS, MEDIA, around_the_limit, growth
 from validation.models.build import build
 from validation.models.by_name import explicit_time
 

@@ -42,13 +42,13 @@ def by_night(color: str) -> str:
     return legible(turned, DARK_PAPER) if contrast(color, PAPER) >= LEAST_CONTRAST else turned
 
 
-def legible(color: str, paper: str = PAPER, least: float = LEAST_CONTRAST) -> str:
+def legible(color: str, paper: str = PAPER) -> str:
     """The nearest colour of the same hue with enough contrast: darker on white, lighter on dark paper."""
     hue, light, depth = colorsys.rgb_to_hls(*_channels(color))
     end = 0.0 if contrast(paper, "#000000") > contrast(paper, "#ffffff") else 1.0
     for k in range(101):
         shade = _hex(colorsys.hls_to_rgb(hue, light + (end - light) * k / 100.0, depth)) if k else color
-        if contrast(shade, paper) >= least:
+        if contrast(shade, paper) >= LEAST_CONTRAST:
             return shade
     return color
 

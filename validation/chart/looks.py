@@ -1,6 +1,5 @@
 """How models look in charts: colours, dashes and markers from their families; what special points are called there."""
 
-from collections.abc import Iterable
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -11,8 +10,6 @@ from validation.models.by_name import family_of
 
 NAMES = {"HB": "Hopf point", "LP": "fold", "PD": "period doubling", "NS": "torus point"}
 """Kind of special point -> its name."""
-
-_DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))
 
 
 def style_of(model: str) -> PlotStyle:
@@ -35,12 +32,3 @@ def model_marks(model: str, **changes: Any) -> Look:
 def model_line(model: str, x: ArrayLike, y: ArrayLike, name: str = "", **changes: Any) -> Trace:
     """A line of `model` under its own name, or another, with `changes` of its look."""
     return Trace(name or model, x, y, model_look(model, **changes))
-
-
-def grid_styles(models: Iterable[str]) -> dict[str, PlotStyle]:
-    """Plot styles of several full waves in one figure: colour and marker are the family's, dashes distinguish its members."""
-    styles: dict[str, PlotStyle] = {}
-    for model in models:
-        seen = sum(other.partition(":")[0] == model.partition(":")[0] for other in styles)
-        styles[model] = style_of(model)._replace(dashes=_DASHES[seen])
-    return styles

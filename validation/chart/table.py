@@ -1,7 +1,11 @@
-"""The CSV file of a chart, from which it can be drawn again, and the facts of its panels, which the file lacks."""
+"""The CSV file of a chart, from which it can be drawn again, and the facts of its panels, which the file lacks; words of a look,
+and labels without the markup of formulas."""
 
 import csv
 import io
+import re
+import unicodedata
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from typing import Any
@@ -9,14 +13,16 @@ from typing import Any
 import numpy as np
 
 from slipwave.observe.pieces import Array
-from validation.chart import Chart, Panel, Scale, Trace, with_limits
-from validation.chart.labels import look_from_words, look_in_words, numbered, plain_label
+from validation.chart import Chart, Look, Panel, Scale, Trace, with_limits
 
 HEADER = ("panel", "series", "look", "x", "y", "y_error", "value")
 """Columns of the file; the last ones only if a chart has them. An empty row of a trace is a gap in its curve."""
 
 _DIGITS = ".8g"
 _NUMBERS = HEADER[3:]
+_DOTTED = 2.0  # a dash of less, in line widths, is a dot
+_STYLES = {"-": "solid", "--": "dashed", ":": "dotted", "-.": "dash-dotted", "": "points"}
+_WORDLESS = ("cells", "area", "text")
 
 
 def curves_csv(chart: Chart) -> str:
@@ -31,12 +37,12 @@ def curves_csv(chart: Chart) -> str:
 
 
 def _names(chart: Chart) -> list[str]:
-    return list(numbered(panel.name or panel.y.label or "panel" for panel in chart.panels))
+    return list(_numbered(panel.name or panel.y.label or "panel" for panel in chart.panels))
 
 
 def trace_names(panel: Panel) -> list[str]:
     """The names of its traces in the file and in words, no two alike."""
-    return list(numbered(trace.name or trace.look.kind for trace in panel.traces))
+    return list(_numbered(trace.name or trace.look.kind for trace in panel.traces))
 
 
 def _rows(panel: Panel) -> Iterator[tuple[str, ...]]:
@@ -95,4 +101,53 @@ def _trace(group: tuple[str, str, list[dict[str, str]]], color: str, shift: list
     if value is not None:  # cells, a row for each y
         width = int(np.flatnonzero(np.r_[x[1:] == x[0], True])[0]) + 1
         x, y, value = x[:width], y[::width], value.reshape(-1, width)
-    return Trace(name, x, y, look_from_words(look, color), columns["y_error"], value, (shift[0], shift[1]))
+    return Trace(name, x, y, _look_from_words(look, color), columns["y_error"], value, (shift[0], shift[1]))
+
+
+def look_in_words(look: Look) -> str:
+    """Look of a trace except its colour, as in the file: dashes, kind unless it is a line, marker."""
+    if look.kind in _WORDLESS:
+        return look.kind
+    tuples = "dashed" if isinstance(look.dashes, str) or look.dashes[1][0] >= _DOTTED else "dotted"
+    words = _STYLES.get(look.dashes, tuples) if isinstance(look.dashes, str) else tuples
+    return " ".join(word for word in (words, look.kind if look.kind != "line" else "", look.marker) if word)
+
+
+def _look_from_words(words: str, color: str) -> Look:
+    """Inverse of `look_in_words`, but for widths and sizes."""
+    style, *others = words.split(" ")
+    if style in _WORDLESS:
+        return Look(color, kind=style)
+    kinds = [word for word in others if word in ("steps-pre", "smooth", "guide")]
+    marker = "".join(word for word in others if word not in kinds)
+    dashes = next(dashes for dashes, word in _STYLES.items() if word == style)
+    return Look(color, dashes, marker, kind=kinds[0] if kinds else "line")
+
+
+def plain_label(text: str) -> str:
+    r"""A label without the markup of formulas: "$\log_{10} r$" as "log10 r"."""
+    return " ".join(re.sub(r"\$([^$]*)\$", lambda found: _plain_formula(found[1]), text).split())
+
+
+def _plain_formula(text: str) -> str:
+    text = re.sub(r"\\(rm|mathrm|mathit)\b\s*", "", text).replace(r"\,", " ").replace(r"\%", "%").replace("\\ ", " ")
+    text = re.sub(r"\\sqrt\{(\w+)\}", "√\\1", text).replace(r"\log_", "log")
+    text = re.sub(r"\\([A-Za-z]+)\s?", lambda found: _greek(found[1]), text)
+    return re.sub(r"[{}_]|\^(?=\*)", "", text).replace("^*", "*")
+
+
+def _greek(name: str) -> str:
+    """The Greek letter of this name, or the name."""
+    size = "CAPITAL" if name[0].isupper() else "SMALL"
+    try:
+        return unicodedata.lookup(f"GREEK {size} LETTER {name}")
+    except KeyError:
+        return f"{name} "
+
+
+def _numbered(names: Iterable[str]) -> Iterator[str]:
+    """Plain names, numbered where several are the same."""
+    seen = Counter[str]()
+    for name in map(plain_label, names):
+        seen[name] += 1
+        yield name + (f" ({seen[name]})" if seen[name] > 1 else "")

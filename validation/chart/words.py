@@ -9,8 +9,7 @@ import numpy as np
 
 from slipwave.observe.pieces import Array
 from validation.chart import Chart, Panel
-from validation.chart.labels import look_in_words
-from validation.chart.table import panel_facts, trace_names
+from validation.chart.table import look_in_words, panel_facts, trace_names
 
 _COMPARED = 8  # curves of which each pair is looked at for crossings
 _LISTED = 12  # curves that are described one by one

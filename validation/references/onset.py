@@ -4,7 +4,6 @@ Rates and times on the friction clock L/V*; V in V*. The formulas themselves are
 """
 
 import math
-from typing import NamedTuple
 
 from reduced import closed_forms
 from slipwave.friction.ageing import Ageing
@@ -14,20 +13,13 @@ FAST_PERIOD_KELVIN_VOIGT = math.pi / math.sqrt(6.0)
 """Period of the ripples of the Kelvin-Voigt system in the slow phase (43), in transits; exactly 1 in the delay system."""
 
 
-class CriticalValues(NamedTuple):
-    """Critical frequency (20), (38), and critical round trips: r_* (22), of the delay system (39), of the Kelvin-Voigt system
-    (27), and with radiation damping."""
-
-    omega_c: float
-    r_quasistatic: float
-    r_delay: float
-    r_kelvin_voigt: float
-    r_quasidynamic: float
-
-
-def onset_of(law: Ageing, epsilon: float, velocity: float) -> CriticalValues:
-    """Critical values of the ageing law at steady sliding with rate `velocity`, from F_v = a/V, G_phi = V, F_ss' = (a - b)/V of
-    (16)."""
+def onset_of(law: Ageing, epsilon: float, velocity: float) -> dict[str, float]:
+    """The critical frequency "omega_c" (20), (38) of the ageing law at steady sliding with rate `velocity`, and by model the
+    critical round trips: r_* (22), (39), (27). From F_v = a/V, G_phi = V, F_ss' = (a - b)/V of (16)."""
     slopes = FrictionSlopes(law.a / velocity, velocity, (law.a - law.b) / velocity)
-    forms = (closed_forms.quasistatic_r, closed_forms.delay_r, closed_forms.kelvin_voigt_r, closed_forms.quasidynamic_r)
-    return CriticalValues(slopes.omega_c, *(form(slopes, epsilon) for form in forms))
+    return {
+        "omega_c": slopes.omega_c,
+        "quasistatic": closed_forms.quasistatic_r(slopes, epsilon),
+        "delay": closed_forms.delay_r(slopes, epsilon),
+        "kelvin-voigt": closed_forms.kelvin_voigt_r(slopes, epsilon),
+    }

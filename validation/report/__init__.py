@@ -18,7 +18,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Protocol, TypeVar
 
 from validation.report.model_table import ModelTable
-from validation.report.text import Cell as Cell
+from validation.report.text import *  # noqa: F403
+from validation.report.text import Cell
 from validation.report.verdict import *  # noqa: F403
 from validation.report.verdict import RECORDED, ROUNDING, RUN_TIMES, Outcome, Real, Verdict
 
@@ -207,6 +208,7 @@ class StudyResult:
 class Study(Protocol):
     """The shape of a study's module."""
 
+    __name__: str
     NAME: str
     QUESTION: str
     SCENES: tuple[str, ...]

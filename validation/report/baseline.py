@@ -1,4 +1,5 @@
-"""The committed baseline, the numbers of an earlier full report: changes since, and other reasons that make a report red.
+"""Compares the numbers and verdicts of a report with an earlier one, or its numbers with the committed baseline, those of an
+earlier full report: changes since, and other reasons that make a report red.
 
 python -m validation.report.baseline reports        # take the numbers of reports/ as the new baseline
 """
@@ -6,18 +7,26 @@ python -m validation.report.baseline reports        # take the numbers of report
 import difflib
 import json
 import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from slipwave.errors import NumericsError
 from slipwave.sources import ROOT
-from validation.report import Number, Outcome, Verdict
-from validation.report.record import Change, Record, Word, read_report
+from validation.commands.result import aligned, rounded
+from validation.report import RUN_TIMES, Number, Outcome, Verdict
+from validation.report.record import Change, Changes, Record, Word, read_report
 from validation.report.text import bare
 
 FOLDER = ROOT / "reports" / "baseline"
 LEFT = (Word.GONE, Word.MOVED, Word.BETTER, Word.WORSE)
 """The words of a number that left its baseline."""
+
+
+Entry: TypeAlias = Number | Verdict
+_OF_LIMIT = 0.1
+"""Share of a verdict's limit by which its value must move to count as changed."""
 
 
 class RedReport(NumericsError):
@@ -26,6 +35,91 @@ class RedReport(NumericsError):
     def __init__(self, lines: list[str], page: Path) -> None:
         super().__init__(f"the report is red for {len(lines)} reason{'s' if len(lines) > 1 else ''}: see {page}")
         self.lines, self.page = lines, page
+
+
+def changes_since(before: Record, now: Record, since: str) -> Changes:
+    """Every number and verdict of the present studies, in `before` and now; `since` identifies `before`."""
+    scenes = {study.name: study.scenes for study in before.studies}
+    other = {study.name for study in now.studies if scenes.get(study.name, study.scenes) != study.scenes}
+    whole = set() if now.quick else {study.name for study in now.studies if not study.error}
+    pairs = [*_pairs(before.numbers, now.numbers), *(_pairs(_rows(before), _rows(now)) if before.verdicts else ())]
+    every = []  # the baseline tells no verdicts
+    for there, here in pairs:
+        one = here or there
+        if one and (here or one.study in whole):  # an entry can be gone only if its study is whole
+            name, kind = (one.name, "number") if isinstance(one, Number) else (one.claim, "verdict")
+            told = {"bar": 0.0, "why": ""} | _change(there, here)
+            told |= {"word": Word.NOT_COMPARABLE, "why": "another scene of the same name"} if one.study in other else {}
+            every.append(Change.model_validate({"id": one.id, "study": one.study, "name": name, "kind": kind} | told))
+    listed = sorted((change for change in every if change.word is not Word.SAME), key=lambda change: -change.over)
+    return Changes(since=since, counts=dict(Counter(change.word for change in every)), listed=tuple(listed))
+
+
+def _rows(report: Record) -> list[Verdict]:
+    return [case for verdict in report.verdicts for case in verdict.rows]
+
+
+def _pairs(before: Sequence[Entry], now: Sequence[Entry]) -> Iterator[tuple[Entry | None, Entry | None]]:
+    """Entries of the same id, before and now."""
+    old, new = {one.id: one for one in before}, {one.id: one for one in now}
+    return ((old.get(name), new.get(name)) for name in dict.fromkeys([*new, *old]))
+
+
+def _change(before: Entry | None, now: Entry | None) -> dict[str, Any]:
+    """What became of an entry, as fields of `Change`."""
+    if isinstance(before, Number) and isinstance(now, Number):
+        return _of_number(before, now)
+    if isinstance(before, Verdict) and isinstance(now, Verdict):
+        return _of_verdict(before, now)
+    old, new = (one.value if isinstance(one, Number) else one and one.outcome.value for one in (before, now))
+    return {"before": old, "now": new, "word": Word.NEW if now else Word.GONE}
+
+
+def _of_number(before: Number, now: Number) -> dict[str, Any]:
+    tolerance = 0.5 * (before.tolerance + now.tolerance)  # of numbers that state their errors: the sum of both errors
+    bar = tolerance * max(abs(before.value), abs(now.value))
+    word = Word.MOVED if Number(now.value, tolerance).differs(before.value) else Word.SAME
+    if word is Word.MOVED and now.known is not None:
+        nearer = abs(before.value - now.known) - abs(now.value - now.known)
+        if not abs(nearer) <= 2.0 * now.known_within:
+            word = Word.BETTER if nearer > 0.0 else Word.WORSE
+    return {"before": before.value, "now": now.value, "bar": bar, "word": word}
+
+
+def _of_verdict(before: Verdict, now: Verdict) -> dict[str, Any]:
+    """Change by the outcome, if that changed (a finding is no failure), otherwise by the measured error."""
+    if before.outcome is not now.outcome:
+        word = {before.outcome: Word.BETTER, now.outcome: Word.WORSE}.get(Outcome.FAIL, Word.MOVED)
+        return {"before": before.outcome.value, "now": now.outcome.value, "word": word}
+    told: dict[str, Any] = {"before": before.ours, "now": now.ours, "word": Word.NOT_COMPARABLE}
+    if before.found is None or now.found is None or before.limit is None or now.limit is None:
+        why = "the claim is one in words; its outcome is the same"
+        return told | ({"word": Word.SAME} if before.ours == now.ours else {"why": why})
+    if now.unit in RUN_TIMES:
+        return told | {"why": "a run time; its outcome is the same"}
+    bar = _OF_LIMIT * max(before.limit, now.limit)
+    told |= {"before": before.found, "now": now.found, "bar": bar}
+    if before.unit != now.unit:
+        return told | {"why": f"was in {before.unit or 'a pure number'}, is in {now.unit or 'a pure number'}"}
+    nearer = Word.BETTER if now.found < before.found else Word.WORSE
+    return told | {"word": nearer if abs(now.found - before.found) > bar else Word.SAME}
+
+
+def change_lines(changes: Changes) -> Iterator[str]:
+    """Printed lines: the number of changes by word, and every listed change."""
+    counts = ", ".join(f"{changes.counts[word]} {word}" for word in Word if word in changes.counts)
+    yield f"Since {changes.since}: {counts or 'nothing to compare'}."
+    rows = [
+        [bare(f"{one.study}: {one.name}"), one.word, _shown(one.before), _shown(one.now), f"{one.over:.2g}".replace("inf", "-")]
+        for one in changes.listed
+        if one.word is not Word.NOT_COMPARABLE
+    ]
+    if rows:
+        yield from aligned(["number or claim", "is", "before", "now", "moved by bars"], rows)
+
+
+def _shown(value: float | str | None) -> str:
+    return rounded(value, 7) if isinstance(value, float | None) else value
 
 
 def as_report(now: Record) -> Record:

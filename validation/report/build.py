@@ -3,38 +3,32 @@
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from datetime import UTC, datetime
 from functools import partial
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
-from typing import NamedTuple, cast
+from tempfile import TemporaryDirectory
+from typing import TypeAlias, cast
 
 from slipwave.files import alone_in
 from slipwave.sources import commit
 from validation.models.progress import progress
 from validation.models.stopwatch import cores
 from validation.report import Budget, Study, baseline, store
-from validation.report.baseline import RedReport, red_lines
-from validation.report.changes import changes_since
+from validation.report.baseline import RedReport, changes_since, red_lines
 from validation.report.files import write_files
 from validation.report.page import write_page
-from validation.report.provenance import machine_facts
-from validation.report.record import Record, Word, record_of
+from validation.report.record import Record, Word, machine_facts, record_of
 from validation.report.registered import choose, study_called
-from validation.report.side_by_side import share_out
+from validation.sweep import executors
 
+Tell: TypeAlias = Callable[[float], None]
+"""Is called with the share of a study that is done, 0 to 1."""
+_LOOK = 0.2  # seconds between two looks at how far the studies are
 _DIED = "a process of the report died, killed or short of memory, before this study was done"
-
-
-class Task(NamedTuple):
-    """A study to be run: name, module, and the folder and key of its stored result."""
-
-    name: str
-    module: str
-    folder: Path
-    key: str
-    quick: bool
 
 
 def make_report(
@@ -54,13 +48,20 @@ def make_report(
     """
     asked = choose(only)
     studies = [study_called(name) for name in choose(None)]
-    tasks = {study.NAME: _task(study, out / "data", quick) for study in studies}
+    keys = {study.NAME: store.study_key(study, quick) for study in studies}
     with alone_in(out, f"--out = {str(out)!r}"):
-        stored = {study.NAME: store.stored_result(out / "data", study, tasks[study.NAME].key) for study in studies}
+        stored = {study.NAME: store.stored_result(out / "data", study, keys[study.NAME]) for study in studies}
         wanted = [study for study in studies if study.NAME in asked and stored[study.NAME] is None]
         for known in (result for name in asked if (result := stored[name])):
             _say(known)
-        seconds = {study.NAME: _seconds(study, quick) for study in wanted}
+        seconds = {study.NAME: study.SECONDS[0 if quick else 1] for study in wanted}
+        works = {
+            study.NAME: partial(_perform, study.__name__, out / "data", keys[study.NAME], quick)
+            for study in sorted(wanted, key=lambda study: -seconds[study.NAME])
+        }
+        timed = [study.NAME for study in wanted if getattr(study, "TIMED", False)]
+        shared = {name: work for name, work in works.items() if name not in timed}
+        workers = min(processes or cores(), len(shared))
         spent = dict.fromkeys(seconds, 0.0)
         with progress("report", sum(seconds.values())) as report:
 
@@ -69,7 +70,9 @@ def make_report(
                 spent[name] = share * seconds[name]
                 report(sum(spent.values()))
 
-            for result in _run(wanted, tasks, processes or cores(), tell):
+            together = _side_by_side(shared, workers, tell) if workers > 1 else ()
+            alone = [*(shared if workers < 2 else ()), *(name for name in works if name in timed)]
+            for result in chain(together, (works[name](partial(tell, name)) for name in alone)):
                 stored[result.name] = result
                 tell(result.name, 1.0)
                 _say(result)
@@ -102,41 +105,44 @@ def _called(report: Record) -> str:
     return f"slipwave {report.versions.get('slipwave', '?')}, {report.digests.get('commit', '?')}, of {report.times.written}"
 
 
-def _task(study: Study, folder: Path, quick: bool) -> Task:
-    return Task(study.NAME, str(getattr(study, "__name__", "")), folder, store.study_key(study, quick), quick)
-
-
-def _run(
-    studies: list[Study], tasks: dict[str, Task], processes: int, tell: Callable[[str, float], None]
+def _side_by_side(
+    works: Mapping[str, Callable[[Tell], store.Stored]], workers: int, tell: Callable[[str, float], None]
 ) -> Iterator[store.Stored]:
-    """Yield results as studies end. The longest studies begin first, several at a time; those that measure run time run alone at
-    the end."""
-    longest_first = sorted(studies, key=lambda study: -_seconds(study, tasks[study.NAME].quick))
-    timed = [tasks[study.NAME] for study in longest_first if getattr(study, "TIMED", False)]
-    shared = [task for study in longest_first if (task := tasks[study.NAME]) not in timed]
-    if processes > 1 and len(shared) > 1:
-        for task, result in share_out(_perform, shared, processes, lambda task, share: tell(task.name, share)):
-            yield result or store.Stored(task.name, study_called(task.name).QUESTION, 0.0, True, error=_DIED)
-    else:
-        timed = shared + timed
-    yield from (_perform(task, partial(tell, task.name)) for task in timed)
+    """Yield results as studies end, which processes of their own begin in this order; those that were running or waiting when a
+    process died have failed. How far each is stands in a file."""
+    with TemporaryDirectory() as folder, executors.processes(workers) as start:
+        pool, notes, names = start(), {name: Path(folder, name) for name in works}, dict[Future[store.Stored], str]()
+        for name, work in works.items():
+            try:
+                names[pool.submit(work, partial(_note, notes[name]))] = name
+            except BrokenExecutor as error:  # a process died while others were started
+                broken = Future[store.Stored]()
+                broken.set_exception(error)
+                names[broken] = name
+        while names:
+            done, running = wait(names, _LOOK, FIRST_COMPLETED)
+            for name in (names[future] for future in running):
+                tell(name, float(notes[name].read_text() or 0.0) if notes[name].exists() else 0.0)
+            for name, future in ((names.pop(future), future) for future in done):
+                died = store.Stored(name, study_called(name).QUESTION, 0.0, True, error=_DIED)
+                yield died if future.exception() else future.result()
 
 
-def _perform(task: Task, tell: Callable[[float], None]) -> store.Stored:
-    """Run a study and store its result; any exception becomes the result of this study."""
-    study = cast(Study, import_module(task.module))
+def _note(file: Path, share: float) -> None:
+    file.write_text(f"{share}")
+
+
+def _perform(module: str, folder: Path, key: str, quick: bool, tell: Tell) -> store.Stored:
+    """Run a study and store its result under a key; any exception becomes the result of this study."""
+    study = cast(Study, import_module(module))
     began = time.perf_counter()
     try:
-        result = study.run(Budget(task.quick, tell))
-        return store.store_result(task.folder, study, task.key, result, time.perf_counter() - began)
+        result = study.run(Budget(quick, tell))
+        return store.store_result(folder, study, key, result, time.perf_counter() - began)
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
         message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
         return store.Stored(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=message)
-
-
-def _seconds(study: Study, quick: bool) -> float:
-    return study.SECONDS[0 if quick else 1]
 
 
 def _say(stored: store.Stored) -> None:

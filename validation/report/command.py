@@ -22,9 +22,8 @@ def report(
     as_json: Annotated[bool, typer.Option("--json", help="print report.json, and nothing else, on stdout")] = False,
 ) -> None:
     """Run the studies; write the page and its files."""
-    from validation.report.baseline import RedReport
+    from validation.report.baseline import RedReport, change_lines
     from validation.report.build import make_report
-    from validation.report.changes import change_lines
     from validation.report.record import NAME, read_report
     from validation.report.registered import choose
 

@@ -6,14 +6,11 @@ from collections.abc import Callable, Iterable, Sequence
 
 from slipwave.observe.statistics import Estimate
 from validation.measure.on_record import on_record
-from validation.measure.regimes import UNDECIDED, UNKNOWN, Regime
-from validation.report import SELF, WITNESS, Table, Verdict, every, table
-from validation.report.advice import GOOD, JUDGED, is_good
-from validation.report.compared import EXACT_MODEL, compared_table
+from validation.measure.regimes import UNDECIDED, Regime
+from validation.report import ROUNDING, SELF, WITNESS, Table, Verdict, every, minus, plain, table
+from validation.report.compared import GOOD, JUDGED, compared_table, decided, is_good
 from validation.report.known import ERRORS
-from validation.report.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
-from validation.report.text import minus, plain
-from validation.report.verdict import ROUNDING
+from validation.report.model_table import ModelCell, ModelColumn, ModelTable
 
 _SHORT = 20000.0  # transits
 
@@ -32,7 +29,7 @@ def summary(found: ModelTable, where: str, remark: str = "") -> Table:
     groups = list(dict.fromkeys(one.group for one in found.columns))
     rows = []
     for row in found.rows[1:]:
-        cells = _decided(found, row)
+        cells = decided(found, row)
         right = sum(cell.right for _, cell in cells)
         largest = [_largest(cells, symbol, group) for group in groups for symbol in JUDGED]
         good, of = _good(found, row.model)
@@ -96,26 +93,20 @@ def _with_bar(one: Estimate | None, scale: float = 1.0) -> str | None:
     return f"{one.value * scale:.{digits}f}" + (f" ± {bar:.{digits}f}" if bar > 1e-6 else "")
 
 
-def _decided(found: ModelTable, row: ModelRow) -> list[tuple[ModelColumn, ModelCell]]:
-    """The cells of a model in the scenes where its regime and the exact one are known."""
-    cells = zip(found.columns, found.row(EXACT_MODEL).cells, row.cells, strict=True)
-    return [(one, cell) for one, exact, cell in cells if {exact.regime, cell.regime}.isdisjoint(UNKNOWN)]
-
-
 def _largest(cells: Sequence[tuple[ModelColumn, ModelCell]], symbol: str, group: str) -> str | None:
     """The largest error of a quantity in a group, in per cent, with two standard errors if it is one of means."""
     errors = [cell.figures[symbol] for one, cell in cells if one.group == group and symbol in cell.figures]
     errors = [one for one in errors if one.error is not None]
     if not errors:
         return None
-    worst = max(errors, key=lambda one: abs(one.error or 0.0))
+    worst = max(errors, key=lambda one: one.size)
     bar = 200.0 * worst.standard_error
     return minus(f"{100.0 * (worst.error or 0.0):+.2g}") + (f" ± {bar:.1g}" if bar > 1e-4 else "")
 
 
 def _good(found: ModelTable, model: str) -> tuple[int, int]:
     """In how many scenes the model is good, of how many."""
-    cells = [cell for _, cell in _decided(found, found.row(model))]
+    cells = [cell for _, cell in decided(found, found.row(model))]
     return sum(map(is_good, cells)), len(cells)
 
 

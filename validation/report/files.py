@@ -12,7 +12,6 @@ from xml.etree import ElementTree as xml
 from slipwave.files import whole_or_absent
 from validation.report import Cell, Column, Outcome
 from validation.report.baseline import line_of, reason
-from validation.report.model_table import cell_records
 from validation.report.record import NAME, Change, Record, Word, text_of
 from validation.report.text import bare
 
@@ -26,7 +25,8 @@ def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) ->
     """Write every accompanying file of out/index.html, each whole or not at all. `red`: words of changes that make a report red;
     an empty `patch` removes an old one."""
     texts = {table.csv: csv_of(table.columns, table.rows) for table in report.tables}
-    texts |= {one.csv: _text_of_rows(_lines(cell_records(one.table))) for one in report.model_tables}
+    for table, records in ((one.csv, [*one.table.records()]) for one in report.model_tables):
+        texts[table] = _text_of_rows([*records[:1], *(record.values() for record in records)])
     texts |= {"junit.xml": _junit_of(report, red), "badge.svg": _badge_of(report, red), NAME: text_of(report)}
     if patch:
         texts["baseline.patch"] = patch
@@ -43,13 +43,6 @@ def csv_of(columns: Iterable[Column], rows: Iterable[Iterable[Cell]]) -> str:
     """A table as CSV: numbers with all their digits, words without markup, an empty cell where nothing is; no two columns have
     the same heading."""
     return _text_of_rows([_headings(columns), *([bare(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)])
-
-
-def _lines(records: Iterable[dict[str, Cell]]) -> Iterator[Iterable[Cell]]:
-    for number, record in enumerate(records):
-        if not number:
-            yield record
-        yield record.values()
 
 
 def _text_of_rows(rows: Iterable[Iterable[Cell]]) -> str:

@@ -4,8 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import replace
 
-from validation.measure.grids.limits import AROUND, BEYOND, GROWN, SHARPNESS, STEPS
-from validation.measure.grids.noise import noise_left
+from validation.measure.limits import AROUND, BEYOND, GROWN, SHARPNESS, STEPS, noise_left
 from validation.measure.orders import OUTPUTS, Climb
 from validation.models.by_name import grid_of
 from validation.report.text import plain

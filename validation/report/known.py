@@ -1,18 +1,34 @@
-"""Claims of several studies: periods known from other programs, the order of periods (P7)."""
+"""Claims of several studies: periods known from other programs, the order of periods (P7); an orbit's period as a number."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from reduced.orbit.closing import Closed, close
+from reduced.orbit.periodic import FINER
 from slipwave.observe.statistics import Estimate
 from validation.measure.cycle import SYMBOLS
 from validation.measure.order_fit import WIDEST, WITHIN, Fit, asked, shortfall
 from validation.models.by_name import grid_of
 from validation.references import others
 from validation.references.published import half_digit, reference_orbit
-from validation.report import PAPER, PROGRAM, Evidence, Omission, StudyAnswer, Verdict, claim, every, holding
-from validation.report.text import minus, places
+from validation.report import (
+    PAPER,
+    PROGRAM,
+    Evidence,
+    Number,
+    Omission,
+    StudyAnswer,
+    Verdict,
+    Verdicts,
+    claim,
+    every,
+    holding,
+    minus,
+    places,
+    stated,
+)
 
 ERRORS = 4.0
 """Number of its stated errors by which a figure may deviate."""
@@ -44,19 +60,13 @@ def declared_order(model: str) -> float:
     return family.order_interface(number)
 
 
-def points_of(model: str) -> int:
-    """Points in a cell of a full wave."""
-    family, number = grid_of(model)
-    return int(family.points(number))
-
-
 def error_after(model: str, error: float, coarse: int, fine: int) -> float:
     """How far the orbit of a grid of `fine` cells may be off after that `error` on `coarse` ones: twice what the declared order
     leaves of it."""
     return float(2.0 * abs(error) * (coarse / fine) ** declared_order(model))
 
 
-def as_known(title: str, model: str, log10_r: float, ours: Mapping[str, float], theirs: float = OTHERS) -> Iterator[Verdict]:
+def as_known(title: str, model: str, log10_r: float, ours: Mapping[str, float], theirs: float = OTHERS) -> Verdicts:
     """Verdict, if anything is known, on figures (names of `Orbit`) of a model's orbit at one r: half of the last known digit is
     allowed, and what `theirs` or ours may be off by beyond it, relative; shown is the worst."""
     known = {name: value for name, value in reference_orbit(model, log10_r).items() if name in ours}
@@ -92,12 +102,6 @@ def as_foreign(title: str, psi: Mapping[str, Mapping[float, float]]) -> Verdict:
     return claim(title, PROGRAM, off, _EXTRAPOLATED, f"{', '.join(f'`{name}`' for name in psi)}, at t = {places(OTHERS_AT)}")
 
 
-def as_printed(title: str, printed: float, ours: float) -> Verdict:
-    """Verdict on a number of the paper: half of its last digit is allowed."""
-    off, half = abs(ours - printed), half_digit(printed)
-    return holding(title, PAPER, f"{printed:g} ± {half:g}", f"{ours:.5f}", off <= half).with_margin(off, half)
-
-
 def of_order(
     title: str,
     evidence: Evidence,
@@ -128,3 +132,11 @@ def order_of_periods(listed: Mapping[float, Mapping[str, Sequence[float]]], rema
     )
     title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([*listed])}"
     return every(title, PAPER, held, len(listed), remark, "r")
+
+
+def numbered_period(closed: Closed) -> Number:
+    """The orbit's period on a finer mesh, solved to rounding errors; its error is the difference from that on the orbit's own
+    mesh."""
+    flow, state = closed.flow.remeshed(closed.cycle, FINER)
+    period = close(flow, state, closed.cycle.period, 0.0).cycle.period
+    return stated(period, abs(period - closed.cycle.period))

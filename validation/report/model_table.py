@@ -5,12 +5,14 @@
     ModelCell      a model in a column: its regime in words, and the quantities of its cycles, if any
     Compared       one quantity: its value, its error against the reference model, and how well that is known
 
-`words_of` says what a cell shows, `shade_of` how bad that is, `cell_records` has the table as one line for each number.
+What a cell shows (`words`), and how bad that is (`shade`), are said by the cell; what is joined on the page, and the lines of the
+table's file (`records`), by the table.
 """
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import groupby
 
 from validation.report.text import Cell, minus, plain
 
@@ -34,6 +36,17 @@ class Compared:
     error: float | None
     standard_error: float
 
+    @property
+    def size(self) -> float:
+        """Size of the error; 0 for the reference."""
+        return abs(self.error or 0.0)
+
+
+def _with_bar(value: float, bar: float, digits: int, least: int, sign: str = "") -> str:
+    """A value and its bar, with decimals for `digits` digits of the bar, and at least `least`."""
+    decimals = max(least, digits - 1 - math.floor(math.log10(bar)))
+    return f"{value:{sign}z.{decimals}f} ± {bar:.{decimals}f}"
+
 
 @dataclass(frozen=True)
 class ModelCell:
@@ -51,6 +64,36 @@ class ModelCell:
         """The whole command that repeats the cell, its digits included; "" where the model was not tried."""
         name, _, options = self.command.partition(" ")
         return f"slipwave {name} {column.settings} --model {row.model} {options}" if name else ""
+
+    def words(self, symbol: str) -> str:
+        """Text of a quantity in the small markup: the error in per cent down to 0.1 %, below as a power of ten, with two standard
+        errors where it is a mean; of a value more than tenfold, how many times as large it is; the value for the reference; the
+        regime where there is no cycle."""
+        found = self.figures.get(symbol)
+        if found is None:
+            return self.regime
+        bar = 2.0 * found.standard_error
+        if found.error is None:
+            return _with_bar(found.value, bar * abs(found.value), 2, 0) if bar > _CERTAIN else f"{found.value:.5g}"
+        if abs(found.error) >= _MANIFOLD:
+            return f"{plain(1.0 + found.error, '.0e')} times"
+        if bar > _CERTAIN:
+            return minus(f"{_with_bar(100 * found.error, 100 * bar, 1, 1, '+')} %")
+        return minus(f"{100 * found.error:+.1f} %") if abs(found.error) >= 1e-3 else plain(found.error, "+.0e")
+
+    def shade(self, symbol: str) -> str:
+        """A key of SHADES, "red", "open" or "wrong"; "" for the reference and where nothing is compared in the right regime. An
+        error may be larger by its two standard errors; whether these decide on the limit of a good model is open if it lies
+        between."""
+        if not self.right:
+            return "wrong"
+        found = self.figures.get(symbol)
+        if found is None or found.error is None:
+            return ""
+        size, bar = found.size, 2.0 * found.standard_error if abs(found.error) < _MANIFOLD else 0.0
+        if size - bar < SHADES["pale"] <= size + bar and bar > _CERTAIN:
+            return "open"
+        return next((shade for shade, limit in SHADES.items() if size + bar < limit), "red")
 
 
 @dataclass(frozen=True)
@@ -109,57 +152,46 @@ class ModelTable:
         """The row of `model`; KeyError if there is none."""
         return {row.model: row for row in self.rows}[model]
 
+    def records(self) -> Iterator[dict[str, Cell]]:
+        """One record per model, column and quantity, for a file; without figures one record with an empty symbol."""
+        for row in self.rows:
+            for column, cell in zip(self.columns, row.cells, strict=True):
+                record: dict[str, Cell] = {
+                    "model": row.model,
+                    "log10_r": column.log10_r,
+                    "group": column.group,
+                    "regime": cell.regime,
+                }
+                record |= {"regime_right": int(cell.right), "cycles": cell.cycles, "command": cell.command_for(row, column)}
+                cost = dict(zip(self.costed, row.costs, strict=True)).get(column.title)
+                for symbol, found in cell.figures.items() or {"": None}.items():
+                    numbers = (found.value, found.error, found.standard_error) if found else (None, None, None)
+                    named = dict(zip(("quantity", "value", "error", "standard_error"), (symbol, *numbers), strict=True))
+                    yield record | named | {"cost": cost, "advice": row.advice}
 
-def words_of(cell: ModelCell, symbol: str) -> str:
-    """Text of a quantity in a cell: the error in per cent down to 0.1 %, below as a power of ten, with two standard errors where
-    it is a mean; of a value more than tenfold, how many times as large it is; the value for the reference; the regime where there
-    is no cycle. In the small markup."""
-    found = cell.figures.get(symbol)
-    if found is None:
-        return cell.regime
-    bar = 2.0 * found.standard_error
-    if found.error is None:
-        return _with_bar(found.value, bar * abs(found.value), 2, 0) if bar > _CERTAIN else f"{found.value:.5g}"
-    if abs(found.error) >= _MANIFOLD:
-        return f"{plain(1.0 + found.error, '.0e')} times"
-    if bar > _CERTAIN:
-        return minus(f"{_with_bar(100 * found.error, 100 * bar, 1, 1, '+')} %")
-    return minus(f"{100 * found.error:+.1f} %") if abs(found.error) >= 1e-3 else plain(found.error, "+.0e")
+    @property
+    def groups(self) -> list[tuple[str, list[ModelColumn]]]:
+        """Groups of neighbouring columns."""
+        return [(group, list(columns)) for group, columns in groupby(self.columns, lambda column: column.group)]
 
+    @property
+    def usual(self) -> int:
+        """Index of the column that is shown first where one is shown at a time: the first with measured costs."""
+        return next((n for n, column in enumerate(self.columns) if column.title in self.costed), 0)
 
-def _with_bar(value: float, bar: float, digits: int, least: int, sign: str = "") -> str:
-    """A value and its bar, with decimals for `digits` digits of the bar, and at least `least`."""
-    decimals = max(least, digits - 1 - math.floor(math.log10(bar)))
-    return f"{value:{sign}z.{decimals}f} ± {bar:.{decimals}f}"
+    def cost_at(self, row: ModelRow, column: ModelColumn) -> float | None:
+        """The model's cost in the nearest column with measured costs."""
+        away = {other.title: abs(other.log10_r - column.log10_r) for other in self.columns}
+        return row.costs[self.costed.index(min(self.costed, key=away.__getitem__))] if self.costed else None
 
+    def anchor(self, row: ModelRow, column: ModelColumn) -> str:
+        """Id of the row with the evidence of a cell: models.table.model.column."""
+        return f"models.{self.name}.{row.model}.{column.title}".replace("−", "-").replace(" ", "-")
 
-def shade_of(cell: ModelCell, symbol: str) -> str:
-    """A key of SHADES, "red", "open" or "wrong"; "" for the reference and where nothing is compared in the right regime. An error
-    may be larger by its two standard errors; whether these decide on the limit of a good model is open if it lies between."""
-    if not cell.right:
-        return "wrong"
-    found = cell.figures.get(symbol)
-    if found is None or found.error is None:
-        return ""
-    size, bar = abs(found.error), 2.0 * found.standard_error if abs(found.error) < _MANIFOLD else 0.0
-    if size - bar < SHADES["pale"] <= size + bar and bar > _CERTAIN:
-        return "open"
-    return next((shade for shade, limit in SHADES.items() if size + bar < limit), "red")
-
-
-def cell_records(table: ModelTable) -> Iterator[dict[str, Cell]]:
-    """One record per model, column and quantity, for a file; without figures one record with an empty symbol."""
-    for row in table.rows:
-        for column, cell in zip(table.columns, row.cells, strict=True):
-            record: dict[str, Cell] = {
-                "model": row.model,
-                "log10_r": column.log10_r,
-                "group": column.group,
-                "regime": cell.regime,
-            }
-            record |= {"regime_right": int(cell.right), "cycles": cell.cycles, "command": cell.command_for(row, column)}
-            cost = dict(zip(table.costed, row.costs, strict=True)).get(column.title)
-            for symbol, found in cell.figures.items() or {"": None}.items():
-                numbers = (found.value, found.error, found.standard_error) if found else (None, None, None)
-                named = dict(zip(("quantity", "value", "error", "standard_error"), (symbol, *numbers), strict=True))
-                yield record | named | {"cost": cost, "advice": row.advice}
+    def joined(self, row: ModelRow, symbol: str) -> Iterator[tuple[ModelColumn, ModelCell, int]]:
+        """Cells of a row as they are shown, with their first column and the number of columns that they span: neighbours without
+        numbers and of one regime, in one group, are one."""
+        pairs = zip(self.columns, row.cells, strict=True)
+        for _, alike in groupby(pairs, lambda one: (one[0].group, one[1].regime, symbol in one[1].figures and one[0].title)):
+            (column, cell), *others = alike
+            yield column, cell, 1 + len(others)

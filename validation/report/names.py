@@ -4,7 +4,7 @@ one verdict for the cases of one claim."""
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 from validation.report import Evidence, Outcome, StudyResult, Verdict
@@ -27,10 +27,14 @@ def with_ids(study: str, result: StudyResult) -> StudyResult:
 
 
 def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
-    """The verdicts of a study with their `id`, each once."""
-    return tuple(
-        replace(verdict, study=study, id=f"{study}.{name}") for verdict, name in zip(verdicts, _names(verdicts), strict=True)
-    )
+    """The verdicts of a study with their `id`, each once: a number is appended to repeated names."""
+    seen, named = Counter[str](), []
+    for verdict in verdicts:
+        name = _name(verdict, [other for other in verdicts if _slug(other.claim) == _slug(verdict.claim)])
+        seen[name] += 1
+        again = f"-{seen[name]}" if seen[name] > 1 else ""
+        named.append(replace(verdict, study=study, id=f"{study}.{name}{again}"))
+    return tuple(named)
 
 
 def by_claim(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
@@ -39,33 +43,20 @@ def by_claim(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
     alike: dict[tuple[str, Evidence], list[Verdict]] = {}
     for verdict in with_names(study, verdicts):
         alike.setdefault((verdict.claim, verdict.evidence), []).append(verdict)
-    whole = [cases[0] if len(cases) == 1 else _over(cases) for cases in alike.values()]
+    order, whole = (Outcome.PASS, Outcome.OPEN, Outcome.FINDING, Outcome.FAIL), []
+    for cases in alike.values():
+        worst = max(cases, key=lambda case: (order.index(case.outcome), case.margin or 0.0))
+        remark = f"the worst of {len(cases)}: {worst.remark}".rstrip(": ")
+        whole.append(replace(worst, remark=remark, cases=tuple(cases)) if len(cases) > 1 else worst)
     named = with_names(study, [replace(verdict, remark="") for verdict in whole])
     return tuple(replace(verdict, id=name.id) if verdict.cases else verdict for verdict, name in zip(whole, named, strict=True))
-
-
-def _over(cases: Sequence[Verdict]) -> Verdict:
-    """The verdict on a claim with several cases."""
-    order = (Outcome.PASS, Outcome.OPEN, Outcome.FINDING, Outcome.FAIL)
-    worst = max(cases, key=lambda case: (order.index(case.outcome), case.margin or 0.0))
-    return replace(worst, remark=f"the worst of {len(cases)}: {worst.remark}".rstrip(": "), cases=tuple(cases))
-
-
-def _names(verdicts: Sequence[Verdict]) -> Iterator[str]:
-    """Yield the name of each, with a number appended to repeated names."""
-    seen = Counter[str]()
-    for verdict in verdicts:
-        name = _name(verdict, [other for other in verdicts if _slug(other.claim) == _slug(verdict.claim)])
-        seen[name] += 1
-        yield f"{name}-{seen[name]}" if seen[name] > 1 else name
 
 
 def _name(verdict: Verdict, alike: Sequence[Verdict]) -> str:
     """The claim and, after a point, the fewest clauses that distinguish it from others of this claim, or else the evidence."""
     clauses = _clauses(verdict)
     apart = (n for n in range(len(clauses) + 1) if sum(_clauses(other)[:n] == clauses[:n] for other in alike) == 1)
-    count = next(apart, 1)
-    return ".".join(filter(None, (_slug(verdict.claim), _slug(" ".join(clauses[:count])))))
+    return ".".join(filter(None, (_slug(verdict.claim), _slug(" ".join(clauses[: next(apart, 1)])))))
 
 
 def _clauses(verdict: Verdict) -> list[str]:

@@ -1,17 +1,19 @@
 """The page: stored results through one template into one self-contained HTML file."""
 
-from collections.abc import Sequence
-from functools import partial
+import base64
+import gzip
+import json
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from slipwave.files import whole_or_absent
-from validation.report import Evidence, Outcome, Verdict, first_screen, text
-from validation.report.advice import JUDGED, advice_on
-from validation.report.figures import with_figures
+from validation.chart.svg import colors_of, inline
+from validation.report import Evidence, Outcome, Verdict, text
+from validation.report.compared import JUDGED, advice_on
 from validation.report.questions import ask, left_out, tally, verdicts_of
 from validation.report.record import Changes, Record, Word
-from validation.report.store import Stored
+from validation.report.store import Picture, Stored
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -25,7 +27,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
     """Render out/index.html from the studies' results; the file appears whole or not at all."""
     from markupsafe import Markup
 
-    said = _said(report.changes)
+    said, verdicts = _said(report.changes), verdicts_of(studies)
     page = (
         _templates(studies, out)
         .get_template("page.html.j2")
@@ -36,12 +38,12 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
             files=_FILES,
             quick=report.quick,
             written=report.times.written,
-            models=first_screen.models_of(studies),
-            questions=ask(studies, said),
-            findings=[verdict for verdict in verdicts_of(studies) if verdict.outcome is Outcome.FINDING],
-            failures=[verdict for verdict in verdicts_of(studies) if verdict.outcome is Outcome.FAIL],
+            models=[table for study in studies for table in study.result.model_tables],
+            questions=[*ask(studies, said)],
+            findings=[verdict for verdict in verdicts if verdict.outcome is Outcome.FINDING],
+            failures=[verdict for verdict in verdicts if verdict.outcome is Outcome.FAIL],
             evidence=tuple(Evidence),
-            matrix=matrix(studies),
+            matrix=[*_matrix(studies)],
             tally=report.outcomes,
             leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
             omissions=left_out(studies),
@@ -72,31 +74,58 @@ def _templates(studies: Sequence[Stored], out: Path) -> "Environment":
         "bare": text.bare,
         "sentences": text.first_sentence,
     }
-    environment.globals |= {function.__name__: function for function in first_screen.SHOWN}
-    environment.globals |= {
-        "tally_of": tally,
-        "advice_on": advice_on,
-        "judged": JUDGED,
-        "proofs": partial(first_screen.proofs, studies=studies),
-    }
-    return with_figures(environment, studies, out)
+
+    def proofs(model: str) -> list[Verdict]:
+        """The verdicts, or cases of them, that judge the model by its name."""
+        rows = (row for verdict in verdicts_of(studies) for row in verdict.rows)
+        return [row for row in rows if f"`{model}`" in row.claim + row.remark]
+
+    environment.globals |= {"tally_of": tally, "advice_on": advice_on, "judged": JUDGED, "proofs": proofs}
+    return _with_figures(environment, studies, out)
 
 
-def matrix(studies: Sequence[Stored]) -> list[dict[str, Any]]:
+def _with_figures(environment: "Environment", studies: Sequence[Stored], out: Path) -> "Environment":
+    """The environment, of a page in the folder `out`, with the filter `inline` and the figures' dark colours for
+    `figure.html.j2`; the paper's figures that are drawn again, in its order, with the verdicts that they carry, of any study."""
+    from markupsafe import Markup
+
+    def packed(picture: Picture) -> str:
+        """The figure's CSV file as gzip in base64, the same bytes for the same file."""
+        return base64.b64encode(gzip.compress((out / picture.files[2]).read_bytes(), mtime=0)).decode("ascii")
+
+    pictures = [picture for study in studies for picture in study.pictures]
+    drawings = {picture.id: (out / picture.files[0]).read_text(encoding="utf-8") for picture in pictures}
+    numbers = {name: f"f{number}" for number, name in enumerate(drawings)}
+    environment.filters["inline"] = lambda picture: Markup(inline(drawings[picture.id], numbers[picture.id]))
+    colors = colors_of(drawings.values())
+    environment.globals["day"], environment.globals["night"] = map(Markup, colors)
+    environment.globals["of_paper"] = [
+        (one, [verdict for verdict in verdicts_of(studies) if verdict.claim.startswith(one.carries)])
+        for one in sorted(pictures, key=lambda one: one.paper)
+        if one.paper
+    ]
+    environment.filters |= {"packed": packed, "json": json.dumps}
+    environment.globals["plotting"] = Markup(_plotting()) if any(picture.zoom for picture in pictures) else ""
+    return environment
+
+
+def _plotting() -> str:
+    """The scripts: uPlot, without its first line, an address, and our code that uses it."""
+    library = (_HERE / "uplot" / "uPlot.iife.min.js").read_text(encoding="utf-8")
+    assert library.startswith("/*!")
+    return (
+        "/* uPlot 1.6.32, Copyright (c) 2022 Leon Sorokin, MIT License */"
+        + library[library.index("*/") + 2 :]
+        + (_HERE / "plot.js").read_text(encoding="utf-8")
+    )
+
+
+def _matrix(studies: Sequence[Stored]) -> Iterator[dict[str, Any]]:
     """Rows of the matrix study x evidence: per kind of evidence the worst outcome, and the number of verdicts."""
-    rows = []
-    for study in studies:
-        cells = [_light([v for v in verdicts_of([study]) if v.evidence is kind]) for kind in Evidence]
-        rows += [{"study": study.name, "cells": cells}] if any(cells) else []
-    return rows
-
-
-def _light(verdicts: list[Verdict]) -> dict[str, Any] | None:
-    """The symbol of one cell: the worst outcome."""
-    if not verdicts:
-        return None
-    worst = next(outcome for outcome in _WORST if any(v.outcome is outcome for v in verdicts))
-    return {"outcome": worst.value, "count": len(verdicts)}
+    for study in (study for study in studies if study.result.verdicts):
+        kinds = ([v.outcome for v in study.result.verdicts if v.evidence is kind] for kind in Evidence)
+        cells = ({"outcome": min(found, key=_WORST.index).value, "count": len(found)} if found else None for found in kinds)
+        yield {"study": study.name, "cells": list(cells)}
 
 
 def _said(changes: Changes) -> str:

@@ -6,8 +6,10 @@ and between ~{ and } in words; `tests.validation.without_times` takes them out.
 """
 
 import math
+import platform
 from collections.abc import Sequence
 from enum import StrEnum
+from importlib import metadata
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,7 +19,9 @@ from pydantic.json_schema import GenerateJsonSchema
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.files import reason_of
-from validation.report import Number, Omission, StudyAnswer, StudyResult, Table, Verdict
+from slipwave.sources import commit, source_digest
+from validation.models.stopwatch import cores
+from validation.report import Number, Omission, Table, Verdict
 from validation.report.model_table import ModelTable
 from validation.report.questions import tally
 from validation.report.registered import STUDIES, study_called
@@ -174,10 +178,36 @@ def report_schema() -> dict[str, Any]:
     return {"$schema": GenerateJsonSchema.schema_dialect} | Record.model_json_schema(mode="serialization")
 
 
+def machine_facts() -> dict[str, str]:
+    """Facts for the top of the page, in display order."""
+    return {
+        "slipwave": metadata.version("slipwave"),
+        "commit": commit(),
+        "solver sources": source_digest(),
+        "scene paper": slipwave.read("paper").digest,
+        "platform": f"{platform.system()} {platform.machine()}",
+        "processor": _processor(),
+        "cores": str(cores()),
+        "Python": platform.python_version(),
+        "numpy": metadata.version("numpy"),
+        "scipy": metadata.version("scipy"),
+        "numba": metadata.version("numba"),
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return platform.processor() or "unknown"
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or "unknown"
+
+
 def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, written: str) -> Record:
     """The report of the stored `studies`, in their order, without comparison; `facts` are those of
-    `validation.report.provenance.machine_facts`."""
-    done = [(study.name, study.result) for study in studies if study.result]
+    `machine_facts`."""
+    done = [(study.name, study.result) for study in studies if not study.error]
     machine = {key: facts[key] for key in _MACHINE}
     return Record(
         format=FORMAT,
@@ -186,11 +216,24 @@ def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, wri
         digests={key: facts[key] for key in _DIGESTS},
         outcomes=tally(studies),
         studies=tuple(map(_study, studies)),
-        answers=tuple(_answer(name, result, answer) for name, result in done for answer in result.answers),
+        answers=tuple(
+            AnswerRecord(
+                question=STUDIES.get(name, "trust"),
+                study=name,
+                text=result.conclusion_of(answer),
+                verdicts=tuple(verdict.id for verdict in result.proofs(answer)),
+            )
+            for name, result in done
+            for answer in result.answers
+        ),
         verdicts=tuple(verdict for _, result in done for verdict in result.verdicts),
         numbers=tuple(number for _, result in done for number in result.numbers.values()),
         tables=tuple(table for _, result in done for table in result.tables),
-        model_tables=tuple(_models(name, table) for name, result in done for table in result.model_tables),
+        model_tables=tuple(
+            ModelTableRecord(id=f"models.{one.name}", study=name, table=one, csv=f"data/{name}/models-{one.name}.csv")
+            for name, result in done
+            for one in result.model_tables
+        ),
         figures=tuple(picture for study in studies for picture in study.pictures),
         changes=Changes(since="", counts={}, listed=()),
         times=Times(written=written, seconds={one.name: one.wall_seconds for one in studies}, before={}, machine=machine),
@@ -202,23 +245,13 @@ def _study(stored: Stored) -> StudyRecord:
     return StudyRecord(
         name=stored.name,
         question=stored.question,
-        answer=result.conclusion if result else "",
-        notes=result.notes if result else (),
-        omissions=result.omissions if result else (),
+        answer=result.conclusion,
+        notes=result.notes,
+        omissions=result.omissions,
         scenes={scene: slipwave.read(scene).digest for scene in scenes},
         key=stored.key,
         error=stored.error,
     )
-
-
-def _answer(study: str, result: StudyResult, answer: StudyAnswer) -> AnswerRecord:
-    rests_on = tuple(verdict.id for verdict in result.proofs(answer))
-    return AnswerRecord(question=STUDIES.get(study, "trust"), study=study, text=result.conclusion_of(answer), verdicts=rests_on)
-
-
-def _models(study: str, table: ModelTable) -> ModelTableRecord:
-    csv = f"data/{study}/models-{table.name}.csv"
-    return ModelTableRecord(id=f"models.{table.name}", study=study, table=table, csv=csv)
 
 
 def text_of(report: Record) -> str:

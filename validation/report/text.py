@@ -66,11 +66,6 @@ def first_sentence(words: str) -> tuple[str, str]:
     return first, " ".join(rest)
 
 
-def run_time(words: str) -> str:
-    """Words with a run time, marked as such, because they differ between reports."""
-    return f"~{{{words}}}"
-
-
 def places(values: Iterable[float], spec: str = "g") -> str:
     """Several numbers in a sentence: −2.69, −2.68."""
     return ", ".join(format(value, spec).replace("-", "−") for value in values)

@@ -1,10 +1,10 @@
 """Verdicts: one claim, one kind of evidence, what was expected, what was found, and the outcome."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, TypeAlias
 
 from pydantic import ConfigDict, WithJsonSchema
 
@@ -104,13 +104,13 @@ class Verdict:
         return self.unit in RUN_TIMES
 
 
-def judge(holds: bool, otherwise: Outcome = Outcome.FAIL) -> Outcome:
-    """PASS if the claim holds, else `otherwise`."""
-    return Outcome.PASS if holds else otherwise
+Verdicts: TypeAlias = Iterator[Verdict]
+"""What a part of a study judges, in order."""
 
 
-def _otherwise(evidence: Evidence) -> Outcome:
-    return Outcome.FINDING if evidence is PAPER else Outcome.FAIL
+def judge(holds: bool, evidence: Evidence = EXACT) -> Outcome:
+    """PASS if the claim holds; else a finding for a claim of the paper, and for any other a failure."""
+    return Outcome.PASS if holds else Outcome.FINDING if evidence is PAPER else Outcome.FAIL
 
 
 def claim(
@@ -128,18 +128,18 @@ def claim(
     failure of this program. `shown`: text appended to the remark."""
     size = abs(ours - near)
     holds = size < within and not (evidence in (WITNESS, PROGRAM) and size == 0.0)
-    outcome, known = judge(holds, _otherwise(evidence)), size if math.isfinite(size) else None
+    outcome, known = judge(holds, evidence), size if math.isfinite(size) else None
     expected, found = (f"{words} {unit}".strip() for words in around(near, ours, within))
     remark = "; ".join(filter(None, (remark, shown)))
     return Verdict(title, evidence, expected, found, outcome, remark, known, within, unit)
 
 
-def at_least(title: str, evidence: Evidence, ours: float, least: float, remark: str = "", unit: str = "") -> Verdict:
+def at_least(title: str, evidence: Evidence, ours: float, least: float, remark: str = "") -> Verdict:
     """PASS if `ours` >= `least` > 0. A claim of the paper that does not hold is a finding."""
     expected, found = around(0.0, ours, least)
-    asked, shown = f"{expected.removeprefix('below ')} {unit}".strip() + " or more", f"{'−' * (ours < 0.0)}{found} {unit}".strip()
+    asked, shown = f"{expected.removeprefix('below ')} or more", f"{'−' * (ours < 0.0)}{found}"
     share = least / ours if ours > 0.0 else math.inf
-    return holding(title, evidence, asked, shown, share <= 1.0, remark, _otherwise(evidence)).with_margin(share, 1.0)
+    return holding(title, evidence, asked, shown, share <= 1.0, remark).with_margin(share, 1.0)
 
 
 def in_range(
@@ -151,22 +151,24 @@ def in_range(
     words = (" to ".join(dict.fromkeys(format(one, form) for one in pair)) for pair in (ends, found))
     expected, shown = (minus(one).replace("%", " %") for one in words)
     off = max((abs(one - middle) for one in ours), key=lambda one: (math.isnan(one), one))
-    return holding(title, evidence, expected, shown, off < half, remark, _otherwise(evidence)).with_margin(off, half)
+    return holding(title, evidence, expected, shown, off < half, remark).with_margin(off, half)
 
 
 def every(title: str, evidence: Evidence, held: int, of: int, remark: str = "", what: str = "") -> Verdict:
     """PASS if `held` equals `of` > 0; `what`: the name of the cases. A claim of the paper that does not hold is a finding."""
     expected, ours = (f"{count} of {of} {what}".strip() for count in (of, held))
-    return holding(title, evidence, expected, ours, held == of > 0, remark, _otherwise(evidence)).with_margin(of - held, 1.0)
+    return holding(title, evidence, expected, ours, held == of > 0, remark).with_margin(of - held, 1.0)
 
 
 def holding(
-    title: str, evidence: Evidence, expected: str, ours: str, holds: bool, remark: str = "", otherwise: Outcome = Outcome.FAIL
+    title: str,
+    evidence: Evidence,
+    expected: str,
+    ours: str,
+    holds: bool,
+    remark: str = "",
+    otherwise: Outcome | None = None,
 ) -> Verdict:
-    """The verdict on a claim in words: PASS if it `holds`."""
-    return Verdict(title, evidence, expected, ours, judge(holds, otherwise), remark)
-
-
-def of_paper(title: str, expected: str, ours: str, holds: bool, remark: str = "", evidence: Evidence = PAPER) -> Verdict:
-    """The verdict on a claim of the paper's in words: one that does not hold is a finding."""
-    return holding(title, evidence, expected, ours, holds, remark, Outcome.FINDING)
+    """The verdict on a claim in words: PASS if it `holds`; if not, `otherwise`, or as `judge` says."""
+    missed = None if holds else otherwise
+    return Verdict(title, evidence, expected, ours, missed or judge(holds, evidence), remark)

@@ -1,7 +1,7 @@
 """Run time against error of every model at several settings."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,9 +12,23 @@ from validation.chart.looks import model_look, style_of
 from validation.measure import memo
 from validation.measure.costs import march_times
 from validation.measure.cycle import Estimate, Orbit, estimate
-from validation.report import ROUNDING, WITNESS, Budget, Figure, StudyAnswer, StudyResult, Table, Verdict, claim, table
+from validation.report import (
+    ROUNDING,
+    WITNESS,
+    Budget,
+    Figure,
+    StudyAnswer,
+    StudyResult,
+    Table,
+    Verdict,
+    Verdicts,
+    claim,
+    places,
+    plain,
+    power,
+    table,
+)
 from validation.report.known import as_known, error_after, error_of
-from validation.report.text import places, plain, power, run_time
 
 NAME = "cost-and-error"
 QUESTION = "What does each answer cost?"
@@ -42,7 +56,7 @@ class _Plan(NamedTuple):
 _QUICK, _FULL = _Plan((16, 32, 64, 128), (2, 4), 2), _Plan((16, 32, 64, 128, 256), (2, 3, 4, 6), 5)
 
 
-class SettingRun(NamedTuple):
+class _SettingRun(NamedTuple):
     """A model with its numerical options: the last cycles of its run, relative errors of their period and drop, and quartiles of
     the run time in ms."""
 
@@ -74,7 +88,7 @@ def run(budget: Budget) -> StudyResult:
     settings = _settings(plan)
     cycles = [cycle_at(*setting) for setting in budget.each(settings, end=0.4)]
     points = [
-        SettingRun(*setting, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times)
+        _SettingRun(*setting, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times)
         for setting, cycle, times in zip(settings, cycles, times_of(settings, plan.rounds), strict=True)
     ]
     return StudyResult(
@@ -108,14 +122,14 @@ def _off(ours: Estimate, exact: Estimate) -> float:
     return ours.value / exact.value - 1.0
 
 
-def _answer(points: Sequence[SettingRun]) -> str:
+def _answer(points: Sequence[_SettingRun]) -> str:
     """Run times and errors of T of the fastest and of the best setting of some models."""
 
     def words(model: str) -> str:
         """Text of the two points."""
         chosen = [p for p in points if p.model == model and p.march[1] != "explicit"]
         both = min(chosen, key=lambda p: p.times[1]), min(chosen, key=lambda p: abs(p.error))
-        return " to ".join(run_time(f"{one.times[1]:.0f} ms ({plain(abs(one.error), '.0e')})") for one in both)
+        return " to ".join(f"~{{{one.times[1]:.0f} ms ({plain(abs(one.error), '.0e')})}}" for one in both)
 
     return (
         f"For {TRANSITS:.0f} transits (error of the period in brackets) the exact delay system takes {words('delay')}, the full "
@@ -123,7 +137,7 @@ def _answer(points: Sequence[SettingRun]) -> str:
     )
 
 
-def _table(points: Sequence[SettingRun]) -> Table:
+def _table(points: Sequence[_SettingRun]) -> Table:
     rows = ((p.model, p.words, p.times[0], p.times[1], p.times[2], p.error, p.drop_error) for p in points)
     heading = "model | requested | lower quartile [ms] .1f | run [ms] .1f | upper quartile [ms] .1f"
     heading += " | error of T [relative] .1e | error of Δμ [relative] .1e"
@@ -134,7 +148,7 @@ def _table(points: Sequence[SettingRun]) -> Table:
     return table("cost", caption, heading, rows)
 
 
-def _finest_verdicts(points: Sequence[SettingRun]) -> Iterator[Verdict]:
+def _finest_verdicts(points: Sequence[_SettingRun]) -> Verdicts:
     """One case for each model: reductions and the delay system against other programs, allowed the period's own error too; full
     waves against the delay system, allowed what the grid before leads to."""
     title = "The finest setting of each model has the known period"
@@ -148,13 +162,13 @@ def _finest_verdicts(points: Sequence[SettingRun]) -> Iterator[Verdict]:
         yield claim(title, WITNESS, abs(fine.error), left + ROUNDING, f"`{model}`: {fine.words}, against the delay system")
 
 
-def _finest(points: Sequence[SettingRun], model: str) -> SettingRun:
+def _finest(points: Sequence[_SettingRun], model: str) -> _SettingRun:
     """The point of the smallest tolerance, or of the most cells."""
     mine = (point for point in points if point.model == model)
     return min(mine, key=lambda point: point.options.get("tol") or 1.0 / point.options["cells"])
 
 
-def _marches(points: Sequence[SettingRun]) -> Verdict:
+def _marches(points: Sequence[_SettingRun]) -> Verdict:
     """The two marches of one grid, which share neither step nor friction solve."""
     runs = [[p for p in points if (p.model, p.march[1]) == (_WAVE, march)] for march in _MARCHES]
     pairs = list(zip(*runs, strict=True))
@@ -171,8 +185,8 @@ _CAPTION = (
 )
 
 
-def _work_precision(points: Sequence[SettingRun]) -> Chart:
-    lines: dict[tuple[str, float | None, str | None], list[SettingRun]] = {}
+def _work_precision(points: Sequence[_SettingRun]) -> Chart:
+    lines: dict[tuple[str, float | None, str | None], list[_SettingRun]] = {}
     for point in points:
         lines.setdefault((point.model, *point.march), []).append(point)
     traces = []

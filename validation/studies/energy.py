@@ -1,17 +1,17 @@
 """The energy balance of the full wave: whether any of the drive's work is lost, and at which order."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 import numpy as np
 
 import slipwave as sw
 from validation.chart import Chart, Look, Panel, Scale, Trace
-from validation.chart.looks import grid_styles
+from validation.chart.looks import style_of
 from validation.measure.order_fit import Fit, fit_order
-from validation.report import EXACT, Budget, Cell, Figure, StudyAnswer, StudyResult, Verdict, claim, stated, table
+from validation.report import EXACT, Budget, Cell, Figure, StudyAnswer, StudyResult, Verdicts, claim, plain, stated, table
 from validation.report.known import of_order, rounding
-from validation.report.text import plain
 
 NAME = "energy"
 QUESTION = "Where does the work of the drive go, and is any of it lost on the way?"
@@ -50,7 +50,8 @@ def run(budget: Budget) -> StudyResult:
     high = {pair: balance(pair[0], HIGH[pair[0]], pair[1]) for pair in budget.each(pairs, 1.0, 0.5)}
     residuals = {model: np.array([abs(entries["residual"]) for entries, _ in found]) for model, found in ladders.items()}
     orders = {model: fit_order(np.array(LADDERS[model]), residuals[model], _ABOVE_ROUNDING) for model in ORDERS}
-    shares = {scene: _shares(high["dg:7", scene][0]) for scene in SCENES}
+    ledgers = {scene: high["dg:7", scene][0] for scene in SCENES}
+    shares = {scene: [ledger.get(name, 0.0) / ledger["input"] for name in _SINKS] for scene, ledger in ledgers.items()}
     rows: list[list[Cell]] = [[scene, *(100.0 * share for share in found)] for scene, found in shares.items()]
     return StudyResult(
         answers=(StudyAnswer(answer(residuals["fd"], orders, shares), (CONSERVES, SQUARED, CLOSES)),),
@@ -66,7 +67,7 @@ def answer(fd: np.ndarray, orders: Mapping[str, Fit], shares: Mapping[str, Seque
     slopes = [found.order for found in orders.values()]
     return (
         f"The drive’s work becomes heat of friction, but for {100.0 * shares['grip'][1]:.2g} % that grips and "
-        f"{100.0 * shares['viscous'][2]:.2g} % that viscosity absorbs. The leapfrog loses {plain(float(fd.max()), '.0e')} of it; "
+        f"{100.0 * shares['viscous'][2]:.2g} % that viscosity absorbs. The leapfrog loses {plain(fd.max(), '.0e')} of it; "
         f"the losses of the others fall at orders {min(slopes):.1f} to {max(slopes):.1f} in the cell."
     )
 
@@ -81,9 +82,7 @@ def balance(model: str, cells: int, scene: str = "paper") -> Balance:
     return done.energy or {}, rounding(_UNTIL / done.step)
 
 
-def _balance_verdicts(
-    fd: Sequence[Balance], orders: Mapping[str, Fit], high: Mapping[tuple[str, str], Balance]
-) -> Iterator[Verdict]:
+def _balance_verdicts(fd: Sequence[Balance], orders: Mapping[str, Fit], high: Mapping[tuple[str, str], Balance]) -> Verdicts:
     """The leapfrog on every grid; the order of every model that does not conserve, with its 95 % interval; models of high degree
     on every scene."""
     yield claim(CONSERVES, EXACT, max(abs(entries["residual"]) for entries, _ in fd), fd[0][1], "the worst of all grids")
@@ -96,10 +95,6 @@ def _balance_verdicts(
 _SINKS = ("friction", "radiated", "viscous", "stored")
 
 
-def _shares(entries: Mapping[str, float]) -> list[float]:
-    return [entries.get(name, 0.0) / entries["input"] for name in _SINKS]
-
-
 _SHARES = f"Where the work of the drive goes in the first {_UNTIL:.0f} transits, by `dg:7`."
 _CLOSURE = (
     f"Residual of the ledger after {_UNTIL:.0f} transits of the paper’s scene, relative to the largest entry. The leapfrog "
@@ -107,9 +102,15 @@ _CLOSURE = (
 )
 
 
+_DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))
+
+
 def closure(residuals: Mapping[str, np.ndarray]) -> Chart:
-    """Residuals over cells per slab, a line for each model."""
-    looks = {model: Look(own.color, own.dashes, own.marker) for model, own in grid_styles(residuals).items()}
-    lines = [Trace(model, LADDERS[model], residuals[model], look) for model, look in looks.items()]
+    """Residuals over cells per slab, a line for each model: colour and marker of its family, dashes by its members."""
+    lines, seen = [], Counter[str]()
+    for model, values in residuals.items():
+        family, style = model.partition(":")[0], style_of(model)
+        lines.append(Trace(model, LADDERS[model], values, Look(style.color, _DASHES[seen[family]], style.marker)))
+        seen[family] += 1
     axes = Scale("cells per slab", "log"), Scale("residual", "log", floor=1e-16)
     return Chart([Panel("", *axes, lines, grid=True)], 3.6, legend="outside right center")

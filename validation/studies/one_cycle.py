@@ -1,7 +1,7 @@
 """All models over one stick-slip cycle of the paper's reference scene, against the delay system."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -13,10 +13,23 @@ from validation.chart.looks import model_line, style_of
 from validation.measure import memo
 from validation.measure.cycle import SYMBOLS, OneCycle, Orbit, one_cycle
 from validation.references.published import half_digit, reference, reference_orbit
-from validation.report import Budget, Figure, Omission, StudyAnswer, StudyResult, Table, stated, table
+from validation.report import (
+    WITNESS,
+    Budget,
+    Figure,
+    Omission,
+    StudyAnswer,
+    StudyResult,
+    Table,
+    Verdicts,
+    claim,
+    minus,
+    places,
+    plain,
+    stated,
+    table,
+)
 from validation.report.known import as_known
-from validation.report.text import minus, places, plain
-from validation.report.verdict import WITNESS, Verdict, claim
 
 NAME = "one-cycle"
 QUESTION = "Do the simplified models run through the same cycle as the wave?"
@@ -32,13 +45,13 @@ _WAVE = 5e-4  # leapfrog with these cells
 _OUTLINE = 0.1  # a model whose period is further off does not have the same cycle
 
 
-class CycleRun(NamedTuple):
+class _CycleRun(NamedTuple):
     """A model's orbit with errors of its computation, and one cycle of it."""
 
     orbit: Orbit
     cycle: OneCycle
 
-    def off(self, exact: "CycleRun", quantity: str) -> float:
+    def off(self, exact: "_CycleRun", quantity: str) -> float:
         """Relative error of `quantity` (a field of Orbit)."""
         return self.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
 
@@ -107,7 +120,7 @@ _SINCE = Scale("time since the slip event (transits)")
 _STRESS, _RATE = Scale(r"stress $\mu$"), Scale("slip rate $v/V^*$", "log")
 
 
-def _orbits(runs: Mapping[str, CycleRun]) -> Table:
+def _orbits(runs: Mapping[str, _CycleRun]) -> Table:
     columns = ("T [transits] .9g", "Δμ [σ] .7f", "Δy [σ] .7f", "v_{max} [V*] .8g", "v_{min} [V*] .7g")
     rows = []
     for model, own in runs.items():
@@ -124,18 +137,18 @@ def _orbits(runs: Mapping[str, CycleRun]) -> Table:
     return table("orbits", caption, heading, rows, (0,))
 
 
-def run_model(model: str) -> CycleRun:
+def run_model(model: str) -> _CycleRun:
     """The orbit of `model` in the paper's scene: by Newton's method; the leapfrog, whose steps cannot be fractions of a period,
     is run until it has settled."""
     scene = slipwave.read("paper")
     if model == "fd":
         settled = memo.settled(model, scene, None, _TOLERANCE, cells=_CELLS, cfl=_CFL)
-        return CycleRun(settled.orbit, one_cycle(settled, before=_MARGIN, after=_MARGIN, per_piece=2))
+        return _CycleRun(settled.orbit, one_cycle(settled, before=_MARGIN, after=_MARGIN, per_piece=2))
     found = memo.own_orbit(model, scene, _TOLERANCE)
-    return CycleRun(found.orbit, memo.cycle_of(found.closed, _MARGIN, _MARGIN))
+    return _CycleRun(found.orbit, memo.cycle_of(found.closed, _MARGIN, _MARGIN))
 
 
-def _cycle_verdicts(runs: Mapping[str, CycleRun]) -> Iterator[Verdict]:
+def _cycle_verdicts(runs: Mapping[str, _CycleRun]) -> Verdicts:
     """Every orbit against other programs', the leapfrog's against the delay system's."""
     for model, own in runs.items():
         yield from as_known("Orbits are those of other programs", model, LOG10_R, own.orbit.values())
@@ -167,7 +180,7 @@ def _framed(values: np.ndarray, scale: str) -> tuple[float, float]:
     values = np.log(values) if scale == "log" else values
     ends = values.min() - 0.6 * np.ptp(values), values.max() + 0.6 * np.ptp(values)
     low, high = np.exp(ends) if scale == "log" else ends
-    return float(low), float(high)
+    return low, high
 
 
 def panels(cycles: Mapping[str, OneCycle]) -> Chart:

@@ -3,7 +3,7 @@ About a kernel, the stability of `reduced`."""
 
 import cmath
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from validation.chart.looks import model_line, model_marks
 from validation.report import (
     ASYMPTOTIC,
     EXACT,
+    PAPER,
     WITNESS,
     Budget,
     Figure,
@@ -28,11 +29,11 @@ from validation.report import (
     StudyAnswer,
     StudyResult,
     Verdict,
+    Verdicts,
     claim,
     holding,
-    of_paper,
+    plain,
 )
-from validation.report.text import plain
 
 NAME = "onset"
 QUESTION = "Where does steady sliding give way to stick-slip, and how far off is each reduction there?"
@@ -96,17 +97,17 @@ def run(budget: Budget) -> StudyResult:
         numbers={
             f"log10 r_c, {name.strip('`')}": Number(at, 1e-9 if "scene" in name else 1e-11) for name, (*_, at) in onsets.items()
         }
-        | {"error of (27) at V = 1e4": Number(float(error[-1]), 1e-9)},
+        | {"error of (27) at V = 1e4": Number(error[-1], 1e-9)},
     )
 
 
 def answer(velocity: np.ndarray, error: np.ndarray) -> str:
     """Text with the relative `error` of the Kelvin-Voigt system's critical r over V, (27) against (39)."""
-    here, below = abs(float(np.interp(2.0, np.log10(velocity), error))), float(np.abs(error[velocity <= 1e3]).max())
+    here, below = abs(np.interp(2.0, np.log10(velocity), error)), np.abs(error[velocity <= 1e3]).max()
     return (
         "Stick-slip begins where the impedance of the slabs cancels that of friction, which every model tells without a run. "
         f"The paper’s ODE misses the exact r_{{c}} by {plain(here, '.0e')} at V = 100, by {plain(below, '.1e')} at V = 10^{{3}} "
-        f"and by {100 * abs(float(error[-1])):.0f} % at V = 10^{{4}}."
+        f"and by {100 * abs(error[-1]):.0f} % at V = 10^{{4}}."
     )
 
 
@@ -153,17 +154,17 @@ def _boundaries_in_plane(traced: Mapping[str, Sequence[Boundary]], slopes: Frict
         series.append(Trace(rf"$\sqrt{{{square}}}/\omega_c$", [at, at], [-np.inf, np.inf], GUIDE))
     for words, x, y in (("steady sliding stable", 6e-3, 4e-3), ("unstable", 6e-3, 4e-6)):
         series.append(Trace(words, [x], [y], Look(kind="text")))
-    plane = Scale("$r$", "log", (float(r[0]), float(r[-1]))), Scale(r"$\epsilon$", "log", (1e-6, 0.1))
+    plane = Scale("$r$", "log", (r[0], r[-1])), Scale(r"$\epsilon$", "log", (1e-6, 0.1))
     return Chart([Panel("", *plane, series, "upper left")], 4.0)
 
 
-def _closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Iterator[Verdict]:
+def _closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical: Mapping[str, np.ndarray]) -> Verdicts:
     """The closed forms against each other and against roots found from impedance."""
     epsilon = paper.upper.epsilon
     known = [[closed(friction_slopes(paper.law, v), epsilon) for v in velocity.tolist()] for closed, _ in FORMS.values()]
     gaps = [gaps_at(paper, v) for v in _SPEEDS]
     worst = {name: max(one[name] for one in gaps) for name in gaps[0]}
-    worst["r_{c} equals (39) and (27)"] = float(np.abs(np.array([*critical.values()]) / known - 1.0).max())
+    worst["r_{c} equals (39) and (27)"] = np.abs(np.array([*critical.values()]) / known - 1.0).max()
     for name, gap in worst.items():
         yield claim(CLOSED, EXACT, gap, _ROUNDING, f"{name}; relative, V = 1 to 10^{{4}}")
 
@@ -186,7 +187,7 @@ def gaps_at(paper: slipwave.Scene, velocity: float) -> dict[str, float]:
     }
 
 
-def _fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Iterator[Verdict]:
+def _fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, paper: slipwave.Scene) -> Verdicts:
     """The branches of Fig 3, traced and counted."""
     off = [
         np.abs(10**curve.second / np.array([closed(slopes, 10**x) for x in curve.first]) - 1.0).max()
@@ -194,15 +195,16 @@ def _fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
         for curve in traced[model]
     ]
     each = [len(curves) for curves in traced.values()]
-    worst = float(max(off)) if each == [2, 2] else math.inf
+    worst = max(off) if each == [2, 2] else math.inf
     yield claim(TRACED, EXACT, worst, _TRACED, f"{each[0]} branches of the delay system, {each[1]} of the ODE")
     counts = [counts_across(paper, model, curve) for model, curves in traced.items() for curve in curves]
     asymptote = math.sqrt(24.0) / slopes.omega_c
-    begins = (float(10 ** curve.first.min()) for curve in traced["kelvin-voigt"])
+    begins = (10 ** curve.first.min() for curve in traced["kelvin-voigt"])
     second = min(begin for begin in begins if begin > 0.5 * asymptote)
     parted = all(abs(above - below) == 2 for above, below in counts)
-    yield of_paper(
+    yield holding(
         SECOND,
+        PAPER,
         f"from r = {plain(asymptote, '.5g')}",
         f"from r = {plain(second, '.5g')}",
         0.0 <= second / asymptote - 1.0 < _FIRST_TRACED and parted,

@@ -2,8 +2,8 @@
 and on one. Where stick-slip begins and ends, at which reflection snake and torus end, which model may be used."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, TypeAlias
 
 import slipwave as sw
 from validation.chart import BLUE, DASHED, INK, Chart, Look, Panel, Scale, Trace
@@ -15,6 +15,7 @@ from validation.measure.regimes import STEADY, UNDECIDED, Regime
 from validation.references import others
 from validation.report import (
     EXACT,
+    ROUNDING,
     SELF,
     WITNESS,
     Budget,
@@ -23,8 +24,12 @@ from validation.report import (
     StudyResult,
     Table,
     Verdict,
+    Verdicts,
     claim,
     every,
+    minus,
+    places,
+    plain,
     stated,
     table,
 )
@@ -32,8 +37,6 @@ from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
 from validation.report.everywhere import first_good, first_in_words, motion_cells, recorded_table, repeated, summary
 from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign, foreign_answer
 from validation.report.model_table import ModelColumn
-from validation.report.text import minus, places, plain
-from validation.report.verdict import ROUNDING
 
 NAME = "reflection"
 QUESTION = "What do outer faces that reflect only a part of each wave do to stick-slip, and which model may be used behind them?"
@@ -54,7 +57,7 @@ FAR = 115.0
 UNTIL = 900.0
 
 
-class LeakyFace(NamedTuple):
+class _LeakyFace(NamedTuple):
     """A `kind` of outer face, "bare" or "grip", on `both` slabs or on the upper one alone, and its reflection R, of a grip that
     of high frequencies: Z_g/epsilon = (1 + R)/(1 - R)."""
 
@@ -92,28 +95,41 @@ class LeakyFace(NamedTuple):
 
 
 _KINDS, _BOTH = {"bare": "bare faces", "grip": "grips"}, (True, False)
-FACES = tuple(LeakyFace(kind, both, R) for kind in _KINDS for both in _BOTH for R in REFLECTIONS)
+FACES = tuple(_LeakyFace(kind, both, R) for kind in _KINDS for both in _BOTH for R in REFLECTIONS)
 _FOLLOWED = (0.999, 0.997, 0.995, 0.99, 0.98, 0.95, 0.9)
-BRANCHES = tuple(LeakyFace(kind, True, R) for kind in _KINDS for R in _FOLLOWED)
+BRANCHES = tuple(_LeakyFace(kind, True, R) for kind in _KINDS for R in _FOLLOWED)
 """Faces behind which the branch was followed over RANGE."""
 _ROWS = (0.999, 0.998, 0.997, 0.996, 0.995, 0.993, 0.99, 0.985, 0.98, 0.97, 0.95, 0.93, 0.9)
 _COLUMNS = tuple(round(-2.8 + 0.025 * k, 3) for k in range(21))
 """R of both faces and log10 r of the map of regimes."""
 _WITNESSED = (
-    LeakyFace("grip", True, 0.5),
-    LeakyFace("grip", False, -0.5),
-    LeakyFace("bare", True, 0.99),
-    LeakyFace("bare", False, 0.9),
+    _LeakyFace("grip", True, 0.5),
+    _LeakyFace("grip", False, -0.5),
+    _LeakyFace("bare", True, 0.99),
+    _LeakyFace("bare", False, 0.9),
 )
 _LADDER = ("fitted:4", "fitted:8")
-_COSTED = LeakyFace("grip", True, 0.5), OVER_ONSET[1]
+_COSTED = _LeakyFace("grip", True, 0.5), OVER_ONSET[1]
 _AGAIN = (
-    (EXACT_MODEL, LeakyFace("bare", True, 0.95), 1.3),
-    ("fitted:8", LeakyFace("grip", False, 0.5), 1.05),
-    ("quasidynamic", LeakyFace("grip", True, -0.5), 1.3),
-    (EXACT_MODEL, LeakyFace("grip", False, 0.999), 1.3),
+    (EXACT_MODEL, _LeakyFace("bare", True, 0.95), 1.3),
+    ("fitted:8", _LeakyFace("grip", False, 0.5), 1.05),
+    ("quasidynamic", _LeakyFace("grip", True, -0.5), 1.3),
+    (EXACT_MODEL, _LeakyFace("grip", False, 0.999), 1.3),
 )
-_ON_THE_MAP = LeakyFace("grip", True, 0.995), -2.5
+
+
+class _Plan(NamedTuple):
+    """Faces of full waves; motions on record that are computed again; rounds of costs; kinds of faces whose first torus ends."""
+
+    witnessed: tuple[_LeakyFace, ...]
+    again: tuple[tuple[str, _LeakyFace, float], ...]
+    rounds: int
+    ends: tuple[str, ...]
+
+
+_QUICK = _Plan(_WITNESSED[::2], _AGAIN[::2], 3, ("bare",))
+_FULL = _Plan(_WITNESSED, _AGAIN, 5, ("bare", "grip"))
+_ON_THE_MAP = _LeakyFace("grip", True, 0.995), -2.5
 _CELLS = 8  # of the full wave
 _FIRST_TORUS = {"log10_r": (-2.72, -2.6)}
 _PERIOD = 78.45  # transits: between the first torus and the next fold
@@ -121,7 +137,7 @@ _BEGIN, _ALONG = {"bare": 2.25e-3, "grip": 7.4e-4}, 8  # 1 - R at which the curv
 _BESIDE = 0.02  # of 1 - R, from the end of the torus
 
 
-def columns() -> dict[tuple[LeakyFace, float], ModelColumn]:
+def columns() -> dict[tuple[_LeakyFace, float], ModelColumn]:
     """Every face that has an onset, at every r over it."""
     found = {}
     for face in FACES:
@@ -132,51 +148,46 @@ def columns() -> dict[tuple[LeakyFace, float], ModelColumn]:
     return found
 
 
-def plane() -> dict[tuple[LeakyFace, float], str]:
+def plane() -> dict[tuple[_LeakyFace, float], str]:
     """Every point of the map of regimes over the onset, and the words of its scene."""
-    onsets = {face: face_onset(face) for face in (LeakyFace(kind, True, R) for kind in _KINDS for R in _ROWS)}
+    onsets = {face: face_onset(face) for face in (_LeakyFace(kind, True, R) for kind in _KINDS for R in _ROWS)}
     return {(face, x): face.settings(x) for face, onset in onsets.items() for x in _COLUMNS if 10.0**x > onset}
 
 
-def _column(face: LeakyFace, log10_r: float, over: float = math.nan, group: str = "") -> ModelColumn:
+def _column(face: _LeakyFace, log10_r: float, over: float = math.nan, group: str = "") -> ModelColumn:
     return ModelColumn(
         f"{face.title}, {group or minus(f'log_{{10}} r = {log10_r:g}')}", log10_r, over, group, face.settings(log10_r)
     )
 
 
-def face_onset(face: LeakyFace) -> float:
+def face_onset(face: _LeakyFace) -> float:
     """The r at which steady sliding loses its stability by a Hopf point; NaN if there is none."""
     return critical_r(EXACT_MODEL, scene_of(face.settings()))
 
 
-def branch_points(face: LeakyFace) -> list[KnownPoint]:
+def branch_points(face: _LeakyFace) -> list[KnownPoint]:
     """The special points of the branch over RANGE."""
     found = sw.branch(scene_of(face.settings()), {"log10_r": RANGE}, model=EXACT_MODEL, longest_period=FAR, most_points=6000)
     return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in found.summary["special"]]
 
 
-class TorusEnd(NamedTuple):
-    """Where the first torus ends: the largest 1 - R, `leak`, of the curve through both of its ends, at this log10 r; `error`: the
-    distance to the next largest of the curve's points; `turns`: whether the curve goes on to smaller ones on both sides."""
-
-    log10_r: float
-    leak: float
-    error: float
-    turns: bool
+TorusEnd: TypeAlias = tuple[float, float, float, bool]
+"""Where the first torus ends: log10 r and the largest 1 - R of the curve through both of its ends; the distance to the next
+largest of the curve's points, its error; and whether the curve goes on to smaller ones on both sides."""
 
 
 def _torus_end(kind: str) -> TorusEnd:
     setting = {"slab.face.coefficient": "1 - leak"} if kind == "bare" else {"slab.face.impedance": "2/leak - 1"}
-    scene, along = scene_of(LeakyFace(kind, True, 0.99).settings()), {"leak": (_BEGIN[kind], 0.01)}
+    scene, along = scene_of(_LeakyFace(kind, True, 0.99).settings()), {"leak": (_BEGIN[kind], 0.01)}
     curve = sw.curve(scene, "NS", _FIRST_TORUS, along, set=setting, model=EXACT_MODEL, most_points=_ALONG)
     points = sorted(curve.summary["points"], key=lambda one: one["log10_r"])
     best, second = sorted(points, key=lambda one: one["leak"], reverse=True)[:2]
-    return TorusEnd(best["log10_r"], best["leak"], best["leak"] - second["leak"], best not in (points[0], points[-1]))
+    return best["log10_r"], best["leak"], best["leak"] - second["leak"], best not in (points[0], points[-1])
 
 
 def _torus_points(kind: str, leak: float) -> int:
     """How many torus points the branch has up to the period at which the first torus ends."""
-    scene = scene_of(LeakyFace(kind, True, 1.0 - leak).settings())
+    scene = scene_of(_LeakyFace(kind, True, 1.0 - leak).settings())
     found = sw.branch(scene, _FIRST_TORUS, model=EXACT_MODEL, longest_period=_PERIOD).summary["special"]
     return sum(one["type"] == "NS" for one in found)
 
@@ -186,17 +197,18 @@ def run(budget: Budget) -> StudyResult:
     shown = columns()
     exact = {key: on_record(EXACT_MODEL, one.settings) or Regime(UNDECIDED) for key, one in shown.items()}
     budget.report(0.2)
-    words = {face: face.settings(-2.6) for face in (_WITNESSED[::2] if budget.quick else _WITNESSED)}
+    plan = budget.plan(_QUICK, _FULL)
+    words = {face: face.settings(-2.6) for face in plan.witnessed}
     delay = {face: state_at(one, UNTIL, tol=1e-11) for face, one in words.items()}
     waves = {face: state_at(one, UNTIL, "dg:7", cells=_CELLS, time="explicit") for face, one in words.items()}
     budget.report(0.5)
-    costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), 3 if budget.quick else 5)
+    costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), plan.rounds)
     compared = recorded_table(NAME, [*shown.values()], MODELS, shown[_COSTED].title, costs)
-    again = [*((model, shown[face, over]) for model, face, over in _AGAIN), (EXACT_MODEL, _column(*_ON_THE_MAP))]
+    again = [*((model, shown[face, over]) for model, face, over in plan.again), (EXACT_MODEL, _column(*_ON_THE_MAP))]
     known = {face: special_points().get(face.settings(), ()) for face in BRANCHES}
     regimes = {key: on_record(EXACT_MODEL, words) or Regime(UNDECIDED) for key, words in plane().items()}
     budget.report(0.7)
-    torus = {kind: _torus_end(kind) for kind in (("bare",) if budget.quick else ("bare", "grip"))}
+    torus = {kind: _torus_end(kind) for kind in plan.ends}
     return StudyResult(
         answers=_answers(known, regimes, torus, first_in_words(compared, _LADDER, "behind every face")),
         figures=(Figure("plane", _PLANE, lambda: _plane(known, regimes, torus)),),
@@ -206,7 +218,7 @@ def run(budget: Budget) -> StudyResult:
             *_foreign(),
             _locks(),
             first_good(compared, _LADDER, f"{_FIRST} has the exact regimes, and T and Δμ to 1 %"),
-            repeated("Motions behind faces on record are found again", again[::2] if budget.quick else again, motion_at),
+            repeated("Motions behind faces on record are found again", again, motion_at),
             _points_again(known),
             _torus_gone(torus),
         ),
@@ -227,12 +239,12 @@ _FIRST = "The first rational fit that is good behind every face"
 
 
 def _answers(
-    known: Mapping[LeakyFace, Sequence[KnownPoint]],
-    regimes: Mapping[tuple[LeakyFace, float], Regime],
+    known: Mapping[_LeakyFace, Sequence[KnownPoint]],
+    regimes: Mapping[tuple[_LeakyFace, float], Regime],
     torus: Mapping[str, TorusEnd],
     of_models: str,
 ) -> tuple[StudyAnswer, ...]:
-    bare, one = LeakyFace("bare", True, 0.0).edge, LeakyFace("bare", False, 0.0).edge
+    bare, one = _LeakyFace("bare", True, 0.0).edge, _LeakyFace("bare", False, 0.0).edge
     ends = [f"R = {1.0 - leak:.6f} ± {plain(error, '.0e')} behind {_KINDS[kind]}" for kind, (_, leak, error, _) in torus.items()]
     wild = [(face.kind, face.reflection) for (face, _), motion in regimes.items() if motion.words == "irregular"]
     seen = [
@@ -258,7 +270,7 @@ def _answers(
     )
 
 
-def _last(known: Mapping[LeakyFace, Sequence[KnownPoint]], kind: str, point: str) -> str:
+def _last(known: Mapping[_LeakyFace, Sequence[KnownPoint]], kind: str, point: str) -> str:
     """The least R of the branches that has special points of one kind, and the next one without."""
     own = [face for face, points in known.items() if face.kind == kind and any(one.kind == point for one in points)]
     return _down_to([face.reflection for face in own], _FOLLOWED)
@@ -271,14 +283,14 @@ def _down_to(have: Sequence[float], tried: Sequence[float]) -> str:
     return f"R = {least:g} (not {max(without):g})" if have and without else "none of the R tried"
 
 
-def _agreement(delay: Mapping[LeakyFace, float], waves: Mapping[LeakyFace, float]) -> Verdict:
+def _agreement(delay: Mapping[_LeakyFace, float], waves: Mapping[_LeakyFace, float]) -> Verdict:
     off = {face: abs(wave - delay[face]) for face, wave in waves.items()}
     worst = max(off, key=off.__getitem__)
     title = f"Slabs behind partly reflecting faces: ψ({UNTIL:.0f}) of the delay system and of the full wave, `dg:7`, agree"
     return claim(title, WITNESS, off[worst], ROUNDING, f"worst of {len(off)}: {worst.title}")
 
 
-def _foreign() -> Iterator[Verdict]:
+def _foreign() -> Verdicts:
     title = f"Another program, {others.SEM2DPACK}, has the exact solution’s ψ behind bare faces"
     words = {f"reflection-{R:g}": command_words("reflection", {"slab.face.coefficient": R}) for R in (0.5, 0.9)}
     if others.FILES:
@@ -287,7 +299,9 @@ def _foreign() -> Iterator[Verdict]:
 
 def _locks() -> Verdict:
     """Whether bare faces have an onset just above their edge and none just below."""
-    faces = [LeakyFace("bare", both, LeakyFace("bare", both, 0.0).edge + aside) for both in _BOTH for aside in (_ASIDE, -_ASIDE)]
+    faces = [
+        _LeakyFace("bare", both, _LeakyFace("bare", both, 0.0).edge + aside) for both in _BOTH for aside in (_ASIDE, -_ASIDE)
+    ]
     right = sum((face_onset(face) > 0.0) == (face.reflection > face.edge) for face in faces)
     remark = f"R {_ASIDE:g} above and below {faces[0].edge:.6f} on both slabs and {faces[2].edge:.6f} on one"
     return every(
@@ -298,9 +312,9 @@ def _locks() -> Verdict:
 _ASIDE = 1e-3
 
 
-def _points_again(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Verdict:
+def _points_again(known: Mapping[_LeakyFace, Sequence[KnownPoint]]) -> Verdict:
     title = "Special points on record behind a face are found again"
-    face = LeakyFace("bare", True, 0.95)
+    face = _LeakyFace("bare", True, 0.95)
     pairs = zip(branch_points(face), known[face], strict=True)
     off = max((abs(ours.log10_r - old.log10_r) for ours, old in pairs), default=math.nan)
     return claim(title, SELF, off, ROUNDING, f"{face.title}: log_{{10}} r of {len(known[face])} points")
@@ -309,12 +323,14 @@ def _points_again(known: Mapping[LeakyFace, Sequence[KnownPoint]]) -> Verdict:
 def _torus_gone(torus: Mapping[str, TorusEnd]) -> Verdict:
     """Whether the curve of torus points turns back at its extreme, and the branch beyond has none."""
     title = "The first torus has two ends before the extreme of their curve, and none beyond"
-    held = [side for kind, end in torus.items() for side in (end.turns, _torus_points(kind, end.leak * (1.0 + _BESIDE)) == 0)]
+    held = [
+        side for kind, (_, leak, _, turns) in torus.items() for side in (turns, _torus_points(kind, leak * (1.0 + _BESIDE)) == 0)
+    ]
     remark = f"{', '.join(_KINDS[kind] for kind in torus)}: the curve turns; torus points at 1 − R {100 * _BESIDE:g} % above"
     return every(title, WITNESS, sum(held), len(held), remark, "sides")
 
 
-def _motions(exact: Mapping[tuple[LeakyFace, float], Regime]) -> Table:
+def _motions(exact: Mapping[tuple[_LeakyFace, float], Regime]) -> Table:
     rows = []
     for face in dict.fromkeys(face for face, _ in exact):
         cells = [cell for over in OVER_ONSET for cell in motion_cells(exact[face, over])]
@@ -346,14 +362,14 @@ _MARKS = {"LP": ("o", INK, 2.6), "NS": ("s", BLUE, 4.0), "PD": ("^", "#8a3a00", 
 
 
 def _plane(
-    known: Mapping[LeakyFace, Sequence[KnownPoint]],
-    regimes: Mapping[tuple[LeakyFace, float], Regime],
+    known: Mapping[_LeakyFace, Sequence[KnownPoint]],
+    regimes: Mapping[tuple[_LeakyFace, float], Regime],
     torus: Mapping[str, TorusEnd],
 ) -> Chart:
     """Regimes over r and 1 - R, with the onset, special points, and where the first torus ends."""
     panels, leaks, words = [], [1.0 - R for R in _ROWS], list(_CELL.colors)
     for kind, title in _KINDS.items():
-        faces = [LeakyFace(kind, True, R) for R in _ROWS]
+        faces = [_LeakyFace(kind, True, R) for R in _ROWS]
         found = [[_word(regimes.get((face, x))) for x in _COLUMNS] for face in faces]
         traces = [Trace("regime", _COLUMNS, leaks, _CELL, value=[[words.index(one) for one in row] for row in found])]
         onset = [math.log10(face_onset(face)) for face in faces]
@@ -368,7 +384,7 @@ def _plane(
             traces += [Trace("", *first, Look(PAPER, width=3.0)), Trace("", *first, Look(color, DASHED))]
             traces.append(Trace(NAMES[point], *places_of, Look(color, "", marker, size=size, hollow=True)))
         if kind in torus:
-            place = [torus[kind].log10_r], [torus[kind].leak]
+            place = torus[kind][:1], torus[kind][1:2]
             traces += [
                 Trace("", *place, Look(PAPER, "", "D", size=8.0)),
                 Trace("end of the first torus", *place, Look(BLUE, "", "D")),
@@ -377,7 +393,7 @@ def _plane(
     return Chart(panels, 4.6, 2, legend="outside upper left", legend_columns=4)
 
 
-def _first_beyond(own: Sequence[tuple[LeakyFace, KnownPoint]]) -> tuple[list[float], list[float]]:
+def _first_beyond(own: Sequence[tuple[_LeakyFace, KnownPoint]]) -> tuple[list[float], list[float]]:
     """log10 r of the first of special points of one kind that lies beyond the neighbourhood of the onset, and 1 - R, by faces."""
     beyond = [(face, one.log10_r) for face, one in own if one.log10_r > math.log10(face_onset(face)) + _NEAR_ONSET]
     faces = list(dict.fromkeys(face for face, _ in beyond))

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 import slipwave
-from validation.report import WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, every, stated
-from validation.report.text import places
+from validation.report import WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, every, places, stated
 
 NAME = "regime-map"
 QUESTION = "Where does each model have the wrong regime?"
@@ -84,7 +83,7 @@ def critical_round_trips(model: str, lines: Any, velocities: Any) -> Any:
 def _boundaries(swept: Any, lines: Any) -> Verdict:
     """Verdict: regimes of runs against the certified counts of roots, which use no run."""
     log10_r, velocity = (swept.dataset[name].values for name in ("log10_r", "drive_velocity"))
-    wrong, judged, cell = 0, 0, float(np.diff(log10_r[:2])[0])
+    wrong, judged, cell = 0, 0, np.diff(log10_r[:2])[0]
     for model in _MODELS:
         found, beyond = model_regimes(model, swept), log10_r[:, None] - critical_round_trips(model, lines, velocity)
         clear = (np.abs(beyond) > cell) & (found >= 0)

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from validation.measure.cycle import Events, history_of
-from validation.measure.grids.limits import (
+from validation.measure.limits import (
     ATTACKED,
     BEYOND,
     EXPLICIT,
@@ -18,12 +18,12 @@ from validation.measure.grids.limits import (
     MEDIA,
     around_the_limit,
     limit_at,
+    locked_noise,
     state_reach,
     stops_beyond,
 )
-from validation.measure.grids.noise import locked_noise
 from validation.report import WITNESS, Budget, StudyAnswer, StudyResult, Verdict, claim, every
-from validation.report.advice import GOOD
+from validation.report.compared import GOOD
 from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict, state_verdict, stop_verdict
 
 NAME = "stability-attacks"
@@ -59,7 +59,7 @@ _QUICK = _Plan((-4, 0, 2, 4, 8), FEW_MEDIA, 1e3, False, ("sbp:4", "fem:4", "dg:3
 _FULL = _Plan((-4, -2, *range(9)), tuple(MEDIA), 2e4, True, tuple(CELLS))
 
 
-class Attack(NamedTuple):
+class _Attack(NamedTuple):
     """An extreme scene: its title, the scene and its changes, the refinement of its grids over CELLS, and the time (transits) of
     the late motion."""
 
@@ -75,16 +75,16 @@ _GRIDS = {4: (2, 400.0), 5: (4, 200.0), 6: (1, 200.0)}
 
 _PI = ("upper.r=2e-3", f"lower.r={2e-3 * math.pi:.17g}")
 ATTACKS = {
-    **{f"epsilon {n}": Attack(f"ε = 10^{{{n}}}", "paper", (f"slab.epsilon=1e{n}",)) for n in (-9, -4, -2, 2)},
+    **{f"epsilon {n}": _Attack(f"ε = 10^{{{n}}}", "paper", (f"slab.epsilon=1e{n}",)) for n in (-9, -4, -2, 2)},
     **{
-        f"V {n}": Attack(f"V = 10^{{{n}}} V*", "paper", (f"drive.velocity=1e{n}",), *_GRIDS.get(n, (1, 400.0)))
+        f"V {n}": _Attack(f"V = 10^{{{n}}} V*", "paper", (f"drive.velocity=1e{n}",), *_GRIDS.get(n, (1, 400.0)))
         for n in (-6, -2, 3, 4, 5, 6)
     },
-    "impedance": Attack("impedances 1 : 1000", "unlike", ("upper.epsilon=2.8e-5", "lower.epsilon=2.8e-2")),
-    "round trip": Attack("round trips 1 : 50", "unlike", ("upper.r=2e-4", "lower.r=1e-2"), late=200.0),
-    "pi": Attack("round trips 1 : π", "unlike", _PI),
-    "jump": Attack("jump of 5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=5")),
-    "jump back": Attack("jump of −5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=-5"), late=800.0),
+    "impedance": _Attack("impedances 1 : 1000", "unlike", ("upper.epsilon=2.8e-5", "lower.epsilon=2.8e-2")),
+    "round trip": _Attack("round trips 1 : 50", "unlike", ("upper.r=2e-4", "lower.r=1e-2"), late=200.0),
+    "pi": _Attack("round trips 1 : π", "unlike", _PI),
+    "jump": _Attack("jump of 5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=5")),
+    "jump back": _Attack("jump of −5 in ψ at t = 0", "paper", ("start.kind=jump", "start.size=-5"), late=800.0),
 }
 """The most extreme scenes that still make sense."""
 
@@ -152,52 +152,44 @@ class AttackOutcome:
         return not self.message and not self.off <= GOOD
 
 
-class _Trajectory(NamedTuple):
-    psis: np.ndarray
-    late: float
-    cycles: Events
+Trajectory: TypeAlias = tuple[np.ndarray, float, Events]
+"""psi at the moments and at the end, and the cycles of the second half."""
 
 
 def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
     """The outcome of attack `name` for every family, in 40 transits or until its late time."""
     finer, until = ATTACKS[name].finer, ATTACKS[name].late if late else MOMENTS[-1]
-    exact = _exact(name, until)
+    exact = _trajectory("delay", name, until, tol=1e-10)
     return {model: _outcome(model, finer * cells, exact, name, until) for model, cells in CELLS.items()}
 
 
-def _exact(name: str, until: float) -> _Trajectory:
-    return _trajectory("delay", name, until, tol=1e-10)
-
-
-def _trajectory(model: str, name: str, until: float, **options: Any) -> _Trajectory:
-    """psi at the moments and at the end, and the cycles of the second half, of a run with `options` of `slipwave.run`."""
+def _trajectory(model: str, name: str, until: float, **options: Any) -> Trajectory:
+    """Of a run with `options` of `slipwave.run`."""
     scene = sw.read(ATTACKS[name].scene, ATTACKS[name].changes)
     run = sw.run(scene, model, until=until, window=(MOMENTS[0], MOMENTS[-1]), rate=1.0, **options)
     history = history_of(run)
     assert run.done.final
-    return _Trajectory(
-        np.interp(MOMENTS, history["time"], history["psi"]), run.done.final.psi, run.records.watch.events(0.5 * until)
-    )
+    psis = np.interp(MOMENTS, history["time"], history["psi"])
+    return psis, run.done.final.psi, run.records.watch.events(0.5 * until)
 
 
-def _outcome(model: str, cells: int, exact: _Trajectory, name: str, until: float) -> AttackOutcome:
+def _outcome(model: str, cells: int, exact: Trajectory, name: str, until: float) -> AttackOutcome:
     try:
         ours = _trajectory(model, name, until, cells=cells, time=EXPLICIT[model])
     except (SceneError, NumericsError) as error:
         return AttackOutcome(math.nan, message=str(error))
-    off = float(np.abs(ours.psis - exact.psis).max())
+    off = np.abs(ours[0] - exact[0]).max()
     return AttackOutcome(off, _late_error(ours, exact) if until > MOMENTS[-1] else 0.0)
 
 
-def _late_error(ours: _Trajectory, exact: _Trajectory) -> float:
+def _late_error(ours: Trajectory, exact: Trajectory) -> float:
     """Error of psi at the end or, if that is less, the largest relative error of the mean period, stress drop and v_max of the
     second half's cycles: an orbit may be right while its phase has drifted."""
-    of_state = abs(ours.late - exact.late)
-    if min(ours.cycles.time.size, exact.cycles.time.size) < _FEWEST_CYCLES:
+    (_, late, cycles), (_, known, others) = ours, exact
+    of_state = abs(late - known)
+    if min(cycles.time.size, others.time.size) < _FEWEST_CYCLES:
         return of_state
-    mine, theirs = (
-        np.array([one.cycles.period.mean(), one.cycles.stress_drop.mean(), one.cycles.v_max.max()]) for one in (ours, exact)
-    )
+    mine, theirs = (np.array([one.period.mean(), one.stress_drop.mean(), one.v_max.max()]) for one in (cycles, others))
     return min(of_state, float(np.abs(mine / theirs - 1.0).max()))
 
 
@@ -210,33 +202,24 @@ def attack_verdict(name: str, by_model: Mapping[str, AttackOutcome]) -> Verdict:
     if not ended:
         return every(RIGHT, WITNESS, stopped, len(by_model), remark, "with a message")
     remark += f"; {stopped} of {len(by_model)} with a message" if stopped else ""
-    return claim(RIGHT, WITNESS, float(np.max(ended)), GOOD, remark)
+    return claim(RIGHT, WITNESS, np.max(ended), GOOD, remark)
 
 
-class Cure(NamedTuple):
-    """Cells at which a run stopped with `message` (0 if it never did), cells at which it ended, its error of psi."""
-
-    stopped: int
-    message: str
-    cells: int
-    error: float
-
-
-def advised(model: str) -> Cure:
-    """Run V = 1e5 with `model`'s usual cells, doubled as long as the run stops with a message."""
-    exact, cells = _exact("V 5", _ADVISED_UNTIL), CELLS[model]
-    cure = Cure(0, "", cells, math.inf)
+def advised(model: str) -> tuple[int, float]:
+    """Run V = 1e5 with `model`'s usual cells, doubled as long as the run stops with a message: how many cells it had when it last
+    stopped (0 if it never did), and the error of psi of the run that ended, infinite if none did."""
+    exact, stopped, cells = _trajectory("delay", "V 5", _ADVISED_UNTIL, tol=1e-10), 0, CELLS[model]
     while cells <= _FINEST * CELLS[model]:
         outcome = _outcome(model, cells, exact, "V 5", _ADVISED_UNTIL)
         if not outcome.message:
-            return cure._replace(cells=cells, error=max(outcome.error, abs(outcome.late)))
-        cure, cells = Cure(cells, outcome.message, 2 * cells, math.inf), 2 * cells
-    return cure
+            return stopped, max(outcome.error, abs(outcome.late))
+        stopped, cells = cells, 2 * cells
+    return stopped, math.inf
 
 
-def _advice_verdict(advice: Mapping[str, Cure]) -> Verdict:
+def _advice_verdict(advice: Mapping[str, tuple[int, float]]) -> Verdict:
     """Whether more cells cured the runs that asked for them."""
-    right = sum(cure.error <= GOOD for cure in advice.values())
-    asked = f"{sum(one.stopped > 0 for one in advice.values())} of {len(advice)} families asked"
+    right = sum(error <= GOOD for _, error in advice.values())
+    asked = f"{sum(stopped > 0 for stopped, _ in advice.values())} of {len(advice)} families asked"
     remark = f"ψ to {100 * GOOD:g} %, V = 10^{{5}} V*, {_ADVISED_UNTIL:g} transits; {asked}"
     return every(CURED, WITNESS, right, len(advice), remark, "families")

@@ -50,13 +50,22 @@ def kill(pool: ProcessPoolExecutor) -> None:
     """End the processes of a pool now; what they were computing is lost."""
     running = list((pool._processes or {}).values())  # not public before Python 3.14
     pool.shutdown(wait=False, cancel_futures=True)
-    for process in running:
-        process.kill()
+    for leader in (process.pid for process in running if process.pid):
+        _end_group(leader)
+
+
+def _end_group(leader: int) -> None:
+    """End a process and all that it has started."""
+    for end in (os.killpg, os.kill):  # the latter for a process that does not lead its group yet
+        with suppress(ProcessLookupError):
+            end(leader, signal.SIGKILL)
 
 
 def _begin(laws: list[Path], families: list[Path], environment: dict[str, str]) -> None:
-    """Initialise a worker: it ignores Ctrl-C, ends with its parent, and loads the user's laws and families."""
+    """Initialise a worker: it leads a group of processes, which Ctrl-C does not reach, ends with its parent, and loads the user's
+    laws and families."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.setsid()
     os.environ.update(environment)
     for path in laws:
         load_laws(path)
@@ -68,7 +77,7 @@ def _begin(laws: list[Path], families: list[Path], environment: dict[str, str]) 
         """End this process when the parent has ended."""
         assert parent is not None
         parent.join()
-        os._exit(1)
+        _end_group(os.getpid())
 
     threading.Thread(target=watch, daemon=True).start()
 

@@ -21,9 +21,8 @@ from validation.data.datasets import Dataset
 from validation.models.by_name import GRIDS, grid_of, parse, resolve
 from validation.models.own import load_families
 from validation.models.progress import log, progress
-from validation.report import EXACT, Outcome, Verdict, holding
+from validation.report import EXACT, Outcome, Verdict, bare, holding
 from validation.report.names import with_names
-from validation.report.text import bare
 from validation.verification.of_family import rows_of_family, rows_on_scene, starts_smoothly
 from validation.verification.of_law import rows_of_law
 

@@ -1,7 +1,6 @@
 """The rows of a full wave: orders, step limit, energy balance, noise, agreement with the delay system."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -11,16 +10,24 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from slipwave.solve import follow
 from validation.measure.grid_ladders import ladder_of
-from validation.measure.grids.in_space import climb_of
-from validation.measure.grids.limits import AROUND, BEYOND, FEW_MEDIA, growth_at, limit_at, rubbing, state_reach, stops_beyond
-from validation.measure.grids.noise import locked_noise
+from validation.measure.limits import (
+    AROUND,
+    BEYOND,
+    FEW_MEDIA,
+    growth_at,
+    limit_at,
+    locked_noise,
+    rubbing,
+    state_reach,
+    stops_beyond,
+)
 from validation.measure.order_fit import fit_order, shortfall
+from validation.measure.orders import climb_of
 from validation.models.build import build, build_full_wave
 from validation.models.by_name import DELAY, explicit_time, grid_of
-from validation.report import EXACT, SELF, WITNESS, Outcome, Verdict, claim, holding
+from validation.report import EXACT, SELF, WITNESS, Outcome, Verdict, Verdicts, claim, holding, judge
 from validation.report.grid_verdicts import calm_verdict, limit_verdict, noise_verdict, order_verdict, state_verdict, stop_verdict
 from validation.report.known import rounding
-from validation.report.verdict import judge
 
 _DECADES = (-4, 0, 4)
 _SCENES = ("paper", "unlike", "grip", "layered")
@@ -35,7 +42,7 @@ _LOST, _GAINED = 1e-9, 1e-11
 _WIDE = 2.0  # half-width of the interval of an order from few grids, from which on it tells nothing
 
 
-def rows_of_family(model: str) -> Iterator[Verdict]:
+def rows_of_family(model: str) -> Verdicts:
     """The rows of the member of a family on a grid, on scenes of ours."""
     yield order_verdict(climb_of(model))
     yield limit_verdict(model, {decade: limit_at(model, decade) for decade in _DECADES})
@@ -52,7 +59,7 @@ def rows_of_family(model: str) -> Iterator[Verdict]:
             yield from rows_on_scene(model, scene)
 
 
-def rows_on_scene(model: str, scene: Scene) -> Iterator[Verdict]:
+def rows_on_scene(model: str, scene: Scene) -> Verdicts:
     """Energy balance and order of the error of psi against the delay system, or against a finer grid where it cannot compute the
     scene."""
     cells = _grids_for(model)

@@ -2,7 +2,6 @@
 system against the leapfrog, both compiled for the law."""
 
 import itertools
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from slipwave.scene import Scene
 from validation.measure.growth import measured_root, nudged
 from validation.models.build import build
 from validation.models.by_name import DELAY
-from validation.report import EXACT, WITNESS, Verdict, claim, holding
+from validation.report import EXACT, WITNESS, Verdict, Verdicts, claim, holding
 from validation.verification.of_family import rows_on_scene
 
 _RATES = np.logspace(-3.0, 4.0, 15)
@@ -27,7 +26,7 @@ _STEP_OF_RATE, _TIMES = 10.0, 20.0  # a step of the rate, and how many relaxatio
 _WITNESS = "fd"
 
 
-def rows_of_law(name: str, scene: Scene) -> Iterator[Verdict]:
+def rows_of_law(name: str, scene: Scene) -> Verdicts:
     """The rows of the law `name`, on its own and in the `scene`, whose law it is."""
     law, sample = LAWS[name], scene.law
     yield from _rows_of_functions(name, law, sample_of(name, law))
@@ -40,7 +39,7 @@ def rows_of_law(name: str, scene: Scene) -> Iterator[Verdict]:
     yield from rows_on_scene(_WITNESS, scene)
 
 
-def _rows_of_functions(name: str, law: Any, sample: Any) -> Iterator[Verdict]:
+def _rows_of_functions(name: str, law: Any, sample: Any) -> Verdicts:
     """The functions alone, as plain Python."""
     points = [
         (law.unknown_of(sample, rate), law.steady_state(sample, rate) + off) for rate, off in itertools.product(_RATES, _OFFSETS)

@@ -32,10 +32,9 @@ from validation.chart import (
 )
 from validation.chart.colors import DARK_PAPER, PAPER, by_night, contrast
 from validation.chart.draw import draw
-from validation.chart.labels import plain_label
 from validation.chart.render import render
 from validation.chart.svg import colors_of
-from validation.chart.table import curves_csv, panel_facts, read_chart
+from validation.chart.table import curves_csv, panel_facts, plain_label, read_chart
 from validation.chart.thin import CELLS, MOST, staying, with_fewer
 from validation.chart.words import described, meetings
 from validation.report import Figure

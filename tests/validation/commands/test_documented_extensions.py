@@ -112,8 +112,8 @@ import sys
 from pathlib import Path
 from reduced.stability import scaled
 from validation.models.own import load_families
-from validation.measure.grids import in_space
-from validation.studies.orders.in_space import judged_models
+from validation.measure import orders as in_space
+from validation.studies.orders import judged_models
 from validation.report.grid_verdicts import order_verdict
 load_families(Path("finite_volume.py"))
 assert "fv" in judged_models(quick=True)

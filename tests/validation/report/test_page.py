@@ -77,12 +77,15 @@ def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
     sound = stored("bifurcation", verdict(), verdict(title="B holds"), answers=answers)
     broken = stored("snaking", verdict(Outcome.FAIL), answers=answers[:1])
     stopped = Stored("onset", "?", 1.0, True, error="it died")
-    asked = {one.name: one for one in ask([broken, sound, stopped], "Nothing.")}
+    asked = {one["name"]: one for one in ask([broken, sound, stopped], "Nothing.")}
     failed = "Not shown: 1 of 1 checks fail (A holds)."
     told = ["It folds.", failed, "But: 1 check of `snaking` failed; `onset` did not finish."]
-    assert asked["begin"].answers == told
-    assert [[one.id for one in proofs] for _, proofs in asked["begin"].rests_on] == [["bifurcation.a-holds"], ["snaking.a-holds"]]
-    assert (asked["changed"].answers, asked["cost"].answers) == (["Nothing."], ["Not computed in this report."])
+    assert asked["begin"]["answers"] == told
+    assert [[one.id for one in proofs] for _, proofs in asked["begin"]["rests_on"]] == [
+        ["bifurcation.a-holds"],
+        ["snaking.a-holds"],
+    ]
+    assert (asked["changed"]["answers"], asked["cost"]["answers"]) == (["Nothing."], ["Not computed in this report."])
     html = page_of(tmp_path, sound)
     assert "It folds." in summary_of(html, "begin")
     cited = {address for line in re.findall('<p class="rests">(.*?)</p>', html) for address in re.findall('href="#(.*?)"', line)}

@@ -19,7 +19,7 @@ from test_page import models
 from slipwave.errors import SceneError
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
-from validation.report.model_table import Compared, ModelCell, shade_of, words_of
+from validation.report.model_table import Compared, ModelCell
 from validation.report.names import with_ids
 from validation.report.text import number
 
@@ -149,7 +149,7 @@ def model_cell(value, error, standard_error=1e-9, right=True):
     ],
 )
 def test_what_a_cell_says(shown, words, shade):
-    assert (words_of(shown, "T"), shade_of(shown, "T")) == (words, shade)
+    assert (shown.words("T"), shown.shade("T")) == (words, shade)
 
 
 TOGETHER = """

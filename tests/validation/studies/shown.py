@@ -24,7 +24,7 @@ from validation.models import stopwatch
 from validation.report import Budget, Evidence, Outcome, Verdict
 from validation.report.names import by_claim
 from validation.report.registered import study_called
-from validation.report.sources import sources_of
+from validation.report.store import sources_of
 
 Change = Callable[[Any], Any]
 
@@ -175,14 +175,14 @@ PLACES = {
     "one-cycle": (Place("one_cycle:run_model", (part("orbit"),)),),
     "orders": (
         Place("orders:climb_of", (part("errors", change=displaced(1e-3)),), few=True),
-        Place("orders.in_space:leapfrog_at", (part("errors", change=displaced(1e-3)),)),
-        Place("orders.in_space:jump_errors", (displaced(0.1),)),
-        Place("orders.in_space:shared", (lambda common: ("one", *common),), unjudged=("fd", "sbp", "fem")),
-        Place("orders.own_orbits:_figures", (only("period", scaled), only("stress_drop", scaled))),
-        Place("orders.own_orbits:means_of", (lambda found: (scaled(found[0], 0.02), found[1]),)),
-        Place("orders.in_time:marches_of", tuple(part(name, change=displaced(1e-3)) for name in ("explicit", "exact"))),
-        Place("orders.given_motion:error_of_motion", (lambda error: 100.0 * error,), few=True),
-        Place("orders.slip_event:recorded_event", (part("depth"),)),
+        Place("orders:leapfrog_at", (part("errors", change=displaced(1e-3)),)),
+        Place("orders:jump_errors", (displaced(0.1),)),
+        Place("orders:shared", (lambda common: ("one", *common),), unjudged=("fd", "sbp", "fem")),
+        Place("orders:_figures", (only("period", scaled), only("stress_drop", scaled))),
+        Place("orders:means_of", (lambda found: (scaled(found[0], 0.02), found[1]),)),
+        Place("orders:march_errors", (lambda both: (1e-3 + both[0], both[1]), lambda both: (both[0], 1e-3 + both[1]))),
+        Place("orders:error_of_motion", (lambda error: 100.0 * error,), few=True),
+        Place("orders:recorded_event", (part("depth"),)),
     ),
     "stability-attacks": (
         Place("stability_attacks:limit_at", (lambda share: 0.9 * share,)),
@@ -190,7 +190,7 @@ PLACES = {
         Place("stability_attacks:state_reach", (lambda reach: 0.9 * reach,), unjudged=("fd",)),
         Place("stability_attacks:stops_beyond", (scaled,)),
         Place("stability_attacks:attack", (each(lambda one: replace(one, error=0.02 + one.error, message="")),)),
-        Place("stability_attacks:advised", (part("error", change=displaced(0.02)),)),
+        Place("stability_attacks:advised", (lambda found: (found[0], found[1] + 0.02),)),
         Place("stability_attacks:locked_noise", (lambda left: 1.1 + left,)),
     ),
     "onset": (
@@ -218,7 +218,7 @@ PLACES = {
         Place("which_model.laws:measure_onsets", (each(part("error")),)),
         Place("which_model.laws:measure_cycle"),
         Place(
-            "which_model.scenes:regime_there",
+            "which_model:regime_in",
             (lambda value: value if value.words == UNTRIED else DISPLACED(value),),
             unjudged=("modal:2", "modal:1", "kelvin-voigt", "block8", "block12", "quasistatic"),
         ),
@@ -240,31 +240,29 @@ PLACES = {
     ),
     "bifurcation": (
         Place("bifurcation:branch_of", (part("onset.parameter"),)),
-        Place("bifurcation:wave_orbit", (part("wave"),)),
+        Place("bifurcation:wave_orbit", (lambda both: (scaled(both[0]), both[1]),)),
         Place("bifurcation:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),
-        Place("bifurcation:bubble", (part("ends", change=displaced(3e-5)),)),
+        Place("bifurcation:bubble", (lambda found: (found[0], found[1] + 3e-5, found[2]),)),
         Place("bifurcation:folds_over_drive", (each(lambda fold: (fold[0] + 1e-6, fold[1])),)),
         Place("bifurcation:fold_at", S),
     ),
     "snaking": (
         Place("snaking:branch_of"),
-        Place("snaking.measured:run_at", (part("last", change=displaced(2.0)),)),
-        Place("snaking:sides", (lambda value: [part("seen")(value[0]), *value[1:]],)),
-        Place(
-            "snaking.measured:torus_at", (lambda found: (found[0] + 1e-3, found[1]), lambda found: (found[0], scaled(found[1])))
-        ),
+        Place("snaking:run_at", (part("last", change=displaced(2.0)),)),
+        Place("snaking:sides", (lambda value: [(*value[0][:2], scaled(value[0][2])), *value[1:]],)),
+        Place("snaking:torus_at", (lambda found: (found[0] + 1e-3, found[1]), lambda found: (found[0], scaled(found[1])))),
     ),
     "laboratory": (
         Place("laboratory:cycles_of_samples", (lambda found: [None] * len(found),), 9, claimed=True),
         Place("laboratory:cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),
         Place("laboratory:waves_in_blocks", (only("block", part("period", change=lambda one: 1.1 * one)),)),
-        Place("laboratory:rise_of", (lambda one: one._replace(time=1.1 * one.time),)),
-        Place("laboratory:fitted_to", (part("apart", change=displaced(2e-8)), part("ratios"))),
+        Place("laboratory:rise_of", (lambda one: (one[0], 1.1 * one[1]),)),
+        Place("laboratory:fitted_to", (lambda one: (2e-8 + one[0], one[1]), lambda one: (one[0], scaled(one[1])))),
     ),
     "claims": (
         Place("claims:settled_at", tuple(only(model, scaled) for model in ("delay", "kelvin-voigt", "block8", "block12")), 9),
         Place("claims:run_deep", (part("events.stress_drop", change=beating),), claimed=True),
-        Place("claims:measure_ripples", (part("ripple"), part("drop"), part("slipped"))),
+        Place("claims:measure_ripples", tuple(only(name, scaled) for name in ("ripple", "drop", "slipped"))),
     ),
 }
 """By study: those whose quick run a test holds (`shown.quick`)."""

@@ -13,29 +13,25 @@ import slipwave
 from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
-from validation.measure.grids.in_space import delay_reference
 from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
-from validation.measure.orders import QUANTITIES, Climb, climb, errors, measure
+from validation.measure.orders import QUANTITIES, Climb, climb, delay_reference, errors, measure
 from validation.measure.over_r import RANGE, branch_of, unaccounted
 from validation.models.build import build
+from validation.references.published import laboratory
 from validation.report import Outcome
 from validation.report.grid_verdicts import order_verdict
 from validation.studies import bifurcation as claims
+from validation.studies import orders
 from validation.studies.bifurcation.doubling import doubled
-from validation.studies.laboratory.measured import cycle_without_tuning, leeman_runs, printed_fits, rise_time
-from validation.studies.laboratory.programs import fitted_to, on_programs, printed_rows
-from validation.studies.orders import in_space as study
-from validation.studies.orders import own_orbits, slip_event
-from validation.studies.orders.given_motion import GRIDS, climbed, motion_verdicts
-from validation.studies.snaking.measured import sides
+from validation.studies.laboratory import cycle_without_tuning, fitted_to, leeman_runs, printed_fits, program_verdicts, rise_time
+from validation.studies.snaking import sides
 
 
 def test_an_order_ends_where_rounding_begins():
     """The finest error above the floor counts; the second grid in any case."""
-    errors = ((2, 1e-4), (4, 1e-7), (8, 1e-10), (16, 2e-13))
-    orbits = [own_orbits.GridOrbit("dg:7", -2.68, cells, dict.fromkeys(own_orbits.QUANTITIES, error)) for cells, error in errors]
-    assert own_orbits.orbit_order(orbits, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
-    assert own_orbits.orbit_order([orbits[0], orbits[3]], "period") == pytest.approx(np.log(5e8) / np.log(8.0))
+    errors = {cells: {"period": error} for cells, error in ((2, 1e-4), (4, 1e-7), (8, 1e-10), (16, 2e-13))}
+    assert orders.orbit_order(errors, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
+    assert orders.orbit_order({cells: errors[cells] for cells in (2, 16)}, "period") == pytest.approx(np.log(5e8) / np.log(8.0))
 
 
 @pytest.fixture(scope="module")
@@ -77,17 +73,17 @@ def test_a_ladder_without_an_order_is_red_and_says_why():
 
 def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
     own = replace(GALERKIN, pattern="volumes", numbers=(), default=None, ladder={0: GALERKIN.ladder[1]})
-    monkeypatch.setattr(study, "GRIDS", (*study.GRIDS, own, replace(own, pattern="bare", ladder={})))
-    assert study.judged_models(quick=True) == (*study._QUICK, "volumes")
-    assert set(study.judged_models(quick=False)) == set(LADDERS)
+    monkeypatch.setattr(orders, "GRIDS", (*orders.GRIDS, own, replace(own, pattern="bare", ladder={})))
+    assert orders.judged_models(quick=True) == (*orders._FEW, "volumes")
+    assert set(orders.judged_models(quick=False)) == set(LADDERS)
 
 
 def test_a_wrong_wave_speed_and_an_event_that_never_ends_are_red():
-    event = slip_event.recorded_event()
-    assert outcomes(slip_event.event_verdicts(event)) == "pass pass"
-    assert outcomes(slip_event.event_verdicts(event._replace(depth=1.001 * event.depth))) == "fail pass"
+    event = orders.recorded_event()
+    assert outcomes(orders.event_verdicts(event)) == "pass pass"
+    assert outcomes(orders.event_verdicts(event._replace(depth=1.001 * event.depth))) == "fail pass"
     endless = np.full_like(event.slip_rate, 1e3)
-    assert outcomes(slip_event.event_verdicts(event._replace(slip_rate=endless))) == "pass fail"
+    assert outcomes(orders.event_verdicts(event._replace(slip_rate=endless))) == "pass fail"
 
 
 FAST = {("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")}
@@ -118,12 +114,12 @@ def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike):
     ("model", "pair"),
     [
         pytest.param(model, pair, marks=[] if (model, pair) in FAST else pytest.mark.slow)
-        for model in GRIDS
+        for model in orders.MOTION_GRIDS
         for pair in ("alike", "unlike")
     ],
 )
 def test_every_full_wave_makes_it_at_its_order(model, pair):
-    assert outcomes(motion_verdicts([climbed(model, pair)])) == "pass"
+    assert outcomes(orders.motion_verdict(model, pair, orders.motion_errors(model, pair))) == "pass"
 
 
 def test_exact_steps_follow_a_drive_that_is_not_linear():
@@ -145,10 +141,9 @@ def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():
     """Beside the first fold: on the stable side and on the unstable one."""
     branch = branch_of("delay", -2.69, 60.0)
     before, beyond = sides(branch)
-    assert ([one.kind for one in branch.special], before.log10_r < -2.69, beyond.log10_r < -2.69) == (["LP"], True, True)
-    assert before.orbit.real > 1.0 > beyond.orbit.real
-    assert before.seen == pytest.approx(before.orbit, abs=1e-6)
-    assert beyond.seen == pytest.approx(beyond.orbit, abs=1e-6)
+    assert ([one.kind for one in branch.special], before[0] < -2.69, beyond[0] < -2.69) == (["LP"], True, True)
+    assert before[1].real > 1.0 > beyond[1].real
+    assert [before[2], beyond[2]] == pytest.approx([before[1], beyond[1]], abs=1e-6)
 
 
 def special(kind, log10_r, before=0, after=1, period=80.0):
@@ -217,13 +212,12 @@ def test_the_rise_time_of_free_swinging_is_half_its_period():
     assert rise_time(time, fall) == pytest.approx(2.0, rel=2e-3)
 
 
-@pytest.mark.parametrize("row", printed_rows()[2:], ids=["step", "hold"])
+@pytest.mark.parametrize("row", laboratory()["programs"]["rows"][2:], ids=["step", "hold"])
 def test_friction_that_another_program_prints_is_ours_and_gives_its_parameters_back(row):
-    found = fitted_to(row)
-    assert 0.0 < found.apart < 1e-9  # nine digits are printed
-    assert found.ratios == pytest.approx((1.0, 1.0, 1.0), abs=1e-6)
+    apart, ratios = fitted_to(row)
+    assert 0.0 < apart < 1e-9  # nine digits are printed
+    assert ratios == pytest.approx((1.0, 1.0, 1.0), abs=1e-6)
     friction = [value + 3e-9 * (k == 7) for k, value in enumerate(row["friction"])]
     wrong = fitted_to({**row, "friction": friction})
-    assert outcomes([*on_programs([found]), *on_programs([wrong])]) == "pass pass fail pass"
-    off = found._replace(ratios=found.ratios._replace(length=1.0 + 2e-5))
-    assert outcomes([*on_programs([off])]) == "pass fail"
+    assert outcomes([*program_verdicts(row, apart, ratios), *program_verdicts(row, *wrong)]) == "pass pass fail pass"
+    assert outcomes(program_verdicts(row, apart, ratios._replace(length=1.0 + 2e-5))) == "pass fail"

@@ -16,17 +16,16 @@ import slipwave
 from slipwave.sources import ROOT, import_closure, program
 from tests.validation.answer import read_table
 from validation.commands.cli import main
-from validation.report import Budget, Outcome, sources, store
+from validation.report import Budget, Outcome, store
 from validation.report.compared import EXACT_MODEL, critical_r
 from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict
-from validation.report.model_table import words_of
 from validation.report.registered import STUDIES as ALL_STUDIES
 from validation.report.registered import study_called
 from validation.studies import checks
 from validation.studies import which_model as study
 from validation.studies.stability_attacks import CELLS as ATTACKED
 from validation.studies.stability_attacks import AttackOutcome, attack, attack_verdict
-from validation.studies.which_model import judged, laws, scenes
+from validation.studies.which_model import judged, laws
 
 
 class Expected(NamedTuple):
@@ -135,7 +134,7 @@ READ_BYTES = Path.read_bytes
 def changes(monkeypatch, study, path):
     before = store.study_key(study, False)
     with monkeypatch.context() as patch:
-        patch.setattr(sources, "program", lambda file: "edited" if file == path else program(file))
+        patch.setattr(store, "program", lambda file: "edited" if file == path else program(file))
         patch.setattr(Path, "read_bytes", lambda file: b"edited" if file == path else READ_BYTES(file))
         return store.study_key(study, False) != before
 
@@ -154,7 +153,7 @@ def test_a_key_follows_each_file_of_each_room_that_the_study_uses(monkeypatch, p
 @pytest.mark.parametrize("name", ALL_STUDIES)
 def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
     study = study_called(name)
-    files = set(sources.sources_of(study))
+    files = set(store.sources_of(study))
     assert set(import_closure([Path(study.__file__)], packages=False)) <= files
     assert set((ROOT / "validation").rglob("*.json")) <= files
     assert {ROOT / "slipwave" / "gallery" / f"{scene}.toml" for scene in study.SCENES} <= files
@@ -164,7 +163,7 @@ def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
     ("name", "called"), [("orders", "orbit run"), ("bifurcation", "branch curve orbit"), ("laboratory", "fit")]
 )
 def test_the_public_functions_that_a_study_calls_are_in_its_key(name, called):
-    files = set(sources.sources_of(study_called(name)))
+    files = set(store.sources_of(study_called(name)))
     assert {ROOT / "validation" / "commands" / f"{one}.py" for one in called.split()} <= files
     assert ROOT / "validation" / "commands" / "bench.py" not in files
 
@@ -172,14 +171,14 @@ def test_the_public_functions_that_a_study_calls_are_in_its_key(name, called):
 def test_a_key_follows_every_package_and_python(monkeypatch):
     study = study_called("claims")
     before = store.study_key(study, False)
-    packages = [line.split()[0] for line in sources.packages_of(sources.sources_of(study))[1:]]
+    packages = [line.split()[0] for line in store.packages_of(store.sources_of(study))[1:]]
     assert {"numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pydantic", "matplotlib"} <= set(packages)
     true = metadata.version
     for changed in packages:
         with monkeypatch.context() as patch:
-            patch.setattr(sources.metadata, "version", lambda name, changed=changed: "0" if name == changed else true(name))
+            patch.setattr(store.metadata, "version", lambda name, changed=changed: "0" if name == changed else true(name))
             assert store.study_key(study, False) != before, changed
-    monkeypatch.setattr(sources.platform, "python_version", lambda: "3.0.0")
+    monkeypatch.setattr(store.platform, "python_version", lambda: "3.0.0")
     assert store.study_key(study, False) != before
 
 
@@ -208,7 +207,7 @@ def test_a_key_follows_the_scenes_that_a_program_names(fake):
     declared = store.study_key(module, False)
     module.SCENES = ()
     fake.edit(module, "\nnamed = 'rock'")
-    names = [path.stem for path in sources.sources_of(module) if path.suffix == ".toml"]
+    names = [path.stem for path in store.sources_of(module) if path.suffix == ".toml"]
     assert names == ["rock"]
     assert declared != before
 
@@ -267,7 +266,7 @@ def test_the_tables_have_every_model_at_every_r():
     table, elsewhere = result.model_tables
     assert [row.model for row in table.rows] == list(study.EVERY)
     assert [column.group for column in table.columns] == ["periodic"] * 3 + ["torus, irregular"] * 2
-    assert [words_of(cell, "T") for cell in table.row("quasidynamic").cells][:3] == ["slides steadily"] * 3
+    assert [cell.words("T") for cell in table.row("quasidynamic").cells][:3] == ["slides steadily"] * 3
     assert {cell.regime for cell in table.row("quasistatic").cells} == {"runs away"}
     assert table.row("quasidynamic").onset.value == pytest.approx(-2.6532125, abs=1e-7)
     assert (table.row("delay").advice, table.row("kelvin-voigt").advice) == ("use", "avoid")
@@ -322,7 +321,7 @@ def test_ten_printed_commands_repeat_their_figures(capsys):
 @pytest.mark.parametrize("name", ["unlike", "grip", "rock"])
 def test_the_settings_of_a_place_make_its_scene(name):
     """Both slabs scaled together, 1.1 times the onset; the column names the options that repeat it."""
-    column, scene = scenes.place(name, 1.1)
+    column, scene = study.place(name, 1.1)
     first, *options = [word for word in column.settings.split() if word != "--set"]
     again = slipwave.read(first, options)
     for slab, other in zip(again.slabs, scene.slabs, strict=True):

@@ -1,28 +1,61 @@
-"""The bifurcation diagrams that the paper could not draw: orbits of the delay system and of the ODE, stable or not, over r."""
+"""The bifurcation diagrams that the paper could not draw: orbits of the delay system and of the ODE, stable or not, over r; and
+their first fold over V, how far it lies below the Hopf point, and that only the products εV and rV matter."""
 
-from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
 
 import slipwave as sw
-from validation.chart.looks import NAMES
+from validation.chart import DOTTED, ORANGE, Chart, Look, Panel, Scale, Trace
+from validation.chart.looks import NAMES, model_line, model_look
 from validation.measure.over_r import COMPARED, FAR, Branch, branch_of, scene_at, unaccounted
+from validation.references.onset import onset_of
 from validation.references.published import half_digit, reference
-from validation.report import Budget, Cell, Figure, Number, Omission, StudyAnswer, StudyResult, Table, stated, table
+from validation.report import (
+    EXACT,
+    PAPER,
+    PROGRAM,
+    ROUNDING,
+    WITNESS,
+    Budget,
+    Cell,
+    Figure,
+    Number,
+    Omission,
+    StudyAnswer,
+    StudyResult,
+    Table,
+    Verdict,
+    Verdicts,
+    claim,
+    holding,
+    in_range,
+    minus,
+    plain,
+    stated,
+    table,
+)
+from validation.report.branch_drawing import branch_keys, branch_traces
 from validation.report.known import JUST_BELOW
-from validation.report.text import minus, plain
-from validation.report.verdict import EXACT, PROGRAM, WITNESS, Verdict, claim, holding, of_paper
-from validation.studies.bifurcation.charts import CAPTION, PLANES, diagram, orbits_in_planes
-from validation.studies.bifurcation.doubling import PAIRS, Doubled, bubble, doubled, doubling_verdicts
-from validation.studies.bifurcation.folds import fold_at, fold_verdicts, folds_over_drive
+from validation.studies.bifurcation.doubling import (
+    ODE,
+    PAIRS,
+    Bubble,
+    Doubled,
+    between_doublings,
+    bubble,
+    doubled,
+    doubling_verdicts,
+)
 
 NAME = "bifurcation"
 QUESTION = "How do the periodic orbits of the exact system and of the paper’s ODE depend on r, and where do they lose stability?"
 SCENES = ("paper",)
 SECONDS = (20.0, 60.0)
 
-WAVE = "dg:7"
-
-_CELLS, _TOLERANCE = 8, 1e-8
+_WAVE, _CELLS, _TOLERANCE = "dg:7", 8, 1e-8
 _PUBLISHED = {"first fold": "LP", "first period doubling": "PD", "first torus point": "NS"}
 _WAVE_ORBITS = 1e-9
 _BUBBLES = ["PD", "PD", "LP", "LP", "PD", "PD", "LP", "LP", "PD", "PD", "NS"]
@@ -52,24 +85,11 @@ _FULL = _Plan(
 )
 
 
-class WaveOrbit(NamedTuple):
-    """Figures of the full wave's orbit at one r, and of the nearest orbit of the delay system's branch there, by period."""
-
-    log10_r: float
-    wave: dict[str, float]
-    delay: dict[str, float]
-
-    @property
-    def apart(self) -> float:
-        """Largest relative difference of period and drops."""
-        return max(abs(self.wave[name] / self.delay[name] - 1.0) for name in COMPARED)
-
-
 def run(budget: Budget) -> StudyResult:
     """Follow the branches from their Hopf points; find the full wave's own orbits, the doubled orbits and the folds over V."""
     plan = budget.plan(_QUICK, _FULL)
     delay, ode = (branch_of(model, *end) for model, end in budget.each(plan.ends.items(), end=0.5))
-    waves = [wave_orbit(delay, log10_r) for log10_r in plan.waves]
+    waves = {log10_r: wave_orbit(delay, log10_r) for log10_r in plan.waves}
     orbits, bubbles = doubled(), [bubble(*pair) for pair in budget.each(plan.pairs, end=0.8, begin=0.5)]
     folds = {model: folds_over_drive(model, plan.points) for model in plan.folds}
     branches = {"delay": delay, "kelvin-voigt": ode}
@@ -78,12 +98,12 @@ def run(budget: Budget) -> StudyResult:
         figures=(
             Figure(
                 "branches",
-                CAPTION,
-                lambda: diagram([delay, ode], waves),
+                _BRANCHES,
+                lambda: _diagram([delay, ode], waves),
                 paper="Fig 6",
                 carries=("P8 ", "P9 ", "P11 ", "P14 "),
             ),
-            Figure("planes", PLANES, lambda: orbits_in_planes(orbits, ode, bubbles), paper="Fig 7", carries=("P10 ",)),
+            Figure("planes", _PLANES, lambda: _orbits_in_planes(orbits, ode, bubbles), paper="Fig 7", carries=("P10 ",)),
         ),
         tables=tuple(map(_special_table, branches.values())),
         verdicts=(
@@ -91,7 +111,7 @@ def run(budget: Budget) -> StudyResult:
             index(branches.values()),
             *_same_orbits(waves),
             _mildly_subcritical(delay, ode),
-            *fold_verdicts(folds, fold_at(folds["delay"][-1][1])),
+            *_fold_verdicts(folds, fold_at(folds["delay"][-1][1])),
             *(_bubbles_of(ode) if plan.to_torus else ()),
             *doubling_verdicts(orbits, ode, bubbles),
             unlike(delay, ode),
@@ -133,7 +153,7 @@ def _numbers(branches: Iterable[Branch], orbits: Doubled) -> dict[str, Number]:
     for name, orbit, within in (("", orbits.single, 1e-7), ("doubled ", orbits.double, 1e-6)):
         period = orbit.orbit.period
         numbers[f"{name}T"] = stated(period.value, period.error)
-        numbers[f"{name}multiplier"] = Number(float(orbit.multipliers.values[0].real), within)
+        numbers[f"{name}multiplier"] = Number(orbit.multipliers.values[0].real, within)
     return numbers
 
 
@@ -148,8 +168,6 @@ _P9 = Omission(
     ("Special points are where other programs find them",),
 )
 
-_ROUNDING = 1e-11  # brackets (log10 r) below this are not shown
-
 
 def _special_table(branch: Branch) -> Table:
     onset, model = branch.onset, branch.model
@@ -157,7 +175,7 @@ def _special_table(branch: Branch) -> Table:
         ("Hopf point", onset.parameter, onset.period, "", f"{onset.unstable_below} → {onset.unstable_above}")
     ]
     for one in branch.special:
-        width = plain(one.bracket, ".0e") if one.bracket > _ROUNDING else f"below {plain(_ROUNDING, '.0e')}"
+        width = plain(one.bracket, ".0e") if one.bracket > ROUNDING else f"below {plain(ROUNDING, '.0e')}"
         counts = f"{one.unstable_before} → {one.unstable_after}"
         rows.append((NAMES[one.kind], one.point.parameter, one.point.closed.cycle.period, width, counts))
     caption = (
@@ -169,16 +187,20 @@ def _special_table(branch: Branch) -> Table:
     return table(f"special-{model}", caption, heading, rows)
 
 
-def wave_orbit(branch: Branch, log10_r: float) -> WaveOrbit:
+WaveOrbits: TypeAlias = Mapping[float, tuple[dict[str, float], dict[str, float]]]
+"""log10 r -> figures of the full wave's orbit, and of the nearest orbit of the delay system's branch there, by period."""
+
+
+def wave_orbit(branch: Branch, log10_r: float) -> tuple[dict[str, float], dict[str, float]]:
     """The orbit that the full wave reaches from the scene's own start; `branch` is the delay system's, whose drops are computed
     anew on a finer mesh."""
     scene = scene_at(log10_r)
-    wave = sw.orbit(scene, WAVE, tol=_TOLERANCE, cells=_CELLS).summary
+    wave = sw.orbit(scene, _WAVE, tol=_TOLERANCE, cells=_CELLS).summary
     nearest = min((one.cycle.period for one in branch.orbits_at(log10_r)), key=lambda period: abs(period - wave["period"]))
-    return WaveOrbit(log10_r, wave, sw.orbit(scene, "delay", tol=1e-10).summary | {"period": nearest})
+    return wave, sw.orbit(scene, "delay", tol=1e-10).summary | {"period": nearest}
 
 
-def published(branches: Iterable[Branch]) -> Iterator[Verdict]:
+def published(branches: Iterable[Branch]) -> Verdicts:
     """Verdicts: the Hopf points and special points against values of other programs."""
     for branch in branches:
         known = reference()["special"][branch.model]
@@ -208,12 +230,13 @@ def index(branches: Iterable[Branch]) -> Verdict:
     ).with_margin(missed, 1.0)
 
 
-def _same_orbits(waves: Iterable[WaveOrbit]) -> Iterator[Verdict]:
+def _same_orbits(waves: WaveOrbits) -> Verdicts:
     """The full wave's orbits against the delay system's."""
-    title = f"The full wave’s own orbits, `{WAVE}`, lie on the delay system’s branch"
-    for one in waves:
-        remark = minus(f"log_{{10}} r = {one.log10_r:g}: largest relative difference of T, Δμ and Δy")
-        yield claim(title, WITNESS, one.apart, _WAVE_ORBITS, remark)
+    title = f"The full wave’s own orbits, `{_WAVE}`, lie on the delay system’s branch"
+    for log10_r, (wave, delay) in waves.items():
+        apart = max(abs(wave[name] / delay[name] - 1.0) for name in COMPARED)
+        remark = minus(f"log_{{10}} r = {log10_r:g}: largest relative difference of T, Δμ and Δy")
+        yield claim(title, WITNESS, apart, _WAVE_ORBITS, remark)
 
 
 def _mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
@@ -221,8 +244,9 @@ def _mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
     first = {branch.model: branch.special[0] for branch in (delay, ode)}
     turned = {one.model: 1.0 - 10.0 ** (first[one.model].point.parameter - one.onset.parameter) for one in (delay, ode)}
     kinds = {(one.kind, one.unstable_before, one.unstable_after) for one in first.values()}
-    return of_paper(
+    return holding(
         "P8 The Hopf point is very mildly subcritical; the branch becomes stable at a saddle-node",
+        PAPER,
         f"a fold at most {100 * JUST_BELOW:g} % below r_{{c}}",
         ", ".join(f"{100 * share:.2f} % below r_{{c}} ({model})" for model, share in turned.items()),
         min(turned.values()) > 0.0 and max(turned.values()) < JUST_BELOW and kinds == {("LP", 1, 0)},
@@ -230,22 +254,24 @@ def _mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
     ).with_margin(max(turned.values()), JUST_BELOW)
 
 
-def _bubbles_of(ode: Branch) -> Iterator[Verdict]:
+def _bubbles_of(ode: Branch) -> Verdicts:
     """P9: special points of the ODE's branch up to its torus point, and where that is."""
     kinds = [one.kind for one in ode.special]
     until = kinds[kinds.index("PD") : kinds.index("NS") + 1] if "NS" in kinds else kinds
     paper, torus = reference()["paper"]["log10_r_torus"], ode.of_kind("NS")[0].point.parameter
     title = "P9 The ODE’s orbits lose stability in pairs of period doublings split by saddle-nodes, then at a torus point"
-    yield of_paper(
+    yield holding(
         title,
+        PAPER,
         " ".join(_BUBBLES),
         " ".join(until),
         until == _BUBBLES,
         "from the first period doubling on; LP is a saddle-node, NS the torus point",
     )
     larger = 100 * abs(10.0 ** (paper - torus) - 1.0)
-    yield of_paper(
+    yield holding(
         "P9 The torus point of the ODE lies at r = 10^{-2.468}",
+        PAPER,
         minus(f"log_{{10}} r = {paper} ± {half_digit(paper):g}"),
         minus(f"log_{{10}} r = {torus:.6f}"),
         abs(torus - paper) <= half_digit(paper),
@@ -262,11 +288,126 @@ def unlike(delay: Branch, ode: Branch) -> Verdict:
     words = {"PD": "period doubling", "NS": "torus"}
     first = (f"{model}: first a " + minus(f"{words[one.kind]} at {one.point.parameter:.4f}") for model, one in lost.items())
     counts = [", ".join(str(len(branch.of_kind(kind))) for kind in ("LP", "PD", "NS")) for branch in (delay, ode)]
-    return of_paper(
+    return holding(
         "P14 The delay system has bifurcations similar to the ODE’s",
+        PAPER,
         "similar",
         "; ".join(first),
         lost["delay"].kind == lost["kelvin-voigt"].kind,
         "Hopf point and first fold are alike, what follows is not. Folds, period doublings, torus points of the branches shown: "
         f"{counts[0]} in the delay system, {counts[1]} in the ODE",
     )
+
+
+_LABELS = {"period": "$T$ (transits)", "stress_drop": r"$\Delta\mu$", "elastic_stress_drop": r"$\Delta y$"}
+_OVER_R = r"$\log_{10} r$"
+_NEAR = (-2.706, -2.62)
+_BESIDE = 0.01  # of log10 r, around the pairs of period doublings
+_LEGEND: dict[str, Any] = {"legend": "outside upper left"}
+
+
+def _diagram(branches: Sequence[Branch], waves: WaveOrbits) -> Chart:
+    """The paper's Fig 6: period and drops over log10 r, from the onset to log10 r = -2.62 and to the end."""
+    panels, look = [], Look(ORANGE, "", "o", size=7.0, hollow=True)
+    for name in COMPARED:
+        traces = [trace for branch in branches for trace in branch_traces(branch, name)]
+        orbits = Trace("full wave", [*waves], [wave[name] for wave, _ in waves.values()], look)
+        panels.append(Panel("", Scale(_OVER_R, limits=_NEAR), Scale(_LABELS[name]), [*traces, orbits], grid=True))
+        panels.append(Panel("", Scale(_OVER_R), Scale(_LABELS[name]), traces, grid=True))
+    keys = [*(model_line(branch.model, [], [], dashes="-") for branch in branches), *branch_keys(NAMES), orbits]
+    return Chart(panels, 8.2, 2, widths=(1.25, 1.0), keys=keys, legend_columns=4, **_LEGEND)
+
+
+def _orbits_in_planes(found: Doubled, ode: Branch, bubbles: Iterable[Bubble]) -> Chart:
+    """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
+    double = model_look(ODE, color=ORANGE, dashes="-", width=0.9)
+    looks = (
+        ("doubled orbit, stable", found.double, double),
+        ("T = 79.09, unstable", found.single, model_look(ODE, dashes=DOTTED)),
+    )
+    rows: tuple[list[Trace], ...] = ([], [], [])
+    for name, orbit, look in looks:
+        pieces, ten = orbit.closed.cycle.pieces, math.log(10.0)
+        time = (pieces.time[:, None] + pieces.length[:, None] * orbit.closed.flow.nodes) / orbit.closed.cycle.period
+        turn, rate, stress, state = [values.ravel() for values in (time, pieces.z / ten, pieces.mu, pieces.psi / ten)]
+        for traces, (x, y) in zip(rows, ((turn, rate), (rate, stress), (rate, state)), strict=True):
+            traces.append(Trace(name, x, y, look))
+    pairs = between_doublings(ode)
+    curves = [np.transpose(points) for *_, points in bubbles]
+    halves = [Trace("half of doubled T", r, half, double) for r, half in curves]
+    log_v, limits = r"$\log_{10} v$", (pairs[0][0].value - _BESIDE, pairs[-1][-1].value + _BESIDE)
+    periods = [one.period for pair in pairs for one in pair]
+    over_r = Scale("$T$, half of the doubled $T$", limits=(min(periods) - 0.2, max(periods) + 0.2))
+    panels = (
+        Panel("", Scale("time over the period of each orbit"), Scale(log_v), rows[0], grid=True),
+        Panel("", Scale(log_v), Scale(r"$\mu$"), rows[1], grid=True),
+        Panel("", Scale(log_v), Scale(r"$\log_{10}\phi$"), rows[2], grid=True),
+        Panel("", Scale(_OVER_R, limits=limits), over_r, [*branch_traces(ode, "period"), *halves], grid=True),
+    )
+    keys = [*rows[0], *branch_keys(("PD",))]
+    layout, heights = ((0, 0), (1, 2), (3, 3)), (0.8, 1.2, 1.0)
+    return Chart(panels, 8.4, layout=layout, heights=heights, share=("", ""), keys=keys, legend_columns=2, **_LEGEND)
+
+
+_BRANCHES = (
+    "Period T, stress drop Δμ and elastic stress drop Δy of the periodic orbits over r, the paper’s Fig 6, near the onset (left) "
+    "and as far as the branches were followed (right). Stable orbits are thick and solid, unstable ones thin and dotted. "
+    "Circles: orbits of the full wave."
+)
+_PLANES = (
+    "The ODE’s orbits at log_{10} r = −2.590007, the paper’s Fig 7: the unstable one of T = 79.09 transits (dotted) and the "
+    "stable one of twice the period. Above: slip rate over time, each over its own period; middle: two planes; below: periods of "
+    "the simple orbits over r and half the periods of the doubled ones."
+)
+
+
+Fold: TypeAlias = tuple[float, float]
+"""log10 r and V of a fold."""
+_OF_FOLDS = 1e-6
+_LOW, _HIGH = -2.73, -2.3  # log10 r at V = 100 between which the fold is searched for
+_ENDS = (50, 200)  # V towards which a curve is followed from V = 100
+
+
+def folds_over_drive(model: str, most: int) -> list[Fold]:
+    """The first fold of `model` over V, from at most so many points on each side of V = 100."""
+    over = f"log10_r={_LOW}:{_HIGH}"
+    curves = [
+        sw.curve("paper", of="LP", over=over, along=f"V=100:{end}", model=model, tol=_OF_FOLDS, most_points=most) for end in _ENDS
+    ]
+    return sorted(((one["log10_r"], one["V"]) for curve in curves for one in curve.points), key=lambda fold: fold[1])
+
+
+def fold_at(velocity: float) -> float:
+    """log10 r of the delay system's first fold at this V, computed at V = 100 with epsilon and r larger by V/100."""
+    scene = sw.read("paper", {"slab.epsilon": 2.8e-7 * velocity})
+    larger = math.log10(velocity / 100.0)
+    over = f"log10_r={_LOW + larger}:{_HIGH + larger}"
+    found = sw.branch(scene, model="delay", over=over, stop_at="LP", tol=_OF_FOLDS)
+    return float(found.special[-1]["log10_r"]) - larger
+
+
+def _below(model: str, fold: Fold) -> float:
+    """Relative distance in r below the Hopf point."""
+    scene = sw.read("paper")
+    onset = onset_of(scene.law, scene.upper.epsilon, fold[1])
+    return float(1.0 - 10.0 ** fold[0] / onset[model])
+
+
+def _fold_verdicts(curves: Mapping[str, Sequence[Fold]], again: float) -> Verdicts:
+    """`again`: the last fold of the delay system by `fold_at`."""
+    log10_r, velocity = curves["delay"][-1]
+    title = "Only the products εV and rV matter: the fold at V is that at V = 100 with ε and r larger by V/100"
+    yield claim(
+        title, EXACT, log10_r, ROUNDING, f"log_{{10}} r of the delay system’s first fold at V = {velocity:.1f}", near=again
+    )
+    for model, folds in curves.items():
+        low, high = folds[0][1], folds[-1][1]
+        yield in_range(
+            "P8 The Hopf point is very mildly subcritical, at other V (and so at other ε) too",
+            PAPER,
+            (0.0, JUST_BELOW),
+            [_below(model, fold) for fold in folds],
+            f"{model}: of r_{{c}}, how far below lie {len(folds)} folds at V from {low:.0f} to {high:.0f}; at fixed V that is ε "
+            f"from {plain(2.8e-7 * low, '.2g')} to {plain(2.8e-7 * high, '.2g')}",
+            ".2%",
+        )

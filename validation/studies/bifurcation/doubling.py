@@ -1,8 +1,8 @@
 """The ODE's unstable orbit and its doubled one (the paper's Fig 7), and the bubbles of doubled orbits between two doublings."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -18,10 +18,8 @@ from validation.models.orbits import moving
 from validation.models.parameter import over_range
 from validation.models.points import BranchPoint, StopAt
 from validation.references.published import half_digit, reference
-from validation.report import EXACT, WITNESS, Verdict, claim
+from validation.report import EXACT, PAPER, WITNESS, Verdict, Verdicts, claim, holding, minus
 from validation.report.known import error_of
-from validation.report.text import minus
-from validation.report.verdict import of_paper
 
 ODE = "kelvin-voigt"
 AT = -2.590007
@@ -50,20 +48,16 @@ class Doubled(NamedTuple):
     last_two: float
 
 
-class Bubble(NamedTuple):
-    """A branch of doubled orbits from the period doubling at log10 r = `born` to where its two halves become the same, `ends`;
-    (log10 r, half of the period) of its `points`."""
-
-    born: float
-    ends: float
-    points: list[tuple[float, float]]
+Bubble: TypeAlias = tuple[float, float, list[tuple[float, float]]]
+"""A branch of doubled orbits: log10 r of the period doubling where it is born, and of where its two halves become the same;
+(log10 r, half of the period) of its points."""
 
 
 @cache
 def doubled() -> Doubled:
     """Both orbits by Newton's method, from a run that passes the unstable orbit and settles on the doubled one."""
     settled = moving(ODE, scene_at(AT))
-    twice = float(watch(settled, _MARCHED).events().period[-2:].sum())
+    twice = watch(settled, _MARCHED).events().period[-2:].sum()
     double = periodic_orbit(*settled.flow(twice, TOLERANCE), twice, TOLERANCE)
     return Doubled(memo.own_orbit(ODE, scene_at(AT), TOLERANCE), double, twice)
 
@@ -75,7 +69,7 @@ def bubble(low: float, high: float) -> Bubble:
     last = [end.point for end in ends_of(found, StopAt())][-_NEAREST:]
     square = [difference_of_halves(point) ** 2 for point in last]
     ends = np.polyfit(square, [point.parameter for point in last], _NEAREST - 1)[-1]
-    return Bubble(found.special[0].value, float(ends), [(one.value, 0.5 * one.period) for one in found.points])
+    return found.special[0].value, ends, [(one.value, 0.5 * one.period) for one in found.points]
 
 
 def between_doublings(ode: Branch) -> list[list[BranchPoint]]:
@@ -85,44 +79,46 @@ def between_doublings(ode: Branch) -> list[list[BranchPoint]]:
     return [corners[begin : end + 1] for begin, end in zip(places[::2], places[1::2], strict=False)]
 
 
-def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) -> Iterator[Verdict]:
+def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) -> Verdicts:
     """The orbits at `AT`, then the bubbles."""
     period, double = found.single.orbit.period.value, found.double.orbit.period.value
     known, simple = reference()["paper"]["T_unstable_ode"], between_doublings(ode)
     r, periods = zip(*((corner.value, corner.period) for corner in simple[0]), strict=True)
-    digit = float(np.ptp(np.interp([AT, AT + half_digit(AT)], r, periods)))
+    digit = np.ptp(np.interp([AT, AT + half_digit(AT)], r, periods))
     where = f"transits, at log_{{10}} r = {AT:.6f}, of which half the last digit is allowed"
     yield claim("The orbit of T = 79.09 lies where AUTO-07p finds it", WITNESS, period, digit, minus(where), near=known)
     remark, allowed = "two cycles over the doubled period by Newton’s method", error_of(found.double.orbit.period)
     yield claim("A direct run settles on the doubled orbit", WITNESS, found.last_two / double, allowed, remark, near=1.0)
-    lead = float(found.single.multipliers.values[0].real)
+    lead = found.single.multipliers.values[0].real
     holds = abs(period - known) <= half_digit(known) and found.single.multipliers.stable is False and lead < -1.0
-    yield of_paper(
+    yield holding(
         "P10 At r = 10^{-2.59} the primary orbit with T = 79.09 is unstable, and a doubled orbit beside it is stable",
+        PAPER,
         f"T = {known} ± {half_digit(known):g}",
         f"T = {period:.6f}",
         holds and found.double.multipliers.stable is True,
         minus(f"multiplier {lead:.5f} of the primary orbit; half the doubled period is {0.5 * double:.6f}"),
     ).with_margin(abs(period - known), half_digit(known))
     yield _twice_but_not_the_same(found)
-    for one, points in zip(bubbles, simple, strict=True):
+    for (born, ends, _), points in zip(bubbles, simple, strict=True):
         yield claim(
             "P9 The doubled orbits connect two period doublings: their branch is a closed bubble",
             EXACT,
-            one.ends,
+            ends,
             _ENDS,
-            minus(f"born at log_{{10}} r = {one.born:.7f}; where both halves become the same, and the next period doubling"),
+            minus(f"born at log_{{10}} r = {born:.7f}; where both halves become the same, and the next period doubling"),
             near=points[-1].value,
         )
 
 
 def _twice_but_not_the_same(found: Doubled) -> Verdict:
     """The peaks of the slip rate on both orbits."""
-    single, (high, low) = float(found.single.orbit.v_max.value), peaks(found.double)
+    single, (high, low) = found.single.orbit.v_max.value, peaks(found.double)
     periods = found.double.orbit.period.value / found.single.orbit.period.value
     off = max(abs(high / single - 1.0), abs(low / single - 1.0), abs(0.5 * periods - 1.0))
-    return of_paper(
+    return holding(
         "P10 The doubled orbit is close but not identical to two traces of the unstable one: two slightly different peaks of v",
+        PAPER,
         f"two different peaks within {100 * _CLOSE:.0f} % of {single:.2f} V*, in 2 T",
         f"{high:.2f} and {low:.2f} V*, in {periods:.6f} T",
         low < high and off < _CLOSE,
@@ -137,4 +133,4 @@ def peaks(double: PeriodicOrbit) -> tuple[float, float]:
     time = (pieces.time[:, None] + pieces.length[:, None] * points).ravel()
     first = int(np.argmax(rate))
     apart = np.abs(np.mod(time - time[first] + 0.5 * period, period) - 0.5 * period)
-    return float(rate[first]), float(rate[apart > 0.25 * period].max())
+    return rate[first], rate[apart > 0.25 * period].max()

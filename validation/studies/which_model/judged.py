@@ -1,17 +1,18 @@
-"""Verdicts on the tables of models: of the paper's scene and of others."""
+"""Verdicts on the tables of models, of the paper's scene and of others, and on the means of motions that never repeat. These are
+of runs so long that their errors are small beside the 1 % that they judge (`validation.measure.on_record`); a report computes a
+few again."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 
 import slipwave
-from validation.measure.regimes import AWAY, STEADY, UNKNOWN, UNTRIED, Regime
-from validation.report import EXACT, PAPER, SELF, WITNESS, Outcome, Verdict, claim, every, holding
-from validation.report.advice import AS_CHEAP, GOOD, JUDGED, costs_of_good_reductions, is_good
-from validation.report.compared import EXACT_MODEL, critical_r
+from validation.measure.on_record import motions
+from validation.measure.regimes import AWAY, STEADY, TOLERANCE, UNKNOWN, UNTRIED, Regime
+from validation.report import EXACT, PAPER, SELF, WITNESS, Outcome, Verdict, Verdicts, claim, every, holding, places, plain
+from validation.report.compared import AS_CHEAP, EXACT_MODEL, GOOD, JUDGED, costs_of_good_reductions, critical_r, is_good
 from validation.report.known import ERRORS, error_after, error_of
 from validation.report.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
-from validation.report.text import places, plain
 
 WAVE = "dg:7"
 ADVISED = ("modal:8", "modal:4", "fitted:4")
@@ -23,6 +24,10 @@ _IN_SCENES = 1e-3  # largest relative error of the advised models in other scene
 _RUN_ERROR = {"T": 5e-9, "Δμ": 1e-8}  # what the tolerance of a run may leave, relative
 _PRINTED = 1.0 - 70.73 / 73.5
 _HALF_DIGITS = 0.05 / 73.5 + 0.005 / 70.73
+_AGAIN = (-2.65, -2.5)
+"""log10 r at which motions of the paper's scene are computed again. On a torus they stay near each other, so that means repeat;
+an irregular motion differs between processors, so that its mean repeats within its error."""
+_SHORT = 10000.0  # transits
 
 Found = tuple[ModelColumn, ModelRow, ModelCell]
 ByModel = Mapping[str, Mapping[float, Regime]]
@@ -42,7 +47,7 @@ def _late(model: str, scene: str) -> float:
     return critical_r(model, slipwave.read(scene)) / critical_r(EXACT_MODEL, slipwave.read(scene))
 
 
-def regime_verdicts(table: ModelTable) -> Iterator[Verdict]:
+def regime_verdicts(table: ModelTable) -> Verdicts:
     """Regimes against onsets, which use no run; those of the advised models and of the full wave against the exact ones."""
     known = [
         (cell.regime == STEADY) == (column.over_onset < late)
@@ -60,7 +65,7 @@ def _named(models: Sequence[str]) -> str:
     return ", ".join(f"`{model}`" for model in models)
 
 
-def wave_verdicts(table: ModelTable, on_coarse: Callable[[int], Regime], cells: int, run: float) -> Iterator[Verdict]:
+def wave_verdicts(table: ModelTable, on_coarse: Callable[[int], Regime], cells: int, run: float) -> Verdicts:
     """The full wave's cycles against the exact ones where these repeat, allowed what its grid with a cell less leads to in a
     column, and what the tolerance of the exact system's `run` leaves."""
     exact, fine = table.row(EXACT_MODEL).cells, table.row(WAVE).cells
@@ -69,27 +74,27 @@ def wave_verdicts(table: ModelTable, on_coarse: Callable[[int], Regime], cells: 
     ]
     coarse = {n: on_coarse(n).figures for n in columns}
     for symbol in JUDGED:
-        off = max((abs(fine[n].figures[symbol].error or 0.0) for n in columns), default=math.nan)
+        off = max((fine[n].figures[symbol].size for n in columns), default=math.nan)
         left = max((abs(coarse[n][symbol].value / exact[n].figures[symbol].value - 1.0) for n in columns), default=math.nan)
         allowed = error_after(WAVE, left, cells - 1, cells) + run
         where = f"{table.name}, {symbol}: `{WAVE}`, {cells} cells, at {len(columns)} r"
         yield claim("The full wave has the exact system’s cycles where they repeat", WITNESS, off, allowed, where)
 
 
-def mean_verdicts(table: ModelTable) -> Iterator[Verdict]:
+def mean_verdicts(table: ModelTable) -> Verdicts:
     """Means of wandering cycles against the exact ones: the full wave's are the same; those of many modes differ, but by less
     than a good model's may."""
     for model, limit, unit in ((WAVE, ERRORS, "standard errors"), (ADVISED[0], GOOD, "")):
         cells = [cell for _, _, cell in cells_of(table, model) if cell.cycles and cell.right]
         wander = [one for cell in cells for symbol in JUDGED if (one := cell.figures[symbol]).error is not None]
-        off = [abs(one.error or 0.0) / (one.standard_error if unit else 1.0) for one in wander]
+        off = [one.size / (one.standard_error if unit else 1.0) for one in wander]
         if off:
             who = "the full wave has the exact system’s means" if unit else "eight modes have its means to 1 %"
             where = f"{table.name}, `{model}`: the largest of {len(off)} differences of T and Δμ"
             yield claim(f"Where cycles wander, {who}", WITNESS, max(off), limit, where, unit=unit)
 
 
-def paper_verdicts(table: ModelTable, shown: Sequence[str], main: str) -> Iterator[Verdict]:
+def paper_verdicts(table: ModelTable, shown: Sequence[str], main: str) -> Verdicts:
     """Errors in the columns `shown`, where orbits repeat, and in the `main` one; the simplest model; costs."""
     errors = {
         symbol: {
@@ -151,10 +156,10 @@ def run_verdict(regimes: ByModel) -> Verdict:
     return claim(title, WITNESS, off, allowed, f"{len(sizes)} figures; shown: {where}")
 
 
-def scene_verdicts(table: ModelTable) -> Iterator[Verdict]:
+def scene_verdicts(table: ModelTable) -> Verdicts:
     """Whether the advice of the first table holds in other scenes."""
     repeat = [(row, cell) for _, row, cell in cells_of(table, *ADVISED) if cell.figures and not cell.cycles and cell.right]
-    off = [abs(cell.figures[symbol].error or 0.0) for _, cell in repeat for symbol in JUDGED]
+    off = [cell.figures[symbol].size for _, cell in repeat for symbol in JUDGED]
     yield claim(_MODES, WITNESS, max(off, default=math.nan), _IN_SCENES, f"scenes: {_named(ADVISED)}, T and Δμ")
     good = [is_good(cell) for _, _, cell in cells_of(table, *ADVISED)]
     title = "The ODEs that the first table advises are good in every scene"
@@ -164,3 +169,26 @@ def scene_verdicts(table: ModelTable) -> Iterator[Verdict]:
     fine = ", ".join(f"`{model}` in {scene}" for model, scene in sorted(where - wrong))
     title = "No model that the first table says to avoid is good in another scene"
     yield every(title, WITNESS, len(wrong), len(where), fine or "by the rule of the first table", "are wrong at some r")
+
+
+def paper_at(log10_r: float) -> str:
+    """The words that give the paper's scene at an r in a command."""
+    return f"paper --set slab.log10_r={log10_r:g}"
+
+
+def record_verdicts(again: Callable[[str, float, float], Regime]) -> Verdicts:
+    """Whether the present code, `again` (model, log10 r, transits), has the means on record."""
+    places_of = {paper_at(x): x for x in _AGAIN}
+    repeated = []
+    for model, x, one in ((model, places_of[scene], one) for (model, scene), one in motions().items() if scene in places_of):
+        torus = one.words == "torus"
+        now = again(model, x, float(one.command.split()[2]) if torus else _SHORT)
+        pairs = [(now.figures[symbol], one.figures[symbol]) for symbol in JUDGED if symbol in now.figures]
+        off = max((abs(new.value - old.value) / (old.value if torus else new.error) for new, old in pairs), default=math.nan)
+        if torus:
+            repeated.append(off < 10.0 * TOLERANCE)
+        else:
+            title, where = "Means on record of irregular motions are those of shorter runs", f"`{model}` at {places([x])}"
+            yield claim(title, SELF, off, ERRORS, f"{where}: T and Δμ, {_SHORT:g} transits", unit="standard errors")
+    title = f"Means on record repeat on a torus, to {10.0 * TOLERANCE:g} of themselves"
+    yield every(title, SELF, sum(repeated), len(repeated), f"at {places([_AGAIN[0]])}", "models")

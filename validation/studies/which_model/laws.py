@@ -1,6 +1,6 @@
 """Whether a reduction's error can be predicted: laws for the onset as r omega_c -> 0, and whether they hold for the cycle."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple, TypeAlias
 
@@ -11,10 +11,9 @@ from reduced.stability import ErrorLaw, critical_round_trip, error_law, friction
 from validation.chart import Chart, Panel, Scale, Trace
 from validation.chart.looks import model_line, model_marks, style_of
 from validation.measure import memo
-from validation.report import ASYMPTOTIC, Number, Verdict, claim, of_paper, stated
+from validation.report import ASYMPTOTIC, Number, Outcome, Verdict, Verdicts, claim, holding, plain, stated
 from validation.report.compared import against
 from validation.report.model_table import Compared
-from validation.report.text import plain
 
 MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:2", "modal:8")
 _CYCLING = ("block8", "block12", "kelvin-voigt", "modal:1", "modal:2")
@@ -35,7 +34,7 @@ _TEXT = {
 }
 
 
-class OnsetErrors(NamedTuple):
+class _OnsetErrors(NamedTuple):
     """Relative error of a model's critical r over theta = r_c omega_c of the exact system, and its law."""
 
     theta: np.ndarray
@@ -47,7 +46,7 @@ class OnsetErrors(NamedTuple):
         return float(self.error[index] / self.law.at(float(self.theta[index])))
 
 
-class CycleErrors(NamedTuple):
+class _CycleErrors(NamedTuple):
     """The orbit 2 % beyond the exact onset with epsilon scaled: theta = r omega_c, exact v_max r, every model's period
     against the exact one."""
 
@@ -61,7 +60,7 @@ class CycleErrors(NamedTuple):
         return self.periods[model].error or 0.0
 
 
-Onsets: TypeAlias = dict[str, OnsetErrors]
+Onsets: TypeAlias = dict[str, _OnsetErrors]
 
 
 def measure_onsets(paper: slipwave.Scene) -> Onsets:
@@ -74,12 +73,12 @@ def measure_onsets(paper: slipwave.Scene) -> Onsets:
         model: [critical_round_trip(scene, model)[0] / r - 1.0 for scene, (r, _) in zip(scenes, exact, strict=True)]
         for model in MODELS
     }
-    return {model: OnsetErrors(theta, np.array(error), error_law(model, slopes)) for model, error in errors.items()}
+    return {model: _OnsetErrors(theta, np.array(error), error_law(model, slopes)) for model, error in errors.items()}
 
 
-def measure_cycle(paper: slipwave.Scene, scale: float) -> CycleErrors:
+def measure_cycle(paper: slipwave.Scene, scale: float) -> _CycleErrors:
     """Settle the delay system and the reductions 2 % beyond the exact onset of the scene with epsilon scaled."""
-    softer = scaled(paper, epsilon=scale)
+    softer = scaled(paper, epsilon=float(scale))
     r_c, omega = critical_round_trip(softer)
     scene = scaled(softer, round_trip=_BEYOND * r_c / softer.transit)
     scene = replace(scene, start=replace(scene.start, size=_PUSH))
@@ -87,19 +86,19 @@ def measure_cycle(paper: slipwave.Scene, scale: float) -> CycleErrors:
     exact, *orbits = (memo.settled(model, scene, 1e-9, _SETTLED, 600.0 / theta).orbit for model in ("delay", *_CYCLING))
     periods = {model: against(orbit.period, exact.period) for model, orbit in zip(_CYCLING, orbits, strict=True)}
     known = {model: replace(one, standard_error=2.0 * _SETTLED + one.standard_error) for model, one in periods.items()}
-    return CycleErrors(scale, theta, exact.v_max.value * scene.transit, known)
+    return _CycleErrors(scale, theta, exact.v_max.value * scene.transit, known)
 
 
 def _law(model: str) -> str:
     return _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}")
 
 
-def law_verdicts(onsets: Onsets, cycles: Sequence[CycleErrors]) -> Iterator[Verdict]:
+def law_verdicts(onsets: Onsets, cycles: Sequence[_CycleErrors]) -> Verdicts:
     """On the onset one case for each model, and that on the cycle. Twice the next term of a law is allowed, as it shows at the
     paper's epsilon. From there it falls as theta^2, or theta for the one odd law; what a wrong factor leaves does not fall.
     Rounding of a ratio of critical r adds."""
     for model, onset in onsets.items():
-        here, theta = (float(onset.theta[index]) for index in (_HERE, _FINER))
+        here, theta = (onset.theta[index] for index in (_HERE, _FINER))
         fall = (theta / here) ** (1 if model == "quasidynamic" else 2)
         allowed = 2.0 * fall * abs(onset.ratio(_HERE) - 1.0) + _ROUNDING / abs(onset.law.at(theta))
         title, ratio = "A reduction’s error of r_{c} follows the law of its impedance", onset.ratio(_FINER)
@@ -108,22 +107,23 @@ def law_verdicts(onsets: Onsets, cycles: Sequence[CycleErrors]) -> Iterator[Verd
     yield from [_cycle_verdict(cycles)] if cycles else []
 
 
-def _cycle_verdict(cycles: Sequence[CycleErrors]) -> Verdict:
+def _cycle_verdict(cycles: Sequence[_CycleErrors]) -> Verdict:
     """Whether the period of the paper's ODE tends to the exact one."""
     first, last = cycles[0], cycles[-1]
     shrink, most = abs(last.error() / first.error()), 0.5 * last.theta / first.theta
-    return of_paper(
+    return holding(
         "The paper’s ODE tends to the exact system as r → 0: in the period of the cycle",
+        ASYMPTOTIC,
         f"error falls to {most:.3f} of itself, half as fast as θ",
         f"{shrink:.3f}, {plain(first.error(), '.1e')} → {plain(last.error(), '.1e')}",
         shrink < most,
         f"θ from {first.theta:.3f} to {last.theta:.3f}; v_{{max}} r stays near {last.swiftness:.1f}: friction sets the drop, "
         "v_{max} ~ Δμ/ε and r_{c} ~ ε/(b − a), so that during an event the expansion in r has no small parameter",
-        evidence=ASYMPTOTIC,
+        otherwise=Outcome.FINDING,
     ).with_margin(shrink, most)
 
 
-def law_numbers(cycles: Sequence[CycleErrors]) -> dict[str, Number]:
+def law_numbers(cycles: Sequence[_CycleErrors]) -> dict[str, Number]:
     """Errors of the period at half of the paper's epsilon."""
     (half,) = (cycle.periods for cycle in cycles if cycle.scale == HALF)
     return {
@@ -132,7 +132,7 @@ def law_numbers(cycles: Sequence[CycleErrors]) -> dict[str, Number]:
     }
 
 
-def law_answer(onsets: Onsets, cycles: Sequence[CycleErrors]) -> str:
+def law_answer(onsets: Onsets, cycles: Sequence[_CycleErrors]) -> str:
     """Whether the error can be predicted."""
     off = max(abs(onset.ratio(_FINER) - 1.0) for model, onset in onsets.items() if model != "quasidynamic")
     errors = [100.0 * abs(cycle.error()) for cycle in cycles]
@@ -149,11 +149,11 @@ CAPTION = (
 )
 
 
-def fall(onsets: Onsets, cycles: Sequence[CycleErrors]) -> Chart:
+def fall(onsets: Onsets, cycles: Sequence[_CycleErrors]) -> Chart:
     """Errors of the onset, left, and of the period of the cycle, right, over theta = r omega_c."""
     left, right, theta = list[Trace](), list[Trace](), [cycle.theta for cycle in cycles]
     for model, onset in onsets.items():
-        laws = [abs(onset.law.at(float(one))) for one in onset.theta]
+        laws = [abs(onset.law.at(one)) for one in onset.theta]
         left += [model_line(model, onset.theta, laws, f"law of {model}", dashes="-", width=0.8)]
         left += [Trace(model, onset.theta, np.abs(onset.error), model_marks(model, size=4.5))]
         if model in _CYCLING:

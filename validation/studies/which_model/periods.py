@@ -1,6 +1,6 @@
 """The period of stick-slip over the delay r, the paper's Fig 8: orbits, stable or not, and means where none is stable."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from validation.chart import ORANGE, Chart, Look, Panel, Scale, Trace
@@ -9,11 +9,9 @@ from validation.measure.cycle import Estimate
 from validation.measure.over_r import FAR, Branch, branch_of
 from validation.measure.regimes import Regime
 from validation.references.published import reference
-from validation.report import Number, Verdict, stated
+from validation.report import Number, Verdicts, minus, stated
 from validation.report.branch_drawing import orbit_traces
-from validation.report.known import as_known, order_of_periods
-from validation.report.numbers import numbered_period
-from validation.report.text import minus
+from validation.report.known import as_known, numbered_period, order_of_periods
 
 WAVES, BLOCKS = ("kelvin-voigt", "delay"), ("block8", "block12")
 """Models with reverberations, whose orbits lose stability; blocks, whose orbits are all stable."""
@@ -59,7 +57,7 @@ def periods_of(branches: Mapping[str, Branch], regimes: Mapping[str, Mapping[flo
     }
 
 
-def period_verdicts(periods: ByModel) -> Iterator[Verdict]:
+def period_verdicts(periods: ByModel) -> Verdicts:
     """P7 over the whole range of r, and the periods of other programs at all r but the one of `one-cycle`."""
     listed = {log10_r: {model: found[log10_r].every for model, found in periods.items()} for log10_r in periods["delay"]}
     yield order_of_periods(listed, "all orbits known at an r, stable or not, and means of runs with two standard errors")

@@ -1,8 +1,9 @@
-"""Measured step limits: slabs that slide steadily, with noise at the grid scale, are marched beyond the declared limit.
+"""Noise at the scale of the grid: measured step limits, and noise in slabs that are locked by friction.
 
-Friction depends on the rate alone (b = 0), so that steady sliding is stable and all growth comes from the scheme. Its stiffness
-is a/v over Z, the impedance of the interface: 0 leaves the interface free, 1 absorbs waves, infinity locks it. The relaxation of
-psi is stepped explicitly and limits the step where r v is large; it is tested separately.
+For a limit, slabs that slide steadily, with noise, are marched beyond the declared one. Friction depends on the rate alone
+(b = 0), so that steady sliding is stable and all growth comes from the scheme. Its stiffness is a/v over Z, the impedance of the
+interface: 0 leaves the interface free, 1 absorbs waves, infinity locks it. The relaxation of psi is stepped explicitly and limits
+the step where r v is large; it is tested separately.
 """
 
 import math
@@ -15,6 +16,7 @@ import numpy as np
 import slipwave
 from fullwave.options import AnyShare
 from slipwave.errors import NumericsError
+from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, StandardLinearViscosity
@@ -69,14 +71,9 @@ _LONG = 120.0  # transits
 _LOW, _HIGH = 0.8, 1.5
 
 
-def few_cells(model: str) -> int:
-    """Cells of a cheap run of any full wave: those of `CELLS`, or the family's usual ones."""
-    return CELLS.get(model, grid_of(model)[0].cells)
-
-
 def _with_step(model: str, scene: Scene, share: float) -> FieldSolver:
     """The solver at `share` of its declared step limit, which may exceed 1, unlike for users."""
-    return build_full_wave(model, scene, cells=few_cells(model), cfl=AnyShare(share))
+    return build_full_wave(model, scene, cells=CELLS.get(model, grid_of(model)[0].cells), cfl=AnyShare(share))
 
 
 def rubbing(decade: float, medium: str = "alike slabs") -> Scene:
@@ -86,13 +83,6 @@ def rubbing(decade: float, medium: str = "alike slabs") -> Scene:
     upper = replace(plain.upper, **one)
     slabs = replace(plain, upper=upper, lower=upper if other is None else replace(plain.upper, **other))
     return replace(slabs, law=plain.law._replace(a=10.0**decade * slabs.impedance * plain.velocity, b=0.0))
-
-
-def ageing(relaxation: float) -> Scene:
-    """Alike slabs, a/v = Z, with psi relaxing at `relaxation` per transit (r V) and disturbed by a jump of 1e-3."""
-    plain = rubbing(0.0)
-    slab = replace(plain.upper, round_trip=relaxation / plain.velocity)
-    return replace(plain, upper=slab, lower=slab, start=Start(StartKind.JUMP, 1e-3))
 
 
 def growth(model: str, scene: Scene, share: float, steps: int = STEPS) -> float:
@@ -117,11 +107,14 @@ def limit_at(model: str, decade: float) -> float:
 
 
 def state_reach(model: str) -> float:
-    """Largest stable step times the relaxation rate of psi, to 1 per cent; infinite if psi sets no limit."""
+    """Largest stable step times the relaxation rate of psi, to 1 per cent, of alike slabs, a/v = Z, after a jump of psi; infinite
+    if psi sets no limit."""
     if grid_of(model)[0].implicit_state:
         return math.inf
-    scene = ageing(1e4)
-    return _largest(lambda share: _calms_down(model, scene, share)) * _with_step(model, scene, 1.0).step * 1e4
+    plain, relaxation = rubbing(0.0), 1e4  # of psi per transit, which is r V
+    slab = replace(plain.upper, round_trip=relaxation / plain.velocity)
+    scene = replace(plain, upper=slab, lower=slab, start=Start(StartKind.JUMP, 1e-3))
+    return _largest(lambda share: _calms_down(model, scene, share)) * _with_step(model, scene, 1.0).step * relaxation
 
 
 def _calms_down(model: str, scene: Scene, share: float) -> bool:
@@ -164,3 +157,35 @@ def around_the_limit(model: str, medium: str) -> tuple[float, float]:
 def stops_beyond(model: str, share: float) -> bool:
     """Whether a run of the paper's scene at `share` of the declared step stops with a message."""
     return not _goes_through(_with_step(model, slipwave.read("paper"), share), _LONG)
+
+
+def _locked() -> Scene:
+    """The slabs of the paper locked by friction: where hardly anything slides, a wave hardly changes the slip rate."""
+    return slipwave.read("paper", ["drive.velocity=1e-6", "start.size=0"])
+
+
+def noise_left(transits: float) -> Estimate:
+    """What friction leaves of the energy of waves in a locked slab after `transits`. A wave of velocity u makes slip at a rate of
+    4 Z u V/a, which takes a share 4 Z V/a of the energy in every transit; a/v is not constant, by that slip over V: the error."""
+    scene = _locked()
+    share = 4.0 * scene.impedance * scene.velocity / scene.law.a
+    left = math.exp(-share * transits)
+    return Estimate(left, (1.0 - left) * share / scene.velocity)
+
+
+def locked_noise(model: str, transits: float) -> float:
+    """Energy left of noise in a locked slab after `transits`, over its mean in the first ten; infinite if the run broke down."""
+    scene = _locked()
+    solver = _with_step(model, scene, 1.0)
+    solver.disturb(np.random.default_rng(1).standard_normal, stressed=False)
+    try:
+        first = np.mean([_energy(solver, moment) for moment in 2.0 * np.arange(1.0, 6.0)])
+        last = np.mean([_energy(solver, moment) for moment in transits + 2.0 * np.arange(1.0, 6.0)])
+    except NumericsError:
+        return math.inf
+    return float(last / first)
+
+
+def _energy(solver: FieldSolver, moment: float) -> float:
+    follow(solver, moment)
+    return solver.deviation_energy()

@@ -1,8 +1,19 @@
 """Slabs that differ: what the ratio of round trips changes, and that of impedances with it, at one impedance and one stiffness
-of the interface; where stick-slip ends; the exact solution against full waves and another program; which model may be used."""
+of the interface; where stick-slip ends; the exact solution against full waves and another program; which model may be used.
+
+Impedance, stiffness and static slip weakening of the interface stay those of the paper's alike slabs; the ratios of impedances q
+and of round trips p, lower over upper slab, vary.
+
+    1/Z = 1/epsilon_1 + 1/epsilon_2,    1/k = r_1/epsilon_1 + r_2/epsilon_2        (per V*, per L)
+    epsilon_1 = Z (1 + q)/q,  epsilon_2 = Z (1 + q),    r_1 = r (1 + q)/(q + p),  r_2 = p r_1
+
+so that at p = 1 the interface cannot tell the pair from alike slabs of epsilon = 2 Z and r, and k = Z/r for all q and p. Times
+are given in transits of these alike slabs, a clock that does not change.
+"""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from typing import NamedTuple
 
 import slipwave as sw
 from validation.chart import DASHED, DOTTED, INK, Chart, Look, Panel, Scale, Trace
@@ -10,20 +21,78 @@ from validation.measure.in_words import command_words, motion_at, scene_of, stat
 from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
 from validation.measure.regimes import UNDECIDED, Regime
 from validation.references import others
-from validation.report import SELF, WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Table, stated, table
+from validation.report import (
+    ROUNDING,
+    SELF,
+    WITNESS,
+    Budget,
+    Figure,
+    Number,
+    StudyAnswer,
+    StudyResult,
+    Table,
+    Verdict,
+    Verdicts,
+    claim,
+    minus,
+    places,
+    plain,
+    stated,
+    table,
+)
 from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
 from validation.report.everywhere import first_good, first_in_words, motion_cells, recorded_table, repeated, summary
 from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign, foreign_answer
 from validation.report.model_table import ModelColumn
-from validation.report.text import minus, places, plain
-from validation.report.verdict import ROUNDING, Verdict, claim
-from validation.studies.asymmetry.pairs import IMPEDANCE, IMPEDANCES, ROUND_TRIPS, Pair, pairs_at
 
 NAME = "asymmetry"
 QUESTION = "What does it change that the slabs differ, and which model may be used for them?"
 SCENES = ("unlike", "unlike-irrational", "layered", "paper")
 FILES = (MOTIONS, SPECIAL_POINTS, *others.FILES)
 SECONDS = (15.0, 25.0)
+
+IMPEDANCE = 1.4e-5
+"""Z, half of the paper's epsilon."""
+ROUND_TRIPS = (1.0, math.sqrt(2.0), 2.0, 3.0, 5.0, 10.0)
+IMPEDANCES = (1.0, 3.0, 10.0)
+_NUDGE = 0.5
+
+
+class Pair(NamedTuple):
+    """Slabs of two ratios, lower over upper, whose alike slabs have this log10 r."""
+
+    impedances: float
+    round_trips: float
+    log10_r: float
+
+    @property
+    def clock(self) -> float:
+        """A transit of the upper slab, in transits of the alike slabs."""
+        return (1.0 + self.impedances) / (self.impedances + self.round_trips)
+
+    @property
+    def settings(self) -> str:
+        """The words that give the scene in a command."""
+        q, upper = self.impedances, 10.0**self.log10_r * self.clock
+        keys = {
+            "upper.epsilon": IMPEDANCE * (1.0 + q) / q,
+            "lower.epsilon": IMPEDANCE * (1.0 + q),
+            "upper.r": upper,
+            "lower.r": upper * self.round_trips,
+            "start.size": _NUDGE,
+        }
+        return command_words("paper", keys)
+
+    @property
+    def title(self) -> str:
+        """Its numbers in a few words."""
+        return minus(f"q = {self.impedances:g}, p = {self.round_trips:.4g}, log_{{10}} r = {self.log10_r:g}")
+
+
+def pairs_at(log10_r: float) -> list[Pair]:
+    """Every pair once: at equal round trips the ratio of impedances changes nothing."""
+    return [Pair(q, p, log10_r) for q in IMPEDANCES for p in ROUND_TRIPS if p > 1.0 or q == 1.0]
+
 
 LOG10_R = (-2.68, -2.6)
 PAIRS = tuple(pair for log10_r in LOG10_R for pair in pairs_at(log10_r))
@@ -39,19 +108,26 @@ _WITNESSED = {
     "unlike-irrational": "round trips √2 : 1",
     Pair(10.0, 5.0, -2.68).settings: "round trips 5 : 1",
 }
-_GRIDS = {True: (("dg:7", 4), ("sbp:6", 64)), False: (("dg:7", 6), ("sbp:6", 96))}
-"""Quick report -> full waves and cells per slab."""
-_AGAIN = {
-    True: ((EXACT_MODEL, Pair(3.0, 5.0, -2.68)), ("modal:4", Pair(3.0, 10.0, -2.68)), (EXACT_MODEL, Pair(3.0, 2.0, -2.6))),
-    False: (
-        (EXACT_MODEL, Pair(10.0, 10.0, -2.68)),
-        ("modal:4", Pair(1.0, 10.0, -2.68)),
-        ("block8", Pair(3.0, 3.0, -2.6)),
-        ("kelvin-voigt", Pair(10.0, 2.0, -2.6)),
-        ("modal:8", Pair(1.0, 5.0, -2.6)),
-    ),
-}
-"""Quick report -> motions on record that are computed again; a full report computes both."""
+
+
+class _Plan(NamedTuple):
+    """Full waves and cells per slab; motions on record that are computed again; rounds of costs."""
+
+    grids: tuple[tuple[str, int], ...]
+    again: tuple[tuple[str, Pair], ...]
+    rounds: int
+
+
+_AGAIN = ((EXACT_MODEL, Pair(3.0, 5.0, -2.68)), ("modal:4", Pair(3.0, 10.0, -2.68)), (EXACT_MODEL, Pair(3.0, 2.0, -2.6)))
+_MORE = (
+    (EXACT_MODEL, Pair(10.0, 10.0, -2.68)),
+    ("modal:4", Pair(1.0, 10.0, -2.68)),
+    ("block8", Pair(3.0, 3.0, -2.6)),
+    ("kelvin-voigt", Pair(10.0, 2.0, -2.6)),
+    ("modal:8", Pair(1.0, 5.0, -2.6)),
+)
+_QUICK = _Plan((("dg:7", 4), ("sbp:6", 64)), _AGAIN, 3)
+_FULL = _Plan((("dg:7", 6), ("sbp:6", 96)), _AGAIN + _MORE, 5)
 _SECOND = {"pair-2": Pair(3.0, 2.0, -2.68), "pair-root2": Pair(10.0, math.sqrt(2.0), -2.68)}
 _TORN, _LEAKING = Pair(10.0, 2.0, -2.68), 0.999
 """What docs/benchmark/pairs.csv has, by its names; the pair that has a torus behind leaking faces, and their R."""
@@ -62,17 +138,17 @@ def run(budget: Budget) -> StudyResult:
     delay = {name: state_at(name, UNTIL, tol=TOLERANCE) for name in _WITNESSED}
     coarse = {name: state_at(name, UNTIL, tol=10.0 * TOLERANCE) for name in _WITNESSED}
     known = {name: max(ROUNDING, abs(coarse[name] - psi)) for name, psi in delay.items()}
-    grids = _GRIDS[budget.quick]
-    waves = {(name, of): state_at(name, UNTIL, of, cells=n, time="explicit") for name in _WITNESSED for of, n in grids}
+    plan = budget.plan(_QUICK, _FULL)
+    waves = {(name, of): state_at(name, UNTIL, of, cells=n, time="explicit") for name in _WITNESSED for of, n in plan.grids}
     budget.report(0.4)
     alike, *two = map(period_as_two, IMPEDANCES)
     exact = {pair: on_record(EXACT_MODEL, pair.settings) or Regime(UNDECIDED) for pair in PAIRS}
     ends = {pair: _end_of(pair) for pair in pairs_at(LOG10_R[0])}
     budget.report(0.6)
-    timed, rounds = [one for one in MODELS if one != "quasidynamic"], 3 if budget.quick else 5
-    costs = relative_costs(timed, {}, scene_of(_COSTED.settings), rounds)
+    timed = [one for one in MODELS if one != "quasidynamic"]
+    costs = relative_costs(timed, {}, scene_of(_COSTED.settings), plan.rounds)
     compared = recorded_table(NAME, [_column(pair) for pair in PAIRS], MODELS, _COSTED.title, costs)
-    again = [(model, _column(pair)) for model, pair in _AGAIN[True] + (() if budget.quick else _AGAIN[False])]
+    again = [(model, _column(pair)) for model, pair in plan.again]
     return StudyResult(
         answers=_answers(exact, ends, alike, first_in_words(compared, _LADDER, "at every p and q of the table")),
         figures=(
@@ -197,7 +273,7 @@ def _agreement(delay: Mapping[str, float], waves: Mapping[tuple[str, str], float
     return claim(title, WITNESS, off[name, model], known[name], f"worst of {len(off)}: `{model}`, {_WITNESSED[name]}")
 
 
-def _foreign() -> Iterator[Verdict]:
+def _foreign() -> Verdicts:
     title = f"Another program, {others.SEM2DPACK}, has the exact solution’s ψ in slabs that differ and in layers"
     if others.FILES:
         yield as_foreign(title, {name: {t: state_at(name, t, tol=1e-12) for t in OTHERS_AT} for name in SCENES[:3]})
@@ -209,7 +285,7 @@ def _folds_again(ends: Mapping[Pair, tuple[float, float]]) -> Verdict:
     return claim("Folds on record of pairs are found again", SELF, off, ROUNDING, f"log_{{10}} r of {len(pairs)} pairs")
 
 
-def _second(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]], two: list[float]) -> Iterator[Verdict]:
+def _second(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]], two: list[float]) -> Verdicts:
     """The benchmark's second program on orbits and special points of pairs; `two`: periods at equal round trips."""
     if not others.FILES:
         return
