@@ -48,7 +48,7 @@ def test_dense_ladder_drops_what_bends_and_what_rounds():
     assert found.used == slice(5, 11)  # six levels left of those above the floor
     assert found.order == pytest.approx(4.0, abs=0.6)
     straight = fit_dense(CELLS, 3 * CELLS**-4.0, start=2)
-    assert (straight.order, straight.constant, straight.finest) == pytest.approx((4.0, 3.0, 4.0), rel=1e-9)
+    assert (straight.order, straight.finest_error) == pytest.approx((4.0, 3 * CELLS[-1] ** -4.0), rel=1e-9)
     assert straight.half_width < 1e-9
     with pytest.raises(ValueError, match="3 usable"):
         fit_dense(CELLS, CELLS**-4.0, floor=1.01 * CELLS[3] ** -4.0)

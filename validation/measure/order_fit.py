@@ -26,25 +26,20 @@ WIDEST = 0.5  # half-width beyond which a fit proves nothing
 class Fit:
     """error ~ constant / cells^order by least squares in the logarithms over the levels `used` (a slice of the ladder).
 
-    `half_width` is that of the 95 % confidence interval of the order (Student, n - 2 degrees of freedom), `finest` the order of
-    the two finest used levels alone, `finest_error` the smallest error used, `r_squared` the share of the variance explained.
-    `limit` is the order at h = 0 to which the trend of the local orders leads, from error ~ constant h^order e^(b h) with h =
-    1/cells; its interval is infinite with fewer than four levels.
+    `half_width` is that of the 95 % confidence interval of the order (Student, n - 2 degrees of freedom), `finest_error` the
+    smallest error used. `limit` is the order at h = 0 to which the trend of the local orders leads, from error ~ constant h^order
+    e^(b h) with h = 1/cells; its interval is infinite with fewer than four levels.
     """
 
     order: float
     half_width: float
-    constant: float
-    finest: float
     finest_error: float
     used: slice
-    r_squared: float
     limit: float
     limit_half_width: float
 
     def __str__(self) -> str:
-        quality = f"finest pair {self.finest:.3f}, R2 {self.r_squared:.6f}, levels {self.used.start + 1} to {self.used.stop}"
-        return f"order {self.order:.3f} +- {self.half_width:.3f} (95 %), {quality}"
+        return f"order {self.order:.3f} +- {self.half_width:.3f} (95 %), levels {self.used.start + 1} to {self.used.stop}"
 
     def leads_to(self, declared: float) -> bool:
         """Whether the local orders rise to `declared` with finer grids, although grids too fine to run would be needed to reach
@@ -112,24 +107,22 @@ def _regress(x: Array, y: Array, start: int) -> Fit:
     """The straight line through the logarithms from level `start` on."""
     from scipy.special import stdtrit
 
-    finest, used = -float((y[-1] - y[-2]) / (x[-1] - x[-2])), slice(start, y.size)
+    used = slice(start, y.size)
     x, y = x[used], y[used]
 
-    def line(*terms: Array) -> tuple[Array, Array, float]:
-        """(coefficients of y over these terms, rows; residual; half-width of the 95 % interval of the second coefficient)."""
+    def line(*terms: Array) -> tuple[float, float]:
+        """The coefficient of the second of these terms, rows, in y, and the half-width of its 95 % interval."""
         matrix = np.stack(terms, axis=1)
-        found: Array = np.linalg.lstsq(matrix, y, rcond=None)[0].astype(np.float64)
+        found = np.linalg.lstsq(matrix, y, rcond=None)[0]
         residual, free = y - matrix @ found, x.size - len(terms)
         if free < 1:
-            return found, residual, math.inf
+            return float(found[1]), math.inf
         variance = residual @ residual / free * np.linalg.inv(matrix.T @ matrix)[1, 1]
-        return found, residual, float(stdtrit(free, 0.975) * np.sqrt(variance))
+        return float(found[1]), float(stdtrit(free, 0.975) * np.sqrt(variance))
 
-    (intercept, slope), residual, half_width = line(np.ones_like(x), x)
-    (_, limit, *_), _, limit_half_width = line(np.ones_like(x), x, np.exp(x[0] - x))
-    r_squared = 1.0 - float(residual @ residual / ((y - y.mean()) @ (y - y.mean())))
-    errors = float(np.exp(intercept)), finest, float(np.exp(y.min()))
-    return Fit(-float(slope), half_width, *errors, used, r_squared, -float(limit), limit_half_width)
+    slope, half_width = line(np.ones_like(x), x)
+    limit, limit_half_width = line(np.ones_like(x), x, np.exp(x[0] - x))
+    return Fit(-slope, half_width, float(np.exp(y.min())), used, -limit, limit_half_width)
 
 
 def shortfall(result: Fit, declared: float, tolerance: float = WITHIN, at_least: bool = False, widest: float = WIDEST) -> str:

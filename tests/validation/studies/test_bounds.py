@@ -24,7 +24,7 @@ from validation.report import (
 from validation.report.known import as_known, of_order
 from validation.report.names import by_claim, with_names
 
-ORDER = Fit(3.91, 0.11, 1.0, 3.9, 1e-6, slice(0, 4), 0.99, 3.9, 0.1)
+ORDER = Fit(3.91, 0.11, 1e-6, slice(0, 4), 3.9, 0.1)
 
 
 @pytest.mark.parametrize(
