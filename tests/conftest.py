@@ -26,16 +26,14 @@ def pytest_addoption(parser):
 
 @pytest.fixture(autouse=True)
 def no_progress(monkeypatch):
-    """Tests of what is printed must not depend on how long it took: no test is told of progress or of a long run unless it says
-    so."""
+    """No test is told of progress or of a long run unless it says so."""
     monkeypatch.setattr("validation.models.progress.PATIENCE", math.inf)
     monkeypatch.setattr("validation.models.progress.LONG", math.inf)
 
 
 @pytest.fixture(autouse=True)
 def nothing_left_behind():
-    """Friction laws and families of models that a test registers, and the files that it loads, are gone after it: no test may
-    depend on what its process ran before."""
+    """Laws, families and files that a test registers or loads are gone after it."""
     tables, lists = (LAWS, LAW_FILES, own._OWN), (FAMILIES, GRIDS, REDUCTIONS)
     before = [dict(table) for table in tables], [list(one) for one in lists]
     yield

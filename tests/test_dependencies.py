@@ -1,5 +1,4 @@
-"""What the packages import is declared and the other way round, the lock file holds what that needs and nothing else, and a wheel
-would hold every program and every data file."""
+"""What is imported is declared and locked, and a wheel would hold every program and every data file."""
 
 import ast
 import os

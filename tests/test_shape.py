@@ -1,5 +1,4 @@
-"""The shape of the house: no file and no function too long, no function of too many arguments, no public name twice, and objects
-that are finished when they are built."""
+"""The shape of the house: short files and functions, few parameters, no public name twice, finished objects."""
 
 import ast
 from collections import Counter, defaultdict

@@ -26,8 +26,7 @@ from tests.compiled_work import count_calls
     ],
 )
 def test_a_big_grid_leaves_compiled_code_soon(kind, options, products, monkeypatch):
-    """`products` a value and step: in each of 12 stages, the operator's row and half of the stages before. 4e8 of them take less
-    than a second on the slowest of the machines measured."""
+    """`products` a value and step, of 12 stages each; 4e8 of them take less than a second."""
     calls = count_calls(monkeypatch)
     solver = kind(PAPER, **options)
     solver.advance(1e6)

@@ -1,5 +1,4 @@
-"""The exact march of a grid against the explicit one, which shares neither its steps nor its friction solve; its own promises:
-the coupled step never gains energy, fields inside a step are those of shorter steps, steps end on breaks; and its refusals."""
+"""The exact march of a grid: as the explicit one, gains no energy, ends on breaks, is right within its steps; its refusals."""
 
 from types import SimpleNamespace
 

@@ -30,9 +30,7 @@ def recorded(request):
 
 
 def both_slabs(field):
-    """Position, velocity and stress from the lower outer face (-1) over the interface (0, twice) to the upper one (1).
-
-    Alike slabs mirror each other: same stress, opposite velocity."""
+    """Position, velocity and stress from the lower outer face (-1) to the upper one (1); alike slabs mirror each other."""
     upper = field.upper
     lower = field.lower or dataclasses.replace(upper, velocity=-upper.velocity)
     order = np.arange(lower.depth.size)[::-1]

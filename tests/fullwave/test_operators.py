@@ -1,5 +1,4 @@
-"""What each family's operator must satisfy: accuracy, summation by parts, the elements of scikit-fem; order and documented
-stability limits of the Runge-Kutta tables."""
+"""Each family's operator: accuracy, summation by parts; orders and stability limits of the Runge-Kutta tables."""
 
 import math
 

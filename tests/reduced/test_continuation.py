@@ -155,8 +155,7 @@ def test_a_multiplier_that_passes_minus_one(sign):
 
 
 def test_a_doubling_beside_a_multiplier_that_is_nearer_to_minus_one():
-    """At the right end the multiplier that has passed is -2.8, and that of the strip's other direction, -0.13, is the nearer one:
-    the test function has one sign at both ends."""
+    """The test function has one sign at both ends: -0.13 is nearer to -1 than -2.8."""
     oscillator = beside(lambda p: p - 0.5, moebius=True)
     family = family_of(oscillator)
     (doubling,) = specials_between(family, at(family, oscillator, 0.3), at(family, oscillator, 0.7), METRIC)

@@ -111,7 +111,6 @@ def test_a_curve_that_turns_within_a_hundred_thousandth():
 
 
 def test_a_curve_that_turns_back_in_both_parameters():
-    """A circle, once around, in equal steps that never go back."""
     start, points = curve("NS", circle, 0.2, (0.0, 1.0), 42, Control(2e-2, 1e-5, 0.04))
     assert start.parameters == pytest.approx((0.3, 0.0), abs=1e-9)
     places = np.array([place for place, _ in points])

@@ -1,5 +1,4 @@
-"""The exact delay system against independent values and exact echoes, starts and ends meant to break it, its refusals, steps with
-cuts at the drive's kinks, and states that do not fit."""
+"""The exact delay system: values of others, starts, ends and ramps meant to break it, refusals, states that do not fit."""
 
 import dataclasses
 
@@ -90,8 +89,7 @@ def test_an_end_that_rounding_just_misses_is_reached(march, name):
 
 @pytest.mark.parametrize("back", [1.0, 1.02, 1.3, 1.875, 2.25, 2.5, 40.6])
 def test_waves_that_come_back_between_nodes_gain_nothing(back):
-    """In a slab without friction they come back for ever. Values of the waves themselves at the nodes would gain up to 22 % (at
-    1.875 steps) every time."""
+    """For ever, without friction; values of the waves themselves would gain up to 22 % every time."""
     nodes = radau(8).nodes
     (steps,), (weights,) = delay_rows(np.array([back]), nodes)
     shift = [weights[0] + np.exp(1j * phase) * weights[1] for phase in np.linspace(0.0, np.pi, 30)]

@@ -60,7 +60,6 @@ def test_tangent_is_the_derivative_of_the_march(kind, period):
 @every_scene
 @pytest.mark.parametrize("period", [0.3, 3.37])
 def test_velocity_is_the_derivative_of_the_march_by_the_period(kind, period):
-    """Within the last step, of every value of the end; after another march too."""
     _, flow, start = settled(kind, per_transit=4.0, until=20.0)
     cycle = flow.march(start, period)
     measured = difference(lambda change: flow.march(start, period + change[0]).end, 1, 1e-4)[:, 0]
@@ -124,7 +123,6 @@ def test_the_march_goes_on_as_the_solver_does(kind):
 
 
 def test_two_marches_in_turn_are_one():
-    """The state at the end of a period that ends within a step starts the next."""
     _, flow, start = settled("unlike", per_transit=12.0)
     halfway = flow.march(start, 3.37).end
     np.testing.assert_allclose(flow.march(halfway, 4.0).end, flow.march(start, 7.37).end, rtol=0.0, atol=1e-14)
@@ -143,7 +141,6 @@ def test_another_mesh_keeps_the_motion(kind):
 @pytest.mark.parametrize("per_transit", [1.0, 7.3, 49.0])
 @pytest.mark.parametrize("kind", ["alike", "unlike", "irrational"])
 def test_a_mesh_that_was_stored_is_the_same_to_the_bit(kind, per_transit):
-    """A branch that goes on from its file goes on to the same points."""
     flow = DelayFlow(read(*SCENES[kind]), per_transit)
     again = flow.on_mesh(flow.mesh_state())
     assert (again.length, again.kept, again.size) == (flow.length, flow.kept, flow.size)

@@ -1,5 +1,4 @@
-"""Slabs whose impedances have a constant ratio move the interface as alike ones: one slab is marched, whatever the ratio, by the
-delay system and, under a constant V, by full waves."""
+"""Slabs whose impedances have a constant ratio move the interface as alike ones: one slab is marched."""
 
 from dataclasses import astuple, replace
 
@@ -83,7 +82,6 @@ def test_one_slab_moves_as_two(face, drive, layers):
 
 
 def test_a_branch_that_leaves_the_pair_begins_beside_it():
-    """Where one slab is no longer sufficient, states have another size."""
     branch = slipwave.branch(in_ratio(3.0), ("ratio_r", 1.0, 1.05), model="delay", most_points=2)
     first = branch.found.points[0]
     assert first.value == pytest.approx(1.0 + 5e-8, abs=1e-12)

@@ -1,5 +1,4 @@
-"""Slip that reverses, for laws that allow v <= 0: random pairs of slabs whose drive falls that far, mirrored motions, the kink of
-|v| in one step, and what shows v."""
+"""Slip that reverses, for laws that allow v <= 0: random pairs of slabs, mirrored motions, the kink of |v| in one step."""
 
 import math
 from dataclasses import replace

@@ -80,8 +80,7 @@ HALVED = {"upper.layers": [{"fraction": 0.5, "impedance": 1.0}] * 2}
 
 @pytest.mark.parametrize(("ratio", "changes"), [(3.0, {}), (1.0, HALVED)])
 def test_idle_states_keep_their_multipliers_in_any_motion(ratio, changes):
-    """All states with f(t + 1) = -f(t) of the smallest unit of time; 3.25 units turn them by exp(3.25 i omega). With equal
-    round trips, a slab in two layers is not taken for a multiple of the other."""
+    """All states with f(t + 1) = -f(t) of the smallest unit of time; 3.25 units turn them by exp(3.25 i omega)."""
     flow = DelayFlow(unlike(ratio, **changes), 4.0)
     closed = steady(flow, 3.25)
     states, monodromy = flow.idle, closed.monodromy
@@ -102,7 +101,6 @@ def test_only_odd_ratios_have_idle_states(ratio, count):
 
 
 def test_what_grows_beside_idle_modes_is_unstable():
-    """Steady sliding that grows: no idle mode is counted."""
     closed = steady(DelayFlow(unlike(3.0), 4.0), 40.3)
     found = multipliers(closed)
     assert found.stable is False

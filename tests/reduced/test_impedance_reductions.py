@@ -1,5 +1,4 @@
-"""The exact one-port and reductions as impedances: against independent and closed forms and one another; passive at every
-frequency, not only on a grid."""
+"""The exact one-port and reductions as impedances: closed forms, by hand, passive at every frequency."""
 
 import math
 

@@ -1,5 +1,4 @@
-"""Leaps over long sticks and slow motion, of alike slabs and of unlike, gripped and machine-held ones: the figures are those of a
-march of every transit, gaps are only where nothing happens, and nothing else changes."""
+"""Leaps over long sticks and slow motion: the figures are those of a march of every transit."""
 
 import dataclasses
 
@@ -111,7 +110,6 @@ def test_one_observer_that_needs_every_transit_gets_them():
     ids=["step", "long ramp", "hold", "pulse"],
 )
 def test_no_leap_crosses_a_change_of_the_drive(velocity, leaps_again):
-    """Nor one after which V is what it was."""
     scene = granite(velocity=velocity)
     leaping, plain = (kind(scene, tolerance=1e-6) for kind in (LeapingDelay, Delay))
     _, seen, found = watched(leaping, 36_000.4)
@@ -149,7 +147,6 @@ SMALL = GRANITE | {"start": {"size": 1e-4}}
     ids=["paper", "rock", "small", "unlike"],
 )
 def test_nothing_changes_where_sticks_are_short_or_a_small_disturbance_grows(source, until):
-    """While v stays near V no transit is left out."""
     scene = slipwave.read(source)
     leaping, plain = (delay_system(scene, tolerance=1e-6) for _ in range(2))
     assert isinstance(leaping, LeapingNetwork if source == "unlike" else LeapingDelay)
@@ -222,8 +219,7 @@ def test_leapt_and_marched_runs_agree(kind, drive, least):
 
 
 def test_rounding_is_no_error_of_a_leap():
-    """A sample of 1 mm, held by a spring: a step's rounding, as a rate over the leap, would be more than is allowed at 1e-9.
-    Measured: 1e-11."""
+    """Of a sample of 1 mm on a spring, at 1e-9. Measured: 1e-11."""
     scene, until = slipwave.read(SAMPLE), 100_000.0
     leaping, marching = (LeapingNetwork(scene, 1e-9) for _ in range(2))
     ends = [follow(leaping, until), follow(marching, until, leaps=False)]
@@ -328,8 +324,7 @@ def test_a_jump_of_the_drive_within_a_step_is_met_by_its_end():
 
 @pytest.mark.parametrize("stop", [9_000.0, 9_001.0, 31_000.0, 31_001.0, 33_000.0, 60_000.0])
 def test_a_run_resumed_after_a_leap_is_the_same_to_the_last_bit(stop, tmp_path):
-    """Also where the next leap is no longer the first one, nor the pause the shortest; where breaks were followed before; beyond,
-    of alike slabs."""
+    """Of each march; also where breaks were followed before, and beyond."""
     march, scene, until = LeapingNetwork, sample("machine", ODD), 36_000.5
     if stop in (9_001.0, 31_001.0):
         march, scene = DelayBreaks, sample("spring", ODD)

@@ -1,5 +1,4 @@
-"""Periodic orbits whose period, figures and multipliers are known in closed form (`tests.orbit_by_hand`), and Newton's method on
-equations whose solutions are known."""
+"""Periodic orbits known in closed form (`tests.orbit_by_hand`), and Newton's method on equations of known solutions."""
 
 import math
 from dataclasses import replace
@@ -176,8 +175,7 @@ def test_errors_hold_the_truth_wherever_in_its_step_an_extremum_lies():
 
 
 def test_a_mesh_is_solved_on_although_the_coarser_one_s_orbit_nearly_closes_on_it():
-    """Meshes shift the parameter by 2e-13 (12/steps)^2. The residual on the next one is below what ends Newton's method else,
-    and both periods would be the same."""
+    """Meshes shift the parameter by 2e-13 (12/steps)^2: below what ends Newton's method else."""
 
     class Shifted(FlowByHand):
         def march(self, start, period):
@@ -212,7 +210,6 @@ def test_a_tolerance_that_no_mesh_reaches_is_told():
 
 
 def test_steady_sliding_is_no_orbit():
-    """An orbit with |w| < 5e-4 counts as steady sliding."""
     assert periodic_orbit(FlowByHand(SUPERCRITICAL, 1e-6), SUPERCRITICAL.state(1e-6), SUPERCRITICAL.period(1e-6)).settled
     with pytest.raises(NumericsError, match="by hand: Newton's method fell back onto steady sliding"):
         periodic_orbit(FlowByHand(SUPERCRITICAL, 1e-8), SUPERCRITICAL.state(1e-8), SUPERCRITICAL.period(1e-8))
@@ -246,7 +243,6 @@ def test_steps_are_shortened_until_they_help_and_a_neighbour_that_misleads_is_no
 
 
 def test_steps_leave_what_cannot_be_evaluated():
-    """The logarithm has no value at the end of the full step from 3."""
 
     def residual(u):
         if u[0] <= 0.0:

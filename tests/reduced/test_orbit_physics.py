@@ -1,5 +1,4 @@
-"""Orbits of the delay system and of reductions, their special points and onsets, against independent programs (AUTO-07p,
-DDE-BIFTOOL) started nearby, and by second methods against themselves."""
+"""Orbits, special points and onsets of the delay system and of reductions against AUTO-07p, DDE-BIFTOOL and themselves."""
 
 from contextlib import suppress
 from functools import lru_cache
@@ -85,7 +84,6 @@ def test_an_orbit_of_two_cycles_is_found_beside_the_simple_one():
 
 
 def test_no_orbit_near_a_run():
-    """On the stable side of the onset, and after too short a run."""
     with pytest.raises(NumericsError, match=r"delay: .*(returns to steady sliding|no orbit near it).*'paper'"):
         guessed("delay", -2.72)
     with pytest.raises(NumericsError, match=r"a run of 300 transits made \d+ cycles in its second half: no orbit near it"):
@@ -105,8 +103,7 @@ def test_the_estimated_errors_bound_the_errors(log10_r):
 
 
 def test_no_multiplier_of_the_waves_is_told():
-    """They form a ring about the essential radius, a little larger on a mesh, that no two meshes show alike; what is told is on a
-    third mesh too."""
+    """Their ring about the essential radius is never the same on two meshes; what is told is on a third one too."""
     told = found("delay", -2.68).multipliers
     assert told.essential_radius == pytest.approx(0.0044, abs=1e-4)
     finest = np.linalg.eigvals(found("delay", -2.68, 1e-11).closed.monodromy)

@@ -1,5 +1,4 @@
-"""Random pairs of slabs and drives: the march of the exact system against a plain transcription of its equations
-(`plain_network`), and where its steps end."""
+"""Random pairs of slabs and drives: the march of the exact system against a plain transcription (`plain_network`)."""
 
 from typing import NamedTuple
 
@@ -96,8 +95,7 @@ def drive(rng, motion, velocity):
 
 
 def random_jumps(seed):
-    """A scene whose V jumps two or three times off every grid of travel times, behind any faces, also those that only a mass and
-    a spring hold."""
+    """A scene whose V jumps off every grid of travel times, behind any faces, also a mass on a spring alone."""
     rng = np.random.default_rng(seed)
     held = {"kind": "machine", "stiffness": 10.0 ** rng.uniform(0.0, 1.5), "mass": 10.0 ** rng.uniform(-1.5, 0.3)}
     faces = [
@@ -162,7 +160,6 @@ def test_longer_marches_agree_with_the_plain_transcription(first):
 
 @pytest.mark.parametrize("seed", [0, 3, 5, 9, 12, 14, 16])
 def test_every_break_point_is_the_end_of_a_step_after_every_refinement(seed):
-    """Every 11 steps they become shorter, by whatever factor is next."""
     scene, tolerance = random_network(seed)
     solver, ends = DelayNetwork(scene, tolerance), []
     while solver.time < 16.0:
@@ -229,8 +226,7 @@ def test_echoes_of_several_jumps_are_followed_in_two_hundred_scenes():
 
 @pytest.mark.parametrize("tolerance", [1e-9, 1e-11])
 def test_two_jumps_behind_masses_without_dashpots(tolerance):
-    """The leapfrog on 1600 and 3200 cells, extrapolated, gives 4.0433733124; steps that began anew at the second jump missed the
-    echoes of the first."""
+    """By the leapfrog on 1600 and 3200 cells, extrapolated."""
 
     def held(stiffness, mass, layer):
         face = {"kind": "machine", "stiffness": stiffness, "impedance": 0.0, "mass": mass}

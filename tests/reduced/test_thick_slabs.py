@@ -1,5 +1,4 @@
-"""Slabs of hundreds of critical thicknesses: the front of a slip event takes a ten-thousandth of a transit, and only its steps
-are short. The critical r of the scenes is 6e-4."""
+"""Slabs of hundreds of critical thicknesses (r = 6e-4): the front of an event takes a ten-thousandth of a transit."""
 
 import math
 

@@ -1,5 +1,4 @@
-"""The compile cache: warm when nothing changed, compiled again exactly where an edit reaches; whatever is wrong with its
-folder or files, the answer is the same and the run goes on."""
+"""The compile cache: warm when nothing changed, compiled again where an edit reaches, never in the way of a run."""
 
 import ast
 import math
@@ -75,7 +74,6 @@ def test_a_change_of_any_byte_or_of_the_name_is_noticed(folder):
 
 
 def test_code_for_other_types_is_kept_apart(folder):
-    """Numbers of the one read as the other's would be nonsense."""
     swings = SWING, SWING.astype(np.float32)
     assert [ask(swing) for swing in swings] == [(ANSWER, 0)] * 2
     assert len(list(folder.iterdir())) == 2

@@ -1,5 +1,4 @@
-"""What is kept of a run: the ranges of the motion in equal intervals, however long the run is and wherever it leapt, and the
-solver's own polynomials in a window."""
+"""What is kept of a run: ranges of the motion in equal intervals, and the solver's own polynomials in a window."""
 
 import numpy as np
 import pytest

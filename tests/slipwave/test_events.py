@@ -1,5 +1,4 @@
-"""Slip events, their dates and the extrema of cycles on motions whose answers are known, and of any sequence of turning points as
-the definition, carried out in the plainest way, says. Motions are pieces as a solver would emit them."""
+"""Slip events and extrema of cycles on motions whose answers are known, in pieces as a solver would emit them."""
 
 import itertools
 from collections.abc import Callable
@@ -136,8 +135,7 @@ def test_few_pieces_wherever_they_end_give_the_date(count):
 
 
 def test_of_a_long_rise_above_half_its_height_every_other_piece_is_kept_to_its_end():
-    """133 000 pieces of a fall in which v rises slowly from 0.6 to 1.15, then to 2: it passes 1 long after the fall began, and
-    before the room was full."""
+    """133 000 pieces: v passes 1 long after the fall began, and before the room was full."""
     pieces, passage = 399_000, 1.0 + 0.5 * (1.0 - 0.6) / (1.15 - 0.6)
 
     def elastic(t):

@@ -1,5 +1,4 @@
-"""The friction laws: derivatives, steady states, what a regularised law shares with its plain one, rates v <= 0; and the one
-interface solve: right at every rate from 1e-30 to 1e15, from any start, and never silent about a failure."""
+"""The friction laws: derivatives, steady states, limits; and the one interface solve, from any start at any rate."""
 
 import math
 
@@ -123,7 +122,6 @@ def test_the_spinodal_law_is_the_regularised_ageing_law_between_its_two_rates(ra
 
 
 def test_steady_friction_of_the_spinodal_law_rises_falls_and_rises():
-    """Its maximum and minimum are where theory puts them, and it is 0 at rest."""
     low, high = 1e-6, 1e8
     law = law_called("spinodal", cutoff_velocity=high, saturation_velocity=low)
 

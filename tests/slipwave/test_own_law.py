@@ -1,5 +1,4 @@
-"""A law from outside: the documented example runs, a wrong function is refused by name; its code is kept on disk, and never used
-after anything that shaped it has changed."""
+"""A law from outside: refused by name if it is wrong; its code is kept on disk until what shaped it changes."""
 
 import math
 import runpy

@@ -1,5 +1,4 @@
-"""Numbers with units: what they become, the one line that answers those that cannot be read, and doubts where they can hardly be
-meant."""
+"""Numbers with units: what they become, and doubts where they can hardly be meant."""
 
 import dataclasses
 

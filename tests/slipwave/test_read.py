@@ -33,7 +33,6 @@ def test_the_paper_scene_is_the_papers():
 
 
 def test_a_sample_is_as_stiff_over_its_normal_stress_as_its_machine_says():
-    """Slabs behind springs, as of the laboratory's k' in 1/um;"""
     units = {"normal_stress": "5 MPa", "memory_length": "10 um", "reference_velocity": "1 um/s"}
     hard, soft = ({"density": 2700, "shear_modulus": f"{modulus} GPa", "thickness": "1 cm"} for modulus in (30, 10))
     data = {

@@ -1,5 +1,4 @@
-"""What every solver takes from the scene: impedance, stiffness and steady stress by hand, every kind of outer face as numbers,
-and a digest that misses nothing."""
+"""What every solver takes from the scene: impedance, stiffness, faces as numbers, and a digest that misses nothing."""
 
 import dataclasses
 import math

@@ -104,7 +104,6 @@ def test_the_rate_of_decay_and_growth_is_that_of_the_stress_drops():
 
 
 def test_drive_and_steady_sliding_come_first_and_a_run_too_short_is_told_how_long_it_should_be():
-    """By its longest cycle."""
     assert verdict(np.ones(24), rests=False).kind == "driven"
     none = np.empty(0)
     empty = Events(*[none] * 6)
@@ -176,8 +175,7 @@ def test_a_run_that_is_a_few_times_as_long_as_its_memory(memory):
 
 
 def test_few_cycles_that_resemble_each_other():
-    """Of 24 values with memory 0.5, 95 of 100 means lie within the margin; 92 by batches alone, and without the corrections of
-    what a short run takes from its autocorrelations."""
+    """Of 24 values with memory 0.5; 92 of 100 by batches alone."""
     assert covered(autoregressive(0.5, 24)) >= 0.935
 
 

@@ -49,8 +49,7 @@ def answer(printed):
 
 @pytest.fixture
 def refused(capsys):
-    """The line that a command says on stderr, which must end with that status and print nothing; if its input is wrong, it says
-    no more than which model it chose, and notes."""
+    """What a command says on stderr: one line, beside notes and the model it chose; its status; nothing on stdout."""
 
     def refused(*words, status=INPUT_WRONG):
         capsys.readouterr()

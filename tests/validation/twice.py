@@ -1,5 +1,4 @@
-"""One scene, record, sweep or fit written twice: files of scenes and of records in several ways, and every number that a command
-gives."""
+"""One scene, record, sweep or fit written twice, and every number that a command gives."""
 
 import copy
 import math
@@ -108,8 +107,7 @@ def write_table(name, columns, between=",", more=()):
 
 
 def write_steps(rng):
-    """A slide with a hold: in SI, in other units among other columns, bare with missing values, with its load point on three
-    clocks; with much noise, and with noise that lasts two samples."""
+    """A slide with a hold: in SI, in other units, bare, with its load point on three clocks, and with two kinds of noise."""
     found = sw.run("steps-SI.toml", "quasidynamic", until=40, interface=True, **{"start.size": 0.0}).dataset
     knots, speeds = (np.array(part) for part in zip(*KNOTS["hold"], strict=True))
     fine, noise, other = np.linspace(0.01, 1.1, 800), rng.standard_normal(400), rng.standard_normal((2, 400))
@@ -134,8 +132,7 @@ def write_steps(rng):
 
 
 def write_cycles(rng):
-    """Cycles of stick-slip, from stick to stick and cut within the falls at both ends; from another clock in other units; with a
-    drift."""
+    """Cycles from stick to stick and cut within the falls at both ends; another clock, other units; with a drift."""
     found = sw.run("plain-SI.toml", "block8", until=160, window=(100, 160), **{"drive.velocity": 4000}).dataset
     times, stress = TRANSIT * found["time"].values, found["interface_stress"].values
     t = np.arange(2.8, 4.4, 2e-4)
@@ -176,8 +173,7 @@ WORDS = re.compile(r"verdict|kind|type|stable|unit$")
 
 
 def numbers_of(lines, patch):
-    """Path -> every number, and word of a verdict, of the JSON and of the netCDF file of the last of these commands (joined by
-    `&&`), which must end well."""
+    """Path -> every number, and word of a verdict, in the JSON and the file of the last of these commands (joined by `&&`)."""
     results = []
 
     def finish(result, options, files, json):

@@ -17,8 +17,7 @@ _MARKED = re.compile(r'<(\w+)[^>]*\bclass="(?:[^"]* )?time(?: [^"]*)?"[^>]*>.*?<
 
 
 def lasting_digest(out: Path) -> str:
-    """Digest of the report in the folder `out` without run times: `times`, what timed verdicts found, cells of timed columns,
-    costs of models, timed figures, words in ~{}."""
+    """Digest of the report in the folder `out` without run times."""
     report = json.loads((out / NAME).read_text(encoding="utf-8"))
     del report["times"]
     timed = {verdict["id"] for verdict in report["verdicts"] if verdict["unit"] in RUN_TIMES}

@@ -51,8 +51,7 @@ def step_to(solver, time):
 
 
 def fields(solver, slab=0):
-    """Depth, deviation of velocity (own direction) and of stress over the impedance, block by block, and the norm: sparse, in
-    full, for the differences' is no diagonal."""
+    """Depth, deviations of velocity (own direction) and of stress over the impedance, by blocks, and the norm, sparse."""
     blocks = [block for block in solver.grid.blocks if block.section.slab == slab]
     state = solver.state()["state"]
     joined = [

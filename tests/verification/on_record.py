@@ -46,8 +46,7 @@ def long_run(motion: Callable[[float], Regime], width: float, label: str) -> Reg
 
 
 def wanted() -> Iterator[tuple[str, str, Callable[[float], Regime], float, bool]]:
-    """Model, scene and options, motion and width of every motion that studies ask the record for, and whether one that repeats
-    is kept too."""
+    """Model, scene, motion and width of every motion that studies ask the record for; whether one that repeats is kept."""
     for log10_r in which_model.BEYOND:
         for model in which_model.EVERY:
             yield model, paper_at(log10_r), partial(which_model.regime_at, model, log10_r), PAPER, False

@@ -1,5 +1,4 @@
-"""How a test holds a scheme to its declared order (import it as `from order import assert_order` inside this folder); limits of
-fine grids."""
+"""How a test holds a scheme to its declared order; limits of fine grids."""
 
 import numpy as np
 
@@ -19,8 +18,7 @@ def richardson(coarse, middle, fine, order):
 
 
 def assert_order(errors, steps, declared, tolerance=0.1, absolute=None, at_least=False):
-    """Observed order over at least four levels (steps decreasing) within `tolerance` of the declared one, the finest error below
-    `absolute`."""
+    """Order over at least four levels (steps decreasing) within `tolerance`, the finest error below `absolute`."""
     errors, steps = np.abs(np.asarray(errors, dtype=float)), np.asarray(steps, dtype=float)
     assert errors.size >= 4, "an order needs four levels"
     result = fit_order(1.0 / steps, errors)

@@ -41,9 +41,7 @@ def cost(monkeypatch):
 
 @EVERY
 def test_work_is_proportional_to_cells_times_steps(model, cost):
-    """Twice the transits: twice the steps, of the same values. Four times the cells: four times the steps, of four times the
-    values. Slabs whose round trips differ by rounding: twice the values. A run ends with the piece of up to 8 steps in which its
-    end lies."""
+    """Twice the transits, four times the cells, two slabs; a run ends with the piece of up to 8 steps in which its end lies."""
     cells = GRIDS[model]
     unlike = dataclasses.replace(PAPER, lower=dataclasses.replace(PAPER.lower, round_trip=(1.0 + 4e-16) * PAPER.lower.round_trip))
     steps, values = cost(model, PAPER, cells)
@@ -66,8 +64,7 @@ def peak(model, cells, transits):
 
 @EVERY
 def test_memory_does_not_grow_with_the_run(model):
-    """What a chunk of samples takes is all that a long run holds beside the grid: keeping its samples, four numbers a step, would
-    take the 800 transits' ten times what is allowed. The least of three runs, since the interpreter's own objects come and go."""
+    """Keeping its samples would take ten times what is allowed. Least of three runs: objects of the interpreter come and go."""
     solver = build(model, PAPER, cells=GRIDS[model], time=explicit_time(model))
     samples = 4 * 8 * 800.0 / solver.step
     short, long = (min(peak(model, GRIDS[model], transits) for _ in range(3)) for transits in (400.0, 1200.0))

@@ -42,7 +42,6 @@ def fine(model, run):
 
 @pytest.mark.parametrize(("run", "cycles"), [(GENTLE, 10), (ROUGH, 20)], ids=["gentle", "rough"])
 def test_the_references_agree_below_the_floor(run, cycles):
-    """In as many complete cycles as lie in the last three quarters of the run."""
     apart = errors(fine("dg:12", run), fine("fem:11", run))
     assert max(apart.values()) < run.floor
     assert fine("dg:12", run)["period"].size == fine("fem:11", run)["period"].size == cycles

@@ -1,5 +1,4 @@
-"""Independent witnesses: the method-of-lines families against the delay system, where only the interface's solve is common; the
-leapfrog below cfl 1 against discontinuous Galerkin: different bulk, different time stepping, different interface."""
+"""Witnesses: method of lines against the delay system, the leapfrog against discontinuous Galerkin."""
 
 import pytest
 from order import extrapolated

@@ -1,5 +1,4 @@
-"""Nothing grows: noise at the grid scale against the step limit, whatever friction, medium and face, and in a locked slab for a
-million transits."""
+"""Nothing grows: noise at the grid scale against the step limit, and in a locked slab for a million transits."""
 
 import dataclasses
 

@@ -1,5 +1,4 @@
-"""ODE reductions and grids over one period as differentiable maps: the derivative against differences of the motion, the motion
-against the run that it continues, and on other scenes and meshes."""
+"""Reductions and grids over a period as differentiable maps: derivative against differences, motion against the run."""
 
 from functools import partial
 

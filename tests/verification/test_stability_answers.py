@@ -1,5 +1,4 @@
-"""Answers on steady sliding against plain evaluations of MODEL.md's impedance, and against one another in random scenes:
-certified count, roots and critical values."""
+"""Answers on steady sliding: MODEL.md's impedance by hand, and count, roots and critical values of random scenes."""
 
 import math
 from collections import Counter
@@ -118,8 +117,7 @@ def _beside(name, below, above, model):
 
 
 def main(count, first=0):
-    """Prints each disagreement and the sums; the number of disagreements. A model that cannot do a scene is replaced by one that
-    can; an analysis that fails is told and counted as refused."""
+    """Prints and counts disagreements; a model that cannot do a scene is replaced, an analysis that fails is told."""
     sums = Counter(scenes=count)
     for number in range(first, first + count):
         scene, model, kind = scene_of(number)
@@ -175,7 +173,6 @@ def test_critical_values_of_the_gallery_are_the_first_zeros_of_the_impedance_by_
 
 
 def test_answers_on_random_scenes_agree():
-    """The first few."""
     assert main(6) == 0
 
 

@@ -39,8 +39,7 @@ _MOST = 3.0  # s, by a count of the work of a run
 
 
 class Answers(NamedTuple):
-    """The run, the number of roots that grow, the JSON of the orbit, or None and the `reason`; whether neighbours of a torus
-    part."""
+    """The run, how many roots grow, the JSON of the orbit or the `reason` for None; whether neighbours of a torus part."""
 
     run: Run
     roots: int

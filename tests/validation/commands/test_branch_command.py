@@ -115,8 +115,7 @@ def test_without_a_hopf_point_it_begins_with_an_orbit(answer):
 
 
 def test_a_branch_that_dips_out_of_its_range_comes_back(whole, tmp_path):
-    """Born at -2.69955, it turns at -2.70021, outside, as in a wider range; that fold is not listed, its orbits are in the file
-    alone, and the chart has a gap there."""
+    """Its fold at -2.70021 is not listed, its orbits there are in the file alone, and the chart has a gap."""
     found = sw.branch("paper", "log10_r=-2.70:-2.69", "kelvin-voigt", tol=1e-4, out=tmp_path / "x.nc")
     values = [point["log10_r"] for point in found.points]
     assert (min(values) >= -2.70, min(point.value for point in found.found.points)) == (True, pytest.approx(-2.700213, abs=1e-5))
@@ -134,7 +133,6 @@ def test_a_branch_that_dips_out_of_its_range_comes_back(whole, tmp_path):
 
 
 def test_a_branch_may_end_where_scenes_do():
-    """No face reflects more than all."""
     scene = sw.read("paper", {"slab.face": {"kind": "reflection", "coefficient": 0.999}})
     found = sw.branch(scene, "face.coefficient=0.9999:1", tol=1e-4)
     assert found.found.points[-1].value == pytest.approx(1.0, abs=1e-9)
@@ -281,7 +279,6 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
 
 
 def test_keys_of_the_scene_span_a_plane():
-    """In SI, also beside a short name, which is set in the scene that is read."""
     texts = ("slab.thickness=31 mm:34 mm", "interface.normal_stress=1 kPa:1.1 kPa", "V=100:120")
     first, second, over = (over_range(text, "paper-si") for text in texts)
     keyed = {"slab.thickness": 0.032, "interface.normal_stress": 1050.0}
@@ -292,8 +289,7 @@ def test_keys_of_the_scene_span_a_plane():
 
 
 def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
-    """r_c = (2/omega_c) atan(r_* omega_c/2) (39) at every V, and T = 2 pi/(omega_c r_c). The file holds them, and the call that
-    computes them again; what is given holds instead."""
+    """r_c = (2/omega_c) atan(r_* omega_c/2) (39) and T = 2 pi/(omega_c r_c), also in the file, and computed again from it."""
     file = tmp_path / "hopf.nc"
     points = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:110", "delay", out=file).summary["points"]
     with xarray.open_dataset(file) as data:
@@ -311,8 +307,7 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
 
 
 def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
-    """Stopped after one point and after three, when the secant is part of the state; then the whole file is as without a stop.
-    Until the last point is there, the file says that it is not complete."""
+    """Stopped after one point and after three; until the last point is there, the file says that it is not complete."""
     file, whole, complete, write = tmp_path / "part.nc", tmp_path / "whole.nc", [], followed.write_followed
     monkeypatch.setattr(followed, "write_followed", lambda *parts: [complete.append(parts[3]), write(*parts)])
     expected = sw.curve(*FOLDS, tol=1e-4, most_points=4, out=whole).found.points
@@ -377,8 +372,7 @@ def test_hopf_points_of_a_key_are_those_of_its_short_name():
 
 
 def test_a_curve_of_folds_ends_at_a_cusp(tmp_path, answer):
-    """Below an impedance of 203.3271 the branch behind grips of this stiffness has no fold: measured from 1000, too, where the
-    cusp is 3e-11 off in log10 r and 8e-7 in the impedance. Right before it both folds have nearly one place."""
+    """At an impedance of 203.3271, measured from 1000 too; right before it both folds have nearly one place."""
     words, file = (
         ["paper", "--of", "LP", "--over", "log10_r=-2.75:-2.55", "--and", "face.impedance=205:1"],
         str(tmp_path / "c.nc"),
@@ -419,8 +413,7 @@ def test_where_special_points_end():
 
 
 def test_a_hopf_point_ends_where_its_curve_turns():
-    """Behind grips of this stiffness steady sliding is stable up to the r at which its two onsets over the grips' impedance meet:
-    the largest critical round trip of all impedances."""
+    """At the largest critical round trip of all impedances of the grips."""
     scene = sw.read("paper", ["face.kind=grip", "face.stiffness=20", "face.impedance=30"])
     over, second = over_range("log10_grip_impedance=0:4", scene), over_range("log10_r=-2.75:-1.5", scene)
     curve = Curve("HB", over, second, "delay", 1e-6)
@@ -446,7 +439,6 @@ OTHER = over_range(RANGE, sw.read("paper", {"interface.a": 0.03491}))
     ],
 )
 def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, kind, fact, changes):
-    """And of another branch, of which the range is none."""
     path = tmp_path / "x.nc"
     own = Curve("LP", FIRST, SECOND, "delay", 1e-6) if kind == "curve" else FollowedBranch(FIRST, "kelvin-voigt", 1e-4)
     monkeypatch.setattr(type(own), "saved", lambda *parts: {})

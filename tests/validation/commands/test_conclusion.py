@@ -1,5 +1,4 @@
-"""What `compare` and `bench` say of their rows: errors, differences with margins, and one line at the end; the overlay that
-`compare` draws."""
+"""What `compare` and `bench` say of their rows: errors, differences with margins, one line at the end, the overlay."""
 
 import dataclasses
 import math

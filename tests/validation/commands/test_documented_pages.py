@@ -1,5 +1,4 @@
-"""What the pages and help texts say is what the program does: commands, files, numbers, tables, the walk of a run; the site lists
-every page, and every link from page to page leads somewhere."""
+"""What pages and help texts say is what the program does; every page is listed, every link leads somewhere."""
 
 import contextlib
 import io

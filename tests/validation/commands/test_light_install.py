@@ -1,5 +1,4 @@
-"""Without the libraries of the extras: what needs none of them works, what does says in one line what to install. Without a limit
-on BLAS its threads sleep during runs and orbits."""
+"""What works without the libraries of the extras, and what to install; threads of BLAS sleep during runs."""
 
 import json
 import os

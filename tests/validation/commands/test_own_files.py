@@ -1,5 +1,4 @@
-"""A user's own files, of a law, a family or a measure: what was computed before a change of one is not gone on with, and none can
-end the program."""
+"""A user's own law, family or measure: nothing goes on with a changed one, and none can end the program."""
 
 import importlib
 import sys

@@ -1,5 +1,4 @@
-"""Variables of one's own in branches, curves and fits: the scenes that they mean, files that are gone on with, one line for
-whatever is wrong."""
+"""Variables of one's own in branches, curves and fits: the scenes that they mean, files that are gone on with."""
 
 import json
 

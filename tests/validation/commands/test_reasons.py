@@ -1,5 +1,4 @@
-"""What is expected of a run before it begins, what a command prints first and notes, and the reasons below its verdict, against
-values by hand."""
+"""What is expected of a run, what is noted, and the reasons below its verdict, against values by hand."""
 
 import json
 import logging
@@ -268,7 +267,6 @@ def test_a_default_grid_that_is_too_coarse_says_so(model):
     ],
 )
 def test_what_a_step_of_the_drive_costs_is_told(model, jump, options, told):
-    """How much it is: tests/verification/test_interface_order.py."""
     drive = [[0.0, 100.0], [jump, 100.0], [jump, 120.0]] if jump else [[0.0, 100.0], [1.0, 120.0]]
     found = slipwave.run("paper", model, until=2, **options, **{"drive.velocity": drive})
     lines = {"steps": "steps of V are placed to within one time step (", "no": "no grid resolves the front of a step of V: "}

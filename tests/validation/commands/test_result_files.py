@@ -258,7 +258,6 @@ def test_the_figure_is_friction_against_time_and_slip():
 
 
 def test_a_stage_shorter_than_a_step_leaves_the_others(answer, printed):
-    """Steps of the grid are longer than the hold from 1.001 to 1.002."""
     drive = "drive.velocity=[[0, 100], [1.001, 100], [1.001, 0], [1.002, 0], [1.002, 100]]"
     words = ["run", "paper", "--set", drive, "--until", "6", "--model", "fd", "--cells", "16"]
     start, hold, slide = answer(*words)["protocol"]

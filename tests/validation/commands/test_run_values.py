@@ -60,8 +60,7 @@ def test_statistics_are_those_of_the_second_half(told):
 
 
 def test_the_recorded_motion_obeys_the_equations(told):
-    """psi' = r (e^-psi - v) and y' = eps (V - v) on the clock of transits, by differences between neighbouring samples; the
-    friction law at every sample."""
+    """psi' = r (e^-psi - v) and y' = eps (V - v) between neighbouring samples; the friction law at every one."""
     _, data = told
     time, rate, psi, y, mu = (
         data[name].values
@@ -81,7 +80,6 @@ COMPARE = ["--until", "4000", "--cells", "24"]
 
 
 def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_path):
-    """Errors are (ours - reference)/reference."""
     found = answer("compare", "paper", "--models", "fd,delay,kelvin-voigt", *COMPARE, "--out", str(tmp_path / "three.png"))
     rows = {row["model"]: row for row in found["models"]}
     assert (found["reference"], found["until"], list(rows)) == ("delay", 4000.0, ["fd", "delay", "kelvin-voigt"])
@@ -145,7 +143,6 @@ def values(axes):
 
 
 def test_the_ranges_of_the_motion_are_drawn_in_both_units():
-    """Each step of the reduction has an interval of its own or shares it."""
     found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
     above, below = found.plot().axes
     data = found.dataset

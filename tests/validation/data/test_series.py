@@ -1,5 +1,4 @@
-"""A record of a stranger, in whatever shape, is read into the same columns in SI; what cannot be read says so in one line. A pipe
-is read to its end, and no further than to 1 GB."""
+"""A record in whatever shape is read into the same columns in SI, or refused in one line; a pipe to its end."""
 
 import os
 import threading

@@ -259,7 +259,6 @@ class Walled:
 
 @pytest.mark.parametrize(("wall", "line"), [(0.5, "cannot be computed beside these values"), (1.5, "")])
 def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wall, line):
-    """Nor is one that met such values on its way, if it went on to its minimum."""
     best = Best(start := np.array([-3.0, 4.0]))
     found = minimise(Walled(wall), [start], best, 1.0)
     assert found.failed.startswith(line)

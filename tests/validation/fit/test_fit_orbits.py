@@ -107,7 +107,6 @@ def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path):
 
 @pytest.mark.parametrize(("scene", "work", "line"), [("paper", 3e6, "after 3[0-9] orbits"), ("unlike", 1e4, "after 0 orbits")])
 def test_a_search_without_an_answer_ends_and_says_where_it_is(scene, work, line, tmp_path, monkeypatch, caplog):
-    """A friction that no orbit has, and orbits that are too large."""
     times, friction = seen(0.0349, 1e-4, 5)
     file = written(tmp_path / "record.csv", HEADING, times, friction if scene == "unlike" else 0.2 + 2.0 * friction)
     monkeypatch.setattr("validation.fit.orbits._WORK", work)

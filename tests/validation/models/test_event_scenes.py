@@ -40,7 +40,6 @@ def test_a_drive_that_came_up_from_one_hundredth_has_the_events_of_the_same_driv
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
 def test_precursors_are_no_events(tolerance):
-    """A chaotic scene: the runs part, the statistics do not."""
     observer = seen_in(slipwave.read("unlike", LAYERS), 4000.0, tolerance=tolerance)
     cycles = observer.events(2000.0)
     assert 33 <= observer.count <= 38

@@ -94,7 +94,6 @@ def test_a_run_to_a_number_of_cycles_has_them_in_its_second_half():
 
 
 def test_a_run_that_does_not_settle_ends_at_the_limit_of_work():
-    """A limit of what three stretches take, counted in pieces."""
     solver = build("delay", FAST, tolerance=1e-6)
     never = UntilSettled(FAST, "delay")
     ends = list(itertools.islice(never.ends(0.0), 4))
@@ -218,7 +217,6 @@ def boundless(monkeypatch):
     ],
 )
 def test_a_billion_samples_are_refused_before_the_run_where_their_number_is_known(words, samples, monkeypatch, refused, tmp_path):
-    """Steps of a fixed length, or samples."""
     monkeypatch.setattr("validation.models.run.follow", None)
     said = refused("run", "paper", "--yes", *words.split(), "--out", str(tmp_path / "x.nc"))
     why = "more than 1e\\+09; .* --every N, --rate RATE or --window A:B"
@@ -241,7 +239,6 @@ def test_too_many_samples_are_refused_after_a_hundredth_of_the_run_where_steps_a
 
 @pytest.mark.parametrize("block", [997, 50_000])
 def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path, capsys, monkeypatch, block):
-    """Written in several blocks and in one."""
     monkeypatch.setattr("validation.models.history_file._BLOCK", block)
     out = tmp_path / "x.nc"
     assert main(["run", "paper", "--model", "delay", "--until", "150", "--out", str(out), *INTERFACE]) == 0
@@ -281,7 +278,6 @@ def test_thinned_samples_go_on_where_they_stopped(tmp_path, every, window):
 
 
 def test_full_detail_inside_a_window_and_leaps_outside():
-    """Of granite: no leap begins, ends or lies in the window."""
     found = slipwave.run(GRANITE, until=30_000, window=(20_000.25, 20_060.5), tol=1e-6)
     plain = slipwave.run(GRANITE, until=30_000, tol=1e-6)
     time = found.dataset["time"].values

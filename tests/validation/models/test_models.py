@@ -1,5 +1,4 @@
-"""Models by name: what each honours and refuses, what `auto` takes, families of the user's own; the error told for a grid that
-is chosen."""
+"""Models by name: what each honours, what `auto` takes, families of the user's own; the error told of a chosen grid."""
 
 import subprocess
 import sys
@@ -167,7 +166,6 @@ def test_what_is_wrong_with_a_file_is_told_in_one_line(file, refused, old, new, 
 
 
 def test_a_mistake_in_a_method_is_told_by_its_line(file, refused, tmp_path):
-    """As a failure of the numerics; in Python it is raised as it is."""
     method = "\n    def grid_of(self, *given):\n        return given[9]\n"
     file.write_text(ELEMENTS.replace("    family = MINE\n", "    family = MINE\n" + method))
     call = ["run", "paper", "--family", str(file), "--model", "mine:3", "--cells", "4", "--until", "2"]

@@ -1,5 +1,4 @@
-"""Orbits: settling on one whose figures are known, those of grids against the delay system, runs that start on one; `slipwave
-orbit` against programs that share nothing with this one."""
+"""Orbits that runs settle on, of grids, runs that start on one; `slipwave orbit` against other programs."""
 
 import json
 import math
@@ -149,7 +148,6 @@ def test_the_elastic_stress_of_an_orbit_is_that_of_a_settled_run(model):
 
 @pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
 def test_the_cycle_of_an_orbit_is_that_of_a_settled_run(model):
-    """From its event on, with some transits ahead of it and past its end."""
     scene = slipwave.read("paper")
     found = cycle_of(own_orbit(model, scene, 1e-8).closed, before=3.0, after=2.0)
     run = one_cycle(settle(build(model, scene, tolerance=1e-9), tolerance=1e-7), before=3.0, after=2.0)
@@ -285,8 +283,7 @@ def test_idle_modes_are_named_with_their_multipliers():
 
 
 def test_a_run_that_leads_to_none_gives_way_to_the_branch():
-    """Between the fold and the Hopf point the run returns to steady sliding, and two orbits coexist: the small unstable one has
-    a period between those of both points, the stable one a longer one than the fold's."""
+    """Between fold and Hopf point two orbits coexist; the small unstable one has a period between those of both points."""
     hopf, fold = 49.66821032, reference()["special"]["kelvin-voigt"]["first fold"]["period"]
     found = sw.orbit("paper", "kelvin-voigt", tol=1e-6, log10_r=-2.7001)
     assert found.stable is True

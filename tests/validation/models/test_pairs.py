@@ -28,8 +28,7 @@ def named(row):
 
 
 def each(rows, every=1):
-    """A test for each row; those with an orbit that takes a second or more to find are slow, but for one viscous grid, and so are
-    all but each `every`-th."""
+    """A test for each row; those with an orbit that takes seconds to find are slow, and all but each `every`-th."""
     seconds = ("fitted", "dg", "sbp", "quasidynamic", "kelvin", "modal", "fd")
     slow = {row: [pytest.mark.slow] for row in rows if "orbit" in row and row[0].startswith(seconds)}
     slow |= {row: [pytest.mark.slow] for k, row in enumerate(rows) if k % every}

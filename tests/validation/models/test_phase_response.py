@@ -110,8 +110,7 @@ def test_an_unstable_orbit_has_a_phase_response():
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ["modal:2", "delay"])
 def test_two_steps_of_the_drive_shift_all_later_events_of_a_run(model):
-    """V is raised, or lowered, by a thousandth for T/50 at ten phases of a settled run; half the difference of the dates of the
-    event fifteen cycles later."""
+    """V raised or lowered by a thousandth for T/50 at ten phases: half the difference of the dates fifteen cycles later."""
     result = sw.orbit("paper", model=model, tol=1e-10)
     scene, period, phase = result.found.scene, result.period, result._responding.phase
     event = first_event(result.found.found.closed)
@@ -157,8 +156,7 @@ def locked_period(result, harmonic, depth, longer, cycles=40, knots=32):
 @pytest.mark.slow
 @pytest.mark.parametrize("harmonic", [1, 2, 3, 4, 5])
 def test_the_locking_range_is_that_of_runs(harmonic):
-    """The longest and the shortest period that a modulated drive can impose: their distance at a depth of 1e-3, where the second
-    order moves both by up to 9 % of it, and each of them at 2e-4."""
+    """The distance of the longest and shortest period that a drive can impose at a depth of 1e-3, and each at 2e-4."""
     result = sw.orbit("paper", model="modal:2", tol=1e-9)
     half = result.found.scene.velocity * result._responding.phase.harmonics(harmonic)[1, -1]
     longest, shortest = (locked_period(result, harmonic, 1e-3, side) for side in (1.0, -1.0))

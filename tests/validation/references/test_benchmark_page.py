@@ -68,7 +68,6 @@ def test_two_programs_agree_on_pairs_to_the_digits_asked_for():
 
 
 def test_slabs_of_equal_round_trips_are_one_pair(values):
-    """Two delay lines have what alike slabs have."""
     for name in ("period", "stress_drop", "v_max", "v_min"):
         assert PAIRS[f"one-pair.{name}"][0] == pytest.approx(KNOWN[f"orbit.{name}"][0], rel=1e-12)
     for name in ("onset", "fold"):
@@ -292,7 +291,6 @@ def test_mistakes_are_as_they_are_computed(values, monkeypatch):
 
 
 def test_a_station_file_is_read_as_it_is(score):
-    """In the page's SI values; the start is the one that it is nearest to."""
     run = sw.run("paper", "delay", until=21.0, tol=1e-10, interface=True).dataset
     columns = zip((run["time"].values * 10.0**-2.68).tolist(), run["interface_psi"].values.tolist(), strict=True)
     lines = [f"{time!r} 0 1e-6 1e5 {math.exp(psi)!r}" for time, psi in dict(columns).items()]

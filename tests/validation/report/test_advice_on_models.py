@@ -52,7 +52,6 @@ def test_the_table_has_errors_against_the_exact_system():
 
 
 def test_where_a_regime_is_undecided_it_speaks_neither_for_a_model_nor_against_it():
-    """Where that of the exact system is, nothing is recommended."""
     away, first = [Regime(AWAY)] * 2, [Regime(UNDECIDED), EXACT[0]]
     table = table_of({"delay": first, "quasistatic": away, "modal:8": first})
     assert (table.parameter, [column.group for column in table.columns]) == ("r/r_{c}", ["undecided", "periodic"])

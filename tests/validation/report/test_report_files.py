@@ -264,7 +264,6 @@ def test_every_reason_has_its_line(fake, kept, tmp_path, capsys):
 
 
 def test_a_stored_failure_stays_red(fake, kept, tmp_path):
-    """Also where only another study was asked for."""
     fake.add("first", lambda budget: answered(verdicts=(failing("Waves stay"),)))
     fake.add("second")
     for words in ([], ["--only", "second"], []):

@@ -1,5 +1,4 @@
-"""Studies of orders, exact motions, branches, the snake and others' experiments: what they measure, and outcomes on both sides of
-their limits."""
+"""Studies of orders, exact motions, branches and experiments: what they measure, outcomes beside their limits."""
 
 import math
 from dataclasses import replace
@@ -28,7 +27,6 @@ from validation.studies.snaking import sides
 
 
 def test_an_order_ends_where_rounding_begins():
-    """The finest error above the floor counts; the second grid in any case."""
     errors = {cells: {"period": error} for cells, error in ((2, 1e-4), (4, 1e-7), (8, 1e-10), (16, 2e-13))}
     assert orders.orbit_order(errors, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
     assert orders.orbit_order({cells: errors[cells] for cells in (2, 16)}, "period") == pytest.approx(np.log(5e8) / np.log(8.0))
@@ -138,7 +136,6 @@ def test_the_branch_of_the_studies_is_that_of_the_command():
 
 
 def test_a_run_beside_a_special_point_shows_the_multiplier_that_passes():
-    """Beside the first fold: on the stable side and on the unstable one."""
     branch = branch_of("delay", -2.69, 60.0)
     before, beyond = sides(branch)
     assert ([one.kind for one in branch.special], before[0] < -2.69, beyond[0] < -2.69) == (["LP"], True, True)

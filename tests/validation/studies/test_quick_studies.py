@@ -1,5 +1,4 @@
-"""Quick runs of the studies: verdicts, findings, limits near what is measured, numbers, and the key of a stored result; the
-studies of all models, of attacks and of the checks."""
+"""Quick runs of the studies: verdicts, findings, near limits, numbers, and the key of a stored result."""
 
 import json
 import math

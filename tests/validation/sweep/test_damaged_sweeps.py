@@ -1,5 +1,4 @@
-"""A folder of a sweep that is damaged, or was made to do harm: damaged parts count as absent, a plan and the sizes of parts are
-checked before anything is unpacked, no folder says what is imported, and each command ends with a result or with one line."""
+"""A folder of a sweep that is damaged or made to do harm: a result or one line, and nothing of it is imported."""
 
 import io
 import json

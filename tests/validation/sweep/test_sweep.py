@@ -229,7 +229,6 @@ def test_a_point_that_cannot_be_computed_has_a_reason(tmp_path):
 
 @pytest.mark.parametrize("moment", range(5))
 def test_a_sweep_killed_at_any_moment_goes_on(tmp_path, moment, forked):
-    """The parent, or one of its workers, is killed when so many parts are there."""
     generator = np.random.default_rng(moment)
     words = ["paper", "--vary", "a=0.001:0.019:10", "b=0.011:0.029:10", "--measure", "tests.validation.sweep_measures:slowly"]
     folder = tmp_path / "killed"

@@ -103,7 +103,6 @@ def test_a_worker_killed_as_it_starts_costs_nothing(tmp_path, monkeypatch):
 
 
 def test_parts_of_a_broken_pool_are_computed_one_by_one(tmp_path, monkeypatch):
-    """So that the one that kills its process is known."""
     broken, flying = [], []
 
     class Breaking(Here):

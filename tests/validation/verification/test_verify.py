@@ -1,5 +1,4 @@
-"""`slipwave verify`: right schemes, those that are shipped and others', laws and scenes keep every row; one mistake is red where
-it shows."""
+"""`slipwave verify`: right schemes, laws and scenes keep every row; one mistake is red where it shows."""
 
 import json
 import xml.etree.ElementTree as xml
@@ -185,7 +184,6 @@ def test_every_member_that_is_shipped_keeps_every_row(model):
 @pytest.mark.slow
 @pytest.mark.parametrize("model", ["fem:10", "dg:12"])
 def test_members_that_are_at_rounding_on_too_few_grids_are_not_judged_by_their_order(model):
-    """They have no ladder of their own."""
     found = sw.verify(model=model)
     assert found.summary["missed"] == 0
     assert (found.summary["not_decided"] == 1) == (found.rows[0].outcome == "not decided")

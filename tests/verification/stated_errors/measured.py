@@ -1,5 +1,4 @@
-"""Kinds of stated errors, each with a truth to compare with: of motions that repeat, and of others, whose truth is a much longer
-continuation of the run."""
+"""Kinds of stated errors, each with a truth: of motions that repeat, and of others, by long continuations."""
 
 import math
 from dataclasses import replace
@@ -79,8 +78,7 @@ def chosen_grid(random: np.random.Generator) -> list[Held]:
 
 
 def default_grid(random: np.random.Generator) -> list[Held]:
-    """As `chosen_grid` on a default grid; a warning without a number, because a coarser grid has other cycles, states no
-    error."""
+    """As `chosen_grid` on a default grid; a warning without a number states no error."""
     model = str(random.choice([*_GRIDS, "dg:7"]))
     known, scene = _grid_scene(model, random)
     solver = prepare(model, scene).solver

@@ -64,8 +64,7 @@ LEFT_OUT = {("chosen grids", 50)}
 
 
 def computation(kind: str, number: int) -> list[Held]:
-    """Computation `number` of a kind, the same whenever it is repeated. Empty if there is no stated error (no orbit, another kind
-    of motion), and if it is LEFT_OUT."""
+    """Computation `number` of a kind, the same whenever it is repeated; empty without a stated error, or if LEFT_OUT."""
     if (kind, number) in LEFT_OUT:
         return []
     try:
