@@ -1,15 +1,16 @@
-"""Full waves as users meet them: agreement, equivalent forms, limits, refusals, the ledger.
-
-Step limits: tests/verification/test_noise.
-"""
+"""Full waves as users meet them: agreement, equivalent forms, the ledger, limits, refusals, memory, grids by a tolerance."""
 
 import dataclasses
 import math
+import resource
 
 import numpy as np
 import pytest
 from grid_scenes import FAMILIES, PAIRS, PAPER, SCENES, of
 
+import fullwave.lines.explicit
+import fullwave.lines.march
+from fullwave.adapt import to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
@@ -17,8 +18,11 @@ from fullwave.lines.matrix import motion_matrix
 from fullwave.options import AnyShare
 from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import NumericsError, SceneError
+from slipwave.observe import EventObserver
+from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import Slab
 from slipwave.solve import follow
+from tests.compiled_work import count_calls
 
 FINE = {
     "dg": (DiscontinuousGalerkin, {"number": 7, "cells": 6}),
@@ -122,3 +126,159 @@ def test_ledger_closes_to_rounding(name):
     )
     assert (ledger.viscous > 0) == (name in ("kelvin-voigt", "standard-linear", "hung-machine", "everything"))
     assert solver.failures == 0
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "products"),
+    [
+        (DiscontinuousGalerkin, {"number": 24, "cells": 20_000}, 12 * (25 + 6)),
+        (SummationByParts, {"number": 6, "cells": 200_000}, 12 * (7 + 6)),
+        (FiniteElement, {"number": 4, "cells": 20_000}, 12 * (5 + 6)),
+        (Leapfrog, {"cells": 1_000_000}, 10),
+    ],
+)
+def test_a_big_grid_leaves_compiled_code_soon(kind, options, products, monkeypatch):
+    """`products` a value and step, of 12 stages each; 4e8 of them take less than a second."""
+    calls = count_calls(monkeypatch)
+    solver = kind(PAPER, **options)
+    solver.advance(1e6)
+    assert sum(call.steps for call in calls) >= 4
+    assert max(call.steps * call.values * products for call in calls) < 4.3e8
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        (DiscontinuousGalerkin, {"number": 24}),
+        (FiniteElement, {"number": 16}),
+    ],
+)
+def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch):
+    """Before more of it is built than the few cells by which it is judged."""
+    built = []
+    grid_of = kind.grid_of
+
+    def counted(solver, some):
+        built.append(sum(section.cells for section in some))
+        return grid_of(solver, some)
+
+    monkeypatch.setattr(kind, "grid_of", counted)
+    monkeypatch.setattr(fullwave.lines.march, "assemble", lambda *arguments: pytest.fail("was assembled"))
+    used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(SceneError, match=r"cells = 1000000: would take .* GB of memory, .* at most some \d+ fit"):
+        kind(PAPER, cells=1_000_000, **options)
+    assert 0 < max(built) <= 32
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - used < 100_000
+
+
+def test_the_other_slab_counts_too():
+    """Cells are those of the faster slab; a slower one takes many more."""
+    slow = dataclasses.replace(PAPER.upper, round_trip=3000.0 * PAPER.upper.round_trip)
+    unlike = dataclasses.replace(PAPER, lower=slow)
+    for kind in (SummationByParts, DiscontinuousGalerkin):
+        with pytest.raises(SceneError, match=r"cells = 10000: would take .* GB"):
+            kind(unlike, cells=10_000)
+
+
+def test_memory_that_is_not_there_is_one_line(monkeypatch):
+    def full(*arguments):
+        raise MemoryError
+
+    monkeypatch.setattr(fullwave.lines.march, "assemble", full)
+    with pytest.raises(SceneError, match="cells = 9: not enough memory on this machine"):
+        DiscontinuousGalerkin(PAPER, cells=9)
+    monkeypatch.setattr(fullwave.finite_difference, "steady_side", full)
+    with pytest.raises(SceneError, match="cells = 9: not enough memory on this machine"):
+        Leapfrog(PAPER, cells=9)
+
+
+@pytest.mark.parametrize(
+    ("kind", "options"),
+    [
+        (DiscontinuousGalerkin, {"number": 7, "cells": 5000}),
+        (FiniteElement, {"number": 8, "cells": 3000}),
+        (SummationByParts, {"number": 6, "cells": 100_000}),
+    ],
+)
+def test_the_count_is_about_what_is_taken(kind, options, monkeypatch):
+    """tracemalloc would not see what scipy's C++ takes for itself; what it sees must be covered."""
+    import tracemalloc
+
+    counted = []
+    kind(PAPER)
+    monkeypatch.setattr("fullwave.lines.budget.require_bytes", lambda cells, needed: counted.append(needed))
+    tracemalloc.start()
+    kind(PAPER, **options)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert 0.6 * peak < counted[0] < 2.0 * peak
+
+
+def cycles(solver, until=400.0):
+    observer = EventObserver(solver.scene, solver.nodes)
+    follow(solver, until, [observer])
+    return np.concatenate((observer.events().period, observer.events().stress_drop))
+
+
+@pytest.mark.parametrize("name", ["alike", "unlike", "grip"])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_estimate_bounds_the_error_in_period_and_drop(name, tolerance):
+    chosen = SCENES[name]
+    solver, choice = to_tolerance(chosen, tolerance)
+    assert solver.time == 0.0
+    assert choice.quantity == "cycles"
+    assert choice.error_estimate <= tolerance
+    exact = cycles(DiscontinuousGalerkin(chosen, number=11, cells=8))
+    error = np.abs(cycles(solver) / exact - 1).max()
+    assert error < max(2.0 * choice.error_estimate, 1e-11)
+
+
+@pytest.mark.parametrize("name", ["alike", "unlike", "grip"])
+def test_the_estimate_bounds_the_error_of_a_grid_marched_explicitly(name):
+    """Nothing is added for its steps: the estimate is the difference of two grids."""
+    solver, choice = to_tolerance(SCENES[name], 1e-5, time="explicit", number=4)
+    exact = cycles(DiscontinuousGalerkin(SCENES[name], number=11, cells=8))
+    error = np.abs(cycles(solver) / exact - 1).max()
+    assert 0.01 * choice.error_estimate < error < choice.error_estimate  # 0.035 to 0.12 of it were measured
+
+
+def test_the_estimate_counts_the_error_of_the_steps_which_no_grid_shows():
+    """Of grids with an error of 1e-8. Measured: 4e-5, the same on both grids."""
+    solver, choice = to_tolerance(SCENES["alike"], 1e-2, number=12)
+    assert solver.settings["resolution"] == pytest.approx(2e-4)
+    assert choice.error_estimate == pytest.approx(2e-3, rel=1e-2)
+    exact = cycles(DiscontinuousGalerkin(SCENES["alike"], number=11, cells=8))
+    assert 1e-6 < np.abs(cycles(solver) / exact - 1.0).max() < choice.error_estimate
+
+
+def test_a_grid_too_large_for_the_march_ends_the_search_with_what_was_reached(monkeypatch):
+    monkeypatch.setattr("fullwave.lines.budget.MOST_UNKNOWNS", 200)
+    jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
+    with pytest.raises(
+        NumericsError, match=r"not reached with 8 cells: .*; cells = 12: \d+ unknowns, more than the 200 .* explicit"
+    ):
+        to_tolerance(jump, 1e-11, time="exact")
+
+
+def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
+    """Order 1: a factor of 1e6 in the error would take a million times the cells, so few are tried."""
+    jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
+    with pytest.raises(NumericsError, match=r"by its trend it needs about [\d,]+ cells, but at most 400 are tried") as refusal:
+        to_tolerance(jump, 1e-11)
+    assert int(str(refusal.value).split(" cells:")[0].split()[-1]) < 60
+
+
+@pytest.mark.parametrize(("credited", "cells", "estimate"), [(np.inf, 8, 1e-4), (6.0, 8, 0.04 / 1.5**6), (2.0, 18, 2.733e-3)])
+def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credited, cells, estimate):
+    """No refinement of order 2 gains a factor of 400; at order 2 the estimate is half as much again."""
+    values = {2: 1.124, 3: 1.044, 5: 1.004, 8: 1.0041, 12: 1.0, 18: 1.0}
+
+    class Series:
+        model, step, settings, transits_per_piece = "series", 1.0, {}, 4.0
+
+        def __init__(self, scene, cells):
+            self.cells = cells
+
+    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: ("cycles", np.array([values[solver.cells]])))
+    _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, credited)
+    assert (choice.cells, choice.error_estimate) == (cells, pytest.approx(estimate, rel=2e-2))

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from reduced.impedance import impedance
 from reduced.impedance.transmission_line import Jet, slab_ratio
 from slipwave.friction.law import friction_slopes
 from slipwave.scene.slab import Layer
+from tests.granite import GRANITE
 
 R = 0.0018
 GRIP = {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}
@@ -115,3 +117,42 @@ def test_the_figure_shows_impedance_and_reflection_over_frequency(scene, model):
         assert np.asarray(panel.traces[0].y) == pytest.approx(np.abs(slabs[0].reflection(1j * panel.traces[0].x)), rel=1e-12)
         assert [mark.x[0] for mark in panel.traces if "spring" in mark.name] == [slabs[0].termination.spring_rate]
     assert roots.traces[0].y == pytest.approx(found.leading_roots.imag)
+
+
+@cache
+def critical(scene, model):
+    """r at which steady sliding is neutral."""
+    return float(10.0 ** slipwave.stability(scene, model).summary["log10_r_c"])
+
+
+@pytest.mark.parametrize("share", [1e-9, -1e-9, 0.0])
+@pytest.mark.parametrize("scene", ["paper", "unlike", "grip", "viscous", "slip-law", "layered"])
+@pytest.mark.parametrize("model", ["delay", "quasidynamic", "fitted:3"])
+def test_a_root_on_the_axis_is_neutral_and_no_verdict(scene, model, share):
+    r = critical(scene, model) * (1.0 + share)
+    found = slipwave.stability(scene, model, **{"upper.r": r, "lower.r": 2.0 * r} if scene == "unlike" else {"slab.r": r}).summary
+    assert abs(found["leading_roots"][0][0]) < 1e-9 * 1e3 * found["omega_c"]
+    assert found["stable"] is None
+    assert found["unstable_roots"] == 0
+    assert ["neutral within rounding" in note for note in found["notes"]] == [True]
+
+
+def test_figures_that_do_not_exist_have_a_reason(answer):
+    """Quasi-dynamic slabs on a machine whose onset lies beyond every thickness, and friction that strengthens."""
+    face = {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0}
+    changes = {"slab.thickness": 1.0, "slab.face": face, "drive.velocity": 1e6}
+    found = slipwave.stability(GRANITE, "quasidynamic", **changes).summary
+    reach = "between 9.5e-07 and 1024 times the present one"
+    assert (found["log10_r_c"], found["omega_c"], found["si"]["critical_thickness_m"]) == (None, None, None)
+    assert found["epsilon_c"] > 0.0
+    assert found["notes"] == [
+        f"no critical r: steady sliding loses its stability at no r {reach}",
+        f"no critical thickness: steady sliding loses its stability at none {reach}",
+    ]
+    found = answer("stability", "paper", "--set", "interface.b=0.01")
+    assert (found["log10_r_c"], found["epsilon_c"]) == (None, None)
+    assert found["notes"] == [
+        f"infinitely many roots accumulate at Re s = {found['essential_abscissa']:.6g} V*/L, right of all that are listed: "
+        "no finite list holds those that decay most slowly",
+        "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable",
+    ]
