@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import cache
 from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
@@ -92,12 +93,17 @@ def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], meas
 
 def manifest_of(plan: Plan) -> dict[str, Any]:
     """The plan and the programs, ours and the user's, with which a folder must agree to be continued."""
-    program = {name: version(name) for name in ("slipwave", "numpy", "scipy", "numba")} | {"code": source_digest()}
+    program = _versions() | {"code": source_digest()}
     source = {"scene_toml": to_toml(plan.base)}
     given = chain(*(axis.values for axis in plan.axes), *(row.values() for row in plan.rows), plan.scenes.sets.values())
     laws = {name_of(plan.base.law), *(value for value in given if isinstance(value, str))}
     files = digests(laws, plan.models, None if plan.measure in MEASURES else own_measure(plan.measure))
     return dict(json.loads(json.dumps(plan.manifest | source | {"program": program, "files": files})))
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {name: version(name) for name in ("slipwave", "numpy", "scipy", "numba")}
 
 
 class _StoredAxis(BaseModel):
@@ -198,8 +204,8 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
             audit = refine(plan, levels, missing, lambda: regime_numbers(measure, arrays_of(plan, store)))
         else:
             audit = None
-            missing(order)
-    return Swept(plan, store, audit, time.perf_counter() - began, int(store.done(plan).sum()) - before)
+            engine.run(order[~done[order]])
+    return Swept(plan, store, audit, time.perf_counter() - began, done_now[0] - before)
 
 
 @contextmanager
