@@ -41,7 +41,7 @@ BEGIN = 2.0
 _DEPTH, _CENTRE, _WIDTH = -1.2, 4.5, 0.6  # of the state, which falls as in a slip event; transits
 
 
-class GivenMotion(NamedTuple):
+class _GivenMotion(NamedTuple):
     """The given motion, and the parameters of the drive: a and b of the ageing law, V_0 of steady sliding before, one `transit`
     on the friction clock, both impedances, and whether the lower slab's round trip is `RATIO` transits (else one)."""
 
@@ -58,7 +58,7 @@ class GivenMotion(NamedTuple):
 
 
 @inlined
-def _state(motion: GivenMotion, time: float) -> tuple[float, float]:
+def _state(motion: _GivenMotion, time: float) -> tuple[float, float]:
     """psi minus its steady value, and its change per transit."""
     x = (time - motion.centre) / motion.width
     fallen = motion.depth * math.exp(-x * x)
@@ -66,7 +66,7 @@ def _state(motion: GivenMotion, time: float) -> tuple[float, float]:
 
 
 @inlined
-def _rate_and_stress(motion: GivenMotion, time: float) -> tuple[float, float]:
+def _rate_and_stress(motion: _GivenMotion, time: float) -> tuple[float, float]:
     """v and mu minus their steady values."""
     psi, change = _state(motion, time)
     v = motion.velocity * math.exp(-psi) - change / motion.transit
@@ -74,14 +74,14 @@ def _rate_and_stress(motion: GivenMotion, time: float) -> tuple[float, float]:
 
 
 @inlined
-def _both_sides(motion: GivenMotion, time: float) -> float:
+def _both_sides(motion: _GivenMotion, time: float) -> float:
     """The right side of the equation for V, for unlike slabs."""
     (v2, mu2), (v1, mu1) = _rate_and_stress(motion, time + 2.0), _rate_and_stress(motion, time + 1.0)
     (v3, mu3), (v4, mu4) = _rate_and_stress(motion, time - 1.0), _rate_and_stress(motion, time - 2.0)
     return v2 + v1 + v3 + v4 + (mu2 - mu1 + mu3 - mu4) / motion.upper + (mu2 + mu1 - mu3 - mu4) / motion.lower
 
 
-@velocity_at.register(GivenMotion)
+@velocity_at.register(_GivenMotion)
 def _driven(drive, time, within):  # type: ignore[no-untyped-def]
     if not drive.unlike:
         (ahead, more), (behind, less) = _rate_and_stress(drive, time + 0.5), _rate_and_stress(drive, time - 0.5)
@@ -95,10 +95,10 @@ def _driven(drive, time, within):  # type: ignore[no-untyped-def]
 
 
 @dataclass(frozen=True)
-class GivenDrive(Drive):
+class _GivenDrive(Drive):
     """The V(t) that causes a given `motion`: smooth, so that it needs as many terms in a step as the motion."""
 
-    motion: GivenMotion | None = None
+    motion: _GivenMotion | None = None
     terms: ClassVar[int] = 8
 
     is_constant = cached_property(lambda self: False)
@@ -112,15 +112,15 @@ def given_scene(unlike: bool) -> Scene:
     slabs = {"upper": upper, "lower": lower} if unlike else {"slab": upper}
     law = {"law": "ageing", "a_star": 0.37, "a": 0.035, "b": 0.049}
     scene = slipwave.read({"name": "given", "interface": law, "drive": {"velocity": 1.0}, "start": {"size": 0.0}, **slabs})
-    motion = GivenMotion(
+    motion = _GivenMotion(
         _DEPTH, _CENTRE, _WIDTH, scene.law.a, scene.law.b, 1.0, scene.transit, scene.upper.epsilon, scene.lower.epsilon, unlike
     )
-    return replace(scene, drive=GivenDrive((0.0,), (1.0,), motion), until=UNTIL)
+    return replace(scene, drive=_GivenDrive((0.0,), (1.0,), motion), until=UNTIL)
 
 
 def exact_motion(scene: Scene, times: Array) -> Array:
     """z, psi and mu at `times` (transits); shape (times, 3)."""
-    assert isinstance(scene.drive, GivenDrive)
+    assert isinstance(scene.drive, _GivenDrive)
     assert scene.drive.motion is not None
     found = []
     for time in times.tolist():

@@ -58,7 +58,7 @@ IMPEDANCES = (1.0, 3.0, 10.0)
 _NUDGE = 0.5
 
 
-class Pair(NamedTuple):
+class _Pair(NamedTuple):
     """Slabs of two ratios, lower over upper, whose alike slabs have this log10 r."""
 
     impedances: float
@@ -89,9 +89,9 @@ class Pair(NamedTuple):
         return minus(f"q = {self.impedances:g}, p = {self.round_trips:.4g}, log_{{10}} r = {self.log10_r:g}")
 
 
-def pairs_at(log10_r: float) -> list[Pair]:
+def pairs_at(log10_r: float) -> list[_Pair]:
     """Every pair once: at equal round trips the ratio of impedances changes nothing."""
-    return [Pair(q, p, log10_r) for q in IMPEDANCES for p in ROUND_TRIPS if p > 1.0 or q == 1.0]
+    return [_Pair(q, p, log10_r) for q in IMPEDANCES for p in ROUND_TRIPS if p > 1.0 or q == 1.0]
 
 
 LOG10_R = (-2.68, -2.6)
@@ -102,11 +102,11 @@ TOLERANCE = 1e-11
 """Tolerance of the delay system."""
 
 _LADDER = ("modal:2", "modal:4", "modal:8")
-_COSTED = Pair(3.0, 2.0, -2.68)
+_COSTED = _Pair(3.0, 2.0, -2.68)
 _WITNESSED = {
     "unlike": "round trips 2 : 1",
     "unlike-irrational": "round trips √2 : 1",
-    Pair(10.0, 5.0, -2.68).settings: "round trips 5 : 1",
+    _Pair(10.0, 5.0, -2.68).settings: "round trips 5 : 1",
 }
 
 
@@ -114,22 +114,22 @@ class _Plan(NamedTuple):
     """Full waves and cells per slab; motions on record that are computed again; rounds of costs."""
 
     grids: tuple[tuple[str, int], ...]
-    again: tuple[tuple[str, Pair], ...]
+    again: tuple[tuple[str, _Pair], ...]
     rounds: int
 
 
-_AGAIN = ((EXACT_MODEL, Pair(3.0, 5.0, -2.68)), ("modal:4", Pair(3.0, 10.0, -2.68)), (EXACT_MODEL, Pair(3.0, 2.0, -2.6)))
+_AGAIN = ((EXACT_MODEL, _Pair(3.0, 5.0, -2.68)), ("modal:4", _Pair(3.0, 10.0, -2.68)), (EXACT_MODEL, _Pair(3.0, 2.0, -2.6)))
 _MORE = (
-    (EXACT_MODEL, Pair(10.0, 10.0, -2.68)),
-    ("modal:4", Pair(1.0, 10.0, -2.68)),
-    ("block8", Pair(3.0, 3.0, -2.6)),
-    ("kelvin-voigt", Pair(10.0, 2.0, -2.6)),
-    ("modal:8", Pair(1.0, 5.0, -2.6)),
+    (EXACT_MODEL, _Pair(10.0, 10.0, -2.68)),
+    ("modal:4", _Pair(1.0, 10.0, -2.68)),
+    ("block8", _Pair(3.0, 3.0, -2.6)),
+    ("kelvin-voigt", _Pair(10.0, 2.0, -2.6)),
+    ("modal:8", _Pair(1.0, 5.0, -2.6)),
 )
 _QUICK = _Plan((("dg:7", 4), ("sbp:6", 64)), _AGAIN, 3)
 _FULL = _Plan((("dg:7", 6), ("sbp:6", 96)), _AGAIN + _MORE, 5)
-_SECOND = {"pair-2": Pair(3.0, 2.0, -2.68), "pair-root2": Pair(10.0, math.sqrt(2.0), -2.68)}
-_TORN, _LEAKING = Pair(10.0, 2.0, -2.68), 0.999
+_SECOND = {"pair-2": _Pair(3.0, 2.0, -2.68), "pair-root2": _Pair(10.0, math.sqrt(2.0), -2.68)}
+_TORN, _LEAKING = _Pair(10.0, 2.0, -2.68), 0.999
 """What docs/benchmark/pairs.csv has, by its names; the pair that has a torus behind leaking faces, and their R."""
 
 
@@ -141,7 +141,7 @@ def run(budget: Budget) -> StudyResult:
     plan = budget.plan(_QUICK, _FULL)
     waves = {(name, of): state_at(name, UNTIL, of, cells=n, time="explicit") for name in _WITNESSED for of, n in plan.grids}
     budget.report(0.4)
-    alike, *two = map(period_as_two, IMPEDANCES)
+    alike, *two = map(_period_as_two, IMPEDANCES)
     exact = {pair: on_record(EXACT_MODEL, pair.settings) or Regime(UNDECIDED) for pair in PAIRS}
     ends = {pair: _end_of(pair) for pair in pairs_at(LOG10_R[0])}
     budget.report(0.6)
@@ -179,26 +179,26 @@ _FIRST = "The first modal ladder that is good in every pair"
 _FITTED = " `fitted:N` finds the modes of `modal:N` in these slabs."
 
 
-def _column(pair: Pair) -> ModelColumn:
+def _column(pair: _Pair) -> ModelColumn:
     scene = scene_of(pair.settings)
     over_onset = scene.transit / critical_r(EXACT_MODEL, scene)
     return ModelColumn(pair.title, pair.log10_r, over_onset, f"log_{{10}} r = {places([pair.log10_r])}", pair.settings)
 
 
-def period_as_two(impedances: float) -> float:
+def _period_as_two(impedances: float) -> float:
     """Period of the orbit at equal round trips, of the two slabs as such: the upper one is written in halves, which hides that
     one slab is sufficient."""
-    scene, halves = scene_of(Pair(impedances, 1.0, LOG10_R[0]).settings), [{"fraction": 0.5, "impedance": 1.0}] * 2
+    scene, halves = scene_of(_Pair(impedances, 1.0, LOG10_R[0]).settings), [{"fraction": 0.5, "impedance": 1.0}] * 2
     scene = sw.read(scene, {"upper.layers": halves}) if impedances > 1.0 else scene
     return float(sw.orbit(scene, EXACT_MODEL, tol=TOLERANCE).summary["period"])
 
 
-def fold_of(pair: Pair) -> KnownPoint:
+def fold_of(pair: _Pair) -> KnownPoint:
     """The first fold of the pair's branch: the least r with cycles near the onset."""
     return _first_point("LP", pair.settings)
 
 
-def torus_of(reflection: float) -> KnownPoint:
+def _torus_of(reflection: float) -> KnownPoint:
     """The first torus point of _TORN behind faces that reflect this share of each wave."""
     face = {"kind": "reflection", "coefficient": reflection}
     faces = {f"{slab}.face.{key}": value for slab in ("upper", "lower") for key, value in face.items()}
@@ -214,20 +214,20 @@ def _first_point(kind: str, words: str) -> KnownPoint:
     return KnownPoint(last["type"], last["log10_r"], last["period"])
 
 
-def _end_of(pair: Pair) -> tuple[float, float]:
+def _end_of(pair: _Pair) -> tuple[float, float]:
     """log10 r of the alike slabs at the onset of stick-slip and at the fold where its cycles end."""
     shift = math.log10(pair.clock)
     (fold,) = special_points().get(pair.settings, (KnownPoint("LP", math.nan, math.nan),))
     return math.log10(critical_r(EXACT_MODEL, scene_of(pair.settings))) - shift, fold.log10_r - shift
 
 
-def _number(motion: Regime, pair: Pair) -> Number:
+def _number(motion: Regime, pair: _Pair) -> Number:
     period = motion.figures["T"]
     return stated(period.value * pair.clock, max(period.error, 1e-9 * period.value) * pair.clock)
 
 
 def _answers(
-    exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]], alike: float, of_models: str
+    exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]], alike: float, of_models: str
 ) -> tuple[StudyAnswer, ...]:
     near = {
         pair: motion.figures["T"].value * pair.clock
@@ -279,13 +279,13 @@ def _foreign() -> Verdicts:
         yield as_foreign(title, {name: {t: state_at(name, t, tol=1e-12) for t in OTHERS_AT} for name in SCENES[:3]})
 
 
-def _folds_again(ends: Mapping[Pair, tuple[float, float]]) -> Verdict:
-    pairs = Pair(3.0, 2.0, LOG10_R[0]), Pair(10.0, math.sqrt(2.0), LOG10_R[0])
+def _folds_again(ends: Mapping[_Pair, tuple[float, float]]) -> Verdict:
+    pairs = _Pair(3.0, 2.0, LOG10_R[0]), _Pair(10.0, math.sqrt(2.0), LOG10_R[0])
     off = max(abs(fold_of(pair).log10_r - math.log10(pair.clock) - ends[pair][1]) for pair in pairs)
     return claim("Folds on record of pairs are found again", SELF, off, ROUNDING, f"log_{{10}} r of {len(pairs)} pairs")
 
 
-def _second(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]], two: list[float]) -> Verdicts:
+def _second(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]], two: list[float]) -> Verdicts:
     """The benchmark's second program on orbits and special points of pairs; `two`: periods at equal round trips."""
     if not others.FILES:
         return
@@ -294,7 +294,7 @@ def _second(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float
     pairs = ((two[-1], f"q = {IMPEDANCES[-1]:g}, p = 1", "one-pair"), (orbit, "q = 3, p = 2", "pair-2"))
     orbits = [abs(ours / theirs[f"{name}.period"] - 1.0) for ours, _, name in pairs]
     yield claim(f"Orbits {program}", WITNESS, max(orbits), ROUNDING, f"T, relative: {'; '.join(one for _, one, _ in pairs)}")
-    off = [abs(torus_of(_LEAKING).log10_r - theirs[f"leaking-{_LEAKING:g}.torus.log10_r"])]
+    off = [abs(_torus_of(_LEAKING).log10_r - theirs[f"leaking-{_LEAKING:g}.torus.log10_r"])]
     for name, pair in _SECOND.items():
         for what, ours in zip(("onset", "fold"), ends[pair], strict=True):
             off.append(abs(ours + math.log10(pair.clock) - theirs[f"{name}.{what}.log10_r"]))
@@ -303,7 +303,7 @@ def _second(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float
     yield claim(f"Onsets, folds and torus points {program}", WITNESS, max(off), ROUNDING, remark)
 
 
-def _motions(exact: Mapping[Pair, Regime], ends: Mapping[Pair, tuple[float, float]]) -> Table:
+def _motions(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]]) -> Table:
     rows = []
     for pair, (onset, fold) in ends.items():
         cells = [cell for log10_r in LOG10_R for cell in motion_cells(exact[pair._replace(log10_r=log10_r)], pair.clock)]
@@ -325,12 +325,12 @@ _COLORS = (INK, "#0072b2", "#d55e00")
 _RATIO = Scale("ratio of round trips $p$", "log", ticks={float(p): str(p) for p in (1, 2, 3, 5, 10)})
 
 
-def _of(impedances: float, log10_r: float) -> list[Pair]:
+def _of(impedances: float, log10_r: float) -> list[_Pair]:
     """Pairs over the ratio of round trips."""
-    return [Pair(impedances if p > 1.0 else 1.0, p, log10_r) for p in ROUND_TRIPS]
+    return [_Pair(impedances if p > 1.0 else 1.0, p, log10_r) for p in ROUND_TRIPS]
 
 
-def _periods(exact: Mapping[Pair, Regime]) -> Chart:
+def _periods(exact: Mapping[_Pair, Regime]) -> Chart:
     """T over p, one line for each q, at both r."""
     panels = []
     for log10_r in LOG10_R:
@@ -345,7 +345,7 @@ def _periods(exact: Mapping[Pair, Regime]) -> Chart:
     return Chart(panels, 3.4, 2, legend="outside upper left", legend_columns=3)
 
 
-def _ends_over_ratio(ends: Mapping[Pair, tuple[float, float]]) -> Chart:
+def _ends_over_ratio(ends: Mapping[_Pair, tuple[float, float]]) -> Chart:
     """Onset and fold over p."""
     traces = []
     for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):

@@ -89,10 +89,10 @@ _SOME, _ALL = (-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66), tuple(round(
 def run(budget: Budget) -> StudyResult:
     """Settle orbits along the stable branch, run deep inside it, evaluate the closed forms."""
     along, until = budget.plan(quick=(_SOME, 6000.0), full=(_ALL, 16000.0))
-    found = {log10_r: settled_at(log10_r) for log10_r in budget.each(along, end=0.6)}
+    found = {log10_r: _settled_at(log10_r) for log10_r in budget.each(along, end=0.6)}
     orbits = {log10_r: models for log10_r, models in found.items() if models}
-    deep = {model: run_deep(model, until) for model in WAVES}
-    ripples = {model: measure_ripples(model) for model in WAVES}
+    deep = {model: _run_deep(model, until) for model in WAVES}
+    ripples = {model: _measure_ripples(model) for model in WAVES}
     scenes = [sw.read(name) for name in SCENES[:3]]
     of_orbits = (*_orbit_claims(orbits), *_ripple_claims(ripples), *_stable_branch_claims(orbits))
     of_cycles = (*_load_claims(orbits, deep, ripples), *_irregular_claims(deep))
@@ -102,7 +102,7 @@ def run(budget: Budget) -> StudyResult:
     return StudyResult(
         answers=_answers(verdicts),
         figures=(
-            Figure("irregular", _CAPTION, lambda: irregular(deep), paper="Fig 9", carries=("P13 ",), zoom=True),
+            Figure("irregular", _CAPTION, lambda: _irregular(deep), paper="Fig 9", carries=("P13 ",), zoom=True),
             Figure("planes", _PLANES, lambda: _slip_planes(deep), paper="Fig 9", carries=("P13 ",)),
         ),
         tables=(_groups(scenes),),
@@ -156,7 +156,7 @@ def _groups(scenes: list[sw.Scene]) -> Table:
     return table("groups", caption, " | ".join(["group", *(f"{s.name} .6g" for s in scenes)]), rows)
 
 
-def irregular(deep: dict[str, _Deep]) -> Chart:
+def _irregular(deep: dict[str, _Deep]) -> Chart:
     """Stress over time, one panel per model."""
     across, up = Scale("time (transits)", limits=SHOWN), Scale(r"$\mu$")
     lines = {model: model_line(model, run.time, run.stress, dashes="-", width=0.7) for model, run in deep.items()}
@@ -207,20 +207,20 @@ def _scene_claims(paper: sw.Scene, same: sw.Scene) -> Verdicts:
     yield claim(title, PAPER, 1e5 * printed, within, remark, near=near, unit="· 10^{−5}")
 
 
-def settled_at(log10_r: float) -> dict[str, Orbit]:
+def _settled_at(log10_r: float) -> dict[str, Orbit]:
     """Every model's orbit from the scene's own nudge; empty if one of them does not settle."""
     found = {model: memo.settled(model, sw.read("paper", {"slab.log10_r": log10_r})) for model in MODELS}
     return {} if any(one.unrest > RESTLESS for one in found.values()) else {model: one.orbit for model, one in found.items()}
 
 
-def run_deep(model: str, until: float) -> _Deep:
+def _run_deep(model: str, until: float) -> _Deep:
     """Run `model` at log10 r = -2.3 to `until` (transits)."""
     run = sw.run("paper-2.3", model, until=until, tol=1e-9, window=SHOWN, rate=_RATE)
     history = history_of(run)
     return _Deep(run.records.watch.events(SHOWN[0]), *(history[name] for name in _Deep._fields[1:]))
 
 
-def measure_ripples(model: str) -> dict[str, float]:
+def _measure_ripples(model: str) -> dict[str, float]:
     """Of one cycle of the model's orbit at log10 r = -2.68, in transits: the period of its ripples; its own period and the parts
     of that: the elastic drop over epsilon V, the time in which the elastic stress falls (v > V), and the slip while it rises,
     over V; for y' = eps (V - v), so that y rises by eps (V t_rise - s_rise)."""

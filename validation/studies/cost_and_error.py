@@ -86,10 +86,10 @@ def run(budget: Budget) -> StudyResult:
     exact = memo.settled("delay", sw.read("paper"), _EXACT, 1e-10).orbit
     plan = budget.plan(_QUICK, _FULL)
     settings = _settings(plan)
-    cycles = [cycle_at(*setting) for setting in budget.each(settings, end=0.4)]
+    cycles = [_cycle_at(*setting) for setting in budget.each(settings, end=0.4)]
     points = [
         _SettingRun(*setting, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times)
-        for setting, cycle, times in zip(settings, cycles, times_of(settings, plan.rounds), strict=True)
+        for setting, cycle, times in zip(settings, cycles, _times_of(settings, plan.rounds), strict=True)
     ]
     return StudyResult(
         answers=(StudyAnswer(_answer(points), ("The finest setting", "The exact and the explicit")),),
@@ -107,12 +107,12 @@ def _settings(plan: _Plan) -> list[tuple[str, dict[str, Any]]]:
     return settings + [(model, {"tol": tolerance}) for model in _ODES for tolerance in _TOLERANCES]
 
 
-def cycle_at(model: str, options: Mapping[str, Any]) -> Orbit:
+def _cycle_at(model: str, options: Mapping[str, Any]) -> Orbit:
     """The last cycles of a run."""
     return estimate(sw.run("paper", model, until=TRANSITS, **options).done.events)
 
 
-def times_of(settings: Sequence[tuple[str, dict[str, Any]]], rounds: int) -> list[list[float]]:
+def _times_of(settings: Sequence[tuple[str, dict[str, Any]]], rounds: int) -> list[list[float]]:
     """Quartiles of the processor time of a run (ms), all settings in turn; their code is loaded."""
     times = 1e3 * march_times(settings, sw.read("paper"), TRANSITS, rounds)
     return [each.tolist() for each in np.quantile(times, (0.25, 0.5, 0.75), axis=0).T]

@@ -45,9 +45,9 @@ _ABOVE_ROUNDING = 10.0  # times 100 machine epsilons
 
 def run(budget: Budget) -> StudyResult:
     """Measure the residual of every model's balance."""
-    ladders = {model: [balance(model, n) for n in LADDERS[model]] for model in budget.each(LADDERS, end=0.5)}
+    ladders = {model: [_balance(model, n) for n in LADDERS[model]] for model in budget.each(LADDERS, end=0.5)}
     pairs = [(model, scene) for model in HIGH for scene in SCENES]
-    high = {pair: balance(pair[0], HIGH[pair[0]], pair[1]) for pair in budget.each(pairs, 1.0, 0.5)}
+    high = {pair: _balance(pair[0], HIGH[pair[0]], pair[1]) for pair in budget.each(pairs, 1.0, 0.5)}
     residuals = {model: np.array([abs(entries["residual"]) for entries, _ in found]) for model, found in ladders.items()}
     orders = {model: fit_order(np.array(LADDERS[model]), residuals[model], _ABOVE_ROUNDING) for model in ORDERS}
     ledgers = {scene: high["dg:7", scene][0] for scene in SCENES}
@@ -55,7 +55,7 @@ def run(budget: Budget) -> StudyResult:
     rows: list[list[Cell]] = [[scene, *(100.0 * share for share in found)] for scene, found in shares.items()]
     return StudyResult(
         answers=(StudyAnswer(answer(residuals["fd"], orders, shares), (CONSERVES, SQUARED, CLOSES)),),
-        figures=(Figure("closure", _CLOSURE, lambda: closure(residuals)),),
+        figures=(Figure("closure", _CLOSURE, lambda: _closure(residuals)),),
         tables=(table("shares", _SHARES, " | ".join(["scene", *(f"{name} [% of input] .4g" for name in _SINKS)]), rows),),
         verdicts=tuple(_balance_verdicts(ladders["fd"], orders, high)),
         numbers={f"order of {model}": stated(found.order, found.half_width) for model, found in orders.items()},
@@ -76,7 +76,7 @@ Balance: TypeAlias = tuple[Mapping[str, float], float]
 """Entries of the ledger, and how far the rounding errors of its steps may leave it open."""
 
 
-def balance(model: str, cells: int, scene: str = "paper") -> Balance:
+def _balance(model: str, cells: int, scene: str = "paper") -> Balance:
     """The ledger after `_UNTIL` transits of explicit steps."""
     done = sw.run(scene, model, cells=cells, time=None if model == "fd" else "explicit", until=_UNTIL)
     return done.energy or {}, rounding(_UNTIL / done.step)
@@ -105,7 +105,7 @@ _CLOSURE = (
 _DASHES = ("-", (0, (5, 1.5)), (0, (1.2, 1.2)))
 
 
-def closure(residuals: Mapping[str, np.ndarray]) -> Chart:
+def _closure(residuals: Mapping[str, np.ndarray]) -> Chart:
     """Residuals over cells per slab, a line for each model: colour and marker of its family, dashes by its members."""
     lines, seen = [], Counter[str]()
     for model, values in residuals.items():

@@ -90,7 +90,7 @@ def run(budget: Budget) -> StudyResult:
     cases = [_case(row, law, drawn) for row, law in budget.each(pairs, 0.6)]
     untuned = {(row["sigma_MPa"], k): cycle_without_tuning(row, printed_fits()[k][0]) for row in leeman_runs() for k in (1, 2)}
     budget.report(0.7)
-    rises = [rise_of(*one) for one in _RISES[:events]]
+    rises = [_rise_of(*one) for one in _RISES[:events]]
     programs = [(row, *fitted_to(row)) for row in laboratory()["programs"]["rows"]]
     return StudyResult(
         answers=_answers(cases),
@@ -101,7 +101,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             *_reproduced(untuned),
             *_against_measured(cases),
-            *_on_waves(waves_in_blocks(with_keeping)),
+            *_on_waves(_waves_in_blocks(with_keeping)),
             _on_rises(rises),
             *(verdict for one in programs for verdict in program_verdicts(*one)),
         ),
@@ -133,7 +133,7 @@ def _answers(cases: Sequence[_Case]) -> tuple[StudyAnswer, ...]:
 
 
 def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[_FrictionFit, float]]) -> _Case:
-    found = [one for one in cycles_of_samples(row, law, drawn) if one is not None]
+    found = [one for one in _cycles_of_samples(row, law, drawn) if one is not None]
     figures = {name: [getattr(one, name) for one in found] for name in NAMES}
     bands = {name: np.quantile(values if len(found) > 2 else [math.nan], (0.025, 0.5, 0.975)) for name, values in figures.items()}
     off = [{name: abs(getattr(one, name) / _measured_figure(row, name) - 1.0) for name in NAMES} for one in found]
@@ -151,7 +151,7 @@ def _row_met(cases: Sequence[_Case]) -> list[bool]:
     return [any(case.meets for case in cases if case.row["run"] == row["run"]) for row in leeman_runs()]
 
 
-def waves_in_blocks(with_keeping: bool) -> dict[str, _MeasuredCycle]:
+def _waves_in_blocks(with_keeping: bool) -> dict[str, _MeasuredCycle]:
     """The run at 10 MPa with the third fit: by the plain `block`; by exact waves in blocks of 5 cm behind faces that `absorb`
     them and, if wanted, in blocks that `keep` them."""
     row, (fit, _) = leeman_runs()[2], printed_fits()[2]
@@ -382,7 +382,7 @@ def _cycle_in_run(
     return _MeasuredCycle(events.period[-1] * transit, events.stress_drop[-1], peak)
 
 
-def cycles_of_samples(
+def _cycles_of_samples(
     row: Mapping[str, Any], law: str, drawn: Iterable[tuple[_FrictionFit, float]]
 ) -> list[_MeasuredCycle | None]:
     """A cycle of the plain block for each of the samples; None where it slides steadily."""
@@ -397,7 +397,7 @@ def cycle_without_tuning(row: Mapping[str, Any], fit: _FrictionFit) -> _Measured
     return _cycle_in_run(_plain_block(row, fit, "ageing"), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
 
 
-def rise_of(normal_stress: float, weakening: float, velocity: float) -> tuple[float, float]:
+def _rise_of(normal_stress: float, weakening: float, velocity: float) -> tuple[float, float]:
     """Drop (MPa) and rise time (ms) of the last slip event of a metre of gabbro on the machine of Togo et al. (2015), exact
     waves. `normal_stress` in MPa, b - a, V in mm/s."""
     togo = laboratory()["togo-2015"]

@@ -63,15 +63,15 @@ class _CycleRun(NamedTuple):
 
 def run(budget: Budget) -> StudyResult:
     """Compute every model's orbit, overlay one cycle of each, compare."""
-    runs = {model: run_model(model) for model in budget.each(MODELS)}
+    runs = {model: _run_model(model) for model in budget.each(MODELS)}
     cycles = {model: own.cycle for model, own in runs.items()}
     errors = {model: own.off(runs["delay"], "period") for model, own in runs.items()}
     return StudyResult(
         answers=(StudyAnswer(_answer(errors), ("Orbits", "The full wave")),),
         figures=(
-            Figure("overlay", _OVERLAY, lambda: overlay(cycles), lead=True),
+            Figure("overlay", _OVERLAY, lambda: _overlay(cycles), lead=True),
             Figure("ode-orbit", _ODE_ORBIT, lambda: _ode_orbit(cycles), paper="Fig 4", carries=("P3 ", "P5 "), zoom=True),
-            Figure("panels", _PANELS_CAPTION, lambda: panels(cycles), paper="Fig 5", carries=("P4 ", "P5 ", "P6 ")),
+            Figure("panels", _PANELS_CAPTION, lambda: _panels(cycles), paper="Fig 5", carries=("P4 ", "P5 ", "P6 ")),
         ),
         tables=(_orbits(runs),),
         verdicts=tuple(_cycle_verdicts(runs)),
@@ -137,7 +137,7 @@ def _orbits(runs: Mapping[str, _CycleRun]) -> Table:
     return table("orbits", caption, heading, rows, (0,))
 
 
-def run_model(model: str) -> _CycleRun:
+def _run_model(model: str) -> _CycleRun:
     """The orbit of `model` in the paper's scene: by Newton's method; the leapfrog, whose steps cannot be fractions of a period,
     is run until it has settled."""
     scene = slipwave.read("paper")
@@ -157,7 +157,7 @@ def _cycle_verdicts(runs: Mapping[str, _CycleRun]) -> Verdicts:
     yield claim("The full wave runs on the delay system’s orbit", WITNESS, off, _WAVE, remark)
 
 
-def overlay(cycles: Mapping[str, OneCycle]) -> Chart:
+def _overlay(cycles: Mapping[str, OneCycle]) -> Chart:
     """Stress and slip rate over the cycle, left, and in the slow phase, framed by the delay system's range there, right."""
     exact = cycles["delay"]
     slow = (exact.time >= _ZOOM[0]) & (exact.time <= _ZOOM[1])
@@ -183,7 +183,7 @@ def _framed(values: np.ndarray, scale: str) -> tuple[float, float]:
     return low, high
 
 
-def panels(cycles: Mapping[str, OneCycle]) -> Chart:
+def _panels(cycles: Mapping[str, OneCycle]) -> Chart:
     """One panel per model, its stress over the delay system's."""
     exact = model_line("delay", cycles["delay"].time, cycles["delay"].stress, color=PALE, width=2.4)
     shown = []

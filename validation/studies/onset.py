@@ -91,7 +91,7 @@ def run(budget: Budget) -> StudyResult:
             *_fig_3(traced, slopes, paper),
             _thin_slabs(slopes),
             *map(_crossed, onsets, onsets.values()),
-            taylor(paper),
+            _taylor(paper),
         ),
         notes=(_HOW,),
         numbers={
@@ -162,14 +162,14 @@ def _closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical:
     """The closed forms against each other and against roots found from impedance."""
     epsilon = paper.upper.epsilon
     known = [[closed(friction_slopes(paper.law, v), epsilon) for v in velocity.tolist()] for closed, _ in FORMS.values()]
-    gaps = [gaps_at(paper, v) for v in _SPEEDS]
+    gaps = [_gaps_at(paper, v) for v in _SPEEDS]
     worst = {name: max(one[name] for one in gaps) for name in gaps[0]}
     worst["r_{c} equals (39) and (27)"] = np.abs(np.array([*critical.values()]) / known - 1.0).max()
     for name, gap in worst.items():
         yield claim(CLOSED, EXACT, gap, _ROUNDING, f"{name}; relative, V = 1 to 10^{{4}}")
 
 
-def gaps_at(paper: slipwave.Scene, velocity: float) -> dict[str, float]:
+def _gaps_at(paper: slipwave.Scene, velocity: float) -> dict[str, float]:
     """Relative distances of the closed forms at a drive `velocity` from the roots that they shall be."""
     slopes, epsilon = friction_slopes(paper.law, velocity), paper.upper.epsilon
     r = closed_forms.kelvin_voigt_r(slopes, epsilon)
@@ -197,7 +197,7 @@ def _fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
     each = [len(curves) for curves in traced.values()]
     worst = max(off) if each == [2, 2] else math.inf
     yield claim(TRACED, EXACT, worst, _TRACED, f"{each[0]} branches of the delay system, {each[1]} of the ODE")
-    counts = [counts_across(paper, model, curve) for model, curves in traced.items() for curve in curves]
+    counts = [_counts_across(paper, model, curve) for model, curves in traced.items() for curve in curves]
     asymptote = math.sqrt(24.0) / slopes.omega_c
     begins = (10 ** curve.first.min() for curve in traced["kelvin-voigt"])
     second = min(begin for begin in begins if begin > 0.5 * asymptote)
@@ -226,7 +226,7 @@ def _around(scene: slipwave.Scene, model: str, name: str, value: float, step: fl
     return [unstable_count(characteristic(one, model)) for one in scenes]
 
 
-def counts_across(paper: slipwave.Scene, model: str, curve: Boundary) -> list[int]:
+def _counts_across(paper: slipwave.Scene, model: str, curve: Boundary) -> list[int]:
     """The certified counts on both sides of the middle of a boundary."""
     middle = len(curve.first) // 2
     at = with_parameter(paper, "log10_r", float(curve.first[middle]))
@@ -240,7 +240,7 @@ def _crossed(name: str, onset: tuple[slipwave.Scene, str, float]) -> Verdict:
     return holding(CROSSED, WITNESS, "2 roots more", f"{beyond - below} roots more", beyond - below == 2, remark)
 
 
-def taylor(paper: slipwave.Scene) -> Verdict:
+def _taylor(paper: slipwave.Scene) -> Verdict:
     """The next truncation, which has growing roots of its own."""
     pole = max(TRUNCATION.poles_and_residues()[0], key=lambda value: (value.real, value.imag))
     known = cmath.sqrt(complex(-40.0, math.sqrt(320.0)))  # 1 + s^2/24 + s^4/1920 = 0

@@ -15,8 +15,7 @@ from slipwave.solve import Solver
 from slipwave.sources import ROOT, import_closure
 from validation.chart import Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import style_of
-from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, STEEP, LadderRun
-from validation.measure.grid_ladders import in_space as without_time
+from validation.measure.grid_ladders import FLOOR_IN_SPACE, GENTLE, LADDERS, ROUGH, STEEP, LadderRun, in_space
 from validation.measure.in_words import state_at
 from validation.measure.manufactured import BEGIN, UNTIL, error_of_motion, given_scene
 from validation.measure.order_fit import fit_dense, fit_order
@@ -76,12 +75,12 @@ def run(budget: Budget) -> StudyResult:
     """Climb every ladder, find every orbit, march both ways, record one event."""
     plan = _plan(budget)
     climbs = [climb_of(model) for model in budget.each(plan.in_space, 0.4)]
-    other_cfls = {cfl: leapfrog_at(cfl) for cfl in _CFLS[1:]}
-    jumps = {cfl: jump_errors(cfl, plan.jump) for cfl in _CFLS}
-    orbits = [(model, _AT, orbit_errors(model, _AT, cells)) for model, cells in budget.each(plan.grids.items(), 0.6, 0.4)]
-    others = [(_WAVE, log10_r, orbit_errors(_WAVE, log10_r, (_CELLS - 1, _CELLS))) for log10_r in plan.orbits_at]
+    other_cfls = {cfl: _leapfrog_at(cfl) for cfl in _CFLS[1:]}
+    jumps = {cfl: _jump_errors(cfl, plan.jump) for cfl in _CFLS}
+    orbits = [(model, _AT, _orbit_errors(model, _AT, cells)) for model, cells in budget.each(plan.grids.items(), 0.6, 0.4)]
+    others = [(_WAVE, log10_r, _orbit_errors(_WAVE, log10_r, (_CELLS - 1, _CELLS))) for log10_r in plan.orbits_at]
     means = [_means_verdict(log10_r) for log10_r in plan.means_at]
-    marches = {model: march_errors(model) for model in _TIMED}
+    marches = {model: _march_errors(model) for model in _TIMED}
     pairs = [(model, pair) for model in MOTION_GRIDS for pair in plan.pairs]
     motions = {pair: motion_errors(*pair) for pair in budget.each(pairs, 0.9, 0.6)}
     event = recorded_event()
@@ -190,9 +189,9 @@ def judged_models(quick: bool) -> tuple[str, ...]:
     return (*_FEW, *others) if quick else tuple(LADDERS)
 
 
-def leapfrog_at(cfl: float) -> Climb:
+def _leapfrog_at(cfl: float) -> Climb:
     """The leapfrog at another Courant number; at 1 it is the delay system under the midpoint rule."""
-    ladder = without_time(replace(LADDERS["fd"], cfl=cfl))
+    ladder = in_space(replace(LADDERS["fd"], cfl=cfl))
     return climb(ladder, delay_reference(ladder.run), without_error_in_time)
 
 
@@ -208,7 +207,7 @@ def _evidence_at(cfl: float) -> Evidence:
     return SELF if cfl == 1.0 else WITNESS
 
 
-def jump_errors(cfl: float, cells: Iterable[int]) -> np.ndarray:
+def _jump_errors(cfl: float, cells: Iterable[int]) -> np.ndarray:
     """Errors of psi after `_JUMP_UNTIL` transits."""
     known = state_at("yardstick", _JUMP_UNTIL, tol=1e-11)
     return np.array([abs(state_at("yardstick", _JUMP_UNTIL, "fd", cells=n, cfl=cfl) - known) for n in cells])
@@ -222,7 +221,7 @@ def _modules_of(family: str) -> frozenset[str]:
     return frozenset(".".join(path.parts).removesuffix(".__init__") for path in files)
 
 
-def shared(one: str, other: str) -> tuple[str, ...]:
+def _shared(one: str, other: str) -> tuple[str, ...]:
     """Modules outside `slipwave` that two families share, without the tables of facts, which compute nothing."""
     common = _modules_of(one) & _modules_of(other)
     return tuple(sorted(name for name in common if not name.startswith("slipwave") and not name.endswith(".families")))
@@ -231,8 +230,8 @@ def shared(one: str, other: str) -> tuple[str, ...]:
 def _independence() -> Verdict:
     """What the imports say."""
     waves = [family.name for family in GRIDS]
-    apart = sum(not shared("delay", name) for name in waves)
-    among = ", ".join(f"`{one}` and `{other}` {len(shared(one, other))}" for one, other in combinations(waves, 2))
+    apart = sum(not _shared("delay", name) for name in waves)
+    among = ", ".join(f"`{one}` and `{other}` {len(_shared(one, other))}" for one, other in combinations(waves, 2))
     return every(_INDEPENDENT, EXACT, apart, len(waves), f"by their imports; all share `slipwave`; modules in common: {among}")
 
 
@@ -249,7 +248,7 @@ _MEANS_UNTIL, _ERRORS = 10000.0, 4.0  # transits; standard errors
 _NEAR_ONSET = {"start.size": 2.0}  # a small nudge grows for thousands of transits
 
 
-def orbit_errors(model: str, log10_r: float, cells: Iterable[int]) -> dict[int, dict[str, float]]:
+def _orbit_errors(model: str, log10_r: float, cells: Iterable[int]) -> dict[int, dict[str, float]]:
     """Relative errors of the figures of a grid's own orbit, stable or not, against the delay system's, by cells."""
     exact, own = _figures("delay", log10_r, None), {n: _figures(model, log10_r, n) for n in cells}
     return {n: {name: abs(one[name] / exact[name] - 1.0) for name in _QUANTITIES} for n, one in own.items()}
@@ -285,12 +284,12 @@ def _agreement_verdicts(model: str, log10_r: float, found: Mapping[int, Mapping[
 
 def _means_verdict(log10_r: float) -> Verdict:
     """Means of the full wave and of the delay system over the cycles of a run, by their standard errors."""
-    (wave, known), (delay, others) = (means_of(model, log10_r) for model in (_WAVE, "delay"))
+    (wave, known), (delay, others) = (_means_of(model, log10_r) for model in (_WAVE, "delay"))
     off = max(2.0 * abs(wave[name] - delay[name]) / math.hypot(known[name], others[name]) for name in _QUANTITIES)
     return claim(_MEANS, WITNESS, off, _ERRORS, f"log_{{10}} r = −{-log10_r:g}; the larger of both", unit="standard errors")
 
 
-def means_of(model: str, log10_r: float) -> tuple[dict[str, float], dict[str, float]]:
+def _means_of(model: str, log10_r: float) -> tuple[dict[str, float], dict[str, float]]:
     """Means of the figures over the cycles of a long run, and their margins (95 %)."""
     options: dict[str, Any] = {"cells": _CELLS} if model == _WAVE else {"tol": 1e-7}
     found = sw.run("paper", model, until=_MEANS_UNTIL, **options, **{"slab.log10_r": log10_r}).summary
@@ -311,7 +310,7 @@ _KEEPS = "The exact march keeps the error requested of it, measured by the expli
 _RESOLUTION, _FLOOR, _ROUNDING = 1e-13, 2e-12, 1e-11
 
 
-def march_errors(model: str) -> tuple[np.ndarray, np.ndarray]:
+def _march_errors(model: str) -> tuple[np.ndarray, np.ndarray]:
     """Largest error of any output by the marches of one grid: explicit (_COURANT) against the exact march, exact (_REQUESTS)
     against the shortest explicit steps."""
 

@@ -141,7 +141,7 @@ def columns() -> dict[tuple[_LeakyFace, float], ModelColumn]:
     """Every face that has an onset, at every r over it."""
     found = {}
     for face in FACES:
-        onset = face_onset(face)
+        onset = _face_onset(face)
         for over in OVER_ONSET if onset > 0.0 else ():
             log10_r, group = round(math.log10(onset * over), 6), f"r = {over:g} r_{{c}}"
             found[face, over] = _column(face, log10_r, over, group)
@@ -150,7 +150,7 @@ def columns() -> dict[tuple[_LeakyFace, float], ModelColumn]:
 
 def plane() -> dict[tuple[_LeakyFace, float], str]:
     """Every point of the map of regimes over the onset, and the words of its scene."""
-    onsets = {face: face_onset(face) for face in (_LeakyFace(kind, True, R) for kind in _KINDS for R in _ROWS)}
+    onsets = {face: _face_onset(face) for face in (_LeakyFace(kind, True, R) for kind in _KINDS for R in _ROWS)}
     return {(face, x): face.settings(x) for face, onset in onsets.items() for x in _COLUMNS if 10.0**x > onset}
 
 
@@ -160,7 +160,7 @@ def _column(face: _LeakyFace, log10_r: float, over: float = math.nan, group: str
     )
 
 
-def face_onset(face: _LeakyFace) -> float:
+def _face_onset(face: _LeakyFace) -> float:
     """The r at which steady sliding loses its stability by a Hopf point; NaN if there is none."""
     return critical_r(EXACT_MODEL, scene_of(face.settings()))
 
@@ -302,7 +302,7 @@ def _locks() -> Verdict:
     faces = [
         _LeakyFace("bare", both, _LeakyFace("bare", both, 0.0).edge + aside) for both in _BOTH for aside in (_ASIDE, -_ASIDE)
     ]
-    right = sum((face_onset(face) > 0.0) == (face.reflection > face.edge) for face in faces)
+    right = sum((_face_onset(face) > 0.0) == (face.reflection > face.edge) for face in faces)
     remark = f"R {_ASIDE:g} above and below {faces[0].edge:.6f} on both slabs and {faces[2].edge:.6f} on one"
     return every(
         "Stick-slip behind bare faces ends where their dashpot is as strong as friction’s weakening", EXACT, right, 4, remark
@@ -335,7 +335,7 @@ def _motions(exact: Mapping[tuple[_LeakyFace, float], Regime]) -> Table:
     for face in dict.fromkeys(face for face, _ in exact):
         cells = [cell for over in OVER_ONSET for cell in motion_cells(exact[face, over])]
         slabs = "both" if face.both else "one"
-        rows.append([face.kind, slabs, face.reflection, math.log10(face_onset(face)), *cells])
+        rows.append([face.kind, slabs, face.reflection, math.log10(_face_onset(face)), *cells])
     each = " | ".join(f"at {over:g} r_{{c}} | T [transits] | Δμ [σ]" for over in OVER_ONSET)
     return table("motions", _MOTIONS, f"face | slabs | R .3g | onset, log_{{10}} r .6f | {each}", rows)
 
@@ -372,7 +372,7 @@ def _plane(
         faces = [_LeakyFace(kind, True, R) for R in _ROWS]
         found = [[_word(regimes.get((face, x))) for x in _COLUMNS] for face in faces]
         traces = [Trace("regime", _COLUMNS, leaks, _CELL, value=[[words.index(one) for one in row] for row in found])]
-        onset = [math.log10(face_onset(face)) for face in faces]
+        onset = [math.log10(_face_onset(face)) for face in faces]
         traces += [
             Trace("", onset, leaks, Look(PAPER, width=3.6)),
             Trace("onset (Hopf point)", onset, leaks, Look(INK, width=1.8)),
@@ -395,7 +395,7 @@ def _plane(
 
 def _first_beyond(own: Sequence[tuple[_LeakyFace, KnownPoint]]) -> tuple[list[float], list[float]]:
     """log10 r of the first of special points of one kind that lies beyond the neighbourhood of the onset, and 1 - R, by faces."""
-    beyond = [(face, one.log10_r) for face, one in own if one.log10_r > math.log10(face_onset(face)) + _NEAR_ONSET]
+    beyond = [(face, one.log10_r) for face, one in own if one.log10_r > math.log10(_face_onset(face)) + _NEAR_ONSET]
     faces = list(dict.fromkeys(face for face, _ in beyond))
     return [min(x for other, x in beyond if other == face) for face in faces], [1.0 - face.reflection for face in faces]
 

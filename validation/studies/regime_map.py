@@ -22,8 +22,8 @@ _R, _V = (-2.74, -2.42), (100.0, 1000.0)
 
 def run(budget: Budget) -> StudyResult:
     """Sweep the plane with every model, compare the boundaries with certified counts of roots, and compare the regimes."""
-    swept = swept_plane(budget)
-    regimes = mapped(swept)
+    swept = _swept_plane(budget)
+    regimes = _mapped(swept)
     rows = slipwave.map(swept, against=_REFERENCE).summary["differences"]
     nearest = sorted(rows, key=lambda row: float(row["other_regime_percent"]))
     areas = ", ".join(f"`{row['model']}` in {row['other_regime_percent']:.2g} %" for row in nearest)
@@ -38,7 +38,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def swept_plane(budget: Budget) -> Any:
+def _swept_plane(budget: Budget) -> Any:
     """The sweep of the plane with every model."""
     scene = slipwave.read("paper", {"run.until": _UNTIL})
     round_trips, velocities, levels = budget.plan(quick=(13, 7, 1), full=(25, 13, 2))
@@ -63,17 +63,17 @@ def _areas(sizes: Any, rows: Any) -> dict[str, Number]:
     }
 
 
-def model_regimes(model: str, swept: Any) -> Any:
+def _model_regimes(model: str, swept: Any) -> Any:
     """The regimes of a model at the points of the plane, as `MapResult.regimes`."""
     return slipwave.map(swept, plain=True).regimes(model)
 
 
-def mapped(swept: Any) -> Any:
+def _mapped(swept: Any) -> Any:
     """The map of verdicts, with the boundaries on which steady sliding of each model loses its stability."""
     return slipwave.map(swept, show="verdict")
 
 
-def critical_round_trips(model: str, lines: Any, velocities: Any) -> Any:
+def _critical_round_trips(model: str, lines: Any, velocities: Any) -> Any:
     """log10 of the critical r of a model at these velocities, from the certified number of growing roots."""
     line = next(line for line in lines if line.model == model)
     order = np.argsort(line.up)
@@ -85,7 +85,7 @@ def _boundaries(swept: Any, lines: Any) -> Verdict:
     log10_r, velocity = (swept.dataset[name].values for name in ("log10_r", "drive_velocity"))
     wrong, judged, cell = 0, 0, np.diff(log10_r[:2])[0]
     for model in _MODELS:
-        found, beyond = model_regimes(model, swept), log10_r[:, None] - critical_round_trips(model, lines, velocity)
+        found, beyond = _model_regimes(model, swept), log10_r[:, None] - _critical_round_trips(model, lines, velocity)
         clear = (np.abs(beyond) > cell) & (found >= 0)
         wrong, judged = wrong + int((clear & ((found == 0) != (beyond < 0.0))).sum()), judged + int(clear.sum())
     title = "Regimes of runs change from steady sliding where certified counts of roots say so"

@@ -100,7 +100,7 @@ def run(budget: Budget) -> StudyResult:
     orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in plan.shown}
     starts = [(log10_r, size) for log10_r in plan.coexist for size in _NUDGES]
     before, *others, beyond = (
-        run_at(log10_r, size, branch.orbits_at(log10_r))
+        _run_at(log10_r, size, branch.orbits_at(log10_r))
         for log10_r, size in ((_BEFORE, _NUDGES[0]), *starts, (_BEYOND, _NUDGES[0]))
     )
     return StudyResult(
@@ -116,7 +116,7 @@ def run(budget: Budget) -> StudyResult:
             _wanders(beyond),
             _grows(sides(branch, *plan.beside)),
             *_coexisting(others),
-            *_on_torus(*torus_at(-2.65)),
+            *_on_torus(*_torus_at(-2.65)),
         ),
         notes=(_WHY,),
         numbers={
@@ -223,7 +223,7 @@ _PASSES = 4e-6
 _WANDERS = 1e-2  # transits, on both sides of the unstable orbit's period
 
 
-def run_at(log10_r: float, size: float, orbits: Sequence[Closed]) -> _DirectRun:
+def _run_at(log10_r: float, size: float, orbits: Sequence[Closed]) -> _DirectRun:
     """A run of the delay system until its cycles stop changing, 9000 transits at most; `orbits`: those of the branch there."""
     scene = scene_at(log10_r)
     found = memo.settled("delay", replace(scene, start=replace(scene.start, size=size)), 1e-10, 1e-8, _MOST)
@@ -232,7 +232,7 @@ def run_at(log10_r: float, size: float, orbits: Sequence[Closed]) -> _DirectRun:
     return _DirectRun(log10_r, size, last, found.settled, min(known, key=lambda period: abs(period - last[-1])))
 
 
-def torus_at(log10_r: float) -> tuple[float, Estimate]:
+def _torus_at(log10_r: float) -> tuple[float, Estimate]:
     """The rotation number of the delay system's run at `log10_r`, and its mean period (transits) with its margin."""
     run = sw.run(sw.read("paper", {"slab.log10_r": log10_r}), model="delay", until=_TORUS, tol=1e-8).summary
     return run["rotation_number"] or math.nan, Estimate(run["period"]["mean"], run["margins"]["period"])

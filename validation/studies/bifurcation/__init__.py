@@ -89,9 +89,9 @@ def run(budget: Budget) -> StudyResult:
     """Follow the branches from their Hopf points; find the full wave's own orbits, the doubled orbits and the folds over V."""
     plan = budget.plan(_QUICK, _FULL)
     delay, ode = (branch_of(model, *end) for model, end in budget.each(plan.ends.items(), end=0.5))
-    waves = {log10_r: wave_orbit(delay, log10_r) for log10_r in plan.waves}
+    waves = {log10_r: _wave_orbit(delay, log10_r) for log10_r in plan.waves}
     orbits, bubbles = doubled(), [bubble(*pair) for pair in budget.each(plan.pairs, end=0.8, begin=0.5)]
-    folds = {model: folds_over_drive(model, plan.points) for model in plan.folds}
+    folds = {model: _folds_over_drive(model, plan.points) for model in plan.folds}
     branches = {"delay": delay, "kelvin-voigt": ode}
     return StudyResult(
         answers=_answers(delay, ode),
@@ -111,7 +111,7 @@ def run(budget: Budget) -> StudyResult:
             index(branches.values()),
             *_same_orbits(waves),
             _mildly_subcritical(delay, ode),
-            *_fold_verdicts(folds, fold_at(folds["delay"][-1][1])),
+            *_fold_verdicts(folds, _fold_at(folds["delay"][-1][1])),
             *(_bubbles_of(ode) if plan.to_torus else ()),
             *doubling_verdicts(orbits, ode, bubbles),
             unlike(delay, ode),
@@ -191,7 +191,7 @@ WaveOrbits: TypeAlias = Mapping[float, tuple[dict[str, float], dict[str, float]]
 """log10 r -> figures of the full wave's orbit, and of the nearest orbit of the delay system's branch there, by period."""
 
 
-def wave_orbit(branch: Branch, log10_r: float) -> tuple[dict[str, float], dict[str, float]]:
+def _wave_orbit(branch: Branch, log10_r: float) -> tuple[dict[str, float], dict[str, float]]:
     """The orbit that the full wave reaches from the scene's own start; `branch` is the delay system's, whose drops are computed
     anew on a finer mesh."""
     scene = scene_at(log10_r)
@@ -368,7 +368,7 @@ _LOW, _HIGH = -2.73, -2.3  # log10 r at V = 100 between which the fold is search
 _ENDS = (50, 200)  # V towards which a curve is followed from V = 100
 
 
-def folds_over_drive(model: str, most: int) -> list[Fold]:
+def _folds_over_drive(model: str, most: int) -> list[Fold]:
     """The first fold of `model` over V, from at most so many points on each side of V = 100."""
     over = f"log10_r={_LOW}:{_HIGH}"
     curves = [
@@ -377,7 +377,7 @@ def folds_over_drive(model: str, most: int) -> list[Fold]:
     return sorted(((one["log10_r"], one["V"]) for curve in curves for one in curve.points), key=lambda fold: fold[1])
 
 
-def fold_at(velocity: float) -> float:
+def _fold_at(velocity: float) -> float:
     """log10 r of the delay system's first fold at this V, computed at V = 100 with epsilon and r larger by V/100."""
     scene = sw.read("paper", {"slab.epsilon": 2.8e-7 * velocity})
     larger = math.log10(velocity / 100.0)
@@ -394,7 +394,7 @@ def _below(model: str, fold: Fold) -> float:
 
 
 def _fold_verdicts(curves: Mapping[str, Sequence[Fold]], again: float) -> Verdicts:
-    """`again`: the last fold of the delay system by `fold_at`."""
+    """`again`: the last fold of the delay system by `_fold_at`."""
     log10_r, velocity = curves["delay"][-1]
     title = "Only the products εV and rV matter: the fold at V is that at V = 100 with ε and r larger by V/100"
     yield claim(

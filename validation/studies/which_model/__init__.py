@@ -95,7 +95,7 @@ def run(budget: Budget) -> StudyResult:
     regimes = {
         model: {x: on_record(model, paper_at(x)) or regime_at(model, x) for x in grid} for model in budget.each(EVERY, 0.4)
     }
-    table = _the_table(regimes, {_title(x): costs_at(x, plan.rounds) for x in _COSTED})
+    table = _the_table(regimes, {_title(x): _costs_at(x, plan.rounds) for x in _COSTED})
     others = _in_scenes(there, budget)
     found = periods.branches_of(*plan.ends)
     budget.report(0.8)
@@ -110,7 +110,7 @@ def run(budget: Budget) -> StudyResult:
             StudyAnswer(laws.law_answer(onsets, cycles), ("A reduction’s", "The paper’s ODE tends")),
         ),
         figures=(
-            Figure("cost-error", _COST_ERROR, lambda: cost_and_error(table), timed=True),
+            Figure("cost-error", _COST_ERROR, lambda: _cost_and_error(table), timed=True),
             Figure("over-r", periods.CAPTION, lambda: periods.over_r(found, seen), paper="Fig 8", carries=_CARRIES, zoom=True),
             Figure("laws", laws.CAPTION, lambda: laws.fall(onsets, cycles)),
         ),
@@ -198,7 +198,7 @@ _CAPTION = (
 )
 
 
-def costs_at(log10_r: float, rounds: int) -> dict[str, float]:
+def _costs_at(log10_r: float, rounds: int) -> dict[str, float]:
     """Cost of every model with a lasting motion there."""
     return relative_costs([model for model in EVERY if model != "quasistatic"], {WAVE: CELLS}, scene_at(log10_r), rounds)
 
@@ -317,7 +317,7 @@ _COST_ERROR = (
 )
 
 
-def cost_and_error(table: ModelTable) -> Chart:
+def _cost_and_error(table: ModelTable) -> Chart:
     """One point for each model and each of the two r."""
     titles, traces, keys = [column.title for column in table.columns], list[Trace](), dict[str, Trace]()
     for row in table.rows:

@@ -18,7 +18,7 @@ WAVES, BLOCKS = ("kelvin-voigt", "delay"), ("block8", "block12")
 _PRINTED = -2.68  # log10 r whose periods `one-cycle` compares
 
 
-class Periods(NamedTuple):
+class _Periods(NamedTuple):
     """A model at one r (transits): periods of its `orbits` on the branch, stable or not; the period of its run's orbit, or its
     mean over so many `cycles`; and as a number that of the first orbit that is known."""
 
@@ -33,7 +33,7 @@ class Periods(NamedTuple):
         return self.orbits + [self.seen.value + share * self.seen.error for share in (-2.0, 2.0)]
 
 
-ByModel = Mapping[str, Mapping[float, Periods]]
+ByModel = Mapping[str, Mapping[float, _Periods]]
 """model -> log10 r -> its periods."""
 
 
@@ -42,17 +42,17 @@ def branches_of(ode: float, longest: float) -> dict[str, Branch]:
     return {"kelvin-voigt": branch_of("kelvin-voigt", ode, FAR), "delay": branch_of("delay", -2.3, longest)}
 
 
-def periods_at(model: str, log10_r: float, branches: Mapping[str, Branch], regime: Regime) -> Periods:
+def _periods_at(model: str, log10_r: float, branches: Mapping[str, Branch], regime: Regime) -> _Periods:
     """The periods of a model of Fig 8, from its branch, if it has one, and from its `regime` there."""
     orbits, seen = branches[model].orbits_at(log10_r) if model in branches else [], regime.figures["T"]
     alone = None if regime.cycles else stated(seen.value, seen.error)
-    return Periods([one.cycle.period for one in orbits], seen, regime.cycles, numbered_period(orbits[0]) if orbits else alone)
+    return _Periods([one.cycle.period for one in orbits], seen, regime.cycles, numbered_period(orbits[0]) if orbits else alone)
 
 
 def periods_of(branches: Mapping[str, Branch], regimes: Mapping[str, Mapping[float, Regime]]) -> ByModel:
     """The periods of all models of Fig 8 at every r of the table."""
     return {
-        model: {log10_r: periods_at(model, log10_r, branches, one) for log10_r, one in regimes[model].items()}
+        model: {log10_r: _periods_at(model, log10_r, branches, one) for log10_r, one in regimes[model].items()}
         for model in (*WAVES, *BLOCKS)
     }
 
