@@ -24,7 +24,7 @@ OF_LIBRARIES = {
     "sys.stdout", "sys.stderr", "sys.unraisablehook",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
     "element.text", "element.tail",
-    "call.__doc__", "call.__signature__", "self.call.__signature__", "self.call.__annotations__", "kind.__name__",
+    "call.__doc__", "call.__signature__", "call.__annotations__", "kind.__name__",
     "mark.until", "work.until", "engine.report",
     "differences[name].attrs", "differences['other_regime'].attrs",
 }  # fmt: skip

@@ -20,7 +20,7 @@ from reduced.parameters import with_parameter
 from slipwave import read
 from slipwave.errors import NumericsError
 from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator
-from validation.models.points import point_of
+from validation.models.points import BranchPoint
 
 METRIC = Metric(2.0 * math.pi, 1.0)
 WIDEST = 2.1e-9
@@ -104,7 +104,7 @@ def test_where_multipliers_cannot_be_counted_folds_are_found_all_the_same():
     (fold,) = events(steps)
     assert (fold.kind, fold.unstable_before, fold.unstable_after) == ("LP", 0, 0)
     assert fold.point.parameter == pytest.approx(-0.25, abs=1e-11)
-    points = [point_of(step.point) for step in steps]
+    points = [BranchPoint.of(step.point) for step in steps]
     assert {(point.unstable, point.stable) for point in points} == {(None, None)}
 
 

@@ -13,7 +13,8 @@ from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
 from validation.commands.run import RunResult
 from validation.models.build import prepare
 from validation.models.by_name import family_of
-from validation.models.run import Wanted, records_of, simulate
+from validation.models.recording import Records
+from validation.models.run import Length, simulate
 
 Row = tuple[str, ...]
 
@@ -194,7 +195,7 @@ def play(solver, until, folder=None, dates=(), chunk=math.inf, resume=None):
     """Run `solver` to `until` (transits) as `slipwave run` does, in chunks of `chunk` transits, from the checkpoint `resume`;
     checkpoints of some `dates` go into a `folder`."""
     begun = solver.state() if solver.scene.start.kind == "orbit" else None
-    records = records_of(solver, until, Wanted())
+    records = Records.of(solver, Length(until=until))
     parts = {"events": records.watch, "envelope": records.envelope}
     if records.protocol is not None:
         parts["protocol"] = records.protocol

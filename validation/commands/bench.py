@@ -2,25 +2,26 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar
 
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
 from slipwave.input import SceneSource
 from slipwave.scene import Scene
 from validation.chart import Chart, Panel, Scale
 from validation.chart.looks import model_line, style_of
-from validation.commands.command import command
 from validation.commands.comparison import Comparison, errors_of, nothing, remarks, row_of
-from validation.commands.options import RunsOptions
+from validation.commands.options import RunsOptions, command
 from validation.commands.result import aligned, rounded
 from validation.models.build import build
 from validation.models.by_name import honouring, one_port_of
+from validation.models.cycle import watch
 from validation.models.progress import progress
 from validation.models.run import Length, Run, length_of, simulate
-from validation.models.timing import alternating, quartiles, warm_up
+from validation.models.timing import WARM_UP, alternating, quartiles
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)
 _REFERENCE_TOLERANCE = 1e-11
@@ -29,37 +30,32 @@ _ROUNDS, _ENOUGH = 3, 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class BenchOptions(RunsOptions):
+class _BenchOptions(RunsOptions):
     """Options of `slipwave.bench`."""
 
     EXAMPLES: ClassVar = ("slipwave bench paper --until 1000",)
 
 
-class TimedRun(NamedTuple):
-    """A run, whose `wall_s` is the median over rounds, its numerical setting, and the quartiles of the time (s)."""
-
-    run: Run
-    setting: dict[str, Any]
-    low: float
-    high: float
-
-
 @dataclass(frozen=True, repr=False, eq=False)
 class BenchResult(Comparison):
-    """The timed `runs` of the scene; the reference is the delay system at a tight tolerance."""
+    """The `runs` of the scene, each with its numerical setting and its wall times (s) in all rounds; the reference is the delay
+    system at a tight tolerance."""
 
     DIMENSION: ClassVar = "trial"
     COMMAND: ClassVar = "bench"
 
-    runs: list[TimedRun]
+    runs: list[tuple[Run, dict[str, Any], list[float]]]
 
     @property
     def rows(self) -> list[dict[str, Any]]:
-        """One for each run, with errors without sign."""
-        rows = [row_of(one.run, {"setting": one.setting}, self.reference) for one in self.runs]
-        for row, one in zip(rows, self.runs, strict=True):
-            row |= {"wall_low_s": one.low, "wall_high_s": one.high}
+        """One for each run, with errors without sign; its time is the median over rounds."""
+        rows = []
+        for run, setting, times in self.runs:
+            low, median, high = quartiles(times)
+            row = row_of(replace(run, wall_s=median), {"setting": setting}, self.reference)
+            row |= {"wall_low_s": low, "wall_high_s": high}
             row["error"] = {name: None if error is None else abs(error) for name, error in row["error"].items()}
+            rows.append(row)
         return rows
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
@@ -82,7 +78,7 @@ class BenchResult(Comparison):
     def chart(self) -> Chart:
         """Error of the period against wall time, a line for each model; runs without cycles are left out."""
         lines = []
-        for model in dict.fromkeys(one.run.solver.model for one in self.runs):
+        for model in dict.fromkeys(run.solver.model for run, _, _ in self.runs):
             rows = [row for row in self.summary["models"] if row["model"] == model and row["error"]["period"]]
             pairs = [row["wall_s"] for row in rows], [row["error"]["period"] for row in rows]
             lines += [model_line(model, *pairs, model, marker=style_of(model).marker)] if rows else []
@@ -91,7 +87,7 @@ class BenchResult(Comparison):
 
 
 @command
-def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
+def bench(source: SceneSource, options: _BenchOptions) -> BenchResult:
     """Time every model against its error in period and stress drop; the reference is the delay system at a tight tolerance.
 
     Times are medians over three rounds in which all run in turn; there is one round where that takes longer than ten seconds.
@@ -104,12 +100,15 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
     trials = [(family, setting) for family in honouring(scene) for setting in settings[family.name]]
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
-    reference = _reference(scene, trials, options.most_seconds)
+    delay = next((family for family, _ in trials if family.name == "delay"), None)
+    family, setting = (delay, {"tolerance": _REFERENCE_TOLERANCE}) if delay is not None else trials[-1]  # else its finest
+    all_of_it = length_of(scene, one_port_of(family.example))
+    reference = _prepared(scene, family, setting, all_of_it, options.most_seconds)()
     if nothing(reference):
         raise SceneError(f"until = {reference.until:g}: {nothing(reference)}")
     length = Length(until=reference.until)
     works = {number: partial(_prepared, scene, *trial, length, options.most_seconds) for number, trial in enumerate(trials)}
-    found: list[tuple[Run, list[float]]] = []
+    runs: list[tuple[Run, dict[str, Any], list[float]]] = []
     stopped, spent = "", 0.0
     with progress("bench", _ROUNDS * len(trials)) as report:
         for done, (number, seconds, run) in enumerate(alternating(works, _ROUNDS, time.perf_counter)):
@@ -117,30 +116,19 @@ def bench(source: SceneSource, options: BenchOptions) -> BenchResult:
                 stopped = f"after {done} of {_ROUNDS * len(trials)} runs"
                 break
             if done < len(trials):
-                found.append((run, []))
-            found[number][1].append(seconds)
+                runs.append((run, trials[number][1], []))
+            runs[number][2].append(seconds)
             spent += seconds
             report(done + 1)
             if number == len(trials) - 1 and spent > _ENOUGH:
                 break
-    runs = []
-    for (run, times), (_, setting) in zip(found, trials, strict=False):
-        low, median, high = quartiles(times)
-        runs.append(TimedRun(replace(run, wall_s=median), setting, low, high))
-    failed = [reference.failed] if reference.failed else [one.run.failed for one in runs if one.run.solver.failures]
+    failed = [reference.failed] if reference.failed else [run.failed for run, _, _ in runs if run.solver.failures]
     failed = ["interrupted", *failed, stopped] if stopped else failed
     return BenchResult(scene, reference, options.stored, runs, failed="; ".join(failed), stopped=bool(stopped))
 
 
-def _reference(scene: Scene, trials: list[tuple[Family, dict[str, Any]]], most: float) -> Run:
-    """The delay system at a tight tolerance; for scenes it cannot compute, the last full-wave family at its finest setting. All
-    other runs last as long as it does."""
-    delay = next((family for family, _ in trials if family.name == "delay"), None)
-    family, setting = (delay, {"tolerance": _REFERENCE_TOLERANCE}) if delay is not None else trials[-1]
-    return _prepared(scene, family, setting, length_of(scene, one_port_of(family.example)), most)()
-
-
 def _prepared(scene: Scene, family: Family, setting: dict[str, Any], length: Length, most: float) -> Callable[[], Run]:
     """The run, with its code loaded."""
-    warm_up(family.example, scene, **setting)
+    with suppress(NumericsError):  # a run that fails reports it itself
+        watch(build(family.example, scene, **setting), WARM_UP if scene.until is None else min(WARM_UP, scene.until))
     return partial(simulate, build(family.example, scene, **setting), length, most_seconds=most)

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -19,19 +19,18 @@ from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.chart import Chart
-from validation.commands.branch_figures import chart_of_branch
-from validation.commands.command import command
-from validation.commands.options import ModelOptions, announced, option
+from validation.chart import BLUE, GREY, INK, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
+from validation.chart.looks import NAMES
+from validation.commands.options import ModelOptions, announced, command, option
 from validation.commands.result import Output, PointOfBranch, Result, aligned, finite, rounded, thinned
 from validation.commands.wording import header
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import EVENTS, variables
 from validation.models.branch import FollowedBranch
-from validation.models.ends import CurveEnd, SpecialEnds, ends_over
+from validation.models.ends import CurveEnd, SpecialEnds
 from validation.models.followed import End, Followed, pursue, write_followed
 from validation.models.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
-from validation.models.parameter import Values, names_of, over_range, range_text, scene_along
+from validation.models.parameter import Values, names_of, over_range, range_text
 from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 from validation.models.provenance import provenance
 
@@ -39,6 +38,14 @@ BRANCH_TOLERANCE, BRANCH_POINTS = 1e-6, 2000
 """Defaults of the options."""
 
 _LISTED = 12  # points in the table
+
+QUANTITIES = {"period": "period $T$ / transits", "stress_drop": "stress drop", "elastic_stress_drop": "elastic stress drop"}
+_MARKS = {"HB": (INK, "o"), "LP": (BLUE, "s"), "PD": (ORANGE, "^"), "NS": ("#009e73", "D")}
+_LOOKS = {
+    True: ("stable", Look(width=1.9)),
+    False: ("unstable", Look(GREY, (0, (4, 1.5)), width=0.8)),
+    None: ("stability not decided", Look(GREY, width=0.9)),
+}
 
 
 def tolerance_option(default: float) -> Any:
@@ -78,6 +85,10 @@ class FollowedOptions(ModelOptions):
             require("files", f"the file of a {what}")
         known = self.recalled(source, what)
         return replace(known, **{name: value for name, value in defaults.items() if getattr(known, name) is None})
+
+    def origin(self, found: Followed) -> dict[str, Any]:
+        """The attributes of the file of a branch or a curve."""
+        return provenance(found.what, found.over.base, found.model, self.stored) | {"parameter": found.over.name}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,11 +175,6 @@ class FollowedResult(Result):
         """The entries that differ between branches and curves."""
 
     @property
-    def origin(self) -> dict[str, Any]:
-        """The attributes of its file."""
-        return origin_of(self.found, self.options)
-
-    @property
     def is_empty(self) -> bool:
         """Whether it has no points."""
         return not any(rows for _, rows in self.found.tables.values())
@@ -184,7 +190,7 @@ class FollowedResult(Result):
         if self.end is None:
             super().to_netcdf(path)
         else:
-            write_followed(Path(path), self.found, self.end, not self.failed, self.origin)
+            write_followed(Path(path), self.found, self.end, not self.failed, self.options.origin(self.found))
 
     def _table(self, first: str, columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
         """Lines of the scene, the line `first`, the columns, and the run time."""
@@ -199,6 +205,11 @@ class FollowedResult(Result):
 
     def _special_lines(self) -> Iterator[str]:
         yield from ()
+
+    @staticmethod
+    def _column(rows: Sequence[Any], name: str, digits: int = 7) -> list[str]:
+        """A column of a printed table."""
+        return [rounded(getattr(row, name), digits) for row in rows]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -253,7 +264,7 @@ class BranchResult(FollowedResult):
         plain = {name.removeprefix("point_"): value for name, value in values.items()}
         plain |= {found.over.column: plain.pop("value")}
         values |= plain | _columns("special", SpecialPoint._fields, found.shown_special, scene)
-        data = new_dataset(values, attrs=self.origin).set_coords(["point_value", "special_value"])
+        data = new_dataset(values, attrs=self.options.origin(self.found)).set_coords(["point_value", "special_value"])
         return along(data, found.over.column)
 
     @property
@@ -269,23 +280,29 @@ class BranchResult(FollowedResult):
 
     def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
         found = self.found
-        return PointOfBranch(finite(self._at(point)), scene_along(found.over, point.value), found.model, closed, found.tolerance)
+        return PointOfBranch(finite(self._at(point)), found.over.written_at(point.value), found.model, closed, found.tolerance)
 
     def chart(self) -> Chart:
-        """Period and stress drops against the parameter."""
-        return chart_of_branch(self.found)
+        """Period and stress drops against the parameter, one panel each."""
+        found = self.found
+        panels = [
+            Panel("", Scale(found.over.label), Scale(label), [*_pieces(found, name), *_special(found, name)])
+            for name, label in QUANTITIES.items()
+        ]
+        title = f"{found.over.base.name}, {found.model}: periodic orbits"
+        return Chart(panels, 8.5, legend="outside lower left", legend_columns=4, title=title)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The special points, and some of the others."""
         found, scene, listed = self.found, self.found.over.base, thinned(self.found.shown, _LISTED)
         (low, high), digits = found.over.ends, _telling([point.value for point in listed])
         words = {True: "yes", None: "not decided"}
-        columns = {found.over.name: [rounded(one.value, digits) for one in listed], "period": printed_column(listed, "period")}
+        columns = {found.over.name: [rounded(one.value, digits) for one in listed], "period": self._column(listed, "period")}
         if scene.units:
             seconds = [one.period * found.over.scene_at(one.value).transit * scene.units.time for one in listed]
             columns["period [s]"] = [rounded(one, 7) for one in seconds]
         rest = {"stress drop": "stress_drop", "elastic stress drop": "elastic_stress_drop", "v_max": "v_max", "v_min": "v_min"}
-        columns |= {heading: printed_column(listed, name) for heading, name in rest.items()}
+        columns |= {heading: self._column(listed, name) for heading, name in rest.items()}
         columns["stable"] = [words.get(one.stable, f"no ({one.unstable})") for one in listed]
         return self._table(f"{len(found.shown)} orbits over {found.over.name} from {low:g} to {high:g}", columns)
 
@@ -293,10 +310,10 @@ class BranchResult(FollowedResult):
         found, special = self.found, self.found.shown_special
         columns = {
             "special points": [f"{one.kind} {SPECIAL_KINDS[one.kind]}" for one in special],
-            found.over.name: printed_column(special, "value", 11),
-            "bracket": printed_column(special, "bracket", 2),
-            "period": printed_column(special, "period", 9),
-            "stress drop": printed_column(special, "stress_drop"),
+            found.over.name: self._column(special, "value", 11),
+            "bracket": self._column(special, "bracket", 2),
+            "period": self._column(special, "period", 9),
+            "stress drop": self._column(special, "stress_drop"),
             "unstable multipliers": [
                 "not counted" if one.unstable_before is None else f"{one.unstable_before} -> {one.unstable_after}"
                 for one in special
@@ -324,16 +341,6 @@ class BranchResult(FollowedResult):
         heading = ["kind", "curves", f"extreme {name}", "bracket", self.found.over.name, "period", ""]
         yield from aligned(heading, rows) if rows else []
         yield ""
-
-
-def origin_of(found: Followed, options: FollowedOptions) -> dict[str, Any]:
-    """The attributes of the file of a branch or a curve."""
-    return provenance(found.what, found.over.base, found.model, options.stored) | {"parameter": found.over.name}
-
-
-def printed_column(rows: Sequence[Any], name: str, digits: int = 7) -> list[str]:
-    """A column of a printed table."""
-    return [rounded(getattr(row, name), digits) for row in rows]
 
 
 def _telling(values: list[float]) -> int:
@@ -372,15 +379,37 @@ def branch(source: SceneSource, options: BranchOptions) -> BranchResult:
     if options.ends is None:
         parameter = over_range(str(options.over), scenes)
     else:
-        parameter, ends = ends_over(options.ends, str(options.over), scenes)
+        parameter, ends = SpecialEnds.read(options.ends, str(options.over), scenes)
     name = announced(*flowing(options.model, parameter.base))
     found = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
-    ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
-    if ends is not None and not ended.failed:
-        began = time.perf_counter()
+    began = time.perf_counter()
+    end, failed, stopped = pursue(found, limits, options.file, options.resume, options.origin(found))
+    if ends is not None and not failed:
         try:
             ends.follow(found, limits)
         except KeyboardInterrupt:
-            ended = ended._replace(failed="interrupted in --ends", stopped=True)
-        ended = ended._replace(wall_s=ended.wall_s + time.perf_counter() - began)
-    return BranchResult(found, options, **ended._asdict(), ends=None if ended.failed else ends)
+            failed, stopped = "interrupted in --ends", True
+    wall_s = time.perf_counter() - began
+    return BranchResult(found, options, wall_s, end, None if failed else ends, failed=failed, stopped=stopped)
+
+
+def _pieces(branch: FollowedBranch, name: str) -> Iterator[Trace]:
+    """The branch in pieces of one stability within the range, which meet at the special points between them."""
+    ends, holds = {special.place: special for special in branch.special}, branch.over.holds
+    for stable, (label, look) in _LOOKS.items():
+        pieces = []
+        for (own, inside), group in groupby(enumerate(branch.points), lambda one: (one[1].stable, holds(one[1].value))):
+            piece = list(group)
+            first, last = ends.get(piece[0][0]), ends.get(piece[-1][0] + 1)
+            run = [one for one in (first, *(point for _, point in piece), last) if one and holds(one.value)]
+            pieces += [([one.value for one in run], [getattr(one, name) for one in run])] if own is stable and inside else []
+        if pieces:
+            yield Trace(label, *with_gaps(pieces), look)
+
+
+def _special(branch: FollowedBranch, name: str) -> Iterator[Trace]:
+    for kind, (color, marker) in _MARKS.items():
+        found = [special for special in branch.shown_special if special.kind == kind]
+        if found:
+            positions = [special.value for special in found], [getattr(special, name) for special in found]
+            yield Trace(NAMES[kind], *positions, Look(color, "", marker, size=4.0, hollow=kind == "HB"))

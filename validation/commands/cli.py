@@ -9,7 +9,6 @@ import logging
 import os
 import sys
 import threading
-import time
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import suppress
@@ -72,26 +71,26 @@ class _Commands(TyperGroup):
 
 def command_called(name: str) -> Any:
     """The command of this name, ready to parse its words."""
-    function, details, examples = _parts(name)
+    from validation.commands import other_commands
+
+    details, examples = "", other_commands.EXAMPLES.get(name, ())
+    function: Callable[..., None]
+    if name == "report":
+        function = other_commands.of_proof(name)
+    elif name in other_commands.WITHOUT_SCENE:
+        function = other_commands.WITHOUT_SCENE[name]
+    else:
+        from validation.commands.command_line import command_line, on_a_scene
+        from validation.commands.options import SceneOptions
+
+        if name == "show":
+            function = on_a_scene(SceneOptions, other_commands.print_scene)
+        else:
+            function, details, examples = command_line(name)
     alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
     shown = "\n".join(f"  {line}" for line in examples)
     alone.command(name, help="\n\n".join(filter(None, [COMMANDS[name], details])), epilog=f"\b\nExamples:\n{shown}")(function)
     return typer.main.get_command(alone)
-
-
-def _parts(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
-    """The function of a command, the details of its help, and examples."""
-    from validation.commands import other_commands
-
-    if name == "report":
-        return other_commands.of_proof(name), "", other_commands.EXAMPLES[name]
-    if name in other_commands.WITHOUT_SCENE:
-        return other_commands.WITHOUT_SCENE[name], "", other_commands.EXAMPLES[name]
-    from validation.commands.command_line import command_line, on_a_scene
-    from validation.commands.options import SceneOptions
-
-    parsed = on_a_scene(SceneOptions, other_commands.print_scene) if name == "show" else command_line(name)
-    return parsed.function, parsed.details, other_commands.EXAMPLES.get(name, parsed.examples)
 
 
 app = typer.Typer(
@@ -212,14 +211,9 @@ def _prepare_streams() -> None:
 def _hear_again(lost: Any) -> None:
     """Repeat a Ctrl-C that fell into a library's callback (numba's, where it loads code), from which no error gets out."""
     if lost.exc_type is KeyboardInterrupt:
-        threading.Thread(target=_interrupt_soon, daemon=True).start()
+        threading.Timer(_SOON, interrupt_main).start()
     else:
         sys.__unraisablehook__(lost)
-
-
-def _interrupt_soon() -> None:
-    time.sleep(_SOON)
-    interrupt_main()
 
 
 def _abandon_stdout() -> None:

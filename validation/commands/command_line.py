@@ -6,8 +6,9 @@ from contextlib import closing
 from dataclasses import replace
 from functools import partial
 from inspect import Parameter, Signature, signature
+from json import dumps
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
+from typing import Annotated, Any, TypeAlias, get_args
 
 import typer
 
@@ -23,22 +24,6 @@ Files: TypeAlias = Mapping[Output, Path | None]
 Act: TypeAlias = Callable[[Any, Any, Files, bool], None]
 
 
-class Parsed(NamedTuple):
-    """A function of the command line's words, its parameters, the details of its help, and examples."""
-
-    call: Callable[..., None]
-    parameters: list[Parameter]
-    details: str
-    examples: tuple[str, ...]
-
-    @property
-    def function(self) -> Callable[..., None]:
-        """The function with its signature."""
-        self.call.__signature__ = Signature(self.parameters)  # type: ignore[attr-defined]
-        self.call.__annotations__ = {one.name: one.annotation for one in self.parameters}
-        return self.call
-
-
 SCENE = typer.Argument(
     metavar="SCENE",
     help="a gallery name (see `slipwave scenes`), a TOML file, or a netCDF file of results",
@@ -47,8 +32,8 @@ SCENE = typer.Argument(
 _JSON = typer.Option("--json", help="print JSON instead of a table")
 
 
-def command_line(name: str) -> Parsed:
-    """A command that gives a result."""
+def command_line(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
+    """A command that gives a result: its function of the command line's words, the details of its help, and examples."""
     compute = getattr(slipwave, name).__wrapped__
     made: type[Result] = compute.__annotations__["return"]
 
@@ -59,12 +44,16 @@ def command_line(name: str) -> Parsed:
         _finish(compute(source, options), options, files, json)
 
     optional = signature(compute).parameters["source"].default is None
-    parsed = on_a_scene(compute.__annotations__["options"], act, made.OUTPUTS, optional)
-    return parsed._replace(parameters=[*parsed.parameters, _parameter("json", Annotated[bool, _JSON], False)])
+    kind: type[SceneOptions] = compute.__annotations__["options"]
+    return on_a_scene(kind, act, made, optional), kind.DETAILS, kind.EXAMPLES
 
 
-def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] = (), optional: bool = False) -> Parsed:
-    """A command that calls `act` with a scene, which may be `optional`, its options and its output files."""
+def on_a_scene(
+    kind: type[SceneOptions], act: Act, made: type[Result] | None = None, optional: bool = False
+) -> Callable[..., None]:
+    """A function of the command line's words that calls `act` with a scene, which may be `optional`, its options and the output
+    files of the result that is `made`, if any."""
+    outputs = () if made is None else made.OUTPUTS
     known = {one.name: one for one in options_of(kind).values() if one.is_in("command line")}
 
     def call(source: str | None = None, json: bool = False, **words: Any) -> None:
@@ -83,8 +72,11 @@ def on_a_scene(kind: type[SceneOptions], act: Act, outputs: tuple[Output, ...] =
             _parameter(one.name, Annotated[Path | None, typer.Option(one.flag, metavar=one.metavar, help=one.help)], None)
             for one in outputs
         ),
+        *([] if made is None else [_parameter("json", Annotated[bool, _JSON], False)]),
     ]
-    return Parsed(call, parameters, kind.DETAILS, kind.EXAMPLES)
+    call.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
+    call.__annotations__ = {one.name: one.annotation for one in parameters}
+    return call
 
 
 def _parameter(name: str, hint: Any, default: Any) -> Parameter:
@@ -93,9 +85,9 @@ def _parameter(name: str, hint: Any, default: Any) -> Parameter:
 
 def _in_words(one: Option) -> tuple[Any, Any]:
     """Type and default of an option on the command line: text where Python takes several types."""
-    notes = typer.Option(one.flag, metavar=one.more.get("metavar"), help=one.help, autocompletion=one.more.get("words"))
+    notes = typer.Option(one.flag, metavar=one.metavar, help=one.help, autocompletion=one.words)
     parts = {one.hint, *get_args(one.hint)}
-    if bool in parts or "stands_for" in one.more:
+    if bool in parts or one.stands_for is not None:
         return Annotated[bool | None, notes], None
     word: Any = next((kind for kind in (Path, str, float, int) if kind in parts), str)
     if one.is_required or isinstance(one.default, str):
@@ -105,11 +97,11 @@ def _in_words(one: Option) -> tuple[Any, Any]:
 
 def _value(one: Option, word: Any) -> Any:
     """A value given on the command line as its Python equivalent."""
-    if "stands_for" in one.more:
-        word = one.more["stands_for"] if word else one.default
+    if one.stands_for is not None:
+        word = one.stands_for if word else one.default
     path = one.checked(word)
-    if "suffixes" in one.more and path is not None:
-        require_writable(path, one.more["suffixes"], one.flag)
+    if one.suffixes and path is not None:
+        require_writable(path, one.suffixes, one.flag)
     return path
 
 
@@ -130,7 +122,11 @@ def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> 
         summary = (
             {} if result.is_empty else result.summary | {one.key: str(path) for one, path in files.items() if one.key and path}
         )
-        show = partial(_print_json, summary) if json else lambda: print("\n".join(result.lines(summary)))
+
+        def show() -> None:
+            """Print JSON or the table."""
+            print(dumps(summary, indent=2, allow_nan=False) if json else "\n".join(result.lines(summary)))
+
         writers = [partial(getattr(result, one.method), path) for one, path in files.items() if path]
         for write in (partial(printed, show), *writers) if summary else ():
             try:
@@ -151,10 +147,3 @@ def printed(show: Callable[[], None]) -> None:
         return
     except OSError as error:
         raise SceneError(f"the result cannot be written to stdout: {reason_of(error)}") from None
-
-
-def _print_json(result: Mapping[str, Any]) -> None:
-    """`result` as JSON on stdout."""
-    import json  # imported here to keep start-up fast
-
-    print(json.dumps(result, indent=2, allow_nan=False))

@@ -14,10 +14,9 @@ from slipwave.scene import Scene
 from slipwave.solve import Solver
 from slipwave.solve.follow import require_time
 from validation.chart import Chart, Look, Panel, Scale, Trace, color_number
-from validation.commands.command import command
 from validation.commands.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
 from validation.commands.figures import for_rates, scale_of
-from validation.commands.options import NumericalOptions, RecordOptions, RunsOptions, option
+from validation.commands.options import NumericalOptions, RecordOptions, RunsOptions, command, option
 from validation.commands.result import Output, aligned, rounded
 from validation.commands.with_data import chart_with_data, data_lines, distances_from_data, facts_of_data
 from validation.data.events import MeasuredMotion, measured_motion

@@ -1,5 +1,6 @@
 """`slipwave.curve`: a special point of branches of orbits followed in two parameters."""
 
+import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -9,24 +10,21 @@ from typing import Any, ClassVar
 from slipwave.errors import SceneError
 from slipwave.input import SceneSource
 from slipwave.input.wording import shorten
-from validation.chart import Chart
+from validation.chart import INK, Chart, Look, Panel, Scale, Trace
 from validation.commands.branch import (
     BRANCH_TOLERANCE,
+    QUANTITIES,
     BranchResult,
     FollowedOptions,
     FollowedResult,
-    origin_of,
     points_option,
-    printed_column,
 )
-from validation.commands.branch_figures import chart_of_curve
-from validation.commands.command import command
-from validation.commands.options import announced, option
+from validation.commands.options import announced, command, option
 from validation.commands.result import thinned
 from validation.data.datasets import Dataset
 from validation.data.variables import table_of
 from validation.models.branch import FollowedBranch
-from validation.models.curve import Curve, require_curve
+from validation.models.curve import Curve
 from validation.models.followed import pursue, read_branch
 from validation.models.orbits import flowing
 from validation.models.parameter import Values, names_of, over_ranges, range_text
@@ -35,6 +33,7 @@ from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt
 CURVE_POINTS = 100
 """Default of `most_points`."""
 
+_CUSP = Look(INK, "", "v", size=5.0)
 _LISTED = 24  # points in the table
 _NEEDED = {"of": ("--of", "LP"), "over": ("--over", "log10_r=-2.72:-2.68"), "along": ("--and", "V=100:120")}
 
@@ -103,24 +102,34 @@ class CurveResult(FollowedResult):
         """The points by `point`."""
         found = self.found
         rows = [self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in found.points]
-        data = table_of(rows, "point", found.over.base).assign_attrs(self.origin)
+        data = table_of(rows, "point", found.over.base).assign_attrs(self.options.origin(found))
         from validation.models.along import along
 
         return along(data.set_coords(found.second.column), found.over.column)
 
     def chart(self) -> Chart:
-        """The plane of both parameters, and the period."""
-        return chart_of_curve(self.found)
+        """Left: the second parameter over the first. Right: the second over the period. A cusp at the end is marked."""
+        found = self.found
+        cusp = [one for one in found.points if one.kind == "CP"]
+
+        def along(name: str, points: list[CurvePoint], look: Look, label: str = "") -> Trace:
+            return Trace(label, [getattr(one, name) for one in points], [one.second for one in points], look)
+
+        panels = []
+        for name, label in (("first", found.over.label), ("period", QUANTITIES["period"])):
+            traces = [along(name, found.points, Look(marker=".")), *([along(name, cusp, _CUSP, "cusp")] if cusp else [])]
+            panels.append(Panel("", Scale(label), Scale(found.second.label), traces, grid=True))
+        return Chart(panels, 4.0, 2, title=f"{found.over.base.name}, {found.model}: {SPECIAL_KINDS[found.kind]}")
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """Some of the points."""
         found, listed = self.found, thinned(self.found.points, _LISTED)
         columns = {
-            found.over.name: printed_column(listed, "first", 11),
-            found.second.name: printed_column(listed, "second", 8),
-            "period": printed_column(listed, "period", 9),
-            "stress drop": printed_column(listed, "stress_drop"),
-            "bracket": printed_column(listed, "bracket", 2),
+            found.over.name: self._column(listed, "first", 11),
+            found.second.name: self._column(listed, "second", 8),
+            "period": self._column(listed, "period", 9),
+            "stress drop": self._column(listed, "stress_drop"),
+            "bracket": self._column(listed, "bracket", 2),
             "kind": [one.kind for one in listed],
             "multiplier": [f"{one.multiplier_re:.6f} +- {abs(one.multiplier_im):.6f} i" for one in listed],
         }
@@ -155,13 +164,17 @@ def curve(source: "SceneSource | None" = None, options: CurveOptions = CurveOpti
     if options.resume is not None and kind == "HB":
         raise SceneError("--resume: a curve of Hopf points is computed at once; leave it out")
     over, second = over_ranges({"--over": str(options.over), "--and": str(options.along)}, scenes)
-    require_curve(kind, over, second)
+    if kind not in SPECIAL_KINDS:
+        raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(SPECIAL_KINDS)}")
+    if over.name == second.name:
+        raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")
     model = announced(*flowing(options.model, scenes.base))
     found = Curve(kind, over, second, model, options.tol or BRANCH_TOLERANCE, begun)
     found.require_start()
     limits = StopAt(points=options.most_points or CURVE_POINTS)
-    ended = pursue(found, limits, options.file, options.resume, origin_of(found, options))
-    result = CurveResult(found, options, **ended._asdict())
+    began = time.perf_counter()
+    end, failed, stopped = pursue(found, limits, options.file, options.resume, options.origin(found))
+    result = CurveResult(found, options, time.perf_counter() - began, end, failed=failed, stopped=stopped)
     if options.out is not None and result.end is None and found.points:
         result.to_netcdf(options.out)
     return result

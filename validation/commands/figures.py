@@ -44,7 +44,7 @@ def run_chart(run: Run, motion: Envelope, stages: Sequence[StageFigures] | None)
     """The `motion` of a run: as `protocol_chart` if it has `stages`, else as `motion_chart`."""
     scene, model = run.solver.scene, run.solver.model
     if stages is not None:
-        chart = protocol_chart(scene, model, motion, stages)
+        chart = _protocol_chart(scene, model, motion, stages)
     else:
         title, curve = f"{scene.name}, {model}: {run.kind or 'events not watched'}", motion.by_time()
         chart = motion_chart(scene, title, curve.time, curve.stress, curve.rate)
@@ -71,7 +71,7 @@ def _within(positions: Array, ranges: Ranges) -> list[Trace]:
     return [Trace("", *outline(positions, low, high), Look("#a8a8a4", kind="area")), *lines]
 
 
-def protocol_chart(scene: Scene, model: str, motion: Envelope, stages: Sequence[StageFigures]) -> Chart:
+def _protocol_chart(scene: Scene, model: str, motion: Envelope, stages: Sequence[StageFigures]) -> Chart:
     """The `motion` of a run over time and over slip. Grey lines mark the beginnings of the `stages`.
 
     In s, um and Pa if the scene has units, else in L/V* and L.
@@ -79,20 +79,20 @@ def protocol_chart(scene: Scene, model: str, motion: Envelope, stages: Sequence[
     units = scene.units
     second, length, names = (units.time, 1e6 * units.memory_length, ("s", "um")) if units else (1.0, 1.0, ("L/V*", "L"))
     curve, along = motion.by_time(), motion.by_slip()
-    begins = np.array([stage.start for stage in stages[1:]])
-    slips, second = np.interp(begins, curve.time, curve.slip), second * scene.transit
+    times = np.array([stage.start for stage in stages[1:]])
+    slips, second = np.interp(times, curve.time, curve.slip), second * scene.transit
+
+    def marks(places: Array) -> list[Trace]:
+        return [Trace("", [place] * 2, [-np.inf, np.inf], GUIDE.but(color="#bbbbbb")) for place in places.tolist()]
+
     panels = [
-        Panel("", Scale(label), scale_of("stress", scene), [*_marks(size * marks), *_within(size * positions, ranges)])
-        for label, size, positions, marks, ranges in (
-            (f"time / {names[0]}", second, curve.time, begins, curve.stress),
+        Panel("", Scale(label), scale_of("stress", scene), [*marks(size * begins), *_within(size * positions, ranges)])
+        for label, size, positions, begins, ranges in (
+            (f"time / {names[0]}", second, curve.time, times, curve.stress),
             (f"slip of the interface / {names[1]}", length, along.slip, slips, along.stress),
         )
     ]
     return Chart(panels, 5.2, title=f"{scene.name}, {model}")
-
-
-def _marks(places: Array) -> list[Trace]:
-    return [Trace("", [place] * 2, [-np.inf, np.inf], GUIDE.but(color="#bbbbbb")) for place in places.tolist()]
 
 
 def return_map(run: Run) -> Chart:

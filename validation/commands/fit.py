@@ -1,8 +1,9 @@
 """`slipwave.fit`: parameters of a scene from measured friction, with their intervals."""
 
+import hashlib
 import math
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
@@ -13,27 +14,28 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
-from slipwave.files import FIGURES
+from slipwave.family import features_of
+from slipwave.files import FIGURES, content_of
 from slipwave.friction.law import name_of
 from slipwave.input import SceneSource
 from slipwave.input.source import is_stored, read_stored
+from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.chart import Chart
-from validation.commands.command import command
-from validation.commands.fit_figures import chart_of_fit
-from validation.commands.options import ModelOptions, RecordOptions, option
+from validation.chart import GUIDE, INK, POINTS, Chart, Panel, Scale, Trace
+from validation.chart.looks import model_line
+from validation.commands.comparison import barred
+from validation.commands.options import ModelOptions, RecordOptions, command, option
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.commands.wording import header
 from validation.data.datasets import Dataset
 from validation.data.series import read_series
-from validation.fit.kept import facts_of_fit, recalled_best
-from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled, without_ends
-from validation.fit.orbits import CycleOfOrbit
+from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
+from validation.fit.orbits import MOST_TRANSITS, CycleOfOrbit
 from validation.fit.parameters import NUISANCES, Free, Variants, begun, schedule_of, sizes
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
-from validation.fit.which_model import CHEAP, default_model, missing_in, next_model
+from validation.models.by_name import family_of
 from validation.models.own import digests
 from validation.models.progress import log
 from validation.models.provenance import provenance
@@ -41,9 +43,23 @@ from validation.models.provenance import provenance
 _TOLERANCE = 1e-7
 _ASTRAY, _UNEXPLAINED = 1.3, 3.0  # times the noise: a residual that needs a word, and that fails
 
+_MEASURED = "#7fb0d6"
+_PREFIXES = {-9: "n", -6: "μ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_LABELS = {"a_star": "$a_*$", "a": "$a$", "b": "$b$", "memory_length": "$L$", "reference_velocity": "$V_*$"}
+_IN_A_LINE = 4
+_FEW = 200  # points, that are drawn large, with twice their standard errors
+_SURE = 2.0
+
+_CHEAP = "quasidynamic"
+_BLOCK = "fitted:0"
+_LADDER = ("quasistatic", _CHEAP, "block12", _BLOCK, "delay")
+"""Each has more of a scene than those before."""
+
+_NO_BLOCK = {"kelvin-voigt", "standard-linear", "reflection"}
+
 
 @dataclass(frozen=True, kw_only=True)
-class FitOptions(RecordOptions, ModelOptions):
+class _FitOptions(RecordOptions, ModelOptions):
     """Options of `slipwave.fit`."""
 
     EXAMPLES: ClassVar = (
@@ -122,7 +138,9 @@ class FitResult(Result):
     @property
     def facts(self) -> dict[str, Any]:
         """As `Result`."""
-        names, parameters, residual = self.problem.names, self.parameters, self._residual
+        names, parameters = self.problem.names, self.parameters
+        pairs = zip(self.problem.records, self._friction, strict=True)
+        residual = np.concatenate([(one.friction - fitted)[one.shown] for one, fitted in pairs])
         rows = zip(names, self.spread.correlation.tolist(), strict=True)
         return {
             "scene": self.scene.name,
@@ -187,12 +205,6 @@ class FitResult(Result):
         return self.problem.friction(self.found.inner)
 
     @cached_property
-    def _residual(self) -> Array:
-        """Residual of the friction, measured minus fitted."""
-        pairs = zip(self.problem.records, self._friction, strict=True)
-        return np.concatenate([(one.friction - fitted)[one.shown] for one, fitted in pairs])
-
-    @cached_property
     def dataset(self) -> Dataset:
         """Parameters with intervals and correlation, and every record with the fitted friction."""
         require("files", "a dataset")
@@ -226,11 +238,11 @@ class FitResult(Result):
 
     def chart(self) -> Chart:
         """Friction and residual of each record, and the values with their intervals."""
-        return chart_of_fit(self.problem.records, self._friction, self.model, self.parameters, self.scene.units is not None)
+        return _chart(self.problem.records, self._friction, self.model, self.parameters, self.scene.units is not None)
 
 
 @command
-def fit(source: SceneSource, options: FitOptions) -> FitResult:
+def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     """Parameters of a scene from measured friction, by least squares, with 95 % intervals and a list of what the data do not
     determine.
 
@@ -246,13 +258,15 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     scenes, free = begun(scenes, words)
     scene = scenes.base
-    model = default_model(scene) if options.model == "auto" else options.model
+    model = _default_model(scene) if options.model == "auto" else options.model
     series = [read_series(file, **options.reading) for file in files]
     records = [experiment_of(one, scene, options.window) for one in series]
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scenes, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
-    best = recalled_best(options.checkpoint, next(problem.starts()), facts_of_fit(scene.digest, files, settings))
+    contents = {f"contents of {name}": hashlib.sha256(content_of(Path(name), repr(name))).hexdigest()[:12] for name in files}
+    facts = {"scene": scene.digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}
+    best = Best.kept(options.checkpoint, next(problem.starts()), facts)
     stopped, waves = False, next((one for one in problem.models if isinstance(one, CycleOfOrbit)), None)
     try:
         starts, is_cheap = problem.starts(), all(one.is_cheap for one in problem.models)
@@ -260,7 +274,7 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
             log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
             starts = chain([best.inner], starts if is_cheap or waves else [])
         elif not is_cheap and not waves:
-            starts = _nearby(problem_of(scenes, free, words, records, CHEAP, tolerance), starts)
+            starts = _nearby(problem_of(scenes, free, words, records, _CHEAP, tolerance), starts)
         found = problem.by_orbits(waves, starts, best) if waves else minimise(problem, starts, best, problem.noise)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
@@ -273,7 +287,8 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
     fitted = Variants(scenes, free, schedule_of(scene)).read(found.inner[: len(free)])
     failed = "; ".join(filter(None, [found.failed or _unexplained(problem, found, model), *_complaints(problem, found, spread)]))
     if found.failed or at_bounds(problem, found.inner):
-        spread = without_ends(spread)
+        unknown = np.full_like(spread.low, math.nan)
+        spread = spread._replace(low=unknown, high=unknown, profiled=())
     return FitResult(
         fitted,
         model,
@@ -282,13 +297,13 @@ def fit(source: SceneSource, options: FitOptions) -> FitResult:
         spread,
         time.perf_counter() - began,
         options.stored | {"free": _from_best(words, free, found.inner)},
-        remarks=missing_in(model, scene),
+        remarks=_missing_in(model, scene),
         failed=f"fit: {failed}" if failed else "",
         stopped=stopped,
     )
 
 
-def _going_on(source: SceneSource, options: FitOptions) -> FitOptions:
+def _going_on(source: SceneSource, options: _FitOptions) -> _FitOptions:
     """The options completed by those of a file of results."""
     if not is_stored(source):
         return options
@@ -311,12 +326,12 @@ def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     try:
         found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
     except NumericsError as error:
-        log.info("%s: %s", CHEAP, error)
+        log.info("%s: %s", _CHEAP, error)
         yield from others
         return
     log.info(
         "%s fits with a residual of %.3g times the noise: the start of the fit",
-        CHEAP,
+        _CHEAP,
         math.sqrt(found.cost / found.residual.size),
     )
     yield found.inner
@@ -338,7 +353,7 @@ def _unexplained(problem: FrictionProblem, found: Solution, model: str) -> str:
         return ""
     one, scene = problem.records[0], problem.models[0].scene(found.inner[: len(problem.free)])
     length = (one.cycle.period if one.cycle else 1e-3 * float(one.times[-1])) / sizes(scene)[0]
-    other = next_model(model, scene, length)
+    other = _next_model(model, scene, length)
     more = ", ".join([*([f"--model {other}"] if other else []), "another law (interface.law)", "a part of the record (--window)"])
     return f"the residual is {far:.3g} times the noise, which {model} does not explain; to be tried next: {more}"
 
@@ -355,3 +370,78 @@ def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) ->
 
 def _listed(given: Iterable[str]) -> list[str]:
     return [given] if isinstance(given, str | Path) else [str(one) for one in given]
+
+
+def _chart(
+    records: Sequence[Experiment], fitted: Sequence[Array], model: str, parameters: Mapping[str, Mapping[str, Any]], is_si: bool
+) -> Chart:
+    """Measured and fitted friction over the displacement of the load point, or over time where it rests for a while."""
+    count = len(records)
+    above, below = list[Panel](), list[Panel]()
+    for record, values in zip(records, fitted, strict=True):
+        along, name = _along(record, is_si)
+        measured, ours = record.friction[record.shown], values[record.shown]
+        are_few = measured.size <= _FEW
+        look = POINTS.but(color=_MEASURED, marker=".", size=5.0 if are_few else 1.5)
+        seen = "measured" if record.cycle is None else "mean cycle" if are_few else "all cycles"
+        lines = [Trace(seen, along, measured, look), model_line(model, along, ours, color=INK, dashes="-")]
+        bars = _SURE / np.asarray(record.weight)[record.shown] if are_few and np.ndim(record.weight) else None
+        rest = [Trace("residual", along, measured - ours, look, y_error=bars), Trace("", [-np.inf, np.inf], [0.0, 0.0], GUIDE)]
+        title = Path(record.name).name if count > 1 else ""
+        above.append(Panel(title, Scale(name), Scale("friction"), lines, legend="" if above else "best"))
+        below.append(Panel("", Scale(name), Scale("residual"), rest))
+    width, height = 8.0 if count < 3 else 3.4 * count, 4.0 if count == 1 else 4.6
+    return Chart([*above, *below], height, count, width, heights=(3.0, 1.0), title=_values_in_words(parameters))
+
+
+def _along(record: Experiment, is_si: bool) -> tuple[Array, str]:
+    """Abscissa of a record's figure, and its name: displacement of the load point, or time where it rests (a hold would be one
+    point)."""
+    if record.cycle is not None:
+        period = f"{record.cycle.period:.4g} {'s' if is_si else 'transits'}"
+        return record.times[record.shown] / record.cycle.period, f"time since the last slip event / mean period ({period})"
+    if 0.0 in record.schedule.velocities:
+        return record.times[record.shown], "time / s" if is_si else "time / transits"
+    size, unit = (1e6, "μm") if is_si else (1.0, "$L$")
+    return size * record.travel[record.shown], f"displacement of the load point / {unit}"
+
+
+def _values_in_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:
+    """Text of the best values with half the width of their 95 % intervals."""
+    said = [_value_in_words(key, row) for key, row in parameters.items()]
+    lines = [",   ".join(said[k : k + _IN_A_LINE]) for k in range(0, len(said), _IN_A_LINE)]
+    return "\n".join(lines) + "   (95 %)"
+
+
+def _value_in_words(key: str, row: Mapping[str, Any]) -> str:
+    word, value, unit = key.rpartition(".")[2], row["value"], row["unit"]
+    label = _LABELS.get(word, word.replace("_", " "))
+    power = 3 * math.floor(math.log10(abs(value)) / 3.0) if unit and value else 0
+    size = 10.0 ** (power if power in _PREFIXES else 0)
+    half = 0.5 * (row["high"] - row["low"]) / size
+    text = barred(value / size, half).replace("+-", "±") if row["determined"] else f"{value / size:.3g}, not determined"
+    unit = f" {_PREFIXES.get(power, '')}{unit}" if unit else ""
+    return f"{label} = ({text}){unit}" if unit and row["determined"] else f"{label} = {text}{unit}"
+
+
+def _default_model(scene: Scene) -> str:
+    """The cheapest model that has the mass on the outer faces, where there is one."""
+    features = features_of(scene)
+    return _BLOCK if "mass" in features and not features & _NO_BLOCK else _CHEAP
+
+
+def _missing_in(model: str, scene: Scene) -> tuple[str, ...]:
+    """A line on what a cheap `model` leaves out of the `scene`; none for other models."""
+    mass = "the mass on the outer face and " if model in _LADDER[:2] and "mass" in features_of(scene) else ""
+    return (f"model {model} leaves out {mass}waves that return",) if model in _LADDER[:-1] else ()
+
+
+def _next_model(model: str, scene: Scene, length: float) -> str:
+    """The cheapest model that has more of the `scene` than `model`, for cycles of `length` (transits); empty if there is none."""
+    features, place = features_of(scene), _LADDER.index(model) if model in _LADDER else len(_LADDER)
+    for name in _LADDER[place + 1 :]:
+        family = family_of(name)
+        has_block = name != _BLOCK or ("grip" in features and not features & _NO_BLOCK)
+        if family and not family.refusal(scene) and has_block and (name != "delay" or length <= MOST_TRANSITS):
+            return name
+    return ""

@@ -2,8 +2,7 @@
 
 from slipwave.input import SceneSource
 from slipwave.input.source import gallery_titles, to_toml
-from validation.commands.command import command
-from validation.commands.options import SceneOptions
+from validation.commands.options import SceneOptions, command
 from validation.models.by_name import families, honouring
 
 _UNCHANGED = SceneOptions()

@@ -5,25 +5,27 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
 from slipwave.input import SceneSource
 from validation.chart import Chart
-from validation.commands.command import command
-from validation.commands.options import SceneOptions, option
+from validation.commands.options import SceneOptions, command, option
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.data.datasets import Dataset, flag_numbers, load_dataset, words_of_flags
-from validation.sweep.boundaries import lines_of_curve, onset_lines
-from validation.sweep.difference import decided_regimes, difference, difference_rows
 from validation.sweep.gather import dataset_of, filled_arrays
-from validation.sweep.map_figures import SIZES, Line, chart_of_sweep, in_print
+from validation.sweep.map_figures import SIZES, Line, chart_of_sweep, in_print, lines_of_curve, onset_lines
+from validation.sweep.measures import REGIME_OF, decided_regimes
 from validation.sweep.store import Store
 from validation.sweep.sweep import stored_plan
 
+_COMPARED = ("period", "stress_drop")
+
 
 @dataclass(frozen=True, kw_only=True)
-class MapOptions(SceneOptions):
+class _MapOptions(SceneOptions):
     """Options of `slipwave.map`."""
 
     EXAMPLES: ClassVar = (
@@ -80,7 +82,7 @@ class MapResult(Result):
         data = self.dataset
         found: dict[str, Any] = {"scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
         if self.differences is not None:
-            found["differences"] = difference_rows(self.differences)
+            found["differences"] = _difference_rows(self.differences)
         return found | {"boundaries": [line.name for line in self.boundaries], "notes": self.notes}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
@@ -103,16 +105,16 @@ class MapResult(Result):
 
 
 @command
-def map(source: "SceneSource | Result", options: MapOptions) -> MapResult:
+def map(source: "SceneSource | Result", options: _MapOptions) -> MapResult:
     """Figures of a sweep over one or two axes: of a folder, a file, or a result of `slipwave.sweep`.
 
     Raises SceneError for a file or folder without a sweep."""
-    data = gathered(source)
+    data = _gathered(source)
     if options.size is not None and options.size not in SIZES:
         raise SceneError(f"--size = {options.size!r}: must be {' or '.join(SIZES)}")
     looks = options.title, options.size
     if options.against is not None:
-        return MapResult(data, difference(data, options.against), (), options.show, [], *looks)
+        return MapResult(data, _difference(data, options.against), (), options.show, [], *looks)
     if options.model is not None and "model" in data.dims:
         names = [str(name) for name in data["model"].values]
         if options.model not in names:
@@ -122,7 +124,7 @@ def map(source: "SceneSource | Result", options: MapOptions) -> MapResult:
     return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show, notes, *looks)
 
 
-def gathered(source: "SceneSource | Result") -> Dataset:
+def _gathered(source: "SceneSource | Result") -> Dataset:
     """The dataset of a sweep's folder or file, or of its result. Raises SceneError if there is none."""
     if isinstance(source, Result):
         if "manifest" not in source.dataset.attrs:
@@ -137,3 +139,46 @@ def gathered(source: "SceneSource | Result") -> Dataset:
     if "manifest" not in data.attrs:
         raise SceneError(f"SCENE = {str(source)!r}: holds no sweep; slipwave sweep DIR --gather writes one")
     return words_of_flags(data, ("verdict", "stable"))
+
+
+def _difference(data: Dataset, reference: str) -> Dataset:
+    """`other_regime` (1 where it differs from the `reference`, 0 where not, NaN where one of both is not decided), and relative
+    differences of period and stress drop where both are periodic, for every other model of a sweep of verdicts.
+
+    Raises SceneError for a sweep of one model, without that model, or of another measure."""
+    names = [str(name) for name in np.atleast_1d(data["model"].values)]
+    if reference not in names or len(names) < 2:
+        raise SceneError(f"--against = {reference!r}: must be one of at least two models of the sweep, {', '.join(names)}")
+    if "verdict" not in data:
+        raise SceneError("--against: needs a sweep with verdicts (--measure verdict, run or lyapunov)")
+    ours, others = data.sel(model=reference), data.sel(model=[name for name in names if name != reference])
+    here, there = (decided_regimes(flag_numbers(one["verdict"])) for one in (ours, others))
+    decided = (here >= 0) & (there >= 0)
+    differences = others[["verdict"]].rename(verdict="other_regime")
+    differences["other_regime"] = others["verdict"].copy(data=np.where(decided, here != there, np.nan))
+    differences["other_regime"].attrs = {"long_name": f"regime differs from that of {reference}", "units": "1"}
+    both = (here == REGIME_OF["periodic"]) & (there == REGIME_OF["periodic"])
+    for name in _COMPARED:
+        differences[name] = others[name] / ours[name] - 1.0
+        differences[name].values[~both] = np.nan
+        differences[name].attrs = {"long_name": f"relative difference of {name.replace('_', ' ')} from {reference}", "units": "1"}
+    return differences
+
+
+def _difference_rows(differences: Dataset) -> list[dict[str, Any]]:
+    """The differences that were `differences`, for each model: per cent of the decided area with another regime, per cent that is
+    decided, and the largest relative difference of each figure."""
+    return [{"model": str(name), **_row_of(differences.sel(model=name))} for name in differences["model"].values]
+
+
+def _row_of(one: Dataset) -> dict[str, float]:
+    other, decided = one["other_regime"].values, np.isfinite(one["other_regime"].values)
+    percent = {"other_regime_percent": other[decided].mean() if decided.any() else np.nan, "compared_percent": decided.mean()}
+    largest = {name: _largest(one[name].values) for name in _COMPARED}
+    return {name: 100.0 * float(share) for name, share in percent.items()} | largest
+
+
+def _largest(values: Any) -> float:
+    """The value of largest modulus, with its sign; NaN if there is none."""
+    there = values[np.isfinite(values)]
+    return float(there[np.argmax(np.abs(there))]) if there.size else np.nan

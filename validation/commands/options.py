@@ -1,15 +1,17 @@
 """The options of a command, each declared once, as a field of a dataclass: type, default, help, and allowed values.
 
-The Python function (`validation.commands.command`), the command line (`validation.commands.cli`), the attribute `options` of
-files and the refusal of wrong values follow from the field.
+The Python function (`command`), the command line (`validation.commands.cli`), the attribute `options` of files and the refusal of
+wrong values follow from the field.
 """
 
+import inspect
 import math
 import numbers
+import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field, fields, replace
-from functools import cache
-from inspect import get_annotations
+from functools import cache, wraps
+from inspect import Parameter, Signature, get_annotations
 from itertools import zip_longest
 from pathlib import Path
 from types import FunctionType, NoneType
@@ -18,10 +20,8 @@ from typing import (
     Any,
     ClassVar,
     Literal,
-    NamedTuple,
     Self,
-    TypedDict,
-    Unpack,
+    TypeVar,
     get_args,
     get_origin,
     get_type_hints,
@@ -29,17 +29,18 @@ from typing import (
 
 import numpy as np
 
-from slipwave.errors import SceneError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource, read, read_scene
 from slipwave.input.source import is_stored, read_stored, recall
 from slipwave.input.wording import listed, nearest, shorten
+from slipwave.packages import ended
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from slipwave.solve.follow import DAY
-from validation.commands.result import PointOfBranch
+from validation.commands.result import PointOfBranch, Result, Stopped
 from validation.models.by_name import FAMILIES, GRIDS, Options
-from validation.models.own import load_families, require_same_family
+from validation.models.own import load_families, own_family
 from validation.models.progress import log
 
 if TYPE_CHECKING:
@@ -49,45 +50,38 @@ _WORDS = {bool: "True or False", int: "a whole number", float: "a number", str: 
 _WORDS |= {Path: "a text, a path", FunctionType: "a function", object: "values"}
 _KINDS: dict[Any, Any] = {bool: bool, int: numbers.Integral, float: numbers.Real, Path: (str, Path)}
 
-
-class Declaration(TypedDict, total=False):
-    """Further properties of an option, where they are not the usual:
-
-    `flag` on the command line (`--name`) and `metavar`; `positional` in Python; `only` in one of the two; `stored`: files of
-    results store it, for a call that computes such a file again; `least` and `most`, and the text of what a value `must` be;
-    `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a flag `stands_for`."""
-
-    flag: str
-    metavar: str
-    positional: bool
-    only: Literal["python", "command line"]
-    stored: bool
-    least: float
-    most: float
-    must: str
-    suffixes: tuple[str, ...]
-    words: Callable[[], list[str]]
-    stands_for: Any
+_Answer = TypeVar("_Answer")
 
 
-def option(help: str, default: Any = None, /, **more: Unpack[Declaration]) -> Any:
-    """A field of a class of options; `default` `...` if it must be given."""
+def option(help: str, default: Any = None, /, **more: Any) -> Any:
+    """A field of a class of options, with `more` properties of the `Option`; `default` `...` if it must be given."""
     return field(default=MISSING if default is ... else default, metadata={"help": help, "more": more})
 
 
-class Option(NamedTuple):
-    """A declared option, with the Python type of its value."""
+@dataclass(frozen=True)
+class Option:
+    """A declared option: the Python type and the default of its value, and its help.
+
+    Where they are not the usual: `flag` on the command line (`--name`) and `metavar`; `positional` in Python; `only` in one of
+    the two; `stored`: files of results store it, for a call that computes such a file again; `least` and `most`, and the text of
+    what a value `must` be; `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a
+    flag `stands_for`."""
 
     name: str
     hint: Any
     default: Any
     help: str
-    more: Declaration
-
-    @property
-    def flag(self) -> str:
-        """Its flag on the command line."""
-        return self.more.get("flag") or f"--{self.name.replace('_', '-')}"
+    flag: str = ""
+    metavar: str | None = None
+    positional: bool = False
+    only: Literal["python", "command line"] | None = None
+    stored: bool = False
+    least: float = -math.inf
+    most: float = math.inf
+    must: str = ""
+    suffixes: tuple[str, ...] = ()
+    words: Callable[[], list[str]] | None = None
+    stands_for: Any = None
 
     @property
     def stored_as(self) -> str:
@@ -101,7 +95,7 @@ class Option(NamedTuple):
 
     def is_in(self, where: Literal["python", "command line"]) -> bool:
         """Whether it can be given in Python, or on the command line."""
-        return self.more.get("only", where) == where
+        return self.only in (None, where)
 
     def checked(self, value: Any) -> Any:
         """`value` converted from numpy, text to a path where declared. Raises SceneError for a wrong type and a value out of
@@ -109,10 +103,9 @@ class Option(NamedTuple):
         value = _plain(value, self.hint)
         if not _fits(value, self.hint):
             raise SceneError(f"{self.name} = {shorten(value)}: must be {listed(dict.fromkeys(_words(self.hint)))}")
-        least, most = self.more.get("least", -math.inf), self.more.get("most", math.inf)
-        if value is not None and {"least", "most"} & self.more.keys() and not least <= value <= most:
+        if value is not None and self.must and not self.least <= value <= self.most:
             shown = f"{value:g}" if isinstance(value, float) else value
-            raise SceneError(f"{self.name} = {shown}: must {self.more['must']}")
+            raise SceneError(f"{self.name} = {shown}: must {self.must}")
         return Path(value) if isinstance(value, str) and Path in get_args(self.hint) else value
 
 
@@ -218,7 +211,7 @@ class SceneOptions:
     @property
     def stored(self) -> dict[str, Any]:
         """Name in files -> value, of the options that a file of results stores."""
-        known = {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.more.get("stored")}
+        known = {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.stored}
         return known | ({"set": self.expressions} if self.varied and self.expressions else {})
 
     @property
@@ -244,13 +237,16 @@ class ModelOptions(SceneOptions):
 
     def recalled(self, source: SceneSource, command: str, without: Sequence[str] = ()) -> Self:
         """The options completed by the model and the options (except `without`) of a file of results of the same `command`.
-        Raises SceneError for a file of another command."""
+        Raises SceneError for a file of another command, or of another family of that name."""
         if not is_stored(source):
             return self
-        known = {one.stored_as: one for one in options_of(type(self)).values() if one.more.get("stored")}
+        known = {one.stored_as: one for one in options_of(type(self)).values() if one.stored}
         given = {name: getattr(self, one.name) for name, one in known.items()} | {"set": None}
         model, found = recall(source, command, self.model, given)
-        require_same_family(model, read_stored(Path(str(source))).facts, f"SCENE = {shorten(str(source))}")
+        ours, theirs = own_family(model), read_stored(Path(str(source))).facts.get("family_digest")
+        if ours and theirs and ours.digest != theirs:
+            other = f"digest {theirs}; that of --family is {ours.digest}"
+            raise SceneError(f"SCENE = {shorten(str(source))}: was computed with another family of {model!r}: {other}")
         new = {one.name: one.checked(found[name]) for name, one in known.items() if one.name not in without}
         again = replace(self, model=model, **new)
         return again.with_expressions(found["set"] or {})
@@ -324,8 +320,12 @@ def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
 def _options_of(kind: Any) -> Mapping[str, Option]:
     hints, known = get_type_hints(kind), {one.name: one for one in fields(kind)}
     names = [name for base in kind.__mro__ for name in get_annotations(base) if name in known and known[name].metadata]
-    found = [Option(name, hints[name], known[name].default, **known[name].metadata) for name in dict.fromkeys(names)]
-    return {one.name: one for one in sorted(found, key=lambda one: not one.more.get("positional"))}
+    declared = {name: (known[name].default, known[name].metadata) for name in names}
+    found = [
+        Option(name, hints[name], default, said["help"], **{"flag": f"--{name.replace('_', '-')}"} | said["more"])
+        for name, (default, said) in declared.items()
+    ]
+    return {one.name: one for one in sorted(found, key=lambda one: not one.positional)}
 
 
 def announced(model: str, why: str) -> str:
@@ -371,3 +371,53 @@ def _words(hint: Any) -> Iterable[str]:
             yield from _words(part)
     else:
         yield _WORDS.get(hint) or f"of the class {hint.__name__}"
+
+
+def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
+    """`compute` (source, options) as a function of a source and keywords; `__wrapped__` is `compute` itself.
+
+    The function raises SceneError for unknown arguments and for wrong types. For a failed result it raises NumericsError, or
+    Stopped if the user stopped it, with the result as `result`."""
+    kind: type[SceneOptions] = compute.__annotations__["options"]
+    known = options_of(kind)
+    first = inspect.signature(compute).parameters["source"]
+    keywords = [
+        Parameter(
+            one.name,
+            Parameter.POSITIONAL_OR_KEYWORD if one.positional else Parameter.KEYWORD_ONLY,
+            default=Parameter.empty if one.is_required else one.default,
+            annotation=one.hint,
+        )
+        for one in known.values()
+        if one.is_in("python")
+    ]
+    signature = Signature([first, *keywords, Parameter("changes", Parameter.VAR_KEYWORD, annotation=Any)])
+
+    @wraps(compute)
+    def call(*given: Any, **named: Any) -> _Answer:
+        try:
+            bound = signature.bind(*given, **named).arguments
+        except TypeError as error:
+            raise SceneError(f"{compute.__name__}: {error}") from None
+        source, changes = bound.pop("source", first.default), bound.pop("changes", {})
+        options = kind(**{name: known[name].checked(value) for name, value in bound.items()}, changes=changes)
+        try:
+            result = compute(source, options.load_own())
+        except SystemExit as end:
+            raise ended(end) from end
+        if isinstance(result, Result) and (result.failed or result.stopped):
+            raise (Stopped if result.stopped else NumericsError)(result.failed, result)
+        return result
+
+    call.__signature__ = signature.replace(return_annotation=compute.__annotations__["return"])  # type: ignore[attr-defined]
+    call.__doc__ = f"{inspect.cleandoc(compute.__doc__ or '')}\n\n{_section(known)}"
+    return call
+
+
+def _section(known: Mapping[str, Any]) -> str:
+    """The section of a docstring on the options."""
+    lines = [f"{one.name}: {one.help}" for one in known.values() if one.is_in("python")]
+    lines.append("changes: of the scene, as those of `slipwave.read_scene`")
+    return "\n".join(
+        ["Options:", *(textwrap.fill(line, 120, initial_indent="    ", subsequent_indent="        ") for line in lines)]
+    )

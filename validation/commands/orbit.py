@@ -2,12 +2,16 @@
 
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from reduced.orbit import PeriodicOrbit
+from reduced.orbit.closing import Closed
+from reduced.orbit.multipliers import multipliers
+from reduced.orbit.periodic import figures_of
 from reduced.orbit.phase import PhaseResponse
 from reduced.orbit.response import Responding
 from slipwave.errors import NumericsError, SceneError
@@ -17,21 +21,20 @@ from slipwave.input.assemble import moment
 from slipwave.input.wording import shorten
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
+from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
 from validation.chart import Chart
 from validation.commands.branch import tolerance_option
-from validation.commands.command import command
 from validation.commands.figures import motion_chart
-from validation.commands.options import ModelOptions, announced, option
-from validation.commands.phase_response import phase_rows, with_phase_response
-from validation.commands.response import Response, response_of, response_rows
+from validation.commands.options import ModelOptions, announced, command, option
+from validation.commands.response import Response, response_lines, response_of, with_phase_response
 from validation.commands.result import Output, PointOfBranch, Result, aligned, rounded
-from validation.commands.wording import header, orbit_rows
+from validation.commands.wording import figure_rows, header
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import EVENTS, INTERFACE, PHASE, cycle_in_si, stored_name, variables
 from validation.models.at_scene import orbit_at_scene
-from validation.models.orbits import OrbitFound, flowing, neutral_orbit
+from validation.models.orbits import OrbitFound, flowing
 from validation.models.provenance import provenance
 
 if TYPE_CHECKING:
@@ -45,7 +48,7 @@ _ROUNDING = 1e-12  # those below are noise
 
 
 @dataclass(frozen=True, kw_only=True)
-class OrbitOptions(ModelOptions):
+class _OrbitOptions(ModelOptions):
     """Options of `slipwave.orbit`."""
 
     EXAMPLES: ClassVar = ("slipwave orbit paper --set slab.log10_r=-2.65 --out orbit.nc",)
@@ -179,7 +182,9 @@ class OrbitResult(Result):
         verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
         yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {rounded(done.found.closed.residual, 2)}"
         yield ""
-        yield from aligned(*orbit_rows(done.found.orbit, done.scene))
+        figures = {field.name: getattr(done.found.orbit, field.name) for field in fields(done.found.orbit)}
+        known = {name: (one.value, one.error) for name, one in figures.items()}
+        yield from aligned(*figure_rows(("value", "error"), known, done.scene))
         yield ""
         shown = [value for value in multipliers.values.tolist() if value.imag >= 0.0 and abs(value) > _ROUNDING]
         rows = [
@@ -192,15 +197,12 @@ class OrbitResult(Result):
         radius = f"; essential radius {rounded(multipliers.essential_radius, 4)}" if multipliers.essential_radius else ""
         yield f"the trivial one is 1 within {rounded(multipliers.trivial_defect, 2)}{radius}{more}"
         if summary.get("response"):
-            yield ""
-            yield from response_rows(summary["response"], summary)
-            yield ""
-            yield from phase_rows(summary["response"]["phase"], done.scene)
+            yield from response_lines(summary["response"], summary, done.scene)
         yield f"wall time {self.wall_s:.3g} s"
 
 
 @command
-def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
+def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
     """The periodic orbit that a run of the scene leads to, stable or not, and its Floquet multipliers.
 
     Where several coexist, `others` names those of the branch of orbits that begins where steady sliding loses its stability, and
@@ -213,8 +215,12 @@ def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
     if isinstance(source, PointOfBranch):
         if source.closed is not None and options.is_default:
             known = {"tol": source.tolerance, "near_period": source["period"]}
-            return OrbitResult(neutral_orbit(source.closed, source.tolerance), known, time.perf_counter() - began)
-        near = _period_there(source) if options.near_period is None else options.near_period
+            return OrbitResult(_neutral_orbit(source.closed, source.tolerance), known, time.perf_counter() - began)
+        if source.get("type") == "HB" and options.near_period is None:
+            raise SceneError(
+                "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
+            )
+        near = float(source["period"]) if options.near_period is None else options.near_period
         options = replace(options, near_period=near, model=source.model if options.model == "auto" else options.model)
     options = options.recalled(source, "orbit")
     options = replace(options, tol=options.tol or ORBIT_TOLERANCE)
@@ -225,13 +231,12 @@ def orbit(source: SceneSource, options: OrbitOptions) -> OrbitResult:
     return OrbitResult(found, options.stored, time.perf_counter() - began, bool(options.response))
 
 
-def _period_there(point: PointOfBranch) -> float:
-    """The period of a point of a branch. Raises SceneError for a Hopf point."""
-    if point.get("type") == "HB":
-        raise SceneError(
-            "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
-        )
-    return float(point["period"])
+def _neutral_orbit(closed: Closed, tolerance: float) -> OrbitFound:
+    """The orbit of a special point of a branch, `closed` on a mesh that gives figures to the relative `tolerance`: neutral."""
+    exact = replace(closed, monodromy=closed.flow.tangent(closed.cycle))
+    figures = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(exact).items()})
+    found = PeriodicOrbit(exact, figures, multipliers(exact)._replace(stable=None), True)
+    return OrbitFound(found, tolerance, "the special point of the branch: errors are its tolerance")
 
 
 def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:

@@ -33,7 +33,7 @@ def _print_scenes() -> None:
         print(f"{name:<{width}}  {title}")
 
 
-def schema(report: Annotated[bool, typer.Option("--report", help="that of report.json instead")] = False) -> None:
+def _print_schema(report: Annotated[bool, typer.Option("--report", help="that of report.json instead")] = False) -> None:
     """The table of scene keys, or what report.json holds, as a JSON Schema."""
     if report:
         made = of_proof("schema")
@@ -55,7 +55,7 @@ def print_scene(source: str, options: Any, files: Mapping[Any, Any], as_json: bo
     printed(lambda: print("\n".join([*comments, "", to_toml(scene)]), end=""))
 
 
-WITHOUT_SCENE: dict[str, Callable[..., None]] = {"scenes": _print_scenes, "schema": schema}
+WITHOUT_SCENE: dict[str, Callable[..., None]] = {"scenes": _print_scenes, "schema": _print_schema}
 """Commands whose options are declared here, by name."""
 
 PROOF = {"report": "validation.report.command:report", "schema": "validation.report.record:report_schema"}

@@ -28,9 +28,14 @@ def reasons(run: Run, model: str) -> list[str]:
     final = scene if scene.drive.is_constant else scaled(scene, velocity=scene.drive.velocities[-1])
     found = analyse(final, model)
     changes = [f"it changes by a factor e in {_time(1.0 / abs(verdict.rate), scene)}"] if math.isfinite(verdict.rate) else []
+    cycles = list[str]()
+    if verdict.kind == "too short" and not found.stable:
+        period = outlook(scene, model).period
+        expected = f"a cycle is expected to take about {_time(period, scene)}"
+        cycles = ["no cycle is expected: the drive hardly loads the interface" if math.isinf(period) else expected]
     return [
         *changes,
-        *([_on_cycles(run, model)] if verdict.kind == "too short" and not found.stable else []),
+        *cycles,
         on_stability(final, found),
     ]
 
@@ -67,17 +72,12 @@ def _what_would_change(scene: Scene, found: "Stability") -> str:
             (f"r{together}", scene.transit, 10.0**found.log10_r_c, "", 1),
             (f"epsilon{together}", scene.upper.epsilon, found.epsilon_c, "", -1),
         ]
-    wanted = [_limit(*limit) for limit in limits if _is_beyond(limit[1] - limit[2], limit[4], found.stable)]
+    wanted = [
+        f"{name} {'over' if here < critical else 'under'} {_engineering(critical, unit)} (here {_engineering(here, unit)})"
+        for name, here, critical, unit, sign in limits
+        if math.isfinite(critical) and (sign * (here - critical) < 0.0) == found.stable  # what destabilises is below it if stable
+    ]
     return f"{'it would slip' if found.stable else 'it would slide steadily'} with {' or '.join(wanted)}" if wanted else ""
-
-
-def _is_beyond(distance: float, sign: int, stable: bool | None) -> bool:
-    """Whether the present value lies on the expected side of the limit: below it if stable, for a quantity that destabilises."""
-    return math.isfinite(distance) and stable is not None and (sign * distance < 0.0) == stable
-
-
-def _limit(name: str, here: float, critical: float, unit: str, sign: int) -> str:
-    return f"{name} {'over' if here < critical else 'under'} {_engineering(critical, unit)} (here {_engineering(here, unit)})"
 
 
 def _engineering(value: float, unit: str) -> str:
@@ -91,13 +91,6 @@ def _engineering(value: float, unit: str) -> str:
 def power_of(value: float) -> int:
     """Power of ten of the SI prefix for a nonzero value: 6 for 150e6."""
     return min(9, max(-9, 3 * math.floor(math.log10(abs(float(f"{value:.3g}"))) / 3.0)))
-
-
-def _on_cycles(run: Run, model: str) -> str:
-    period = outlook(run.solver.scene, model).period
-    if math.isinf(period):
-        return "no cycle is expected: the drive hardly loads the interface"
-    return f"a cycle is expected to take about {_time(period, run.solver.scene)}"
 
 
 def _time(transits: float, scene: Scene) -> str:

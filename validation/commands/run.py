@@ -12,56 +12,46 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, part_of
 from slipwave.input import SceneSource
 from slipwave.observe.protocol import StageFigures
+from slipwave.observe.verdict import REPEATING
 from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import StartKind
 from slipwave.solve import Leaping, has_fields
-from slipwave.solve.lyapunov import Exponent
+from slipwave.solve.checkpoint import saved_time
+from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.chart import Chart
 from validation.chart.draw import Drawing, draw
-from validation.commands.command import command
-from validation.commands.faces import face_figures, watched
 from validation.commands.figures import return_map, run_chart
-from validation.commands.options import ModelOptions, NumericalOptions, RunsOptions, announced, option
+from validation.commands.options import ModelOptions, NumericalOptions, RunsOptions, announced, command, option
 from validation.commands.result import Output, Result, aligned, rounded, save_chart
 from validation.commands.run_dataset import run_dataset, write_events, write_run
-from validation.commands.stage_table import missing_in_words, stage_results, stage_rows, stages_in_words
+from validation.commands.stage_table import stage_lines, stage_results, stages_in_words
 from validation.commands.wording import (
     ENDED,
     events_in_words,
-    exponent_in_words,
+    face_figures,
+    figure_rows,
     header,
     longer_in_words,
     margins_in_words,
-    spreads_in_words,
-    statistics_rows,
+    watched,
 )
 from validation.data.datasets import Dataset
 from validation.data.variables import cycle_in_si
 from validation.data.writing import MOST_LINES, write_series
-from validation.models.build import on_its_orbit
-from validation.models.by_name import made, one_port_of
-from validation.models.default_grid import grid_in_words, judged_grid, note_on, note_on_given
-from validation.models.exponent import exponent_of, require_constant
-from validation.models.history_file import ALL
-from validation.models.outlook import amplified_rounding, costly_steps
-from validation.models.progress import log
+from validation.models.build import judged_grid, prepare
+from validation.models.by_name import Options, made, one_port_of
+from validation.models.history_file import ALL, Kept, Window
+from validation.models.outlook import amplified_rounding, costly_steps, outlook
+from validation.models.progress import log, progress
 from validation.models.provenance import provenance
-from validation.models.recording import FIELD_FILES, Window, how_to_resume, kept_of, time_between
-from validation.models.run import (
-    MOST_CYCLES,
-    Records,
-    Run,
-    Wanted,
-    length_of,
-    needed,
-    reconsidered,
-    records_of,
-    require_counted,
-    simulate,
-)
+from validation.models.recording import FIELD_FILES, Records, time_between
+from validation.models.run import MOST_CYCLES, Run, length_of, needed, reconsidered, simulate
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
+
+_TOO_COARSE = 1e-2
+"""Estimated error of the default grid above which the user is advised to choose one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,16 +138,21 @@ class RunResult(Result):
 
     def to_go_on(self, options: Any) -> str:
         """How to continue from its checkpoint, for a message."""
-        return how_to_resume(options.checkpoint)
+        path = options.checkpoint
+        if path is None:
+            return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"
+        if path.exists():
+            return f"{str(path)!r} holds the run up to t = {saved_time(path):.6g}: the same command goes on from there"
+        return f"no checkpoint was due yet: --checkpoint-every TRANSITS|TIME keeps them more often in {str(path)!r}"
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy balance."""
         done, choice, scene = self.done, self.choice, self.done.solver.scene
         yield from header(scene)
         if choice is not None:  # the default grid tried no others
-            yield f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {grid_in_words(choice)}"
+            yield f"{'grid chosen for the tolerance' if choice.tried else 'default grid'}: {_grid_in_words(choice)}"
         yield from (f"note: {note}" for note in self.notes)
-        march = f" ({done.solver.settings['time']} in time)" if "time" in done.solver.settings else ""
+        march = f" ({self._march} in time)" if self._march else ""
         words = f": {stages_in_words(self.stages)}" if done.kind == "protocol" else ""
         longer = longer_in_words(self.needed, scene) if done.kind == "too short" else ""
         judged = f"{events_in_words(done.starts, done.verdict, longer)}{words}"
@@ -167,14 +162,19 @@ class RunResult(Result):
             yield ENDED[done.ended]
         if done.verdict and done.verdict.repeats:
             yield ""
-            yield from aligned(*statistics_rows(done.statistics, scene))
+            means = {name: (one.mean, one.std) for name, one in done.statistics.spreads.items()}
+            rates = {name: (getattr(done.statistics, name), math.nan) for name in ("v_max", "v_min")}
+            yield from aligned(*figure_rows(("mean", "std"), means | rates, scene))
             yield from margins_in_words(done.statistics, scene)
         if self.exponent is not None:
-            yield exponent_in_words(self.exponent)
+            growth, margin = self.exponent.rate, self.exponent.margin
+            said = "the exponent is zero within its error"
+            if abs(growth) > margin:
+                word = "diverge" if growth > 0.0 else "converge"
+                said = f"nearby motions {word} by a factor e in {1.0 / abs(growth):.3g} transits"
+            yield f"largest Lyapunov exponent {rounded(growth, 3)} +- {rounded(margin, 2)} per transit (95 %): {said}"
         if self.stages:
-            yield ""
-            yield from aligned(*stage_rows(self.stages, scene))
-            yield from missing_in_words(self.stages)
+            yield from stage_lines(self.stages, scene)
         if done.final:
             rate = {"v": done.final.v} if done.final.v <= 0.0 else {"ln v": done.final.ln_v}
             state = rate | {"psi": done.final.psi, "mu": done.final.mu}
@@ -224,8 +224,8 @@ class RunResult(Result):
         }
         if done.solver.scene.units:
             result |= cycle_in_si(found.values() | self._spreads, done.solver.scene)
-        if "time" in done.solver.settings:
-            result["time"] = done.solver.settings["time"]
+        if self._march:
+            result["time"] = self._march
         if isinstance(done.solver, Leaping) and done.solver.skipped:
             result["left_out"] = done.solver.skipped
         if self.choice:
@@ -237,6 +237,11 @@ class RunResult(Result):
             "notes": [*doubts(done.solver.scene), *self.notes],
         }
         return result | {name: value for name, value in more.items() if value}
+
+    @property
+    def _march(self) -> str | None:
+        """How the slabs of a full wave are propagated in time, if it can be done in several ways."""
+        return self.done.solver.settings.get("time")
 
     @property
     def _spreads(self) -> dict[str, float]:
@@ -252,11 +257,14 @@ class RunResult(Result):
 
     @cached_property
     def reasons(self) -> list[str]:
-        """Text on why the motion is what it is, and on what would change it."""
+        """Text on why the motion is what it is, and on what would change it; of cycles, the figures whose spread exceeds their
+        mean."""
         if self.done.failed or self.done.verdict is None:
             return []
         if self.done.verdict.repeats:
-            return spreads_in_words(self.done.statistics)
+            wide = [name.replace("_", " ") for name, one in self.done.statistics.spreads.items() if one.std > one.mean]
+            differ = "exceeds the mean: cycles differ so much that a mean says little"
+            return [f"the std of {' and '.join(wide)} {differ}"] if wide else []
         from validation.commands.reasons import reasons  # it analyses stability
 
         return reasons(self.done, one_port_of(self.done.solver.model))
@@ -351,42 +359,44 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         options = replace(options, interface=True)
     options = options.recalled(source, "run", without=["cycles"] if until is not None else [])
     scene = options.scene_of(source, until)
-    require_counted(scene, options.cycles)
-    if options.lyapunov:
-        require_constant(scene)
-    asks = checkpoint is not None or options.checkpoint_every is not None
-    every = time_between(checkpoint, options.checkpoint_every, scene) if asks else None
+    if options.cycles is not None and not scene.record:
+        raise SceneError(f"cycles = {options.cycles}: cannot be counted, because run.record is empty")
+    if options.lyapunov and (not scene.drive.is_constant or scene.velocity == 0.0):
+        raise SceneError(f"scene {scene.name!r}: a Lyapunov exponent needs a constant drive.velocity")
+    every = time_between(checkpoint, options.checkpoint_every, scene)
     chosen = (options.every, options.window, options.rate) != (None, None, None)
-    kept = kept_of(options.every, options.window, scene, options.rate) if chosen else ALL
-    built = made(options.model, scene, **options.numerical)
+    kept = Kept.of(options.every, options.window, scene, options.rate) if chosen else ALL
     if scene.start.kind is StartKind.ORBIT:
-        built = on_its_orbit(built, checkpoint is not None and checkpoint.exists())
+        built = prepare(options.model, scene, checkpoint is not None and checkpoint.exists(), **options.numerical)
+    else:
+        built = made(options.model, scene, **options.numerical)
+    solver = built.solver
     if built.choice is not None:
-        log.info("%s: %s", built.solver.model, grid_in_words(built.choice))
-    announced(built.solver.model, built.why)
-    if has_fields(built.solver):
-        built.solver.keep_ledger()
-    start = built.solver.state()
-    one_port = one_port_of(built.solver.model)
+        log.info("%s: %s", solver.model, _grid_in_words(built.choice))
+    announced(solver.model, built.why)
+    if has_fields(solver):
+        solver.keep_ledger()
+    start, one_port = solver.state(), one_port_of(solver.model)
     length = length_of(scene, one_port, options.cycles)
-    shortest = next(length.ends(0.0), math.inf)
-    wanted = Wanted(options.interface, options.fields, kept, options.samples, shortest, checkpoint, every)
-    amplified = amplified_rounding(built.solver.scene, one_port_of(built.solver.model), length.until, options.tol)
-    given = note_on_given(options.cells, options.tol) if has_fields(built.solver) else []
-    notes = [*([amplified.note] if amplified else []), *given, *costly_steps(built.solver)]
-    records = records_of(built.solver, length.until, wanted)
+    amplified = amplified_rounding(solver.scene, one_port, length.until, options.tol)
+    notes = [amplified[1]] if amplified else []
+    if options.cells is not None and options.tol is not None and has_fields(solver):
+        what = "is for the steps in time: cells are given, and the error of their grid is not estimated"
+        notes.append(f"tolerance {options.tol:g} {what}")
+    notes += costly_steps(solver)
+    records = Records.of(solver, length, options.interface, options.fields, kept, options.samples, checkpoint, every)
     try:
-        done = simulate(built.solver, length, records.observers, options.most_seconds, records.watch, records.marks)
+        done = simulate(solver, length, records.observers, options.most_seconds, records.watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)
-        is_default = options.cells is None and options.tol is None and not done.failed and has_fields(built.solver)
-        default = judged_grid(built.solver, start, options.cfl, options.time) if is_default else None
+        is_default = options.cells is None and options.tol is None and not done.failed and has_fields(solver)
+        default = judged_grid(solver, start, options.cfl, options.time) if is_default else None
         exponent, failed, stopped = None, done.failed, done.stopped
         if options.lyapunov and not (failed or stopped):
             exponent, failed, stopped = _exponent(done, options)
     except BaseException:
         records.close()
         raise
-    notes += note_on(default) if default else []
+    notes += _on_default(default) if default else []
     for note in notes:
         log.info("note: %s", note)
     parts = done, records, built.choice or default, notes, options.stored, exponent
@@ -394,10 +404,44 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
 
 
 def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, bool]:
-    """The exponent of a run, or why there is none, and whether the user stopped it."""
+    """The exponent of the motion from the end of a run on, or why there is none, and whether the user stopped it. The second,
+    perturbed solver has the same options, but a grid chosen for a tolerance is not chosen again.
+
+    A run whose cycles do not represent its motion has none: a disturbance of steady sliding fades or grows as `slipwave
+    stability` says, and a transient has no exponent."""
+    solver, scene, numerical = done.solver, done.solver.scene, options.numerical
+    if done.verdict is not None and not done.verdict.repeats:
+        advice = "run longer" if done.verdict.kind in ("too short", "settling") else "slipwave stability gives its rate"
+        problem = (
+            f"{solver.model}: a Lyapunov exponent is measured of runs with the verdict {', '.join(REPEATING[:-1])} or "
+            f"{REPEATING[-1]}; this one is {done.verdict.kind}: {advice} (scene {scene.name!r})"
+        )
+        return None, problem, False
+    if has_fields(solver):
+        numerical = numerical | Options(cells=solver.cells, tolerance=solver.settings.get("resolution"))
+    period = float(done.events.period[-1]) if done.events.period.size else outlook(scene, one_port_of(solver.model)).period
+    cycle = period if math.isfinite(period) else 1.0
     try:
-        return exponent_of(done, options.numerical, options.most_seconds), "", False
+        twin = prepare(solver.model, scene, True, **numerical).solver
+        with progress(f"{scene.name}, {solver.model}, and a perturbed run", float(TRANSIENT + INTERVALS)) as report:
+            return largest_exponent(solver, twin, cycle, report, most_seconds=options.most_seconds), "", False
     except NumericsError as error:
         return None, str(error), False
     except KeyboardInterrupt:
         return None, f"interrupted at t = {done.solver.time:.6g} transits, before the Lyapunov exponent was known", True
+
+
+def _on_default(choice: "Choice") -> list[str]:
+    """A warning about a default grid that is too coarse; empty if it is good enough."""
+    if choice.error_estimate <= _TOO_COARSE:
+        return []
+    known = math.isfinite(choice.error_estimate)
+    error = f"{choice.error_estimate:.1e}" if known else "unknown, a coarser grid finds other cycles"
+    advice = f"too coarse for this scene: estimated error {error}; give --tol or --cells"
+    return [f"the default grid of {choice.cells} cells is {advice}"]
+
+
+def _grid_in_words(choice: "Choice") -> str:
+    """Cells, steps and estimated error of a grid."""
+    steps = f"steps of {'at most ' * choice.adapts}{choice.step:.4g}"
+    return f"{choice.cells} cells, {steps}, estimated error of {choice.quantity} {choice.error_estimate:.1e}"

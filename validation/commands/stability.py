@@ -9,23 +9,22 @@ from typing import Any, ClassVar
 import numpy as np
 
 from reduced.families import DELAY, REDUCTIONS
+from reduced.impedance import impedance
 from reduced.stability import Stability, analyse, friction_slopes
 from reduced.stability.analyse import PhysicalStability, stability_in_si
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from slipwave.files import FIGURES
 from slipwave.input import SceneSource
+from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from validation.chart import Chart
-from validation.commands.command import command
-from validation.commands.faces import face_figures, watched
-from validation.commands.options import SceneOptions, option
+from validation.chart import BLUE, DASHED, GREY, GUIDE, ORANGE, POINTS, Chart, Look, Panel, Scale, Second, Trace
+from validation.commands.options import SceneOptions, command, option
 from validation.commands.reasons import on_stability
 from validation.commands.result import Output, Result, aligned, rounded
-from validation.commands.stability_figures import stability_chart
-from validation.commands.wording import header
+from validation.commands.wording import face_figures, header, watched
 from validation.data.datasets import Dataset, new_dataset
-from validation.models.by_name import one_port_of
+from validation.models.by_name import family_of, one_port_of
 from validation.models.provenance import provenance
 
 _CRITICAL = {
@@ -36,9 +35,12 @@ _CRITICAL = {
 
 _PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "decay_time": "s", "frequency": "Hz"}
 
+_POINTS, _CYCLES, _BELOW = 1000, 1.4, 30.0
+"""Points of a curve; its end, in cycles per transit, and its beginning, below the frequency at which faces are judged."""
+
 
 @dataclass(frozen=True, kw_only=True)
-class StabilityOptions(SceneOptions):
+class _StabilityOptions(SceneOptions):
     """Options of `slipwave.stability`."""
 
     EXAMPLES: ClassVar = ("slipwave stability paper", "slipwave stability grip --model fitted:4 --json")
@@ -112,8 +114,27 @@ class StabilityResult(Result):
         return new_dataset(values, attrs=provenance("stability", self.scene, self.found.model, {}))
 
     def chart(self) -> Chart:
-        """The leading roots, the pair's impedance and |R| of its faces over frequency."""
-        return stability_chart(self.scene, self.found, one_port_of(self.found.model))
+        """Leading roots in the complex plane: those right of the dashed line grow. Below |Z(i omega)| of the pair over its Z for
+        fast waves, under the analysed model and exact, and |R| of faces that are not rigid. Grey lines mark the leading root's
+        frequency and the rates below which a grip is its spring."""
+        scene, found, roots = self.scene, self.found, self.leading_roots
+        shown = Trace("roots", roots.real, roots.imag, POINTS.but(hollow=True))
+        edge = Trace("", [0.0, 0.0], [-np.inf, np.inf], GUIDE.but(color=GREY, dashes="--"))
+        sides = Scale("growth rate Re s / (V*/L)"), Scale("frequency Im s / (V*/L)")
+        omega = watched(scene, self._root)
+        along, marks = _frequencies(scene, omega), [_mark(omega, "leading root", ":")] if omega > 0.0 else []
+        panels = [Panel("", *sides, [shown, edge]), _impedance(scene, one_port_of(found.model), found.model, marks, along)]
+        curves, springs = list[Trace](), list[Trace]()
+        for name, slab in ((name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid):
+            look, rate = Look(ORANGE, DASHED) if curves else Look(BLUE), slab.termination.spring_rate
+            curves.append(Trace(f"{name} face", along, np.abs(slab.reflection(1j * along)), look))
+            springs += [_mark(rate, "below, it is its spring", DASHED)] if 0.0 < rate < math.inf else []
+        if curves:
+            panels.append(
+                Panel("", _scale(scene, along), Scale("reflected by the face, |R|"), [*curves, *marks, *springs], legend="best")
+            )
+        title = f"{scene.name}, {found.model}: steady sliding"
+        return Chart(panels, 3.0 * len(panels), title=title, share=("", ""))
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, the verdict with its reason, critical values and leading roots."""
@@ -175,7 +196,7 @@ class StabilityResult(Result):
                 f"infinitely many roots accumulate at Re s = {found.essential_abscissa:.6g} V*/L, right of all that are listed: "
                 "no finite list holds those that decay most slowly"
             )
-        absent = [] if found.model == "taylor" else self._absent()
+        absent = self._absent() if family_of(found.model) else []  # no family: a truncation that no scene is computed with
         return [*notes, *found.missing, *(self.physical.missing if self.physical else ()), *absent]
 
     def _absent(self) -> Iterator[str]:
@@ -195,8 +216,38 @@ class StabilityResult(Result):
 
 
 @command
-def stability(source: SceneSource, options: StabilityOptions) -> StabilityResult:
+def stability(source: SceneSource, options: _StabilityOptions) -> StabilityResult:
     """Stability of steady sliding from the slabs' impedance alone, for any scene and model. Raises SceneError for wrong input."""
     scene, model = options.scene_of(source), options.model
     found = replace(analyse(scene, one_port_of(model)), model=DELAY.name if model == "auto" else model)
     return StabilityResult(scene, found)
+
+
+def _frequencies(scene: Scene, omega: float) -> Array:
+    """Angular frequencies (V*/L) from below `omega` and the rates of faces to above these and the slabs' own first waves."""
+    rates = [slab.termination.spring_rate for _, slab in scene.named_slabs]
+    known = [rate for rate in (omega, *rates, 1.0 / scene.transit) if 0.0 < rate < math.inf]
+    last = max(2.0 * math.pi * _CYCLES / scene.transit, 3.0 * max(known))
+    return np.unique([*np.geomspace(min(known) / _BELOW, last, _POINTS), *np.linspace(last / _POINTS, last, _POINTS)])
+
+
+def _mark(rate: float, name: str, dashes: Any) -> Trace:
+    return Trace(name, [rate] * 2, [-np.inf, np.inf], GUIDE.but(color=GREY, width=1.0, dashes=dashes))
+
+
+def _scale(scene: Scene, along: Array) -> Scale:
+    size, unit = (1.0 / scene.units.time, "Hz") if scene.units else (scene.transit, "cycles per transit")
+    second = Second(f"frequency / {unit}" if scene.units else unit, size / (2.0 * math.pi))
+    return Scale("angular frequency omega / (V*/L)", "log", (float(along[0]), float(along[-1])), second=second)
+
+
+def _impedance(scene: Scene, one_port: str, model: str, marks: list[Trace], along: Array) -> Panel:
+    names = {one_port: model} if one_port == "delay" else {"delay": "exact", one_port: model}
+    looks = [Look(GREY), Look(BLUE, DASHED)][-len(names) :] if len(names) > 1 else [Look(BLUE)]
+    curves = [
+        Trace(label, along, np.abs(impedance(scene, 1j * along, name)) / scene.impedance, look)
+        for (name, label), look in zip(names.items(), looks, strict=True)
+    ]
+    limits = float(max(1e-2, min(np.nanmin(one.columns["y"]) for one in curves))), None
+    scale = Scale("|impedance of the pair| / Z", "log", limits)
+    return Panel("", _scale(scene, along), scale, [*curves, *marks], legend="best")

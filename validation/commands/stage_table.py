@@ -1,14 +1,14 @@
 """The stages of a protocol as results: dictionaries for the JSON, with SI where the scene has units, and rows for a table."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import pairwise
 from typing import Any
 
 from slipwave.observe.protocol import StageFigures
 from slipwave.scene import Scene
-from validation.commands.result import rounded
+from validation.commands.result import aligned, rounded
 from validation.data.variables import STAGE_QUANTITIES, shown_in, twins_in_si
 
 
@@ -43,16 +43,6 @@ def _state(stage: StageFigures) -> str:
     return "settled" if stage.steady_stress is not None else "in stick-slip" if stage.stick_slips else "not settled"
 
 
-def missing_in_words(stages: Sequence[StageFigures]) -> list[str]:
-    """One line for each hold without relaxation, or slide after it without healing, with the reason."""
-    lines = []
-    for before, stage in pairwise(stages):
-        name = {"hold": "relaxation", "slide": "healing"}.get(stage.kind, "")
-        if name and getattr(stage, name) is None:
-            lines.append(f"no {name} of the {stage.kind} from {rounded(stage.start, 6)} transits on: {_why(before)}")
-    return lines
-
-
 def _why(before: StageFigures) -> str:
     if before.relaxation is not None or before.steady_stress is not None:
         return "no time step of the model lies within it"
@@ -61,8 +51,9 @@ def _why(before: StageFigures) -> str:
     return f"the {before.kind} before it is {_state(before)}, so there is no steady stress to compare with"
 
 
-def stage_rows(stages: Sequence[StageFigures], scene: Scene) -> tuple[list[str], list[list[str]]]:
-    """Heading and rows of a table: in seconds and metres if the scene has units, stresses always over the normal stress."""
+def stage_lines(stages: Sequence[StageFigures], scene: Scene) -> Iterator[str]:
+    """A table, in seconds and metres if the scene has units, stresses always over the normal stress; and a line for each hold
+    without relaxation, or slide after it without healing, with the reason."""
     (second, clock), (metre, length), (rate, speed) = (shown_in(unit, scene) for unit in ("transit", "L", "V*"))
     heading = ["stage", f"from [{clock}]", f"V [{speed}]", "steady", "direct", "evolution", f"slip to 1/e [{length}]"]
     rows = [
@@ -76,4 +67,9 @@ def stage_rows(stages: Sequence[StageFigures], scene: Scene) -> tuple[list[str],
         ]
         for stage in stages
     ]
-    return [*heading, "relaxation", "healing"], rows
+    yield ""
+    yield from aligned([*heading, "relaxation", "healing"], rows)
+    for before, stage in pairwise(stages):
+        name = {"hold": "relaxation", "slide": "healing"}.get(stage.kind, "")
+        if name and getattr(stage, name) is None:
+            yield f"no {name} of the {stage.kind} from {rounded(stage.start, 6)} transits on: {_why(before)}"

@@ -23,17 +23,14 @@ from slipwave.input import SceneSource
 from slipwave.input.wording import sentence
 from slipwave.packages import no_exit
 from validation.chart import Chart
-from validation.commands.command import command
-from validation.commands.options import RunsOptions, option
+from validation.commands.options import RunsOptions, command, option
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.commands.run import run
 from validation.data.datasets import Dataset
-from validation.sweep.axes import Axis, axis_of
-from validation.sweep.boundaries import onset_lines
 from validation.sweep.gather import dataset_of, filled_arrays
-from validation.sweep.map_figures import chart_of_sweep, figures_on_clock
+from validation.sweep.map_figures import chart_of_sweep, figures_on_clock, onset_lines
 from validation.sweep.measures import MEASURES, measure_name, measure_of
-from validation.sweep.plan import Plan
+from validation.sweep.plan import Axis, Plan, axis_of
 from validation.sweep.store import STATUS, Store
 from validation.sweep.sweep import Forecast, Swept, Where, forecast, perform_sweep, plan_of, stored_plan
 
@@ -44,7 +41,7 @@ GATHERED = "sweep.nc"
 
 
 @dataclass(frozen=True, kw_only=True)
-class SweepOptions(RunsOptions):
+class _SweepOptions(RunsOptions):
     """Options of `slipwave.sweep`."""
 
     EXAMPLES: ClassVar = (
@@ -116,13 +113,6 @@ class SweepResult(Result):
     def _arrays(self) -> dict[str, Any]:
         return filled_arrays(self.plan, self.swept.store)
 
-    @cached_property
-    def _counts(self) -> dict[str, Any]:
-        status = [STATUS[number] for number in self._arrays["status"] if number >= 0]
-        reasons = Counter(str(reason) for reason in self._arrays["reason"] if reason)
-        shown = [{"reason": reason, "points": count} for reason, count in reasons.most_common(_SHOWN)]
-        return {"points": self.plan.size, **{name: status.count(name) for name in STATUS}, "reasons": shown}
-
     @property
     def facts(self) -> dict[str, Any]:
         """As `Result`."""
@@ -141,13 +131,14 @@ class SweepResult(Result):
         found |= {"axes": axes, "set": dict(plan.scenes.sets), "folder": None if self.temporary else str(self.swept.store.folder)}
         if self.expected is not None:
             return found | {"expected": self.expected._asdict()}
-        found |= self._counts | {"regimes": self._regimes(), "wall_s": self.swept.wall_s, "computed_now": self.swept.computed}
+        status = [STATUS[number] for number in self._arrays["status"] if number >= 0]
+        reasons = Counter(str(reason) for reason in self._arrays["reason"] if reason)
+        found |= {"points": plan.size, **{name: status.count(name) for name in STATUS}}
+        found["reasons"] = [{"reason": reason, "points": count} for reason, count in reasons.most_common(_SHOWN)]
+        found |= {"regimes": self._regimes(), "wall_s": self.swept.wall_s, "computed_now": self.swept.computed}
         if audit is not None:
-            found["audit"] = {
-                "cells_divided": audit.divided,
-                "hidden": audit.hidden,
-                "share": audit.hidden / max(audit.divided, 1),
-            }
+            divided, hidden = audit
+            found["audit"] = {"cells_divided": divided, "hidden": hidden, "share": hidden / max(divided, 1)}
         return found
 
     def _regimes(self) -> list[dict[str, Any]]:
@@ -179,8 +170,7 @@ class SweepResult(Result):
         for row in summary["reasons"]:
             yield f"{row['points']} without figures: {row['reason']}"
         if self.swept.audit is not None:
-            audit = self.swept.audit
-            yield f"of {audit.divided} cells divided at random {audit.hidden} held another regime than their corners"
+            yield "of {} cells divided at random {} held another regime than their corners".format(*self.swept.audit)
         if summary["regimes"]:
             yield ""
             words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
@@ -219,7 +209,7 @@ class SweepResult(Result):
             return one.chart()
         return chart_of_sweep(self.dataset, lines=onset_lines(self.dataset)[0])
 
-    def to_go_on(self, options: SweepOptions) -> str:
+    def to_go_on(self, options: _SweepOptions) -> str:
         """As `Result`."""
         again = "" if self.plan.measure in MEASURES else f" --measure {self.plan.measure}"
         return f"slipwave sweep {self.swept.store.folder}{again} goes on"
@@ -231,7 +221,7 @@ class SweepResult(Result):
 
 
 @command
-def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
+def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
     """Compute one measure at all points of axes over a scene, each finished part kept in a folder.
 
     `vary` may be {"log10_r": (-2.75, -2.2, 33)} or {"V": [10, 20, 50]} too, and `measure` a function (of a scene, in a module)
@@ -267,7 +257,7 @@ def sweep(source: SceneSource, options: SweepOptions) -> SweepResult:
     return SweepResult(swept, None, folder is None, failed=failed, stopped=stopped)
 
 
-def _where(options: SweepOptions) -> Where:
+def _where(options: _SweepOptions) -> Where:
     number, slash, count = options.part.partition("/")
     if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
         raise SceneError(f"--part = {options.part!r}: must be I/N with I from 1 to N, as 3/16")
@@ -278,7 +268,7 @@ def _where(options: SweepOptions) -> Where:
     return Where(options.workers or 0, options.scheduler, options.executor, (int(number), int(count)), options.most_seconds)
 
 
-def _plan(source: SceneSource, options: SweepOptions) -> Plan:
+def _plan(source: SceneSource, options: _SweepOptions) -> Plan:
     rows = _rows(options.rows) if options.rows else ()
     if rows and options.vary:
         raise SceneError(f"--rows = {str(options.rows)!r}: must not be given together with --vary")

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ _GRID = 600  # points of a half cycle
 _AROUND = 8.0  # durations of the fast slip that the right column shows on each side
 
 
-class Averaged(NamedTuple):
+class _Averaged(NamedTuple):
     """Cycles over time since the event (transits): friction minus its mean `level`, its standard deviation from cycle to cycle (0
     for one cycle), and the slip rate (V*)."""
 
@@ -41,7 +40,7 @@ def facts_of_data(motion: MeasuredMotion, scene: Scene) -> dict[str, Any]:
     values = {name: float(one["mean"]) for name, one in means.items()}
     deviations = {f"{name}_std": float(means[name]["std"]) for name in FIGURES_OF_CYCLES[:2]}
     facts = {"source": motion.source, "events": motion.dates.size, **means, "slip_rate_from": motion.rate_from}
-    facts |= {"noise": motion.noise, "smoothing": asdict(motion.smoothing)}
+    facts |= {"noise": motion.noise, "smoothing": motion.smoothing}
     return facts | cycle_in_si(values | deviations, scene)
 
 
@@ -100,7 +99,7 @@ def _effect_in_words(smoothing: Mapping[str, Any], scene: Scene) -> Iterator[str
         yield f"events are dated in the record as it is; smoothed, it would move dates by {moved}"
 
 
-def averaged(motion: MeasuredMotion, most: float) -> Averaged:
+def _averaged(motion: MeasuredMotion, most: float) -> _Averaged:
     """Average of the record's cycles around their events, up to `most` transits on both sides, over a common time."""
     reach = min(most, 0.5 * float(motion.events.period.min()))
     step = float(np.median(np.diff(motion.time)))
@@ -112,10 +111,10 @@ def averaged(motion: MeasuredMotion, most: float) -> Averaged:
     mean = friction.mean(axis=0)
     level = float(np.trapezoid(mean, time) / (time[-1] - time[0]))
     scatter = friction.std(axis=0, ddof=1) if len(inside) > 1 else np.zeros_like(mean)
-    return Averaged(time, mean - level, scatter, rate.mean(axis=0), level)
+    return _Averaged(time, mean - level, scatter, rate.mean(axis=0), level)
 
 
-def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
+def _centred(cycle: OneCycle, time: Array, stress: Array) -> _Averaged:
     """A model's cycle, with one of its `stress`es as friction, at `time` since its event; its second half precedes the event."""
     phase = np.concatenate((cycle.time - cycle.period, cycle.time))
     phase -= min(slip_events(phase, np.tile(cycle.stress, 2)).date, key=abs, default=0.0)  # dated as the record
@@ -123,14 +122,14 @@ def centred(cycle: OneCycle, time: Array, stress: Array) -> Averaged:
     rate = np.tile(cycle.slip_rate, 2)
     rate = np.exp(np.interp(time, phase, np.log(rate))) if (rate > 0.0).all() else np.interp(time, phase, rate)
     level = float(np.trapezoid(friction, time) / (time[-1] - time[0]))
-    return Averaged(time, friction - level, np.zeros_like(friction), rate, level)
+    return _Averaged(time, friction - level, np.zeros_like(friction), rate, level)
 
 
 def chart_with_data(motion: MeasuredMotion, cycles: Sequence[tuple[str, OneCycle | None]], scene: Scene) -> Chart:
     """Friction, residual and slip rate over the time since the event: the whole cycle, and the event alone. The record is
     black, its scatter from cycle to cycle grey, a model's elastic stress dashed."""
     shortest = min([float(motion.events.period.min()), *(cycle.period for _, cycle in cycles if cycle)])
-    data = averaged(motion, 0.5 * shortest)
+    data = _averaged(motion, 0.5 * shortest)
     (size, unit), (pace, speed) = shown_in("transit", scene), shown_in("V*", scene)
     fast = data.time[data.slip_rate > 0.5 * data.slip_rate.max()]
     zoom = min(_AROUND * max(float(np.ptp(fast)), 4.0 * float(np.median(np.diff(motion.time)))), data.time[-1])
@@ -161,14 +160,14 @@ def _scatter(time: Array, middle: Array, half: Array) -> Trace:
 
 
 def _of_model(
-    model: str, cycle: OneCycle | None, data: Averaged, sizes: tuple[float, float], color: str
+    model: str, cycle: OneCycle | None, data: _Averaged, sizes: tuple[float, float], color: str
 ) -> tuple[list[Trace], list[Trace], list[Trace]]:
     """A model's friction, the residual of the record, and its slip rate."""
     look = Look(color, width=1.2)
     if cycle is None:
         return [Trace(f"{model}: no cycles", [], [], look)], [], []
-    time, ours = sizes[0] * data.time, centred(cycle, data.time, cycle.stress)
-    elastic, dashed = centred(cycle, data.time, cycle.elastic_stress).friction, look.but(dashes=(0, (4, 2)), width=1.0)
+    time, ours = sizes[0] * data.time, _centred(cycle, data.time, cycle.stress)
+    elastic, dashed = _centred(cycle, data.time, cycle.elastic_stress).friction, look.but(dashes=(0, (4, 2)), width=1.0)
     name, other = f"{model}, friction shifted by {data.level - ours.level:+.3g}", f"{model}, elastic stress"
     return (
         [Trace(name, time, ours.friction, look), Trace(other, time, elastic, dashed)],

@@ -1,23 +1,24 @@
-"""Scenes and statistics in words and rows, dimensionless and (where the scene has units) in SI.
+"""Scenes, outer faces and statistics in words and rows, dimensionless and (where the scene has units) in SI.
 
 Every command first prints the `header`: the scene, its slabs and faces in numbers, its units, and doubts about them.
+
+A face sends a wave of angular frequency omega back by |R(i omega)|. omega is that of the leading root where a command knows it,
+else the omega_c of friction, at which every lossless slab loses its stability. Below `Termination.spring_rate` the face is its
+spring.
 """
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
+from typing import Any
 
-from slipwave.friction.law import name_of
+from slipwave.friction.law import friction_slopes, name_of
 from slipwave.observe import MotionVerdict, RunStatistics
-from slipwave.observe.statistics import Orbit
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts
-from slipwave.scene.drive import Drive
-from slipwave.scene.slab import VISCOSITIES, Slab, Viscosity
+from slipwave.scene.slab import FACES, VISCOSITIES, Face, Slab
 from slipwave.scene.units import Units
-from slipwave.solve.lyapunov import Exponent
-from validation.commands.faces import face_in_words, fields_in_words, watched
 from validation.commands.result import rounded
 from validation.data.variables import EVENTS, shown_in
 
@@ -31,23 +32,10 @@ ENDED = {
 _COUNTED = (*REPEATING, "settling", "too short")  # any other motion has swings, but no cycles of stick-slip
 
 
-def statistics_rows(found: RunStatistics, scene: Scene) -> tuple[list[str], list[list[str]]]:
-    """Heading and rows of mean and spread of a run's cycles, with a column in SI if the scene has units."""
-    means = {name: (one.mean, one.std) for name, one in found.spreads.items()}
-    rates = {name: (getattr(found, name), math.nan) for name in ("v_max", "v_min")}
-    return _with_units(("mean", "std"), means | rates, scene)
-
-
-def orbit_rows(found: Orbit, scene: Scene) -> tuple[list[str], list[list[str]]]:
-    """Heading and rows of an orbit's figures and their errors, with a column in SI if the scene has units."""
-    values = {field.name: getattr(found, field.name) for field in fields(found)}
-    return _with_units(("value", "error"), {name: (one.value, one.error) for name, one in values.items()}, scene)
-
-
-def _with_units(
+def figure_rows(
     columns: tuple[str, str], known: Mapping[str, tuple[float, float]], scene: Scene
 ) -> tuple[list[str], list[list[str]]]:
-    """Heading and rows of (value, spread) of the five figures of a cycle."""
+    """Heading and rows of (value, spread) of the five figures of a cycle, with a column in SI if the scene has units."""
     labels = {"period": "period [transits]", "v_max": "v_max [V*]", "v_min": "v_min [V*]"}
     facts = [(labels.get(name, name.replace("_", " ")), *pair) for name, pair in known.items()]
     period, spread = known["period"]
@@ -58,14 +46,10 @@ def _with_units(
     units = [shown_in(EVENTS[name].unit, scene) for name in known]
     units.insert(1, (units[0][0] / scene.transit, units[0][1]))
     physical = [
-        [f"{rounded(value * size, 6)} {unit}", _sized(spread * size, unit)]
+        [f"{rounded(value * size, 6)} {unit}", "-" if math.isnan(spread) else f"{rounded(spread * size, 3)} {unit}"]
         for (_, value, spread), (size, unit) in zip(facts, units, strict=True)
     ]
     return [*heading, "SI", f"{columns[1]} in SI"], [row + more for row, more in zip(rows, physical, strict=True)]
-
-
-def _sized(spread: float, unit: str) -> str:
-    return "-" if math.isnan(spread) else f"{rounded(spread, 3)} {unit}"
 
 
 def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
@@ -81,21 +65,6 @@ def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
     known = f"period +- {rounded(period, 3)} transits{seconds}, stress drop +- {rounded(drop, 3)}{pascals}"
     middle = f"the median of v_max is {rounded(found.v_max_median)} +- {rounded(rate, 3)} V*"
     return [f"the mean of an endless run lies within (95 %): {known}", middle]
-
-
-def spreads_in_words(found: RunStatistics) -> list[str]:
-    """A remark on every figure of cycles whose spread exceeds its mean."""
-    wide = [name.replace("_", " ") for name, one in found.spreads.items() if one.std > one.mean]
-    return [f"the std of {' and '.join(wide)} exceeds the mean: cycles differ so much that a mean says little"] if wide else []
-
-
-def exponent_in_words(found: Exponent) -> str:
-    """A line with the largest Lyapunov exponent, and whether it differs from zero."""
-    known = f"largest Lyapunov exponent {rounded(found.rate, 3)} +- {rounded(found.margin, 2)} per transit (95 %)"
-    if abs(found.rate) <= found.margin:
-        return f"{known}: the exponent is zero within its error"
-    word = "diverge" if found.rate > 0.0 else "converge"
-    return f"{known}: nearby motions {word} by a factor e in {1.0 / abs(found.rate):.3g} transits"
 
 
 def events_in_words(count: int | None, verdict: MotionVerdict | None, longer: str) -> str:
@@ -140,7 +109,10 @@ def header(scene: Scene, notes: Iterable[str] = (), root: complex = 0j) -> list[
     """A few lines: name, law, drive; each slab, with what its face does at the frequency of the leading `root`, if known; the
     units, if the scene has them; a note for each doubt, and further `notes`."""
     parameters = ", ".join(f"{key} {value:g}" for key, value in zip(scene.law._fields, scene.law, strict=True))
-    lines = [f"scene {scene.name}: {name_of(scene.law)} law ({parameters}), {_drive(scene.drive)}, digest {scene.digest}"]
+    drive = scene.drive
+    changes = "" if drive.is_constant else f" at first, then {len(drive.knots)} knots up to t = {drive.times[-1]:g} transits"
+    law = f"{name_of(scene.law)} law ({parameters})"
+    lines = [f"scene {scene.name}: {law}, V = {drive.initial:g}{changes}, digest {scene.digest}"]
     for name, slab in scene.named_slabs:
         lines += [f"{name}{'s' * scene.alike}: {line}" for line in _slab(slab, scene, root)]
     if scene.equivalent and not scene.alike:
@@ -151,11 +123,6 @@ def header(scene: Scene, notes: Iterable[str] = (), root: complex = 0j) -> list[
     return lines + [f"note: {line}" for line in (*doubts(scene), *notes)]
 
 
-def _drive(drive: Drive) -> str:
-    changes = "" if drive.is_constant else f" at first, then {len(drive.knots)} knots up to t = {drive.times[-1]:g} transits"
-    return f"V = {drive.initial:g}{changes}"
-
-
 def _slab(slab: Slab, scene: Scene, root: complex) -> list[str]:
     """Numbers of a slab, with SI values in a scene with units. The round trip of alike slabs is the transit, which is printed
     below."""
@@ -163,20 +130,17 @@ def _slab(slab: Slab, scene: Scene, root: complex) -> list[str]:
     lines = [f"epsilon {rounded(slab.epsilon)}, r {rounded(slab.round_trip)} = 10^{math.log10(slab.round_trip):.6g}"]
     if units:
         lines.append(_in_si(slab, units, scene.alike))
-    if not scene.is_held_rigidly or _writes_a_face(scene):
-        lines += face_in_words(slab, units, watched(scene, root))
+    written = [(scene.tables or {}).get(name, {}).get("face", {}).get("kind", "rigid") for name in ("slab", "upper", "lower")]
+    if not scene.is_held_rigidly or any(kind != "rigid" for kind in written):  # one of another kind may be rigid in the limit
+        lines += _face_in_words(slab, units, watched(scene, root))
     if slab.viscosity:
-        lines.append(_viscosity(slab.viscosity, units))
+        (kind,) = (name for name, one in VISCOSITIES.items() if one is type(slab.viscosity))
+        time = f" ({rounded(slab.viscosity.time * units.time, 6)} s)" if units else ""
+        lines.append(f"{kind}: {_fields_in_words(slab.viscosity)}{time}")
     if len(slab.layers) > 1:
         layers = ", ".join(f"{layer.fraction:g} of impedance {layer.impedance:g}" for layer in slab.layers)
         lines.append(f"layers from the interface outwards: {layers}")
     return lines
-
-
-def _writes_a_face(scene: Scene) -> bool:
-    """Whether a rigid face is written as one of another kind, in the limit."""
-    kinds = ((scene.tables or {}).get(name, {}).get("face", {}).get("kind", "rigid") for name in ("slab", "upper", "lower"))
-    return any(kind != "rigid" for kind in kinds)
 
 
 def _in_si(slab: Slab, units: Units, alike: bool) -> str:
@@ -189,11 +153,6 @@ def _in_si(slab: Slab, units: Units, alike: bool) -> str:
     return ", ".join(facts)
 
 
-def _viscosity(viscosity: Viscosity, units: Units | None) -> str:
-    (kind,) = (name for name, one in VISCOSITIES.items() if one is type(viscosity))
-    return f"{kind}: {fields_in_words(viscosity)}" + (f" ({rounded(viscosity.time * units.time, 6)} s)" if units else "")
-
-
 def _units(scene: Scene, units: Units) -> list[str]:
     stiffness = scene.stiffness / scene.transit * units.face["stiffness"]
     velocity = scene.velocity * units.reference_velocity
@@ -203,3 +162,68 @@ def _units(scene: Scene, units: Units) -> list[str]:
         f"stiffness of slabs and faces in series {rounded(stiffness, 6)} Pa/m, "
         f"over the normal stress {rounded(1e-6 * stiffness / units.normal_stress, 6)} /um",
     ]
+
+
+def watched(scene: Scene, root: complex = 0j) -> float:
+    """The angular frequency (V*/L) at which faces are judged: that of the leading `root`, or omega_c of friction if it is real;
+    NaN without both, where friction strengthens."""
+    return abs(root.imag) or friction_slopes(scene.law, scene.velocity).omega_c
+
+
+def face_figures(scene: Scene, omega: float) -> list[dict[str, Any]]:
+    """For each face that is not rigid: |R| at `omega`, R of fast waves with its sign, and the rate below which it is its spring;
+    rates in V*/L, and in 1/s for a scene with units."""
+    found = []
+    for name, slab in ((name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid):
+        reflections = {"reflection": _reflected(slab, omega), "fast_reflection": slab.fast_reflection}
+        rates = {"omega": omega, "spring_rate": slab.termination.spring_rate}
+        in_si = {f"{rate}_per_s": value / scene.units.time for rate, value in rates.items()} if scene.units else {}
+        found.append({"slab": name, "kind": _kind_of(slab.face), "omega": omega, **reflections, **rates, **in_si})
+    return found
+
+
+def _reflected(slab: Slab, omega: float) -> float:
+    return float(abs(slab.reflection(1j * omega))) if omega > 0.0 else math.nan
+
+
+def _face_in_words(slab: Slab, units: Units | None, omega: float) -> Iterator[str]:
+    """The keys of a face, what it does to fast waves and to those of `omega`, and where it is its spring."""
+    held = slab.termination
+    if held.is_rigid:
+        yield "rigid face: R = 1 for all waves"
+        return
+    values = f"{_kind_of(slab.face)}: {_fields_in_words(slab.face)}{_sizes(slab, units)}"
+    yield f"{values}, R = {slab.fast_reflection:.4g} for fast waves"
+    facts = []
+    if omega > 0.0:
+        facts.append(f"at omega = {_rate(omega, units)} it reflects |R| = {rounded(_reflected(slab, omega), 6)}")
+    if 0.0 < held.spring_rate < math.inf:
+        name = "K/Z_g" if held.dashpot * held.spring_rate >= held.mass * held.spring_rate**2 else "sqrt(K/m)"
+        facts.append(f"below {name} = {_rate(held.spring_rate, units)} it is its spring")
+    if facts:
+        yield "; ".join(facts)
+
+
+def _rate(value: float, units: Units | None) -> str:
+    return f"{value:.4g} V*/L" + (f" ({value / units.time:.4g} rad/s)" if units else "")
+
+
+def _sizes(slab: Slab, units: Units | None) -> str:
+    """Spring, dashpot and mass in SI."""
+    if units is None:
+        return ""
+    held, size = slab.termination, units.face
+    facts = [f"{rounded(held.spring * size['stiffness'], 6)} Pa/m", f"{rounded(held.dashpot * size['impedance'], 6)} Pa s/m"]
+    facts += [f"{rounded(held.mass * size['mass'], 6)} kg/m2"] if held.mass > 0.0 else []
+    return f" ({', '.join(facts)})"
+
+
+def _kind_of(face: Face) -> str:
+    """The name of a face's kind in scene files."""
+    (kind,) = (name for name, one in FACES.items() if one is type(face))
+    return kind
+
+
+def _fields_in_words(part: Any) -> str:
+    """The fields of a dataclass as in "stiffness 2, impedance 0.5"."""
+    return ", ".join(f"{field.name} {getattr(part, field.name):g}" for field in fields(part))

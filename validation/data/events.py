@@ -9,7 +9,7 @@ Golay). Its effect is measured by halving it.
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,23 +95,12 @@ def falls(values: Array, least: float) -> list[tuple[int, int]]:
 
 
 @dataclass(frozen=True)
-class Smoothing:
-    """Samples of the local parabola (1: none), and the relative change of the mean `stress_drop` and `v_max` with half as many.
-    How events of the smoothed friction differ: in `dates` (transits), mean `period` (relative), and number (`apart`); NaN for
-    another number."""
-
-    samples: int
-    dates: float = math.nan
-    period: float = math.nan
-    stress_drop: float = math.nan
-    v_max: float = math.nan
-    apart: int = 0
-
-
-@dataclass(frozen=True)
 class MeasuredMotion:
     """A record of `source` in the units of a scene: time (transits), friction and slip rate (V*; `rate_from`: its source), both
-    smoothed, the dates of its slip events, its complete cycles, its `noise` (of friction, standard deviation)."""
+    smoothed, the dates of its slip events, its complete cycles, its `noise` (of friction, standard deviation). `smoothing`: the
+    `samples` of the local parabola (1: none), the relative change of the mean `stress_drop` and `v_max` with half as many, and
+    how events of the smoothed friction differ: in `dates` (transits), mean `period` (relative), both NaN for another number of
+    events, and number (`apart`)."""
 
     source: str
     time: Array
@@ -121,7 +110,7 @@ class MeasuredMotion:
     dates: Array
     events: Events
     noise: float
-    smoothing: Smoothing
+    smoothing: dict[str, Any]
 
 
 def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> MeasuredMotion:
@@ -167,7 +156,7 @@ def noise_of(time: Array, values: Array, quiet: float = _QUIET) -> float:
     return noise if noise > quiet * float(np.ptp(values)) else 0.0
 
 
-def smoothed(values: Array, samples: int, slope: bool = False) -> Array:
+def _smoothed(values: Array, samples: int, slope: bool = False) -> Array:
     """Values (n,) of a local parabola over `samples` samples, or its slope per sample; `values` themselves for fewer than 3."""
     if samples < 3:
         return np.gradient(values) if slope else values
@@ -179,15 +168,15 @@ def smoothed(values: Array, samples: int, slope: bool = False) -> Array:
 def _smooth_motion(own: Series, scene: Scene, friction: Array, samples: int) -> tuple[Array, Array, str]:
     """Friction, smoothed; the slip rate (V*), and its source: its own column, the slope of slip, or the slope of the load point's
     displacement minus the elastic one, by the scene's stiffness."""
-    level = smoothed(friction, samples)
+    level = _smoothed(friction, samples)
     if "slip_rate" in own:
-        return level, smoothed(own["slip_rate"], samples), "slip_rate"
-    pace = scene.transit * smoothed(own["time"], samples, slope=True)  # L/V* per sample
+        return level, _smoothed(own["slip_rate"], samples), "slip_rate"
+    pace = scene.transit * _smoothed(own["time"], samples, slope=True)  # L/V* per sample
     if "slip" in own:
-        return level, smoothed(own["slip"], samples, slope=True) / pace, "slip"
-    released = scene.transit * smoothed(friction, samples, slope=True) / scene.stiffness
+        return level, _smoothed(own["slip"], samples, slope=True) / pace, "slip"
+    released = scene.transit * _smoothed(friction, samples, slope=True) / scene.stiffness
     if "load_point_displacement" in own:
-        load = smoothed(own["load_point_displacement"], samples, slope=True)
+        load = _smoothed(own["load_point_displacement"], samples, slope=True)
         return level, (load - released) / pace, "load_point_displacement and the scene's stiffness"
     return level, scene.velocity - released / pace, "the scene's velocity and stiffness"
 
@@ -205,12 +194,13 @@ def _chosen(friction: Array, events: SlipEvents) -> int:
     return max(1, int(_SHARE * float(np.median(lasting))))
 
 
-def _effect(samples: int, dates: Array, others: Array, cycles: Events, half: Events) -> Smoothing:
+def _effect(samples: int, dates: Array, others: Array, cycles: Events, half: Events) -> dict[str, Any]:
     """Changes of dates to the `others` of the smoothed friction, of the cycles' figures to those with `half` the smoothing."""
     drop, v_max = (
         abs(float(getattr(half, name).mean() / getattr(cycles, name).mean()) - 1.0) for name in ("stress_drop", "v_max")
     )
-    if others.size != dates.size:
-        return Smoothing(samples, stress_drop=drop, v_max=v_max, apart=others.size - dates.size)
-    period = abs(float(np.ptp(others) / np.ptp(dates)) - 1.0)
-    return Smoothing(samples, float(np.abs(others - dates).max()), period, drop, v_max)
+    moved, period = math.nan, math.nan
+    if others.size == dates.size:
+        moved, period = float(np.abs(others - dates).max()), abs(float(np.ptp(others) / np.ptp(dates)) - 1.0)
+    found = {"samples": samples, "dates": moved, "period": period, "stress_drop": drop, "v_max": v_max}
+    return found | {"apart": others.size - dates.size}

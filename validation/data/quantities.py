@@ -13,7 +13,7 @@ from slipwave.scene import Scene
 from slipwave.scene.units import IN_SI
 
 
-class Measured(NamedTuple):
+class _Measured(NamedTuple):
     """A quantity: its unit in SI, that in a scene's own units (both empty for a pure number), other names of its columns, and
     units to name in a refusal."""
 
@@ -28,8 +28,8 @@ _RATES = "m/s, mm/s, um/s, nm/s, V*"
 _LENGTHS, _STRESSES = "m, mm, um, nm, L", "Pa, kPa, MPa, GPa, bar, psi, normal stress"
 
 MEASURED = {
-    "time": Measured("s", "transit", ("t", "times", "elapsed_time", "seconds"), "s, ms, us, min, h, d, transits"),
-    "load_point_displacement": Measured(
+    "time": _Measured("s", "transit", ("t", "times", "elapsed_time", "seconds"), "s, ms, us, min, h, d, transits"),
+    "load_point_displacement": _Measured(
         "m",
         "L",
         (
@@ -38,7 +38,7 @@ MEASURED = {
         ),
         _LENGTHS,
     ),
-    "load_point_velocity": Measured(
+    "load_point_velocity": _Measured(
         "m/s",
         "V*",
         (
@@ -47,12 +47,12 @@ MEASURED = {
         ),
         _RATES,
     ),
-    "slip": Measured("m", "L", ("delta", "slip_2", "fault_slip", "slip_displacement", "onboard_disp", "obdisp"), _LENGTHS),
-    "slip_rate": Measured("m/s", "V*", ("v", "sliprate", "slip_rate_2", "slip_velocity"), _RATES),
-    "shear_stress": Measured("Pa", "normal stress", ("tau", "stress", "shear", "shear_stress_2"), _STRESSES),
-    "friction": Measured("", "", ("mu", "cof")),
-    "normal_stress": Measured("Pa", "normal stress", ("sigma", "sigma_n", "normal", "sn"), _STRESSES),
-    "state": Measured("s", "L/V*", ("theta", "state_variable"), "s, L/V*"),
+    "slip": _Measured("m", "L", ("delta", "slip_2", "fault_slip", "slip_displacement", "onboard_disp", "obdisp"), _LENGTHS),
+    "slip_rate": _Measured("m/s", "V*", ("v", "sliprate", "slip_rate_2", "slip_velocity"), _RATES),
+    "shear_stress": _Measured("Pa", "normal stress", ("tau", "stress", "shear", "shear_stress_2"), _STRESSES),
+    "friction": _Measured("", "", ("mu", "cof")),
+    "normal_stress": _Measured("Pa", "normal stress", ("sigma", "sigma_n", "normal", "sn"), _STRESSES),
+    "state": _Measured("s", "L/V*", ("theta", "state_variable"), "s, L/V*"),
 }
 """Name of its column here -> quantity. Names are compared in lower case, with _ for other characters, in any order of words."""
 

@@ -1,7 +1,6 @@
 """Least squares of a model's periodic orbit against all samples of a record (`validation.fit.orbits`)."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -62,21 +61,6 @@ class _OrbitCoordinates:
         )
 
 
-@dataclass
-class _InParameters(Best):
-    """`Best` in the coordinates, which also keeps the `best` values as parameters, those of the orbit of the `model`."""
-
-    best: Best | None = None
-    model: CycleOfOrbit | None = None
-    keys: int = 0
-
-    def see(self, inner: Array, residual: Array) -> None:
-        """As `Best`."""
-        super().see(inner, residual)
-        if self.best is not None and self.model is not None and self.model.anchor is not None:
-            self.best.see(np.append(self.model.inner(self.model.anchor), inner[self.keys + 1 :]), residual)
-
-
 def fitted_orbit(
     model: CycleOfOrbit, bounds: tuple[Array, Array], shapes: Array, starts: Iterable[Array], best: Best
 ) -> Solution:
@@ -86,6 +70,12 @@ def fitted_orbit(
     Raises NumericsError if no start leads to an orbit."""
     keys, reasons = bounds[0].size, []
     best_yet: tuple[Solution, Anchor, _OrbitCoordinates] | None = None
+
+    def see(coordinates: Array, residual: Array) -> None:
+        """Keep the `best` values as parameters, those of the orbit of the model."""
+        if model.anchor is not None:
+            best.see(np.append(model.inner(model.anchor), coordinates[keys + 1 :]), residual)
+
     for start in starts:
         try:
             begun = model.begin(start[:keys])
@@ -95,7 +85,7 @@ def fitted_orbit(
             )
             coordinates = _OrbitCoordinates(model, *bounds, shapes)
             first = np.concatenate([[0.0, 0.0], begun.coordinates[1:], start[keys:]])
-            one = minimise(coordinates, [first], _InParameters(first, best=best, model=model, keys=keys))
+            one = minimise(coordinates, [first], Best(first, also=see))
             there = coordinates.orbit(one.inner)
         except NumericsError as reason:
             reasons.append(str(reason))

@@ -1,14 +1,17 @@
 """Nonlinear least squares with an interval for each parameter, and whether the data determine it."""
 
+import json
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, Protocol
+from pathlib import Path
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 from scipy import optimize, stats
 
 from slipwave.errors import NumericsError, SceneError
+from slipwave.files import require_writable, whole_or_absent
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
 from validation.models.progress import News
@@ -22,6 +25,7 @@ _PROFILE = 5  # trials for the end of an interval
 _ALIKE = 0.1  # relative difference from the derivative's interval that is let stand
 _INDEPENDENT = 20  # groups of samples that are taken as independent at least
 _AT_BOUND = 1e-6  # of the range
+_SHOWN = 3  # differences of two fits
 _ABOVE = 0.04  # of the square of a standard error
 
 
@@ -62,12 +66,37 @@ class Solution(NamedTuple):
 
 @dataclass
 class Best:
-    """The best values so far, available after an interruption; tells the `news`."""
+    """The best values so far, available after an interruption; tells the `news`. `file`: the checkpoint that keeps them with the
+    `facts` of their fit, from which a killed fit continues. `also` is called with all values and residuals."""
 
     inner: Array
     cost: float = math.inf
     evaluations: int = 0
     news: News = field(default_factory=News)
+    file: Path | None = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    also: Callable[[Array, Array], object] | None = None
+
+    @classmethod
+    def kept(cls, file: Path | None, first: Array, facts: Mapping[str, Any]) -> Self:
+        """The best values in the checkpoint `file`, `first` if there is none. Raises SceneError for a file that cannot be
+        written, is damaged, or belongs to another fit, naming the differences."""
+        if file is not None:
+            require_writable(file, (".json",), "--checkpoint")
+        if file is None or not file.exists():
+            return cls(first, file=file, facts=facts)
+        try:
+            known = json.loads(file.read_text(encoding="utf-8"))
+            there, inner, evaluations = dict(known["facts"]), np.array(known["best"], dtype=float), int(known["evaluations"])
+        except (OSError, ValueError, LookupError, TypeError):
+            raise SceneError(f"--checkpoint = {str(file)!r}: is no checkpoint of a fit; remove it, or name another") from None
+        other = [key for key in {**there, **facts} if there.get(key) != facts.get(key)]
+        if other or inner.shape != first.shape:
+            differences = "; ".join(
+                f"{key}: {there.get(key, 'not there')}, now {facts.get(key, 'not there')}" for key in other[:_SHOWN]
+            )
+            raise SceneError(f"--checkpoint = {str(file)!r}: belongs to another fit ({differences}); remove it, or name another")
+        return cls(inner, evaluations=evaluations, file=file, facts=facts)
 
     def see(self, inner: Array, residual: Array) -> None:
         """Store these values if they are better."""
@@ -75,8 +104,14 @@ class Best:
         cost = float(residual @ residual)
         if cost < self.cost:
             self.inner, self.cost = inner.copy(), cost
+            if self.file is not None:
+                known = {"facts": self.facts, "best": [*inner], "cost": cost, "evaluations": self.evaluations}
+                with whole_or_absent(self.file) as temporary:
+                    temporary.write_text(json.dumps(known, indent=1), encoding="utf-8")
         far = math.sqrt(self.cost / residual.size)
         self.news("fit: %d evaluations, the best residual is %.3g times the noise", self.evaluations, far)
+        if self.also is not None:
+            self.also(inner, residual)
 
 
 def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float = 0.0, most: int = 60) -> Solution:
@@ -235,11 +270,6 @@ def intervals(problem: Problem, solution: Solution) -> Intervals:
         correlation = covariance / np.outer(spread, spread)
     known, low, high = half < size, solution.inner - half, solution.inner + half
     return Intervals(low, high, known, correlation, noise, together, tuple(dict.fromkeys(singular)), covariance, rise)
-
-
-def without_ends(spread: Intervals) -> Intervals:
-    """The intervals of values that are no minimum: all undetermined."""
-    return spread._replace(low=np.full_like(spread.low, math.nan), high=np.full_like(spread.high, math.nan), profiled=())
 
 
 def correlated_samples(residual: Array) -> float:

@@ -18,8 +18,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.step.flow import Flow
 from validation.data.events import falls
-from validation.fit.cycles import model_date, slope_of
-from validation.fit.folded import FoldedRecord
+from validation.fit.cycles import FoldedRecord, model_date, slope_of
 from validation.fit.forward import Forward, sampled
 from validation.fit.parameters import Variants, sizes
 from validation.models.orbits import moving

@@ -17,7 +17,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.step.sensitivity import Sides
-from validation.models.parameter import Parameter, Variation, allowed_numbers, measured_value, number_in, number_of
+from validation.models.parameter import Parameter, Variation, allowed_numbers, measured_value, number_in
 
 NUISANCES = ("level", "drift")
 """Further free parameters: a constant added to the friction of each record, and its slope over the record."""
@@ -90,7 +90,7 @@ def schedule_of(scene: Scene) -> Drive:
     return Drive(tuple(t * clock for t in scene.drive.times), tuple(v * pace for v in scene.drive.velocities))
 
 
-def free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...]:
+def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...]:
     """The free keys, and variables with their starts, among `words`, without nuisances. Raises SceneError for a key that the
     scene lacks or that is no number, for a repeated key, and for a variable without a start."""
     _, data = tables_of(scenes.base)
@@ -110,9 +110,9 @@ def free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...]
 
 
 def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[Free, ...]]:
-    """The scenes, with the variables of the base at their starts, and `free_parameters`. Raises SceneError as these, and for a
+    """The scenes, with the variables of the base at their starts, and `_free_parameters`. Raises SceneError as these, and for a
     scene that cannot be read at the starts."""
-    free = free_parameters(scenes, words)
+    free = _free_parameters(scenes, words)
     start = {one.name: one.written(one.start) for one in free if one.name in scenes.variables}
     if start:
         scenes.require(start)
@@ -123,7 +123,7 @@ def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[Fre
 def _variable(name: str, text: str) -> Free:
     """A variable that begins at a number, with or without a unit."""
     try:
-        start, unit = measured_value(text) if number_of(text)[1] else number_of(text)
+        start, unit = measured_value(text)
     except ValueError:
         start, unit = math.nan, ""
     if not math.isfinite(start):

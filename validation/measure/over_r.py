@@ -13,7 +13,7 @@ from reduced.stability.onsets import Onset
 from slipwave.scene import Scene
 from validation.models.branch import FollowedBranch
 from validation.models.parameter import Over, over_range
-from validation.models.points import BranchPoint, point_of
+from validation.models.points import BranchPoint
 
 RANGE = (-2.72, -2.3)
 """log10 r."""
@@ -40,7 +40,7 @@ class Branch:
     def corners(self) -> list[BranchPoint]:
         """All points as numbers; `unstable` holds up to the next one."""
         after = {id(special.point): special.unstable_after for special in self.special}
-        return [point_of(point)._replace(unstable=after.get(id(point), point.unstable)) for point in self.points]
+        return [BranchPoint.of(point)._replace(unstable=after.get(id(point), point.unstable)) for point in self.points]
 
     def of_kind(self, *kinds: str) -> list[Special]:
         """Its special points of these kinds, in order."""

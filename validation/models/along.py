@@ -9,7 +9,7 @@ from xarray.core.indexing import IndexSelResult
 from xarray.indexes import PandasIndex
 
 
-class AlongBranch(PandasIndex):
+class _AlongBranch(PandasIndex):
     """`.sel(log10_r=-2.6)` gives the nearest point on each part of the branch that passes this value, `slice(a, b)` all points
     between."""
 
@@ -23,18 +23,18 @@ class AlongBranch(PandasIndex):
             )
             indices = np.flatnonzero((values >= low) & (values <= high))
         else:
-            indices = crossings(values, float(np.asarray(label)))
+            indices = _crossings(values, float(np.asarray(label)))
         if not indices.size:
             raise KeyError(f"{name} = {label}: the branch goes from {values.min():g} to {values.max():g}")
         return IndexSelResult({self.dim: indices})
 
 
 def along(data: Dataset, name: str) -> Dataset:
-    """`data` of points of a branch, indexed by the variable `name`, the parameter (`AlongBranch`)."""
-    return data.set_coords(name).set_xindex(name, AlongBranch)
+    """`data` of points of a branch, indexed by the variable `name`, the parameter (`_AlongBranch`)."""
+    return data.set_coords(name).set_xindex(name, _AlongBranch)
 
 
-def crossings(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:
+def _crossings(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:
     """Indices of `values`, one for each crossing of `value`: of the two values next to it the nearer one."""
     side = np.sign(values - value)
     before = np.flatnonzero(side[:-1] * side[1:] < 0.0)

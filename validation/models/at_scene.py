@@ -4,7 +4,6 @@ which begins where steady sliding loses stability as r grows."""
 import math
 from contextlib import suppress
 from dataclasses import replace
-from typing import NamedTuple
 
 from reduced.continuation.point import OrbitPoint
 from reduced.continuation.start import orbits_at
@@ -17,7 +16,7 @@ from slipwave.scene import Scene
 from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.followed import ends_of
-from validation.models.orbits import OrbitFound, Other, find_orbit, most_transits, moving, orbits_near, refined_orbit
+from validation.models.orbits import OrbitFound, find_orbit, most_transits, moving, orbits_near, refined_orbit
 from validation.models.parameter import Over, Variation
 from validation.models.points import StopAt
 
@@ -36,20 +35,6 @@ _LONGEST = 600.0  # transits; one orbit of 22,444 takes 6 s, a branch hundreds o
 _TOLERANCE = 1e-6
 
 
-class Primary(NamedTuple):
-    """The `orbits` of the primary branch at the scene, in order along the branch; `searched`: a text on how far it was
-    followed."""
-
-    orbits: list[Closed]
-    searched: str
-
-    @property
-    def extent(self) -> str:
-        """Note on how far others were searched for."""
-        start = "others were looked for along the branch of orbits that begins where stability is lost: "
-        return f"{start}{self.searched}" if self.searched else ""
-
-
 def orbit_at_scene(
     model: str, scene: Scene, tolerance: float, cells: int | None = None, near: float | None = None, others: bool = False
 ) -> OrbitFound:
@@ -63,30 +48,30 @@ def orbit_at_scene(
     try:
         found = find_orbit(model, scene, tolerance, cells)
     except NumericsError as reason:
-        known = primary(model, scene, cells, math.inf, str(reason))
-        return _chosen(min(known.orbits, key=count_unstable), known.orbits, scene, tolerance, _FROM_BRANCH, known.extent)
+        known, searched = _primary(model, scene, cells, math.inf, str(reason))
+        return _chosen(min(known, key=count_unstable), known, scene, tolerance, _FROM_BRANCH, searched)
     return _with_others(found, model, cells) if others else found if found.source else replace(found, searched=_MAY_BE)
 
 
 def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound:
     """`found` with the other orbits of the primary branch."""
     try:
-        known = primary(model, found.scene, cells, math.inf)
+        known, searched = _primary(model, found.scene, cells, math.inf)
     except NumericsError as reason:
         return replace(found, searched=f"no other orbit was found: {reason}")
-    others = [one for one in known.orbits if not _same(one, found.found.closed)]
-    return replace(found, others=tuple(map(_other, others)), searched=known.extent)
+    others = [one for one in known if not _same(one, found.found.closed)]
+    return replace(found, others=tuple(map(_in_words, others)), searched=searched)
 
 
 def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
     """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none
     with this number of cycles, or does not reach so far, also among the close returns of the scene's own motion."""
-    known, own, failed = Primary([], ""), None, None
+    known, searched, own, failed = list[Closed](), "", None, None
     with suppress(NumericsError, SceneError):  # the run may lead to none in reasonable time
         own = find_orbit(model, scene, tolerance, cells)
     with suppress(NumericsError):
-        known = primary(model, scene, cells, near + _LONGER)
-    candidates = [(one, _FROM_BRANCH) for one in known.orbits]
+        known, searched = _primary(model, scene, cells, near + _LONGER)
+    candidates = [(one, _FROM_BRANCH) for one in known]
     if not candidates or near > _SEVERAL * max(one.cycle.period for one, _ in candidates):
         try:
             candidates += [(one, _FROM_RUN) for one in orbits_near(moving(model, scene, cells), tolerance, near)]
@@ -98,25 +83,28 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
     if failed is not None and not candidates:
         raise failed
     nearest, source = min(candidates, key=lambda known: abs(known[0].cycle.period - near))
-    return _chosen(nearest, [one for one, _ in candidates], scene, tolerance, source, known.extent)
+    return _chosen(nearest, [one for one, _ in candidates], scene, tolerance, source, searched)
 
 
 def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> OrbitFound:
     """The orbit `one` of those `known`, refined to the tolerance; the others are listed with it."""
     found = refined_orbit(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
-    return OrbitFound(found, tolerance, source, tuple(_other(orbit) for orbit in known if orbit is not one), searched)
+    return OrbitFound(found, tolerance, source, tuple(_in_words(orbit) for orbit in known if orbit is not one), searched)
 
 
 def _same(one: Closed, other: Closed) -> bool:
     return abs(one.cycle.period / other.cycle.period - 1.0) < _SAME
 
 
-def _other(closed: Closed) -> Other:
-    return Other(closed.cycle.period, count_unstable(closed) if is_decided(closed) else None)
+def _in_words(closed: Closed) -> str:
+    """Its period (transits) and stability."""
+    stability = ("unstable" if count_unstable(closed) else "stable") if is_decided(closed) else "stability not decided"
+    return f"{closed.cycle.period:.7g} ({stability})"
 
 
-def primary(model: str, scene: Scene, cells: int | None, longest: float, reason: str = "") -> Primary:
-    """All orbits of the primary branch at the scene up to the period `longest` (transits).
+def _primary(model: str, scene: Scene, cells: int | None, longest: float, reason: str = "") -> tuple[list[Closed], str]:
+    """All orbits of the primary branch at the scene up to the period `longest` (transits), in order along the branch, and a note
+    on how far it was followed.
 
     Raises NumericsError if there is none; its message begins with `reason`, why none was found before."""
     here = math.log10(scene.transit)
@@ -127,7 +115,7 @@ def primary(model: str, scene: Scene, cells: int | None, longest: float, reason:
         raise NumericsError(
             f"{said}the branch of orbits that begins where steady sliding loses its stability has none here: {ended}"
         )
-    return Primary(orbits, ended)
+    return orbits, f"others were looked for along the branch of orbits that begins where stability is lost: {ended}"
 
 
 def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[OrbitPoint], str]:

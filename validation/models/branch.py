@@ -34,7 +34,7 @@ from validation.models.by_name import one_port_of
 from validation.models.orbits import find_orbit, moving
 from validation.models.own import digests
 from validation.models.parameter import Over
-from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt, point_of, special_of
+from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 
 _FORMAT = 4
 _OUTLINE = "special_"  # before the index of a special point
@@ -54,7 +54,7 @@ _WITHOUT_IDLE = (
 )
 
 
-class BranchEnd(NamedTuple):
+class _BranchEnd(NamedTuple):
     """The last `point` of a branch and the length of the next `step`, from which it continues."""
 
     point: OrbitPoint
@@ -102,20 +102,20 @@ class FollowedBranch:
         """Dimension of the file -> class of its rows, and the rows."""
         return {"point": (BranchPoint, self.points), "special": (SpecialPoint, self.special)}
 
-    def saved(self, end: BranchEnd) -> dict[str, State]:
+    def saved(self, end: _BranchEnd) -> dict[str, State]:
         """Arrays, by group and name, from which the branch continues."""
         resume = stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}
         return {"resume": resume} | {f"{_OUTLINE}{index}": state for index, state in self.outlines.items()}
 
-    def restored(self, saved: Mapping[str, State]) -> BranchEnd:
+    def restored(self, saved: Mapping[str, State]) -> _BranchEnd:
         """The inverse of `saved`."""
         state = saved["resume"]
         self.outlines.update({int(name.removeprefix(_OUTLINE)): saved[name] for name in saved if name.startswith(_OUTLINE)})
         period, parameter = state["unknowns"][-2:].tolist()
         _, point, step = from_stored(self.family_at(parameter, period), state)
-        return BranchEnd(point, step, Metric(*state["metric"].tolist()))
+        return _BranchEnd(point, step, Metric(*state["metric"].tolist()))
 
-    def begin(self) -> BranchEnd:
+    def begin(self) -> _BranchEnd:
         """Record the Hopf point in the range nearest to its first end, or else an orbit at an end where steady sliding is
         unstable.
 
@@ -137,7 +137,7 @@ class FollowedBranch:
         metric = metric_for(*over.ends)
         return self._first(from_hopf(self.family_at(own.parameter, own.period), own.parameter, own.period, metric), metric)
 
-    def follow(self, end: BranchEnd, limits: StopAt) -> Iterator[BranchEnd]:
+    def follow(self, end: _BranchEnd, limits: StopAt) -> Iterator[_BranchEnd]:
         """Record point after point, yielding the end after each. Stops at the limits, where the branch leaves the range without
         return, and where the orbits shrink to steady sliding. Raises NumericsError where it cannot be followed within the
         range."""
@@ -167,12 +167,12 @@ class FollowedBranch:
             for special in step.special:
                 self.closed[len(self.special)] = special.point.closed
                 self.outlines[len(self.special)] = without_derivatives(special.point)
-                self.special.append(special_of(special, len(self.points)))
+                self.special.append(SpecialPoint.of(special, len(self.points)))
             self._record(step.point)
-            end = BranchEnd(step.point, step.next_step, end.metric)
+            end = _BranchEnd(step.point, step.next_step, end.metric)
             yield end
 
-    def steps(self, end: BranchEnd, inside: Callable[[OrbitPoint], bool], control: Control) -> Iterator[Step]:
+    def steps(self, end: _BranchEnd, inside: Callable[[OrbitPoint], bool], control: Control) -> Iterator[Step]:
         """The points after `end`, with their orbits, up to the first that is not `inside`. Raises NumericsError as `follow`."""
         family = FlowFamily(end.point.closed.flow, self.over.scene_at)
         return follow_branch(family, end.point, end.metric, inside, self.tolerance, control)
@@ -200,7 +200,7 @@ class FollowedBranch:
         passing = complex(critical(row.kind, point.multipliers))
         return Special(row.kind, point, row.bracket, row.unstable_before or 0, row.unstable_after or 0, passing)
 
-    def first_special(self, end: BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
+    def first_special(self, end: _BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
         """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there
         is none."""
         over, last = self.over, end.point
@@ -214,18 +214,18 @@ class FollowedBranch:
             f"no {SPECIAL_KINDS[kind]} was found on the branch over {over.name} from {over.first:g} to {over.last:g}: {ended}"
         )
 
-    def _first(self, point: OrbitPoint, metric: Metric) -> BranchEnd:
+    def _first(self, point: OrbitPoint, metric: Metric) -> _BranchEnd:
         self._record(point)
-        return BranchEnd(point, Control.first, metric)
+        return _BranchEnd(point, Control.first, metric)
 
     def _record(self, point: OrbitPoint) -> None:
-        self.points.append(point_of(point))
+        self.points.append(BranchPoint.of(point))
         last = self.points[-1]
         if last.stable is None or last.idle:
             note = _UNDECIDED if last.stable is None else _WITHOUT_IDLE
             self.notes.extend([] if note in self.notes else [note])
 
-    def _from_orbit(self, port: str) -> BranchEnd:
+    def _from_orbit(self, port: str) -> _BranchEnd:
         over = self.over
         unstable = [value for value in (over.first, over.last) if unstable_count(characteristic(over.scene_at(value), port))]
         if not unstable:
@@ -242,16 +242,16 @@ class FollowedBranch:
         found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
         return self._first(from_orbit(FlowFamily(found.flow, over.scene_at), found, value, other, metric), metric)
 
-    def _from_doubling(self) -> BranchEnd:
+    def _from_doubling(self) -> _BranchEnd:
         """The first orbit of twice the period, at the first period doubling of the scene's own branch in the range."""
         own = replace(self, doubled=False, points=[], special=[], notes=[])
         end = own.begin()
         special, family = own.first_special(end, "PD")
-        born = special_of(special, 0)
+        born = SpecialPoint.of(special, 0)
         self.special.append(born._replace(period=2.0 * born.period))
         return self._first(from_doubling(family, special, end.metric)[1], end.metric)
 
-    def _why_to_stop(self, end: BranchEnd, limits: StopAt) -> str | None:
+    def _why_to_stop(self, end: _BranchEnd, limits: StopAt) -> str | None:
         """Reason to stop, empty if that needs no remark; None to continue."""
         point = end.point
         if limits.kind and any(special.kind == limits.kind for special in self.shown_special):

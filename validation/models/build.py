@@ -1,13 +1,21 @@
-"""Makes the solver of a model for a scene, by the model's name on the command line, where the scene starts."""
+"""Makes the solver of a model for a scene, by the model's name on the command line, where the scene starts; and the estimated
+error of the default grid of a full wave."""
 
-from typing import Any, Unpack
+import math
+from typing import TYPE_CHECKING, Any, Unpack
 
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
-from slipwave.solve import FieldSolver, Solver
+from slipwave.solve import FieldSolver, Solver, State
 from validation.models.by_name import OPTIONS, Built, Options, given, made, parse, resolve
+
+if TYPE_CHECKING:
+    from fullwave.adapt import Choice
+
+
+_COARSER = 1.5
 
 
 def build(model: str, scene: Scene, **options: Unpack[Options]) -> Solver:
@@ -27,14 +35,11 @@ def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[O
     """The solver of `made` at the scene's start. For a start on the orbit the model is first marched there, unless the run is
     `resumed` from a checkpoint. Raises as `made`."""
     built = made(model, scene, **options)
-    return on_its_orbit(built, resumed) if scene.start.kind is StartKind.ORBIT else built
+    if scene.start.kind is not StartKind.ORBIT:
+        return built
+    from validation.models.orbit_start import FieldsOnOrbit, OnOrbit
 
-
-def on_its_orbit(built: Built, resumed: bool) -> Built:
-    """`built` on the orbit of its scene; not yet marched there if the run is `resumed`."""
-    from validation.models.orbit_start import on_orbit
-
-    orbiting = on_orbit(built.solver)
+    orbiting = FieldsOnOrbit(built.solver) if isinstance(built.solver, FieldSolver) else OnOrbit(built.solver)
     if not resumed:
         orbiting.begin()
     return built._replace(solver=orbiting)
@@ -64,3 +69,31 @@ def _takes(family: Family, option: str, known: dict[str, Any]) -> bool:
     """Whether a model of `family`, among several, is given the option. With cells given, a tolerance is for models without
     cells."""
     return option in family.options and not (option == "tolerance" and "cells" in known and "cells" in family.options)
+
+
+def judged_grid(solver: Solver, start: State, cfl: float | None = None, time: str | None = None) -> "Choice | None":
+    """The default grid of `solver` with its estimated error, from its own state at the `start` and another grid; None for models
+    without a grid and for a start on the orbit, which needs a march of its own. `solver` is not changed."""
+    if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
+        return None
+    from fullwave.adapt import first_accepted, judge_grid
+    from fullwave.options import CellsRefused
+
+    model, scene, cells = solver.model, solver.scene, solver.cells
+    fewer = range(max(1, int(cells / _COARSER)), cells)  # two thirds, or the fewest more that the family accepts
+    more = range(math.ceil(_COARSER * cells), 2 * cells)
+
+    def on_grid(number: int) -> FieldSolver:
+        """The solver with so many cells, if that makes its grid another one: thin layers have the fewest cells already."""
+        other = build_full_wave(model, scene, cells=number, cfl=cfl, time=time)
+        if other.settings["cells"] == solver.settings["cells"]:
+            raise CellsRefused(f"cells = {number}: the same grid")
+        return other
+
+    end = solver.state()
+    try:
+        solver.restore(start)
+        other = first_accepted(on_grid, (*fewer, *more))
+        return judge_grid(cells, solver, other) if other else None
+    finally:
+        solver.restore(end)

@@ -29,6 +29,8 @@ GRIDS = WITH_GRID
 FAMILIES: list[Family] = [*WITHOUT_GRID, *WITH_GRID]
 """Cheapest first; `auto` takes the first that is exact. Families of other packages and files are appended."""
 
+_part = cache(find_spec)
+
 OPTIONS = tuple(dict.fromkeys(option for family in reversed(FAMILIES) for option in family.options))
 """The numerical options that a family may take."""
 
@@ -94,14 +96,9 @@ def explicit_time(model: str) -> str | None:
     return "explicit" if "time" in grid_of(model)[0].options else None
 
 
-@cache
-def _is_part(module: str) -> bool:
-    return find_spec(module) is not None
-
-
 def families() -> list[Family]:
     """The families of this installation, cheapest first."""
-    return [family for family in FAMILIES if _is_part(family.module)]
+    return [family for family in FAMILIES if _part(family.module) is not None]
 
 
 def honouring(scene: "Scene") -> list[Family]:

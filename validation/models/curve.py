@@ -14,7 +14,6 @@ from reduced.continuation.start import from_stored, stored
 from reduced.stability.boundary import Boundary, boundary
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import name_of
-from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.solve import State
@@ -23,7 +22,7 @@ from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.own import digests
 from validation.models.parameter import Over
-from validation.models.points import SPECIAL_KINDS, CurvePoint, StopAt, curve_point_of
+from validation.models.points import CurvePoint, StopAt
 
 _FORMAT = 2
 
@@ -84,7 +83,7 @@ class Curve:
         else:
             special = self.start[0].special_at(self.start[1])
         reached = beginning(OnCurve((special.point.parameter, self.second.first), special), (0.0, self.second.sign))
-        self.points.append(curve_point_of(reached.last, 1.0))
+        self.points.append(CurvePoint.of(reached.last, 1.0))
         return reached
 
     def require_start(self) -> None:
@@ -108,7 +107,7 @@ class Curve:
                 return
             further = next(steps)
             if further.last.special.kind == "CP":
-                self.points.append(curve_point_of(further.last, self.plane.scale[0]))
+                self.points.append(CurvePoint.of(further.last, self.plane.scale[0]))
                 self.notes.append(self._at_cusp(end.last, further.before))
                 yield end
                 return
@@ -118,7 +117,7 @@ class Curve:
                 self.notes.append(f"the curve leaves the rectangle of both ranges at {name} = {crossed:g}")
                 return
             end = further
-            self.points.append(curve_point_of(end.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
+            self.points.append(CurvePoint.of(end.last, self.plane.scale[0]))  # brackets of lines are shares of a scale
             yield end
         self.notes.append(f"stopped after {len(self.points)} points: --most-points goes further")
 
@@ -185,11 +184,3 @@ def _saved(one: OnCurve, length: float) -> dict[str, Array]:
     special = one.special
     numbers = (special.bracket, special.unstable_before, special.unstable_after, special.multiplier.real, special.multiplier.imag)
     return stored(special.point, length) | {"place": np.array(one.parameters), "special": np.array(numbers)}
-
-
-def require_curve(kind: str, over: Over, second: Over) -> None:
-    """Raises SceneError for an unknown kind and for two equal parameters."""
-    if kind not in SPECIAL_KINDS:
-        raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(SPECIAL_KINDS)}")
-    if over.name == second.name:
-        raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")

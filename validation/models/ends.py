@@ -3,7 +3,7 @@ the curves through the points at the first one."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -45,6 +45,25 @@ class SpecialEnds:
     values: tuple[float, ...]
     branches: list[FollowedBranch] = field(default_factory=list)
     curves: dict[str, list[CurveEnd]] = field(default_factory=dict)
+
+    @classmethod
+    def read(cls, text: str, over: str, source: "SceneSource | Variation") -> tuple[Over, Self]:
+        """The parameter of `--over` at the first value of `--ends KEY=VALUE,VALUE,...`, and the latter, for a scene, or scenes
+        with variables. Raises SceneError for another form."""
+        key, equals, values = text.partition("=")
+        words = [word.strip() for word in values.split(",")]
+        if not equals or not key.strip() or len(words) < 2:
+            raise SceneError(
+                f"--ends {shorten(text)}: must be KEY=VALUE,VALUE,... of two values or more, as in face.coefficient=1,0.99"
+            )
+        pairs = [over_ranges({"--over": over, "--ends": f"{key}={words[0]}:{word}"}, source) for word in words[1:]]
+        found = [pairs[0][1].first, *(second.last for _, second in pairs)]
+        if not all(np.diff(found) > 0.0) and not all(np.diff(found) < 0.0):
+            raise SceneError(f"--ends {shorten(text)}: values must rise or fall throughout")
+        first, second = pairs[-1]
+        if first.name == second.name:
+            raise SceneError(f"--ends {shorten(text)}: must be another parameter than --over")
+        return first.beside(second, found[0]), cls(second, tuple(found))
 
     def extreme(self, kind: str) -> CurveEnd:
         """Of all curves of the kind, that which leads farthest; without an extreme if one of them has none."""
@@ -151,22 +170,3 @@ def _named_at(own: FollowedBranch, left: Mapping[str, int], first: float, period
     apart, known = _SAME * abs(own.over.last - own.over.first), ((name, own.special[index]) for name, index in left.items())
     near = (name for name, one in known if abs(one.value - first) < apart and abs(one.period / period - 1.0) < _SAME)
     return next(near, "")
-
-
-def ends_over(text: str, over: str, source: "SceneSource | Variation") -> tuple[Over, SpecialEnds]:
-    """The parameter of `--over` at the first value of `--ends KEY=VALUE,VALUE,...`, and the latter, for a scene, or scenes with
-    variables. Raises SceneError for another form."""
-    key, equals, values = text.partition("=")
-    words = [word.strip() for word in values.split(",")]
-    if not equals or not key.strip() or len(words) < 2:
-        raise SceneError(
-            f"--ends {shorten(text)}: must be KEY=VALUE,VALUE,... of two values or more, as in face.coefficient=1,0.99"
-        )
-    pairs = [over_ranges({"--over": over, "--ends": f"{key}={words[0]}:{word}"}, source) for word in words[1:]]
-    found = [pairs[0][1].first, *(second.last for _, second in pairs)]
-    if not all(np.diff(found) > 0.0) and not all(np.diff(found) < 0.0):
-        raise SceneError(f"--ends {shorten(text)}: values must rise or fall throughout")
-    first, second = pairs[-1]
-    if first.name == second.name:
-        raise SceneError(f"--ends {shorten(text)}: must be another parameter than --over")
-    return first.beside(second, found[0]), SpecialEnds(second, tuple(found))

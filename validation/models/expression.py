@@ -23,7 +23,6 @@ from slipwave.input.wording import shorten
 
 FUNCTIONS: Mapping[str, Callable[[float], float]] = {"sqrt": math.sqrt, "exp": math.exp, "log": math.log, "log10": math.log10}
 
-_WORD = re.compile(r"(?<![\w.])[^\W\d]\w*")
 _TOKEN = re.compile(r"\s*((?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|(?P<word>[^\W\d]\w*[²³]?)|\*\*|\S)")
 _LONGEST = 1000  # characters
 _DEEPEST = 50  # parentheses, signs and powers in each other
@@ -38,12 +37,6 @@ class Value(NamedTuple):
 
     number: float
     unit: str = ""
-
-
-@lru_cache(maxsize=256)
-def words_in(text: str) -> frozenset[str]:
-    """The words of a text."""
-    return frozenset(_WORD.findall(text))
 
 
 def value_at(text: str, variables: Mapping[str, Value]) -> Value:

@@ -3,10 +3,9 @@ can be continued."""
 
 import hashlib
 import json
-import time
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -35,20 +34,13 @@ Followed: TypeAlias = FollowedBranch | Curve
 """A branch or a curve; its `points` and `notes` grow."""
 
 
-class Ended(NamedTuple):
-    """Run time (s); the `end` from which it continues, or None; `failed`, the reason of an early end, or empty; whether the user
-    `stopped` it."""
-
-    wall_s: float
-    end: End | None
-    failed: str
-    stopped: bool
-
-
-def pursue(found: Followed, limits: StopAt, file: Path | None, resume: Path | None, origin: Mapping[str, Any]) -> Ended:
+def pursue(
+    found: Followed, limits: StopAt, file: Path | None, resume: Path | None, origin: Mapping[str, Any]
+) -> tuple[End | None, str, bool]:
     """Fill an empty `found`, from its beginning or from a file to `resume`, within the limits; write `file`, if given, after each
-    point. Raises SceneError as `read_followed` and `write_followed` do."""
-    began, end, failed, stopped = time.perf_counter(), None, "", False
+    point. The end from which it continues, or None; the reason of an early end, or empty; whether the user stopped it. Raises
+    SceneError as `read_followed` and `write_followed` do."""
+    end, failed, stopped = None, "", False
     try:
         for end in ends_of(found, limits, resume):
             if file is not None:
@@ -59,7 +51,7 @@ def pursue(found: Followed, limits: StopAt, file: Path | None, resume: Path | No
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted after {len(found.points)} points", True
-    return Ended(time.perf_counter() - began, end, failed, stopped)
+    return end, failed, stopped
 
 
 def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:

@@ -6,17 +6,21 @@ import os
 import shutil
 import weakref
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import BinaryIO, Literal, NamedTuple
+from typing import BinaryIO, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.files import reason_of
 from slipwave.friction import Law
+from slipwave.input.assemble import moment
+from slipwave.input.quantity import looks_measured, quantity
+from slipwave.input.wording import shorten
 from slipwave.observe.history import named_columns, values_at
 from slipwave.observe.pieces import Array, Pieces, lagrange_basis
+from slipwave.scene import Scene
 
 _COLUMNS = 5
 _BLOCK = 50_000  # samples that are read back at a time: 2 MB
@@ -27,6 +31,10 @@ _MOST = 1e9  # samples
 _SHARE = 0.25  # of the memory: the longest history that a user can still look at
 
 
+Window: TypeAlias = str | Sequence[float | str]
+"""(20, 45) or "20:45" in transits, or times with a unit: "10s:60s"."""
+
+
 class Kept(NamedTuple):
     """Which samples are kept: each `every`-th of those between the times `begin` and `end` (transits); with a `step` (transits)
     even ones, from `begin` on, instead of the solver's own."""
@@ -35,6 +43,20 @@ class Kept(NamedTuple):
     begin: float = 0.0
     end: float = math.inf
     step: float = 0.0
+
+    @classmethod
+    def of(cls, every: int | None, window: Window | None, scene: Scene, rate: float | str | None = None) -> Self:
+        """One in `every` samples from the beginning of the `window` to its end, or even ones at a `rate`; all of them where None.
+        Raises SceneError for a choice that makes no sense, and for a unit of time in a scene without one."""
+        step = 0.0 if rate is None else _step(rate, scene)
+        if window is None:
+            return cls(every or 1, 0.0, math.inf, step)
+        ends = window.split(":") if isinstance(window, str) else list(window)
+        times = [moment("window", one, scene) for one in ends]
+        if len(times) != 2 or not 0.0 <= times[0] < times[1]:
+            label = f"window = {shorten(':'.join(map(str, ends)))}"
+            raise SceneError(f"{label}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative")
+        return cls(every or 1, times[0], times[1], step)
 
 
 ALL = Kept()
@@ -209,6 +231,18 @@ class HistoryFile:
             f'run.record: "interface" {problem}; shorten the run, record events only, or keep fewer samples by --every N, '
             "--rate RATE or --window A:B"
         )
+
+
+def _step(rate: float | str, scene: Scene) -> float:
+    """Transits between two samples. Raises SceneError unless the rate is a positive number per transit or a frequency."""
+    measured = isinstance(rate, str) and looks_measured(rate)
+    try:
+        per = quantity(str(rate), "Hz").value if measured else float(rate)
+    except ValueError:
+        per = math.nan
+    if not 0.0 < per < math.inf:
+        raise SceneError(f"rate = {shorten(rate)}: must be a positive number of samples per transit, or a frequency as in 1kHz")
+    return moment("rate", f"{1.0 / per:.17g} s", scene) if measured else 1.0 / per
 
 
 def _memory() -> float:

@@ -123,11 +123,6 @@ class FieldsOnOrbit(OnOrbit):
         return dataclasses.replace(shot, time=shot.time - self._origin)
 
 
-def on_orbit(solver: Solver) -> OnOrbit:
-    """`solver` with the clock of its orbit, still at its own start."""
-    return FieldsOnOrbit(solver) if isinstance(solver, FieldSolver) else OnOrbit(solver)
-
-
 def _entries(ledger: Energy | None) -> Array:
     return np.zeros(5) if ledger is None else np.array(dataclasses.astuple(ledger))
 

@@ -2,16 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple, cast
+from typing import cast
 
 from reduced.orbit import PeriodicOrbit, periodic_orbit
 from reduced.orbit.approach import MOST_TRANSITS, FlowingSolver, Guess, guesses
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.multipliers import multipliers
-from reduced.orbit.periodic import figures_of, repeats_sooner
+from reduced.orbit.periodic import repeats_sooner
 from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
-from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
 from slipwave.step.flow import Flow
@@ -24,30 +22,19 @@ _RUN = 1e-6  # tolerance of a run that only has to come near an orbit
 _MESHES = 6.0
 _CYCLES = 25.0  # expected in a run before it is given up
 _LONGEST_EXPECTED = 3e4  # transits; steel on PMMA, with periods of 22,444, takes 20 s
+_CHANGING = "its cycles still changed; --others and --near-period look for other orbits"
 _SAME = 1e-6  # relative difference of two periods on one mesh that count as one orbit's
-
-
-class Other(NamedTuple):
-    """Another orbit of the same scene: its `period` (transits) and the number of `unstable` multipliers, None where they do not
-    decide its stability."""
-
-    period: float
-    unstable: int | None
-
-    def __str__(self) -> str:
-        stability = "stability not decided" if self.unstable is None else "unstable" if self.unstable else "stable"
-        return f"{self.period:.7g} ({stability})"
 
 
 @dataclass(frozen=True)
 class OrbitFound:
-    """The orbit `found` to `tolerance`; `source`, its origin if not a settled run; `others` found with it; `searched`, a text on
-    how far others were searched for."""
+    """The orbit `found` to `tolerance`; `source`, its origin if not a settled run; the periods and stability, in words, of
+    `others` found with it; `searched`, a text on how far others were searched for."""
 
     found: PeriodicOrbit
     tolerance: float
     source: str = ""
-    others: tuple[Other, ...] = ()
+    others: tuple[str, ...] = ()
     searched: str = ""
 
     @property
@@ -64,7 +51,7 @@ class OrbitFound:
     def notes(self) -> list[str]:
         """Notes on the limits of the numbers."""
         coarse = f"the requested error of {self.tolerance:g} was not reached on the finest mesh: see error_estimate"
-        periods = ", ".join(map(str, self.others))
+        periods = ", ".join(self.others)
         others = f"other orbits of this scene have the periods {periods}: --near-period finds one of them"
         settled, reason = self.found.settled, self.found.multipliers.reason
         notes = [reason, "" if settled else coarse, self.source, others if self.others else "", self.searched]
@@ -113,7 +100,8 @@ def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = N
     solver, failed = moving(model, scene, cells), None
     for guess in _guesses(solver, tolerance):
         try:
-            return OrbitFound(refined_orbit(solver.scene, guess, tolerance), tolerance, _source(solver.time, guess))
+            source = "" if guess.settled else f"found from a run of {solver.time:.0f} transits that had not settled: {_CHANGING}"
+            return OrbitFound(refined_orbit(solver.scene, guess, tolerance), tolerance, source)
         except NumericsError as reason:
             failed = failed or reason
     assert failed is not None
@@ -158,20 +146,3 @@ def refined_orbit(scene: Scene, guess: Guess, tolerance: float) -> PeriodicOrbit
     with progress(f"{scene.name}, {guess.flow.model}, orbit", _MESHES) as report:
         done = iter(range(int(_MESHES) + 1))
         return periodic_orbit(*guess[:3], tolerance, lambda _: report(float(next(done))))
-
-
-def neutral_orbit(closed: Closed, tolerance: float) -> OrbitFound:
-    """The orbit of a special point of a branch, `closed` on a mesh that gives figures to the relative `tolerance`: neutral."""
-    exact = replace(closed, monodromy=closed.flow.tangent(closed.cycle))
-    orbit = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(exact).items()})
-    found = PeriodicOrbit(exact, orbit, multipliers(exact)._replace(stable=None), True)
-    return OrbitFound(found, tolerance, "the special point of the branch: errors are its tolerance")
-
-
-def _source(transits: float, guess: Guess) -> str:
-    if guess.settled:
-        return ""
-    return (
-        f"found from a run of {transits:.0f} transits that had not settled: its cycles still changed; --others and --near-period "
-        "look for other orbits"
-    )

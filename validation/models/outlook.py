@@ -51,7 +51,7 @@ _ROUNDS = 50
 
 
 @dataclass(frozen=True)
-class Outlook:
+class _Outlook:
     """`rate` (per transit): growth (> 0) or decay of disturbances of steady sliding; `period`: expected, in transits. `stable` is
     None if unknown: the rate is 0 within rounding, or V ends at 0."""
 
@@ -71,21 +71,21 @@ def is_stable(scene: Scene, model: str) -> bool | None:
 
 
 @lru_cache(maxsize=32)
-def outlook(scene: Scene, model: str) -> Outlook:
+def outlook(scene: Scene, model: str) -> _Outlook:
     """The outlook of `scene` at the velocity with which its drive ends; `model` is one with the one-port of the model that
     runs."""
     from reduced.stability import scaled, spectrum
 
     velocity = scene.drive.velocities[-1]
     if velocity == 0.0:
-        return Outlook(None, 0.0, math.inf)
+        return _Outlook(None, 0.0, math.inf)
     final = scaled(scene, velocity=velocity)
     slopes = friction_slopes(final.law, velocity)
     found = spectrum(final, model)
     onset = 2.0 * math.pi / (slopes.omega_c if slopes.weakening else slopes.healing)
     released = stress_released(final) if slopes.weakening else 0.0
     loading = final.stiffness * velocity
-    return Outlook(
+    return _Outlook(
         stable=found.stable,
         rate=found.rate * scene.transit,
         period=max(onset / scene.transit, released / loading if loading else math.inf if released else 0.0),
@@ -107,31 +107,10 @@ def stress_released(scene: Scene) -> float:
     return drop
 
 
-@dataclass(frozen=True)
-class Amplified:
-    """Effect of rounding: its `share` of the growing amplitude of the start's disturbance; `growth` per transit."""
-
-    share: float
-    growth: float
-
-    @property
-    def note(self) -> str:
-        """One line for the user."""
-        grows = f"steady sliding is unstable, disturbances grow at {self.growth:.3g} per transit"
-        if self.share >= 1.0:
-            return (
-                f"not determined: {grows}, and rounding outgrows the start {self.share:.1e} times: it decides when sliding is "
-                "left, and all that follows; use start.kind = 'jump'"
-            )
-        return (
-            f"not determined beyond {self.share:.1e}: {grows}, and rounding is that share of what leaves it: events are dated to "
-            f"{self.share / self.growth:.1e} transits"
-        )
-
-
-def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> Amplified | None:
-    """Effect of amplified rounding on a run of `scene` to `until` (transits); None if it stays below `tolerance`. `model` is one
-    with the one-port of the model that runs."""
+def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> tuple[float, str] | None:
+    """Effect of amplified rounding on a run of `scene` to `until` (transits): its share of the growing amplitude of the start's
+    disturbance, and a line for the user; None if it stays below `tolerance`. `model` is one with the one-port of the model that
+    runs."""
     wanted = EXPECTED_ERROR if tolerance is None else tolerance
     slopes = friction_slopes(scene.law, scene.velocity)
     fastest = (slopes.reach - slopes.healing) * scene.transit  # no root of a passive slab grows faster
@@ -144,11 +123,21 @@ def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float 
     else:
         leading = next(iter(spectrum(scene, model).leading), 0j)
     growth = complex(leading) * scene.transit
-    if not growth.real > 0.0:
+    if not growth.real > 0.0 or math.log(_rounding(scene)) + growth.real * until <= math.log(wanted):
         return None
-    found = Amplified(_share(scene, growth), growth.real)
-    visible = math.log(_rounding(scene)) + found.growth * until > math.log(wanted)
-    return found if visible and found.share > wanted else None
+    share = _share(scene, growth)
+    grows = f"steady sliding is unstable, disturbances grow at {growth.real:.3g} per transit"
+    if share >= 1.0:
+        note = (
+            f"not determined: {grows}, and rounding outgrows the start {share:.1e} times: it decides when sliding is left, and "
+            "all that follows; use start.kind = 'jump'"
+        )
+    else:
+        note = (
+            f"not determined beyond {share:.1e}: {grows}, and rounding is that share of what leaves it: events are dated to "
+            f"{share / growth.real:.1e} transits"
+        )
+    return (share, note) if share > wanted else None
 
 
 def _rounding(scene: Scene) -> float:
@@ -193,7 +182,7 @@ def costly_steps(solver: Solver) -> list[str]:
                 f"steps of V are placed to within one time step ({step:.3g} transits) by this model: their error falls with the "
                 "step, not with the order of the scheme; the delay system, and full waves with --time exact, place them exactly"
             ]
-    if not jumps or "time" not in solver.settings:
+    if not jumps or solver.settings.get("time") is None:
         return []
     return [
         "no grid resolves the front of a step of V: the error of this model falls as the size of its cells, whatever its order; "

@@ -1,7 +1,7 @@
 """Families of models that a user declares in a Python file."""
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -61,14 +61,6 @@ def digests(laws: Iterable[str], models: Iterable[str], measure: Callable[..., A
     roles = [("law", own_law(name)) for name in laws] + [("family", own_family(name)) for name in models]
     roles.append(("measure", own_file(measure) if measure else None))
     return {f"{role} {own.path.name}": own.digest for role, own in roles if own}
-
-
-def require_same_family(model: str, facts: Mapping[str, Any], label: str) -> None:
-    """Raises SceneError if a file of results with the attributes `facts` was computed with another family of that name."""
-    ours, theirs = own_family(model), facts.get("family_digest")
-    if ours and theirs and ours.digest != theirs:
-        other = f"digest {theirs}; that of --family is {ours.digest}"
-        raise SceneError(f"{label}: was computed with another family of {model!r}: {other}")
 
 
 def _require_members(family: Family, label: str) -> None:

@@ -18,7 +18,7 @@ from slipwave.input.quantity import KINDS, Quantity, quantity
 from slipwave.input.schema import KeyTable, Numbers, Physical, allowed_in
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
-from validation.models.expression import FUNCTIONS, Undefined, Value, value_at, words_in
+from validation.models.expression import FUNCTIONS, Undefined, Value, value_at
 from validation.models.points import BranchPoint, CurvePoint
 
 SHORT = {
@@ -52,6 +52,7 @@ _TAKEN = {
 Values: TypeAlias = str | tuple[str, float | str, float | str] | Mapping[str, tuple[float | str, float | str]]
 """A parameter with its range: "log10_r=-2.72:-2.30", ("log10_r", -2.72, -2.30) or {"log10_r": (-2.72, -2.30)}."""
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
+_WORD = re.compile(r"(?<![\w.])[^\W\d]\w*")
 _RANGE = re.compile(r"(?P<name>[^=]+)=(?P<first>[^:]+):(?P<last>[^:]+)")
 
 
@@ -178,6 +179,12 @@ class Over(Parameter):
         """The scene with this value of the parameter."""
         return self.scenes.at([self], [value])
 
+    def written_at(self, value: float) -> Scene:
+        """As `scene_at`, with tables if the parameter is one of the scene's keys."""
+        with suppress(SceneError):
+            return self.scenes.scene({_KEYS.get(self.name, self.name): value})
+        return self.scene_at(value)
+
     def beside(self, other: Parameter, value: float) -> "Over":
         """The same in scenes with this `value` of another parameter."""
         fixed = {**self.scenes.fixed, other.name: other.written(value)}
@@ -209,7 +216,13 @@ class Over(Parameter):
 
 def is_expression(text: object, variables: Iterable[str]) -> bool:
     """Whether the value of a `--set` names one of the `variables`, and is no text, list or table."""
-    return isinstance(text, str) and text.strip()[:1] not in ("[", "{", '"', "'") and not words_in(text).isdisjoint(variables)
+    return isinstance(text, str) and text.strip()[:1] not in ("[", "{", '"', "'") and not _words(text).isdisjoint(variables)
+
+
+@lru_cache(maxsize=256)
+def _words(text: str) -> frozenset[str]:
+    """The words of a text."""
+    return frozenset(_WORD.findall(text))
 
 
 def variables_of(varied: Sequence[str], pairs: Sequence[tuple[str, Any]]) -> frozenset[str]:
@@ -266,9 +279,12 @@ def _number_of_variable(name: str, given: float | str) -> Value:
 
 def measured_value(given: float | str) -> Value:
     """A number, or a number with a unit, in SI. Raises ValueError for another text."""
-    if not isinstance(given, str):
-        return Value(float(given))
-    measured = quantity(given, *KINDS)
+    number, unit = number_of(given) if isinstance(given, str) else (float(given), "")
+    if math.isnan(number):
+        raise ValueError
+    if not unit:
+        return Value(number)
+    measured = quantity(str(given), *KINDS)
     return Value(measured.value, measured.unit)
 
 
@@ -297,13 +313,6 @@ def range_text(values: Values | None) -> str | None:
 def names_of(*ranges: Values | None) -> tuple[str, ...]:
     """The names of parameters with ranges."""
     return tuple(text.partition("=")[0].strip() for text in map(range_text, ranges) if text)
-
-
-def scene_along(over: Over, value: float) -> Scene:
-    """The scene with this `value` of the parameter, with tables if the parameter is one of its keys."""
-    with suppress(SceneError):
-        return over.scenes.scene({_KEYS.get(over.name, over.name): value})
-    return over.scene_at(value)
 
 
 def over_range(text: str, source: "SceneSource | Variation", option: str = "--over") -> Over:

@@ -1,6 +1,6 @@
 """Records of followed orbits: points of a branch, its special points, and points of a curve in two parameters."""
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 from reduced.continuation.curve import OnCurve
 from reduced.continuation.point import OrbitPoint
@@ -37,6 +37,14 @@ class BranchPoint(NamedTuple):
     stable: bool | None
     idle: bool
 
+    @classmethod
+    def of(cls, point: OrbitPoint) -> Self:
+        """The record of an orbit."""
+        closed = point.closed
+        unstable = None if closed.flow.undecided else point.unstable
+        stable = None if unstable is None else unstable == 0
+        return cls(point.parameter, **figures_of(closed), unstable=unstable, stable=stable, idle=bool(closed.flow.idle.size))
+
 
 class SpecialPoint(NamedTuple):
     """A point of `kind` HB, LP, PD or NS with the figures of its orbit; `bracket`, the width in the parameter of the interval
@@ -54,6 +62,11 @@ class SpecialPoint(NamedTuple):
     unstable_before: int | None
     unstable_after: int | None
     place: int
+
+    @classmethod
+    def of(cls, found: Special, place: int) -> Self:
+        """The record of a special point after `place` points of the branch."""
+        return cls(found.kind, found.point.parameter, bracket=found.bracket, place=place, **_sides(found))
 
 
 class CurvePoint(NamedTuple):
@@ -75,36 +88,18 @@ class CurvePoint(NamedTuple):
     multiplier_im: float
     kind: str
 
+    @classmethod
+    def of(cls, one: OnCurve, share: float) -> Self:
+        """The record of a point of a curve; `share`: unit of its bracket in the first parameter."""
+        special, (first, second) = one.special, one.parameters
+        passing, bracket = special.multiplier, max(share * special.bracket, CLOSES_TO)
+        sides = _sides(special) | {"multiplier_re": passing.real, "multiplier_im": passing.imag}
+        return cls(first=first, second=second, bracket=bracket, kind=special.kind, **sides)
+
     @property
     def multiplier(self) -> tuple[float, float]:
         """Its real and imaginary part."""
         return self.multiplier_re, self.multiplier_im
-
-
-def point_of(point: OrbitPoint) -> BranchPoint:
-    """The record of an orbit."""
-    closed = point.closed
-    unstable = None if closed.flow.undecided else point.unstable
-    stable = None if unstable is None else unstable == 0
-    return BranchPoint(point.parameter, **figures_of(closed), unstable=unstable, stable=stable, idle=bool(closed.flow.idle.size))
-
-
-def special_of(found: Special, place: int) -> SpecialPoint:
-    """The record of a special point after `place` points of the branch."""
-    return SpecialPoint(found.kind, found.point.parameter, bracket=found.bracket, place=place, **_sides(found))
-
-
-def curve_point_of(one: OnCurve, share: float) -> CurvePoint:
-    """The record of a point of a curve; `share`: unit of its bracket in the first parameter."""
-    passing, bracket = one.special.multiplier, max(share * one.special.bracket, CLOSES_TO)
-    own: dict[str, Any] = {
-        "kind": one.special.kind,
-        "bracket": bracket,
-        "multiplier_re": passing.real,
-        "multiplier_im": passing.imag,
-    }
-    first, second = one.parameters
-    return CurvePoint(first=first, second=second, **own, **_sides(one.special))
 
 
 def _sides(found: Special) -> dict[str, Any]:

@@ -1,23 +1,33 @@
-"""What a run keeps if it is asked to: the interface's history, the fields of the last transits, checkpoints."""
+"""What a run keeps: events, the envelope for its figure, and if it is asked to the interface's history, the fields of the last
+transits, checkpoints."""
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Self
 
 from slipwave.errors import SceneError
 from slipwave.files import part_of, remove_leftovers, require_writable
+from slipwave.friction.law import name_of
 from slipwave.input.assemble import moment
-from slipwave.input.quantity import looks_measured, quantity
 from slipwave.input.wording import shorten
+from slipwave.observe import EventObserver
+from slipwave.observe.envelope import Envelope
+from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene import Scene
-from slipwave.solve import FieldSolver, Solver
-from slipwave.solve.checkpoint import saved_time
-from validation.models.history_file import HistoryFile, Kept
+from slipwave.solve import FieldSolver, Mark, Observer, Resumable, Solver
+from slipwave.solve.checkpoint import Checkpoints
+from slipwave.solve.follow import NamedObserver, named_observers
+from validation.models.history_file import ALL, HistoryFile, Kept
+from validation.models.own import digests
+from validation.models.run import Length
 
 if TYPE_CHECKING:
     from fullwave.fields.record import FieldRecord
+
+_EVERY = 1000.0  # transits between two checkpoints
 
 FIELD_FILES = (".vtu", ".xdmf", ".nc")
 """Kinds of file that fields are written to."""
@@ -25,11 +35,81 @@ FIELD_FILES = (".vtu", ".xdmf", ".nc")
 FIELD_WINDOW = 100.0
 """Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
 
-Window: TypeAlias = str | Sequence[float | str]
-"""(20, 45) or "20:45" in transits, or times with a unit: "10s:60s"."""
+
+@dataclass(frozen=True)
+class Records:
+    """Records of a run: events by `watch`, the `envelope` for its figure, the stages of a `protocol`, and, if requested, the
+    interface's history, the last fields, checkpoints and the observers `named` by the scene."""
+
+    watch: EventObserver
+    envelope: Envelope
+    protocol: ProtocolObserver | None
+    history: HistoryFile | None
+    fields: "FieldRecord | None"
+    checkpoints: Checkpoints | None
+    named: Mapping[str, NamedObserver]
+
+    @classmethod
+    def of(
+        cls,
+        solver: Solver,
+        length: Length,
+        interface: bool | None = None,
+        fields: bool | None = None,
+        kept: Kept = ALL,
+        samples: Path | None = None,
+        checkpoint: Path | None = None,
+        every: float | None = None,
+    ) -> Self:
+        """The records of a run of `solver` of this length, which continues from its `checkpoint` if that exists: the history of
+        the `interface` and the last `fields` (None: by the scene's `record`); which samples of the history are `kept`, and the
+        file of the `samples` during the run (default: temporary). A checkpoint is written `every` so many transits (1000).
+
+        Raises SceneError for fields of a model that has none and for a checkpoint of another run.
+        """
+        scene, until = solver.scene, length.until
+        history = record = None
+        if "interface" in scene.record if interface is None else interface:
+            history = _history(solver, min(until, next(length.ends(0.0), math.inf)), kept, samples, checkpoint)
+        if "fields" in scene.record if fields is None else fields:
+            record = _fields(solver, until, fields)
+        watch = EventObserver(scene, solver.nodes)
+        envelope = Envelope(scene, solver.nodes, kept.begin, kept.end)
+        protocol = None if scene.drive.is_constant else ProtocolObserver(scene, solver.nodes, until)
+        watched, named = watch if scene.record else None, named_observers(solver)
+        parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": history, "fields": record}
+        saved: dict[str, Resumable] = {label: part for label, part in (parts | named).items() if part is not None}
+        marks = None
+        if checkpoint is not None:
+            files = digests([name_of(scene.law)], [solver.model])
+            marks = Checkpoints(solver, saved, checkpoint, until, every or _EVERY, files)
+        records = cls(watch, envelope, protocol, history, record, marks, named)
+        if marks is not None and checkpoint is not None and checkpoint.exists():
+            try:
+                marks.resume()
+            except BaseException:
+                records.close()
+                raise
+        return records
+
+    @property
+    def observers(self) -> list[Observer]:
+        """The observers of the run except `watch`."""
+        every = (self.envelope, self.protocol, self.history, *self.named.values())
+        return [observer for observer in every if observer is not None]
+
+    @property
+    def marks(self) -> list[Mark]:
+        """The marks of the run: fields first, so that a checkpoint contains them."""
+        return [mark for mark in (self.fields, self.checkpoints) if mark is not None]
+
+    def close(self) -> None:
+        """Close the history's file, which is removed unless it belongs to a checkpoint."""
+        if self.history is not None:
+            self.history.close()
 
 
-def fields_for(solver: Solver, until: float, fields: bool | None) -> "FieldRecord | None":
+def _fields(solver: Solver, until: float, fields: bool | None) -> "FieldRecord | None":
     """The record of the last FIELD_WINDOW transits, for which `fields` asks or, where that is None, the scene's `record`.
 
     Raises SceneError, naming what asked, if the solver has no fields.
@@ -46,7 +126,7 @@ def fields_for(solver: Solver, until: float, fields: bool | None) -> "FieldRecor
     return FieldRecord(solver, max(until - FIELD_WINDOW, 0.0), until)
 
 
-def history_for(solver: Solver, until: float, kept: Kept, samples: Path | None, checkpoint: Path | None) -> HistoryFile:
+def _history(solver: Solver, until: float, kept: Kept, samples: Path | None, checkpoint: Path | None) -> HistoryFile:
     """The observer of the interface's history in a run to `until` (transits).
 
     The samples that are `kept` are in the file `samples`, or in a temporary one, until it is closed. With a `checkpoint` they are
@@ -73,32 +153,6 @@ def _temporary_samples() -> Path:
     return Path(name)
 
 
-def kept_of(every: int | None, window: Window | None, scene: Scene, rate: float | str | None = None) -> Kept:
-    """One in `every` samples from the beginning of the `window` to its end, or even ones at a `rate`; all of them where None.
-    Raises SceneError for a choice that makes no sense, and for a unit of time in a scene without one."""
-    step = 0.0 if rate is None else _step(rate, scene)
-    if window is None:
-        return Kept(every or 1, 0.0, math.inf, step)
-    ends = window.split(":") if isinstance(window, str) else list(window)
-    times = [moment("window", one, scene) for one in ends]
-    if len(times) != 2 or not 0.0 <= times[0] < times[1]:
-        label = f"window = {shorten(':'.join(map(str, ends)))}"
-        raise SceneError(f"{label}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative")
-    return Kept(every or 1, times[0], times[1], step)
-
-
-def _step(rate: float | str, scene: Scene) -> float:
-    """Transits between two samples. Raises SceneError unless the rate is a positive number per transit or a frequency."""
-    measured = isinstance(rate, str) and looks_measured(rate)
-    try:
-        per = quantity(str(rate), "Hz").value if measured else float(rate)
-    except ValueError:
-        per = math.nan
-    if not 0.0 < per < math.inf:
-        raise SceneError(f"rate = {shorten(rate)}: must be a positive number of samples per transit, or a frequency as in 1kHz")
-    return moment("rate", f"{1.0 / per:.17g} s", scene) if measured else 1.0 / per
-
-
 def time_between(path: Path | None, every: float | str | None, scene: Scene) -> float | None:
     """The time between checkpoints in transits, if given. Raises SceneError, naming the option, if checkpoints cannot be written
     as requested."""
@@ -114,12 +168,3 @@ def time_between(path: Path | None, every: float | str | None, scene: Scene) -> 
         raise SceneError(f"{label}: must be a positive number of transits, or in scenes with SI units a time as in 10s")
     require_writable(path, (".npz",), "--checkpoint")
     return found
-
-
-def how_to_resume(path: Path | None) -> str:
-    """How an interrupted run can be continued, for a message; `path`: its checkpoint."""
-    if path is None:
-        return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"
-    if path.exists():
-        return f"{str(path)!r} holds the run up to t = {saved_time(path):.6g}: the same command goes on from there"
-    return f"no checkpoint was due yet: --checkpoint-every TRANSITS|TIME keeps them more often in {str(path)!r}"

@@ -1,5 +1,5 @@
-"""One model on one scene from start to end, as `slipwave run`, `compare` and `bench` need it: how long it is, what is kept of it,
-the march, the verdict.
+"""One model on one scene from start to end, as `slipwave run`, `compare` and `bench` need it: how long it is, the march, the
+verdict.
 
 A run lasts to a given time, until its second half has a number of cycles, or until its motion is settled. Where the motion
 decides, it is marched in stretches. At the end of each, the second half of the run so far is judged. The ends depend on the scene
@@ -8,34 +8,27 @@ alone and the judgement on the motion alone, so that a continued run ends where 
 
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
-from slipwave.errors import NumericsError, SceneError
-from slipwave.friction.law import name_of
+from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
-from slipwave.observe.envelope import Envelope
 from slipwave.observe.events import NO_EVENTS
-from slipwave.observe.protocol import ProtocolObserver, stages_of
+from slipwave.observe.protocol import stages_of
 from slipwave.observe.torus import MANY
 from slipwave.observe.verdict import REPEATS, Kind, repeating
 from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH, Drive
-from slipwave.solve import Energy, Final, Mark, Observer, Resumable, Solver, follow
+from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
-from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers, require_time
-from validation.models.history_file import ALL, HistoryFile, Kept
+from slipwave.solve.follow import DAY, Foresight, require_time
 from validation.models.outlook import LEFT_BY_ROUNDING, is_stable, outlook
-from validation.models.own import digests
 from validation.models.progress import LongRunAdvice, progress, share_of_run
-from validation.models.recording import fields_for, history_for
 
 if TYPE_CHECKING:
-    from fullwave.fields.record import FieldRecord
+    pass
 
-_EVERY = 1000.0  # transits between two checkpoints
 
 Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
 """Reason of the end of a run: at the given time, with the requested cycles, settled, or at the limit of work."""
@@ -55,92 +48,28 @@ _ENOUGH = 8  # cycles that repeat
 _STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
 
 
-class Wanted(NamedTuple):
-    """Requested records of a run: the history of the `interface` and the last `fields` (None: by the scene's `record`); which
-    samples of the history are `kept`, and their file during the run (default: temporary). `shortest`: least length (transits) of
-    a run of unknown end. A `checkpoint` is written every `checkpoint_every` transits (default 1000)."""
-
-    interface: bool | None = None
-    fields: bool | None = None
-    kept: Kept = ALL
-    samples: Path | None = None
-    shortest: float = math.inf
-    checkpoint: Path | None = None
-    checkpoint_every: float | None = None
-
-
-@dataclass(frozen=True)
-class Records:
-    """Records of a run: events by `watch`, the `envelope` for its figure, the stages of a `protocol`, and, if requested, the
-    interface's history, the last fields, checkpoints and the observers `named` by the scene."""
-
-    watch: EventObserver
-    envelope: Envelope
-    protocol: ProtocolObserver | None
-    history: HistoryFile | None
-    fields: "FieldRecord | None"
-    checkpoints: Checkpoints | None
-    named: Mapping[str, NamedObserver]
-
-    @property
-    def observers(self) -> list[Observer]:
-        """The observers of the run except `watch`."""
-        every = (self.envelope, self.protocol, self.history, *self.named.values())
-        return [observer for observer in every if observer is not None]
-
-    @property
-    def marks(self) -> list[Mark]:
-        """The marks of the run: fields first, so that a checkpoint contains them."""
-        return [mark for mark in (self.fields, self.checkpoints) if mark is not None]
-
-    def close(self) -> None:
-        """Close the history's file, which is removed unless it belongs to a checkpoint."""
-        if self.history is not None:
-            self.history.close()
-
-
-def records_of(solver: Solver, until: float, wanted: Wanted) -> Records:
-    """The `wanted` records of a run of `solver` to `until` (transits). The run continues from its checkpoint if that exists.
-
-    Raises SceneError for fields of a model that has none and for a checkpoint of another run.
-    """
-    checkpoint, every, scene = wanted.checkpoint, wanted.checkpoint_every, solver.scene
-    samples = fields = None
-    if _is_wanted(wanted.interface, "interface", scene):
-        samples = history_for(solver, min(until, wanted.shortest), wanted.kept, wanted.samples, checkpoint)
-    if _is_wanted(wanted.fields, "fields", scene):
-        fields = fields_for(solver, until, wanted.fields)
-    watch = EventObserver(scene, solver.nodes)
-    envelope = Envelope(scene, solver.nodes, wanted.kept.begin, wanted.kept.end)
-    protocol = None if scene.drive.is_constant else ProtocolObserver(scene, solver.nodes, until)
-    watched, named = watch if scene.record else None, named_observers(solver)
-    parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": samples, "fields": fields}
-    saved: dict[str, Resumable] = {label: part for label, part in (parts | named).items() if part is not None}
-    marks = None
-    if checkpoint is not None:
-        files = digests([name_of(scene.law)], [solver.model])
-        marks = Checkpoints(solver, saved, checkpoint, until, every or _EVERY, files)
-    records = Records(watch, envelope, protocol, samples, fields, marks, named)
-    if marks is not None and checkpoint is not None and checkpoint.exists():
-        try:
-            marks.resume()
-        except BaseException:
-            records.close()
-            raise
-    return records
-
-
-def _is_wanted(asked: bool | None, name: str, scene: Scene) -> bool:
-    """Whether it is asked for or, where that is None, the scene's `record` has its name."""
-    return name in scene.record if asked is None else asked
-
-
 class JudgedHalf(NamedTuple):
     """The second half of a run `until` now (transits): its `cycles`, and the verdict, None if events are not recorded."""
 
     until: float
     verdict: MotionVerdict | None
     cycles: Events
+
+    @property
+    def halves_agree(self) -> bool:
+        """Whether period and stress drop have the same mean over the earlier and the later half of the cycles, each of whole
+        periods: within 1e-3, or the larger of the margins if they never repeat."""
+        assert self.verdict is not None
+        events = self.verdict.multiplicity or 1
+        half = self.verdict.cycles // (2 * events) * events
+        parts = [Events(*(column[part] for column in self.cycles)) for part in (slice(-2 * half, -half), slice(-half, None))]
+        earlier, later = (summarise(part, not self.verdict.wanders) for part in parts)
+        for name in ("period", "stress_drop"):
+            one, other = getattr(earlier, name).mean, getattr(later, name).mean
+            margins = [getattr(part.margins, name) for part in (earlier, later) if self.verdict.wanders]
+            if abs(one - other) > max([REPEATS * one, *margins]):
+                return False
+        return True
 
 
 @dataclass(kw_only=True)
@@ -181,7 +110,11 @@ class UntilSettled(Length):
             yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
             return
         changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
-        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + self._first(), LONGEST_RUN)
+        expected, first = outlook(self.scene, self.model), 0.0
+        if math.isfinite(expected.period):
+            dies_out = _DIES_OUT / -expected.rate if expected.stable else math.inf
+            first = min(dies_out, _FIRST * expected.period)
+        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + first, LONGEST_RUN)
         while end <= LONGEST_RUN:
             if end > after:
                 yield end
@@ -190,13 +123,6 @@ class UntilSettled(Length):
     def ended(self, now: JudgedHalf) -> Ended | None:
         """As `Length`. Only a motion without cycles needs the roots of steady sliding."""
         return "settled" if self._settled(now) else None
-
-    def _first(self) -> float:
-        expected = outlook(self.scene, self.model)
-        if math.isinf(expected.period):
-            return 0.0
-        dies_out = _DIES_OUT / -expected.rate if expected.stable else math.inf
-        return min(dies_out, _FIRST * expected.period)
 
     def _settled(self, now: JudgedHalf) -> bool:
         if now.verdict is None:
@@ -211,26 +137,10 @@ class UntilSettled(Length):
                     return True
                 return outlook(self.scene, self.model).rate * now.until > LEFT_BY_ROUNDING
             case "periodic":
-                return now.verdict.cycles >= max(_ENOUGH, 2 * (now.verdict.multiplicity or 1)) and halves_agree(now)
+                return now.verdict.cycles >= max(_ENOUGH, 2 * (now.verdict.multiplicity or 1)) and now.halves_agree
             case "torus" | "irregular":
-                return now.verdict.cycles >= MANY and halves_agree(now)
+                return now.verdict.cycles >= MANY and now.halves_agree
         return False
-
-
-def halves_agree(now: JudgedHalf) -> bool:
-    """Whether period and stress drop have the same mean over the earlier and the later half of the cycles, each of whole
-    periods: within 1e-3, or the larger of the margins if they never repeat."""
-    assert now.verdict is not None
-    events = now.verdict.multiplicity or 1
-    half = now.verdict.cycles // (2 * events) * events
-    parts = [Events(*(column[part] for column in now.cycles)) for part in (slice(-2 * half, -half), slice(-half, None))]
-    earlier, later = (summarise(part, not now.verdict.wanders) for part in parts)
-    for name in ("period", "stress_drop"):
-        one, other = getattr(earlier, name).mean, getattr(later, name).mean
-        margins = [getattr(part.margins, name) for part in (earlier, later) if now.verdict.wanders]
-        if abs(one - other) > max([REPEATS * one, *margins]):
-            return False
-    return True
 
 
 @dataclass
@@ -267,12 +177,6 @@ def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
         return Length(until=scene.until)
     settled = UntilSettled(scene, model)
     return settled if scene.record else Length(until=next(settled.ends(0.0)))
-
-
-def require_counted(scene: Scene, cycles: int | None) -> None:
-    """Raises SceneError if `cycles` are requested of a scene that records no events."""
-    if cycles is not None and not scene.record:
-        raise SceneError(f"cycles = {cycles}: cannot be counted, because run.record is empty")
 
 
 def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
@@ -379,16 +283,14 @@ class JudgedMarch:
     def judged(self) -> JudgedHalf:
         """The second half of the run so far, and the verdict on it."""
         half = second_half(self.solver, self.until)
-        cycles = self.watch.events(half)
-        return JudgedHalf(2.0 * half, self._verdict(half, cycles) if self.watched else None, cycles)
-
-    def _verdict(self, half: float, cycles: Events) -> MotionVerdict:
-        """Verdict on the second half of the run so far, from `half` (transits) on, with these `cycles`."""
-        drive, end = self.solver.scene.drive, 2.0 * half
+        cycles, drive, end = self.watch.events(half), self.solver.scene.drive, 2.0 * half
+        if not self.watched:
+            return JudgedHalf(end, None, cycles)
         slides = self.final is not None and slides_at(self.final.v, drive.at(end))
         rests = drive.rests_from(half)
         ringing = self.watch.ringing(drive.at(end), half) if rests else math.inf
-        return judge_motion(cycles, self.watch.judge(half).complete, rests, slides, end, ringing)
+        verdict = judge_motion(cycles, self.watch.judge(half).complete, rests, slides, end, ringing)
+        return JudgedHalf(end, verdict, cycles)
 
     def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
         """The result so far."""

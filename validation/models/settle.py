@@ -48,7 +48,7 @@ class NoCycle(ArithmeticError):
 
 
 @dataclass
-class UntilAlike(Length):
+class _UntilAlike(Length):
     """Run until `WINDOW` cycles in a row agree to `tolerance`, stop converging, or are those of steady sliding. `seen`: cycles of
     the latest half of the run, and their unrest after each stretch, of `WINDOW` periods."""
 
@@ -68,7 +68,7 @@ class UntilAlike(Length):
         """As `Length`."""
         self.cycles = now.cycles
         if self.has_cycles:
-            self.history.append(unrest(self.cycles))
+            self.history.append(_unrest(self.cycles))
         return "settled" if self.is_steady or self.finished else None
 
     @property
@@ -94,7 +94,7 @@ def settle(solver: Solver, tolerance: float = 1e-9, most: float = MOST_TRANSITS)
     or stop converging from stretch to stretch (the solver's own jitter), or `most` transits are over. Raises NoCycle for fewer
     than WINDOW cycles, or if the run returned to steady sliding, NumericsError where the solver fails.
     """
-    observer, length = EventObserver(solver.scene, solver.nodes), UntilAlike(tolerance, until=most)
+    observer, length = EventObserver(solver.scene, solver.nodes), _UntilAlike(tolerance, until=most)
     JudgedMarch(solver, observer).to(length)
     if not length.has_cycles:
         raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
@@ -108,7 +108,7 @@ def _window(events: Events) -> Array:
     return np.array([getattr(events, field.name)[-WINDOW:] for field in fields(Orbit)]).T
 
 
-def unrest(events: Events) -> float:
+def _unrest(events: Events) -> float:
     """Largest relative spread (max - min over mean) among the last WINDOW cycles."""
     table = _window(events)
     return float(np.max(np.ptp(table, axis=0) / np.abs(table.mean(axis=0))))

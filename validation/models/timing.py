@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, TypeAlias, TypeVar, Unpack
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -19,9 +19,9 @@ from slipwave.solve import Final, Solver, follow
 from validation.models import stopwatch
 from validation.models.build import build
 from validation.models.by_name import Options
-from validation.models.cycle import watch
 
-_WARM_UP = 2.0  # transits
+WARM_UP = 2.0
+"""Transits marched before timing, which load or compile the code."""
 _warmed: set[tuple[object, ...]] = set()
 
 Name = TypeVar("Name")
@@ -84,11 +84,5 @@ def warm(solver: Solver) -> None:
     _warmed.add(kinds)
     before = solver.state()
     with suppress(NumericsError):
-        EventObserver(solver.scene, solver.nodes).scan(solver.advance(solver.time + _WARM_UP))
+        EventObserver(solver.scene, solver.nodes).scan(solver.advance(solver.time + WARM_UP))
     solver.restore(before)
-
-
-def warm_up(model: str, scene: Scene, **options: Unpack[Options]) -> None:
-    """Load or compile the code for a `model` with its options, before timing."""
-    with suppress(NumericsError):  # a run that fails reports it itself
-        watch(build(model, scene, **options), _WARM_UP if scene.until is None else min(_WARM_UP, scene.until))

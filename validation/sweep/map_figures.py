@@ -1,10 +1,11 @@
-"""Charts of a sweep: regimes over two axes with boundaries, a column over two axes, or regimes and all columns over one."""
+"""Charts of a sweep: regimes over two axes with boundaries, a column over two axes, or regimes and all columns over one; and the
+boundaries over a map: where theory has steady sliding lose its stability, and special curves of orbits."""
 
 import itertools
 import json
 import math
 import tomllib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
 from typing import Any, NamedTuple
@@ -12,11 +13,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import slipwave
-from slipwave.errors import SceneError
+from reduced.parameters import PARAMETERS
+from reduced.stability.boundary import boundary
+from slipwave.errors import NumericsError, SceneError
+from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, cell_edges, color_number
 from validation.chart.colors import PAPER, REGIMES
-from validation.data.datasets import DataArray, Dataset, flag_numbers, flag_words
-from validation.models.parameter import Parameter, Variation, scenes_with
+from validation.data.datasets import DataArray, Dataset, flag_numbers, flag_words, load_dataset
+from validation.models.by_name import one_port_of
+from validation.models.parameter import SHORT, Parameter, Variation, scenes_with
 
 _COLOURS = REGIMES | {"driven": "#1a1a1a", "protocol": "#1a1a1a", "too short": PAPER, "no": "#e69f00", "yes": "#f4f8fc"}
 _OTHER = {"the same regime": "#dfe6ec", "another regime": "#66152f"}
@@ -39,6 +45,12 @@ SIZES = {"single": 8.5, "double": 17.0}
 
 _PRINT, _MOST_READ = 8.0 / 11.0, 20_000
 
+_PLAIN = {"r": "r", "V/V*": "V"}
+"""Label of the other side of an axis in SI -> parameter."""
+
+_FACES = {"coefficient": "reflection", "impedance": "grip_impedance", "stiffness": "grip_stiffness", "mass": "machine_mass"}
+"""Key of a face of both slabs -> parameter, in a scene without units."""
+
 
 class Line(NamedTuple):
     """A boundary over a map: values on both axes, and its model (empty: all)."""
@@ -49,7 +61,7 @@ class Line(NamedTuple):
     model: str
 
 
-def axes_of(data: Dataset) -> list[str]:
+def _axes_of(data: Dataset) -> list[str]:
     """The names of the axes of a sweep, without the models."""
     return [str(name) for name in data["status" if "status" in data else next(iter(data))].dims if name != "model"]
 
@@ -59,7 +71,7 @@ def chart_of_sweep(data: Dataset, shown: str | None = None, lines: Sequence[Line
 
     Raises SceneError for more than two axes, or a missing column."""
     data = _words_as_models(data)
-    axes = axes_of(data)
+    axes = _axes_of(data)
     if shown is not None and shown not in data:
         raise SceneError(f"--show = {shown!r}: must be one of {', '.join(map(str, data.data_vars))}")
     if len(axes) == 1:
@@ -71,8 +83,8 @@ def chart_of_sweep(data: Dataset, shown: str | None = None, lines: Sequence[Line
 
 def _words_as_models(data: Dataset) -> Dataset:
     """The data with each word of an axis of words beside an axis of numbers as a further model."""
-    names = [name for name in axes_of(data) if name in data.coords and data[name].dtype.kind in "OU"]
-    if not names or len(names) == len(axes_of(data)):
+    names = [name for name in _axes_of(data) if name in data.coords and data[name].dtype.kind in "OU"]
+    if not names or len(names) == len(_axes_of(data)):
         return data
     together = (data if "model" in data.dims else data.expand_dims("model")).stack(which=("model", *names))
     words = [", ".join(map(str, one)) for one in together["which"].values]
@@ -127,13 +139,9 @@ def _cells(data: Dataset, names: Sequence[str], column: str) -> list[Trace]:
     hatched = np.isin(turned, [number for number, word in enumerate(words) if word in HATCHES])
     under = [Trace("", across, up, there, value=np.where(hatched, turned, -1))] if hatched.any() else []
     if not np.isfinite(values.values).any():
-        return [*under, _without(across, up)]
+        x, y = (float(side[len(side) // 2]) for side in (across, up))
+        return [*under, Trace("no cycles at any point", [x], [y], Look(kind="text", marker="center"))]
     return [*under, Trace(label, across, up, Look(kind="cells"), value=values.transpose(names[1], names[0]).values)]
-
-
-def _without(across: Any, up: Any) -> Trace:
-    x, y = (float(side[len(side) // 2]) for side in (across, up))
-    return Trace("no cycles at any point", [x], [y], Look(kind="text", marker="center"))
 
 
 def _regimes(data: Dataset, column: str = "") -> tuple[Mapping[str, str], DataArray]:
@@ -176,15 +184,15 @@ def figures_on_clock(data: Dataset, column: str) -> tuple[DataArray, str]:
 def _transits(data: Dataset) -> list[DataArray]:
     """The transit (L/V*) at the points of a sweep, as factors along the axes that change it each on its own; none if it is the
     same everywhere."""
-    names = [name for name in axes_of(data) if name in data.coords and data[name].dtype.kind in "iuf"]
+    names = [name for name in _axes_of(data) if name in data.coords and data[name].dtype.kind in "iuf"]
     if "scene_toml" not in data.attrs or not names:
         return []
-    scenes = scenes_over(data, names)
+    scenes = _scenes_over(data, names)
     found = list[DataArray]()
     for axes in [names] if scenes.sets else [[name] for name in names]:  # what is set may depend on all of them
         if math.prod(data.sizes[name] for name in axes) > _MOST_READ:
             continue
-        varied = [parameter_of(data[name]) for name in axes]
+        varied = [_parameter_of(data[name]) for name in axes]
         try:
             known = [
                 scenes.at(varied, point).transit for point in itertools.product(*(data[name].values.tolist() for name in axes))
@@ -197,14 +205,14 @@ def _transits(data: Dataset) -> list[DataArray]:
     return found
 
 
-def scenes_over(data: Dataset, axes: Iterable[str]) -> Variation:
+def _scenes_over(data: Dataset, axes: Iterable[str]) -> Variation:
     """The scenes of a gathered sweep over these axes."""
     base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
     sets = json.loads(data.attrs.get("manifest", "{}")).get("set", {})
-    return scenes_with(base, [parameter_of(data[axis]).name for axis in axes], sets)
+    return scenes_with(base, [_parameter_of(data[axis]).name for axis in axes], sets)
 
 
-def parameter_of(coordinate: DataArray) -> Parameter:
+def _parameter_of(coordinate: DataArray) -> Parameter:
     """What is varied along an axis of a sweep."""
     unit = str(coordinate.attrs.get("units", "1"))
     return Parameter(str(coordinate.attrs.get("long_name", coordinate.name)), "" if unit == "1" else unit)
@@ -219,16 +227,16 @@ def _positions(coordinate: DataArray) -> Any:
 def _scale(data: Dataset, coordinate: DataArray) -> Scale:
     """The scale along a coordinate, with its second one where there are units; one of words has them at its ticks."""
     places = _positions(coordinate)
-    kind = "log" if is_logarithmic(places) else "linear"
+    kind = "log" if _is_logarithmic(places) else "linear"
     edges = cell_edges(places, kind)
     ends = float(edges.min()), float(edges.max())
-    label = parameter_of(coordinate).label
+    label = _parameter_of(coordinate).label
     if coordinate.values.dtype.kind not in "iuf":
         return Scale(label, kind, ends, ticks={float(at): str(word) for at, word in enumerate(coordinate.values)})
     return Scale(label, kind, ends, second=other_side(data, coordinate))
 
 
-def is_logarithmic(values: Any) -> bool:
+def _is_logarithmic(values: Any) -> bool:
     """Whether values are spaced logarithmically."""
     if len(values) < 3 or np.min(values) <= 0.0:
         return False
@@ -271,7 +279,7 @@ def _strip(models: Sequence[Dataset], name: str, along: Scale) -> Panel:
 
 def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     """The other scale of this axis of a sweep; None for a scene without units, and for a key that is no velocity or thickness."""
-    own = parameter_of(coordinate)
+    own = _parameter_of(coordinate)
     key = own.name
     if key not in (*_VELOCITIES, *_TRANSITS) or "scene_toml" not in data.attrs:
         return None
@@ -288,3 +296,87 @@ def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
         (plain, value), (label, size) = ("V/V*", scene.velocity), ("V / (m/s)", scene.velocity * scene.units.reference_velocity)
     here = 10.0**first if is_power else first
     return Second(plain, value / here, is_power) if own.unit else Second(label, size / here, is_power)
+
+
+class _Side(NamedTuple):
+    """An axis as a `parameter` of boundaries: its values times `factor`, or the logarithm of that."""
+
+    parameter: str
+    values: Array
+    factor: float
+    is_power: bool
+
+    def on_axis(self, found: Array) -> Array:
+        """Values of the parameter as values of the axis."""
+        return (10.0**found if self.is_power else found) / self.factor
+
+
+def _side(data: Dataset, axis: str) -> _Side | None:
+    """None for an axis that is no such parameter, as a density. Thickness is a round trip, a velocity in SI one in V*."""
+    values, key = np.asarray(data[axis].values, dtype=float), _parameter_of(data[axis]).name
+    name, factor, other = SHORT.get(key, key), 1.0, other_side(data, data[axis])
+    if key.startswith("slab.face.") and "normal_stress" not in data.attrs["scene_toml"]:
+        name = _FACES.get(key.removeprefix("slab.face."), key)
+    if other is not None and other.label in _PLAIN:  # the axis is in SI
+        name, factor = _PLAIN[other.label], other.factor
+    if _is_logarithmic(values) and f"log10_{name}" in PARAMETERS:
+        return _Side(f"log10_{name}", np.log10(factor * values), factor, True)
+    return _Side(name, factor * values, factor, False) if name in PARAMETERS else None
+
+
+def _own_sides(data: Dataset, scenes: Variation) -> tuple[list[_Side], Callable[[float, float], Scene]]:
+    """Two axes of numbers as they are, over any keys and variables, and the scene at values of both."""
+    sides = list[_Side]()
+    for axis in _axes_of(data):
+        values = np.asarray(data[axis].values, dtype=float)
+        is_power = _is_logarithmic(values)
+        sides.append(_Side(axis, np.log10(values) if is_power else values, 1.0, is_power))
+    parameters = [_parameter_of(data[axis]) for axis in _axes_of(data)]
+
+    def scene_at(*found: float) -> Scene:
+        """The scene at values of both sides."""
+        return scenes.at(parameters, [float(side.on_axis(np.asarray(value))) for side, value in zip(sides, found, strict=True)])
+
+    return sides, scene_at
+
+
+def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
+    """The curves on which steady sliding loses its stability, of each model of a map over two axes, and for each without one a
+    line why not."""
+    axes = _axes_of(data)
+    if len(axes) != 2:
+        return (), []
+    words = [axis for axis in axes if data[axis].dtype.kind not in "iuf"]
+    if words:
+        return (), [f"no boundary of stability: it is not computed over {' and '.join(words)}"]
+    scenes, scene_at = _scenes_over(data, axes), None
+    sides = [side for axis in axes if (side := _side(data, axis))]
+    if len(sides) < len(axes) or scenes.sets:
+        sides, scene_at = _own_sides(data, scenes)
+    across, up = sides
+    ranges = tuple((float(side.values.min()), float(side.values.max())) for side in (across, up))
+    lines, notes = [], []
+    for model in (str(name) for name in np.atleast_1d(data["model"].values)):
+        try:
+            curves = boundary(scenes.base, one_port_of(model), (across.parameter, up.parameter), (ranges[0], ranges[1]), scene_at)
+        except (NumericsError, SceneError, ValueError) as error:
+            notes.append(f"no boundary of stability of {model}: {error}")
+            continue
+        if not curves:
+            notes.append(f"no boundary of stability of {model}: steady sliding does not change its stability on this map")
+        for curve in curves:
+            lines.append(Line(f"onset of instability, {model}", across.on_axis(curve.first), up.on_axis(curve.second), model))
+    return tuple(lines), notes
+
+
+def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
+    """The special curves in files of `slipwave curve`. Raises SceneError for another file, or one over other parameters."""
+    axes, lines = _axes_of(data), []
+    for path in files:
+        curve = load_dataset(path, f"--curve = {str(path)!r}: is no netCDF file")
+        names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
+        if any(axis not in names for axis in axes):
+            raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")
+        first, second = (np.asarray(curve[names[axis]].values, dtype=float) for axis in axes)
+        lines.append(Line(f"{curve.attrs.get('type', 'curve')}, {curve.attrs.get('model', '')}", first, second, ""))
+    return tuple(lines)

@@ -23,6 +23,9 @@ from validation.models.run import Length, Run, UntilSettled, needed, reconsidere
 VERDICTS: tuple[str, ...] = get_args(Kind)
 """The words of a verdict, in the order of their numbers in files."""
 
+REGIME_OF = {"steady": 0, "decaying": 0, "periodic": 1, "torus": 2, "irregular": 3, "growing": 4}
+"""Verdict -> regime; points with other, undecided verdicts are not compared."""
+
 TRANSITS = 4000.0
 """Length (transits) of the longest run of a scene without `run.until`."""
 
@@ -152,6 +155,13 @@ MEASURES: Mapping[str, Measure] = {
     "stability": Measure(_stability_of, _STABILITY, _YES_NO, regime=("stable", "unstable_roots")),
     "lyapunov": Measure(_lyapunov_of, {**_VERDICT, **_EXPONENT}, _KINDS, regime=_REGIME),
 }
+
+
+def decided_regimes(verdict: Any) -> Any:
+    """Convert the numbers of verdicts to numbers of regimes, -1 if undecided. Steady sliding and the return to it are one
+    regime."""
+    numbers = np.array([REGIME_OF.get(word, -1) for word in VERDICTS] + [-1])
+    return numbers[np.asarray(verdict, dtype=int)]
 
 
 def measure_of(name: str) -> Measure:

@@ -7,43 +7,19 @@ too: the share of these with another regime inside is the map's error bar.
 
 from collections.abc import Callable, Mapping
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
 
-from slipwave.errors import SceneError
-from validation.sweep.difference import decided_regimes
-from validation.sweep.measures import Measure
+from validation.sweep.measures import Measure, decided_regimes
 from validation.sweep.plan import Indices, Plan
 
 _AUDITED = 100
 _UNKNOWN = -1
 Regimes = npt.NDArray[np.int64]
 Cells = npt.NDArray[np.bool_]
-
-
-class Audit(NamedTuple):
-    """Number of cells divided for the audit, and of those in which another regime was hidden."""
-
-    divided: int
-    hidden: int
-
-
-def require_refinable(plan: Plan, levels: int) -> None:
-    """Raises SceneError if the axes cannot be halved so often."""
-    if not 1 <= levels <= 20:
-        raise SceneError(f"--refine = {levels}: must be a whole number from 1 to 20")
-    for axis in plan.axes:
-        if axis.is_of_words:
-            raise SceneError(f"--refine: {axis.name} has words, between which there is nothing")
-        count, step = len(axis.values), 2**levels
-        if count < step + 1 or (count - 1) % step:
-            near = max(round((count - 1) / step), 1) * step + 1
-            raise SceneError(f"--refine = {levels}: {axis.name} must have a multiple of {step} plus 1 values, as {near}")
-    if plan.rows:
-        raise SceneError("--refine: needs axes, not a list of scenes")
 
 
 def regime_numbers(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> Regimes:
@@ -57,10 +33,11 @@ def regime_numbers(measure: Measure, arrays: Mapping[str, npt.NDArray[Any]]) -> 
     return np.where(arrays["status"] < 0, _UNKNOWN, numbers)
 
 
-def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes: Callable[[], Regimes]) -> Audit:
+def refine(plan: Plan, levels: int, compute: Callable[[Indices], None], regimes: Callable[[], Regimes]) -> tuple[int, int]:
     """Compute the points that the map of `plan` needs, level by level. `compute` takes numbers of points, which may exist
     already; `regimes` returns the regimes of all points. A neighbour of a cell whose corners differ may not exist, because its
-    parent was not divided: then the parent is divided too, and all levels are repeated until nothing changes.
+    parent was not divided: then the parent is divided too, and all levels are repeated until nothing changes. Returns the number
+    of cells divided for the audit, and of those in which another regime was hidden.
     """
     steps = {level: 2**level for level in range(levels, 0, -1)}
     divided = {level: np.zeros(_cells(plan, step), dtype=bool) for level, step in steps.items()}
@@ -165,7 +142,7 @@ def _points_of(cells: Cells, step: int, parts: int, plan: Plan) -> Cells:
     return points
 
 
-def _audit(plan: Plan, known: Regimes, divided: Mapping[int, Cells], levels: int) -> Audit:
+def _audit(plan: Plan, known: Regimes, divided: Mapping[int, Cells], levels: int) -> tuple[int, int]:
     """Numbers of audited cells, and of those with another regime than their corners."""
     count = hidden = 0
     for level in divided:
@@ -173,4 +150,4 @@ def _audit(plan: Plan, known: Regimes, divided: Mapping[int, Cells], levels: int
         chosen = _audited(there.shape) & there & ~_around(_differing(known, step) & there)
         other = _coarser(_differing(known, step // 2), 2)
         count, hidden = count + int(chosen.sum()), hidden + int((chosen & other).sum())
-    return Audit(count, hidden)
+    return count, hidden

@@ -28,12 +28,11 @@ from validation.models.parameter import Variation, scenes_with
 from validation.models.progress import progress
 from validation.models.stopwatch import cores
 from validation.sweep import executors
-from validation.sweep.axes import Axis, axis_of
 from validation.sweep.engine import Engine, compute
 from validation.sweep.gather import arrays_of
 from validation.sweep.measures import MEASURES, measure_of, own_measure
-from validation.sweep.plan import Indices, Plan, order_of, require_plan
-from validation.sweep.refine import Audit, refine, regime_numbers, require_refinable
+from validation.sweep.plan import Axis, Indices, Plan, axis_of, require_plan
+from validation.sweep.refine import refine, regime_numbers
 from validation.sweep.store import MANIFEST, Store
 
 _BYTES = 40  # per figure of a point: its value in the parts, and in the netCDF file
@@ -55,12 +54,12 @@ class Where:
 
 @dataclass(frozen=True)
 class Swept:
-    """The finished part of a `plan` in its `store`: the `audit` of a refined sweep, the time of this call (s) and the points
-    `computed` in it."""
+    """The finished part of a `plan` in its `store`: the `audit` of a refined sweep (`refine`), the time of this call (s) and the
+    points `computed` in it."""
 
     plan: Plan
     store: Store
-    audit: Audit | None = None
+    audit: tuple[int, int] | None = None
     wall_s: float = 0.0
     computed: int = 0
 
@@ -86,8 +85,6 @@ def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], meas
     if measure not in MEASURES:
         own_measure(measure)
     require_plan(plan)
-    if given.get("refine"):
-        require_refinable(plan, given["refine"])
     return plan
 
 
@@ -137,8 +134,6 @@ def stored_plan(folder: Path) -> Plan:
         names = [axis.name for axis in axes] + [key for row in said.rows for key in row]
         plan = Plan(scenes_with(scene, names, said.set), axes, said.models, said.measure, said.options, said.rows)
         require_plan(plan)
-        if plan.options.get("refine"):
-            require_refinable(plan, int(plan.options["refine"]))
     except (ValueError, RecursionError) as error:
         reason = error if isinstance(error, SceneError) else "it is damaged, or of another version"
         raise SceneError(f"{str(folder / MANIFEST)!r}: holds no plan of a sweep: {reason}") from None
@@ -147,7 +142,7 @@ def stored_plan(folder: Path) -> Plan:
 
 def forecast(plan: Plan, where: Where) -> Forecast:
     """Forecast from a few points all over the plan, computed in this process; for a refined plan that of the whole lattice."""
-    chosen = order_of(plan)[np.linspace(0, plan.size - 1, min(_PROBES, plan.size)).astype(int)]
+    chosen = plan.order[np.linspace(0, plan.size - 1, min(_PROBES, plan.size)).astype(int)]
     compute(plan, chosen[:1])  # compiled code is loaded
     spent: list[float] = []
     for point in chosen:
@@ -178,7 +173,7 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
     if _size(plan) > free:
         raise SceneError(f"--out = {str(store.folder)!r}: needs about {_size(plan):.1e} bytes, and {free:.1e} are free")
     began, done = time.perf_counter(), store.done(plan)
-    before, order, levels = int(done.sum()), order_of(plan), int(plan.options.get("refine", 0))
+    before, order, levels = int(done.sum()), plan.order, int(plan.options.get("refine", 0))
     order = order[len(order) * (where.part[0] - 1) // where.part[1] : len(order) * where.part[0] // where.part[1]]
     with progress(f"{plan.base.name}, points", len(order)) as report:
 

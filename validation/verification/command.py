@@ -14,8 +14,7 @@ from slipwave.friction.check import LawError
 from slipwave.friction.own import load_laws
 from slipwave.input import SceneSource
 from validation.chart import Chart
-from validation.commands.command import command
-from validation.commands.options import ModelOptions
+from validation.commands.options import ModelOptions, command
 from validation.commands.result import Output, Result, aligned
 from validation.data.datasets import Dataset
 from validation.models.by_name import GRIDS, grid_of, parse, resolve

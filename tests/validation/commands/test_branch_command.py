@@ -16,13 +16,13 @@ from scipy.optimize import minimize_scalar
 import slipwave as sw
 from reduced.stability.critical import critical_round_trip
 from tests.copies import interrupted
-from validation.commands.branch_figures import chart_of_branch
+from validation.commands.branch import BranchOptions, BranchResult
 from validation.commands.cli import INTERRUPTED
 from validation.models import followed
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
 from validation.models.ends import SpecialEnds
-from validation.models.followed import Ended, ends_of, read_followed
+from validation.models.followed import ends_of, read_followed
 from validation.models.parameter import over_range
 from validation.models.points import StopAt
 from validation.references.onset import onset_of
@@ -80,7 +80,9 @@ def test_it_passes_through_known_orbits_and_its_file_holds_it(whole):
 def test_pieces_of_one_stability_meet_at_special_points(whole):
     found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
     read_followed(whole[1], found)
-    for panel, name in zip(chart_of_branch(found).panels, ("period", "stress_drop", "elastic_stress_drop"), strict=True):
+    for panel, name in zip(
+        BranchResult(found, BranchOptions(), 0.0).chart().panels, ("period", "stress_drop", "elastic_stress_drop"), strict=True
+    ):
         ends = {trace.name: np.column_stack([trace.x, trace.y])[[0, -1]].tolist() for trace in panel.traces}
         stable, unstable = ends["stable"], ends["unstable"]
         birth, fold = ([special.value, getattr(special, name)] for special in found.special)
@@ -299,7 +301,7 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         closed = onset_of(sw.read("paper").law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed.r_delay, rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed.omega_c * closed.r_delay), rel=1e-10)
-    monkeypatch.setattr("validation.commands.curve.pursue", lambda *parts: Ended(0.0, None, "", False))
+    monkeypatch.setattr("validation.commands.curve.pursue", lambda *parts: (None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100, "point": None}
     assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")

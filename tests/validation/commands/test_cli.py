@@ -223,8 +223,8 @@ def test_every_declared_option_arrives_under_its_own_name(name, computed):
         kinds = {one.hint, *get_args(one.hint)}
         if one.name in wanted or one.name in ("law", "family") or not one.is_in("command line"):
             continue
-        if bool in kinds or "stands_for" in one.more:
-            words, wanted = [*words, one.flag], wanted | {one.name: one.more.get("stands_for", True)}
+        if bool in kinds or one.stands_for is not None:
+            words, wanted = [*words, one.flag], wanted | {one.name: True if one.stands_for is None else one.stands_for}
         else:
             text, value = next(SAMPLES[kind] for kind in (Path, str, float, int) if kind in kinds)
             words, wanted = [*words, one.flag, text], wanted | {one.name: value}

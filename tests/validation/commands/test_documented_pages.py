@@ -91,7 +91,7 @@ WORDS = {"eight": 8.0, "sixteen": 16.0}
 NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
 HELP = {
     "run --fields": "validation.models.recording.FIELD_WINDOW",
-    "run --checkpoint-every": "validation.models.run._EVERY",
+    "run --checkpoint-every": "validation.models.recording._EVERY",
     "orbit --tol": "validation.commands.orbit.ORBIT_TOLERANCE",
     "branch --tol": "validation.commands.branch.BRANCH_TOLERANCE",
     "branch --most-points": "validation.commands.branch.BRANCH_POINTS",

@@ -320,7 +320,7 @@ def test_every_command_and_every_option_with_a_unit_is_in_the_table():
         assert f"{name} " in words, f"{name} is in no pair"
         kind = getattr(sw, name).__wrapped__.__annotations__["options"]
         takes_units = re.compile(r"TIME|RATE|FROM:|VALUES|A:B|BEGIN:|time,|time=|nan|\.csv")
-        needed = [one.flag for one in options_of(kind).values() if takes_units.search(one.more.get("metavar") or "")]
+        needed = [one.flag for one in options_of(kind).values() if takes_units.search(one.metavar or "")]
         assert [flag for flag in needed if flag not in words] == [], name
 
 

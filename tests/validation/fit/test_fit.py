@@ -9,11 +9,11 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
-from validation.commands.fit_figures import chart_of_fit, values_in_words
+from validation.commands.fit import _chart, _values_in_words
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver, solved
 from validation.fit.least_squares import Best, intervals, minimise
-from validation.fit.parameters import Variants, free_parameters, schedule_of
+from validation.fit.parameters import Variants, begun, schedule_of
 from validation.fit.problem import problem_of
 from validation.fit.records import Experiment, stick_slip
 from validation.models.parameter import Variation
@@ -28,7 +28,7 @@ NOISE = 1e-4
 
 def of_model(model, words, times, tolerance=1e-11):
     scene = read("velocity-steps", THIN)
-    variants = Variants(Variation(scene), free_parameters(Variation(scene), words), schedule_of(scene))
+    variants = Variants(Variation(scene), begun(Variation(scene), words)[1], schedule_of(scene))
     return OfReduction(variants, times, model, tolerance), np.array([one.inner(one.start) for one in variants.free])
 
 
@@ -63,7 +63,7 @@ def test_the_derivative_by_each_kind_of_parameter_is_that_of_differences(model):
 def test_the_derivative_of_the_delay_system_is_that_of_differences():
     scene, words = read("velocity-steps"), [*KEYS, "interface.a_star"]
     schedule = Drive((0.0, 1.0, 1.0, 3.0, 3.0), (1e-6, 1e-6, 1e-5, 1e-5, 1e-6))
-    variants = Variants(Variation(scene), free_parameters(Variation(scene), words), schedule)
+    variants = Variants(Variation(scene), begun(Variation(scene), words)[1], schedule)
     made = OfSolver(variants, np.linspace(0.01, 5.0, 300), "delay", 1e-10)
     assert_slopes(made, np.array([one.inner(one.start) for one in variants.free]), 1e-4)
 
@@ -83,7 +83,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     for seed in range(30):
         noise = NOISE * np.random.default_rng(seed).standard_normal(times.size)
         noisy = experiment._replace(friction=friction + noise)
-        problem = problem_of(Variation(scene), free_parameters(Variation(scene), KEYS), [], [noisy], "quasidynamic", 1e-8)
+        problem = problem_of(Variation(scene), begun(Variation(scene), KEYS)[1], [], [noisy], "quasidynamic", 1e-8)
         found = minimise(problem, [inner], Best(inner), 1.0)
         spread = intervals(problem, found)
         held += (spread.low < inner) & (inner < spread.high)
@@ -122,7 +122,7 @@ STICKING = {
 
 def sticking(model="quasidynamic"):
     scene = read(STICKING)
-    variants = Variants(Variation(scene), free_parameters(Variation(scene), [*KEYS, "slab.face.stiffness"]), schedule_of(scene))
+    variants = Variants(Variation(scene), begun(Variation(scene), [*KEYS, "slab.face.stiffness"])[1], schedule_of(scene))
     made = CycleOfReduction(disturbed(variants), 36.0, model, 1e-10)
     return made, np.array([one.inner(one.start) for one in variants.free])
 
@@ -212,7 +212,7 @@ def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_
 def test_cycles_near_the_critical_stiffness_count_from_where_they_have_settled(tmp_path):
     """A spring of 0.96 of the critical stiffness: the first periods are 13.8, 14.0 and 14.1 s, the later ones 14.3 s."""
     scene = read(STICKING, ["slab.face.stiffness='4.8387 GPa/m'"])
-    variants = disturbed(Variants(Variation(scene), free_parameters(Variation(scene), KEYS), schedule_of(scene)))
+    variants = disturbed(Variants(Variation(scene), begun(Variation(scene), KEYS)[1], schedule_of(scene)))
     times, inner = np.arange(100.0, 400.0, 0.1), np.array([one.inner(one.start) for one in variants.free])
     friction = OfReduction(variants, times, "quasidynamic", 1e-8).friction(inner)
     path = tmp_path / "near.csv"
@@ -307,9 +307,7 @@ def test_values_that_are_no_minimum_have_no_interval(steps, monkeypatch, tmp_pat
 def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free():
     face = {"kind": "machine", "stiffness": "2 GPa/m", "impedance": "5 MPa s/m", "mass": "100000 kg/m2"}
     scene = read(STICKING | {"slab": STICKING["slab"] | {"face": face}})
-    variants = disturbed(
-        Variants(Variation(scene), free_parameters(Variation(scene), ["a", "slab.face.mass"]), schedule_of(scene))
-    )
+    variants = disturbed(Variants(Variation(scene), begun(Variation(scene), ["a", "slab.face.mass"])[1], schedule_of(scene)))
     heavy, light = (CycleOfReduction(variants, 40.0, model, 1e-7) for model in ("fitted:1", "quasidynamic"))
     inner = np.array([one.inner(one.start) for one in variants.free])
     period, by = heavy.friction(inner)[0], heavy.slopes(inner)[0]
@@ -330,8 +328,8 @@ def test_a_figure_says_the_values_and_shows_holds_over_time():
         "level": {"value": -0.25, "low": -9.0, "high": 9.0, "unit": "", "determined": False},
     }
     told = ["$a$ = 0.010011 ± 0.000055", "$L$ = (9.959 ± 0.060) μm", "level = -0.25, not determined   (95 %)"]
-    assert values_in_words(rows).split(",   ") == told
-    above, beside, below, last = chart_of_fit(records, [friction - 0.001] * 2, "quasidynamic", rows, True).panels
+    assert _values_in_words(rows).split(",   ") == told
+    above, beside, below, last = _chart(records, [friction - 0.001] * 2, "quasidynamic", rows, True).panels
     assert [panel.x.label for panel in (below, last)] == ["time / s", "displacement of the load point / μm"]
     assert [panel.name for panel in (above, beside)] == ["0.csv", "1.csv"]
     measured, fitted = (trace.columns for trace in beside.traces)

@@ -8,12 +8,11 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input import read
 from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
-from validation.fit.cycles import disturbed
-from validation.fit.folded import FoldedRecord, folded
+from validation.fit.cycles import FoldedRecord, disturbed, folded
 from validation.fit.forward import OfSolver
 from validation.fit.least_squares import Best
 from validation.fit.orbits import CycleOfOrbit
-from validation.fit.parameters import Variants, free_parameters, schedule_of
+from validation.fit.parameters import Variants, begun, schedule_of
 from validation.models.parameter import Variation
 
 HEADING = "time [transits],mu"
@@ -43,7 +42,7 @@ def test_stick_slip_of_the_delay_system_gives_a_and_b_back_from_near_and_far(a, 
 def followed():
     """An orbit of the delay system, seen at some places of its cycle."""
     scene = read("paper")
-    variants = disturbed(Variants(Variation(scene), free_parameters(Variation(scene), ["a", "b"]), schedule_of(scene)))
+    variants = disturbed(Variants(Variation(scene), begun(Variation(scene), ["a", "b"])[1], schedule_of(scene)))
     times = np.linspace(2.0, 71.0, 40)
     made = CycleOfOrbit(variants, FoldedRecord(times, np.zeros(40), np.zeros(40), 73.47214494, 1.0), "delay")
     made.begin(np.array([one.inner(one.start) for one in variants.free]))

@@ -24,7 +24,7 @@ from validation.data.variables import stored_name
 from validation.models.build import build
 from validation.models.history_file import HistoryFile, Kept
 from validation.models.outlook import outlook
-from validation.models.run import JudgedHalf, UntilCycles, UntilSettled, halves_agree, simulate
+from validation.models.run import JudgedHalf, UntilCycles, UntilSettled, simulate
 
 PAPER = slipwave.read("paper")
 FAST = slipwave.read("paper", ["drive.velocity=2000"])
@@ -69,7 +69,7 @@ def test_a_drift_that_a_verdict_of_irregular_does_not_see_goes_on():
     drifts = judged(henon(32, 1.4) + 0.02 * np.arange(32.0))
     assert drifts.verdict is not None
     assert drifts.verdict.kind == "irregular"
-    assert not halves_agree(drifts)
+    assert not drifts.halves_agree
     assert UNSTABLE.ended(drifts) is None
 
 

@@ -24,7 +24,6 @@ from validation.measure.cycle import one_cycle
 from validation.measure.memo import cycle_of, own_orbit
 from validation.measure.order_fit import fit_order, shortfall
 from validation.models import at_scene
-from validation.models.at_scene import Primary
 from validation.models.build import build
 from validation.models.cycle import watch
 from validation.models.orbits import OrbitFound
@@ -312,7 +311,7 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
         return orbits
 
     monkeypatch.setattr(
-        at_scene, "primary", lambda *_: Primary([close(*guesses[size]) for size in given(on_branch)], "it was followed")
+        at_scene, "_primary", lambda *_: ([close(*guesses[size]) for size in given(on_branch)], "it was followed")
     )
     monkeypatch.setattr(at_scene, "moving", lambda *_: None)
     monkeypatch.setattr(at_scene, "orbits_near", lambda *_: given(None))

@@ -16,8 +16,7 @@ from slipwave.errors import SceneError
 from validation.chart import Chart, Panel, Scale, cell_edges
 from validation.chart.draw import draw
 from validation.data.datasets import as_flags
-from validation.sweep.boundaries import onset_lines
-from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, chart_of_sweep, figures_on_clock, in_print
+from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, chart_of_sweep, figures_on_clock, in_print, onset_lines
 from validation.sweep.measures import VERDICTS
 
 SEEN = {

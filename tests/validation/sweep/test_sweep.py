@@ -20,13 +20,13 @@ import slipwave as sw
 from reduced.delay import alike
 from slipwave.errors import SceneError
 from validation.commands.cli import main
+from validation.commands.map import _difference, _difference_rows
 from validation.models.parameter import Variation
-from validation.sweep.axes import axis_of
 from validation.sweep.engine import Engine, compute
 from validation.sweep.executors import processes
 from validation.sweep.map_figures import chart_of_sweep, other_side
 from validation.sweep.measures import VERDICTS
-from validation.sweep.plan import order_of
+from validation.sweep.plan import axis_of
 from validation.sweep.refine import refine
 from validation.sweep.store import Store
 from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
@@ -147,7 +147,7 @@ def test_refinement_does_not_depend_on_what_is_there(tmp_path):
     found = computed(what, tmp_path / "one")
     store = Store(tmp_path / "two")
     store.begin(manifest_of(what))
-    Engine(what, store, Here, 1).run(order_of(what)[100:300])  # points of all levels, of which some are not needed
+    Engine(what, store, Here, 1).run(what.order[100:300])  # points of all levels, of which some are not needed
     again = computed(what, tmp_path / "two")
     needed = found["status"].values == 0
     assert (again["status"].values[needed] == 0).all()
@@ -169,11 +169,11 @@ def test_the_audit_sees_an_island():
     what = plan((129, 129), refine=3)
     island = np.zeros(what.shape, dtype=int)
     known, *how = reading(what, island)
-    assert refine(what, 3, *how).hidden == 0
+    assert refine(what, 3, *how)[1] == 0
     fresh = np.argwhere((known[0] >= 0) & (np.add.outer(np.arange(129) % 8, np.arange(129) % 8) > 0))
     island[0, *fresh[0]] = 1
     again, *how = reading(what, island)
-    assert refine(what, 3, *how).hidden >= 1
+    assert refine(what, 3, *how)[1] >= 1
     assert (again >= 0).sum() > (known >= 0).sum()
 
 
@@ -331,8 +331,6 @@ def test_a_dry_sweep_computes_nothing(tmp_path, answer, monkeypatch):
 
 
 def test_difference_of_two_models_in_per_cent_of_the_area():
-    from validation.sweep.difference import difference, difference_rows
-
     kinds = [VERDICTS.index(word) for word in ("steady", "decaying", "periodic", "irregular", "too short")]
     here, there = np.array(list(itertools.product(kinds, kinds))).T
     period = np.linspace(1.0, 2.0, here.size)
@@ -344,7 +342,7 @@ def test_difference_of_two_models_in_per_cent_of_the_area():
         },
         coords={"model": ["delay", "block12"], "a": period},
     )
-    row = difference_rows(difference(data, "delay"))[0]
+    row = _difference_rows(_difference(data, "delay"))[0]
     assert row["other_regime_percent"] == pytest.approx(100.0 * 10 / 16)
     assert (row["period"], row["stress_drop"]) == pytest.approx((0.1, -0.2))
 

@@ -17,9 +17,8 @@ from slipwave.solve import Solver, follow
 from slipwave.solve.lyapunov import INTERVALS, largest_exponent
 from tests.verification.order import richardson
 from tests.verification.stated_errors.held import SLABS, Held, random_scene
-from validation.models.build import build, build_full_wave, prepare
+from validation.models.build import build, build_full_wave, judged_grid, prepare
 from validation.models.cycle import watch
-from validation.models.default_grid import judged_grid
 from validation.models.orbits import find_orbit
 from validation.models.settle import settle
 
