@@ -29,12 +29,13 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
-from slipwave.step.nodal import TIME, constant_guess
+from slipwave.step.nodal import PSI, TIME, constant_guess
 
 _SHARE = 0.03  # of the tolerance: error of a leap; a protocol has some hundred leaps
 _PRICE, _PRICE_OF_POWERS = 5000.0, 0.0015  # steps of the march that take as long as a leap; more for n entries, times n^3
 _LARGEST = 800  # entries of a state; with more, powers cost more than they save
 _FIRST, _LONGEST = 1 << 14, 1 << 26  # steps of a leap
+_FAR = 1 << 18  # steps of a leap that takes less time than leaps over blocks, if these are possible
 _SHRINK, _SAFETY, _GROW = 0.2, 0.8, 3.0
 _SETTLES = 500.0  # steps of an average, times the phase of the slowest resonance in one of them
 _PAUSE, _LONGEST_PAUSE = 1024, 1 << 16  # transits marched before the next try to leap; doubled by a try that fails late
@@ -42,6 +43,7 @@ _CHECKED = 8.0  # times the root of a leap's steps: steps that are marched befor
 _CUTS, _LOOKS = 16, 65  # pieces of a leap or of its check; moments at which its extrema are looked for
 _ORDER = 8.0  # with which the highest coefficient of a slow step grows
 _NEWTON = 1e-5  # of the tolerance: what Newton's method leaves adds up, to 3e-7 in 1e5 steps if it is 1e-9
+_RISING = 10.0  # times the tolerance: waves that pieces of a leap lack where v rises above V
 _NEGLIGIBLE = 1e-3  # of the allowed error
 _MOST_SPLITS, _NUDGES = 8, 1e-5  # steps by the first slopes that take the motion apart; changes of ln v and psi for their slopes
 
@@ -94,10 +96,10 @@ class LeapingNetwork(StroboscopicNetwork):
         """As `Leaping`."""
         if self.time >= self._next_try - SAME:
             stop = min(end, self._next_kink())
-            pieces = self._leap(stop, gaps)
-            if pieces is None and gaps:
-                pieces = self._over_blocks(stop, self._allowed)
-                self._pause = self._pause if pieces is None else _PAUSE
+            pieces = self._over_blocks(stop, self._allowed) if gaps and self._reach < _FAR else None
+            self._pause = self._pause if pieces is None else _PAUSE
+            if pieces is None:
+                pieces = self._leap(stop, gaps)
             if pieces is not None:
                 return pieces
             kink, self._next_try = self._next_kink(), self.time + self._pause  # the next try lies at most at the next kink of V
@@ -197,7 +199,9 @@ class LeapingNetwork(StroboscopicNetwork):
         slow, begin, steps = split.slow, self.time, count - ahead.pieces.time.size
         end = self._origin + (self._done + steps) * self._length
         fill = self._fill(split, np.linspace(begin, end, _CUTS + 1))
-        if ahead.ripple > self._tolerance and not self._is_monotonic(split, begin, end):
+        rises = fill.z[-1, -1] > max(fill.z[0, 0], self._stick_limit(begin))  # an event may begin, which must not be left out
+        visible = self._tolerance * (_RISING if rises else 1.0)
+        if ahead.ripple > visible and (rises or not self._is_monotonic(split, begin, end)):
             return None, 0.5
         rest = self._now().vector - self._composed(split, begin).vector
         later, spread = self._carried(slow, np.column_stack([rest, ahead.drift]), begin, end, steps)
@@ -205,10 +209,10 @@ class LeapingNetwork(StroboscopicNetwork):
         self._jump_to(split, end, steps)
         behind, friction = self._check(split, count), self._friction(slow, end, end)
         error = max(self._size(steps * (behind.drift - later[:, 1]), friction.mu_z), spread) if behind else math.inf
-        if not (behind and error <= self._allowed):
+        if not (behind and error <= self._allowed and not (rises and behind.ripple > visible)):
             return None, min(0.5, self._scale(slow, error))
         self.skipped += end - begin
-        hidden = max(ahead.ripple, behind.ripple) > self._tolerance
+        hidden = max(ahead.ripple, behind.ripple) > visible
         shown = (ahead.pieces, behind.pieces) if hidden else (ahead.pieces, fill, behind.pieces)
         return Pieces.joined(shown), self._scale(slow, error)
 
@@ -265,7 +269,10 @@ class LeapingNetwork(StroboscopicNetwork):
         times = (pieces.time[:, None] + pieces.length[:, None] * self.nodes).ravel()
         looks = np.linspace(start, self.time, _CUTS + 1)
         ripple = np.abs(pieces.z.ravel() - np.interp(times, looks, motion.interface(split.slow, looks).z)).max()
-        return _Check(pieces, miss / steps, float(ripple))
+        drift = miss / steps
+        if ripple <= self._tolerance and abs(drift[-2]) < np.spacing(abs(self._memory.now[PSI])):
+            drift[-2] = 0.0  # rounding: a march's psi stops where it changes by less in a step
+        return _Check(pieces, drift, float(ripple))
 
     def _carried(self, slow: Slow, rest: Array, begin: float, end: float, steps: int) -> tuple[Array, float]:
         """The `rest` (n, 2) of the memory and its drift after `steps` steps, and the change of the rest if friction is averaged

@@ -34,8 +34,9 @@ from reduced.delay.stroboscopic_kernel import (
     walk_on,
 )
 from reduced.delay.transmission_lines import COINCIDENT
+from slipwave.friction import respond
 from slipwave.observe.pieces import Array, Pieces, empty_pieces
-from slipwave.step.nodal import Interface
+from slipwave.step.nodal import PSI, Interface
 
 _HELD = Friction(v_z=0.0, mu_z=1.0, mu_psi=0.0, g_z=0.0, g_psi=0.0)
 _MOST_STEPS, _MOST_ENTRIES = 256, 300  # of a block; of a state
@@ -43,6 +44,7 @@ _MARCHED = 1 << 15  # steps of leaps in one call
 _SLOTS = 64  # leaps of different lengths
 _ORDER = 8  # of a leap
 _PRICE = 600  # steps of the march that take as long as a leap
+_DAMPED = 0.04  # part of the waves that slip takes in the marched blocks: if it is more, these change too fast
 _FIRST = 32  # blocks between the first marched ones: of closer ones rounding would be extrapolated
 
 
@@ -60,7 +62,10 @@ class StroboscopicNetwork(DelayNetwork):
         if not steps:
             return None
         reach, last = max(_FIRST, _PRICE // steps + 1), int((stop - self.time) / (steps * self._length) - COINCIDENT)
-        if last < 2 * _ORDER * reach or not self._sticks(reach * steps):
+        z, psi = float(self._memory.guess.z.max()), float(self._memory.now[PSI])
+        _, v_z, _, friction_z, *_ = respond(self.scene.law, z, psi)
+        damped = self.scene.impedance * v_z / friction_z * _ORDER * reach * steps * self._length
+        if damped > _DAMPED or last < 2 * _ORDER * reach or not self._sticks(reach * steps):
             return None
         block = self._block = self._block or self._block_of(steps)
         before, shift = self._moment(), self._translation()
