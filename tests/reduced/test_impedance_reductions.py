@@ -98,9 +98,7 @@ def test_every_reduction_that_is_offered_is_passive(name, model):
             check_passivity(EVERY[name], model)
 
 
-def test_a_spring_where_there_is_none_is_refused():
-    with pytest.raises(SceneError, match="cannot do an outer face without a spring"):
-        reduction_of(LOSSY["reflection"], "quasistatic")
+def test_the_spring_of_a_standard_linear_slab_is_relaxed():
     assert math.isclose(reduction_of(EVERY["standard linear"], "quasistatic").spring, 1 / 1.5)
 
 
@@ -255,8 +253,6 @@ def test_the_block_of_a_heavy_machine_is_exact_about_its_own_resonance():
 
 
 def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch):
-    with pytest.raises(SceneError, match=r"model = 'fitted:0': a fit needs at least one oscillator; .* is quasidynamic"):
-        reduction_of(LOSSY["reflection"], "fitted:0")
     bare = {"kind": "machine", "stiffness": 1e3, "impedance": 0.0, "mass": 0.0}
     with pytest.raises(SceneError, match=r"model = 'fitted:2': no passive fit .* undamped, at a frequency that is fitted"):
         reduction_of(slipwave.read("paper", {"slab.face": bare}), "fitted:2")

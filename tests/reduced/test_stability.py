@@ -175,12 +175,6 @@ def test_essential_abscissa_closed_form():
     assert essential_abscissa(scene_of(slab(viscosity=KelvinVoigtViscosity(0.5)))) == -2.0
 
 
-def test_strengthening_friction_is_stable_and_has_no_critical_values():
-    found = analyse(paper(law=Ageing(0.369, 0.0489, 0.0349)))
-    assert found.stable
-    assert all(map(math.isnan, (found.omega_c, found.log10_r_c, found.epsilon_c)))
-
-
 def test_a_face_that_swallows_the_load_fails_without_oscillating():
     found = analyse(EVERY["reflection"])
     assert (found.unstable_roots, found.leading_roots[0].imag) == (1, 0.0)

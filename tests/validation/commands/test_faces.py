@@ -150,7 +150,7 @@ def test_figures_that_do_not_exist_have_a_reason(answer):
         f"no critical thickness: steady sliding loses its stability at none {reach}",
     ]
     found = answer("stability", "paper", "--set", "interface.b=0.01")
-    assert (found["log10_r_c"], found["epsilon_c"]) == (None, None)
+    assert [found[name] for name in ("stable", "omega_c", "log10_r_c", "epsilon_c")] == [True, None, None, None]
     assert found["notes"] == [
         f"infinitely many roots accumulate at Re s = {found['essential_abscissa']:.6g} V*/L, right of all that are listed: "
         "no finite list holds those that decay most slowly",

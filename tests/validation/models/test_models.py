@@ -82,15 +82,6 @@ def test_a_tolerance_beside_given_cells_is_for_the_steps_of_the_exact_march():
     assert abs(near / exact - 1.0) < 1e-10  # 4e-12 measured
 
 
-@pytest.mark.parametrize(
-    ("model", "options", "changes"),
-    [("fd", {}, {}), ("dg:3", {"time": "explicit"}, {}), ("dg:3", {"cfl": 0.5}, {}), ("dg:3", {}, {"start.kind": "jump"})],
-)
-def test_cells_beside_a_tolerance_are_refused_where_no_step_can_follow_it(model, options, changes):
-    with pytest.raises(SceneError, match=r"tolerance = 1e-09: chooses the cells itself; leave out cells = 6"):
-        build(model, slipwave.read("paper", changes), cells=6, tolerance=1e-9, **options)
-
-
 def test_options_go_to_the_models_that_take_them():
     delay, leapfrog = build_all("delay,fd", slipwave.read("paper"), cells=10, tolerance=1e-6)
     assert (delay.model, leapfrog.model) == ("delay", "fd")

@@ -14,7 +14,7 @@ from fullwave.fields.record import record_field
 from reduced.orbit import periodic_orbit
 from reduced.orbit.closing import close
 from slipwave import read
-from slipwave.errors import NumericsError, SceneError
+from slipwave.errors import NumericsError
 from slipwave.observe import HistoryObserver, Pieces
 from slipwave.solve import follow
 from tests.granite import GRANITE
@@ -356,11 +356,6 @@ def test_a_motion_without_cycles_has_none_but_the_run_is_kept(until, verdict, ad
         slipwave.run("paper", "block8", until=until, lyapunov=True, **{"slab.log10_r": -3.5})
     assert failed.value.result.summary["verdict"] == verdict
     assert "lyapunov" not in failed.value.result.summary
-
-
-def test_a_changing_drive_is_refused():
-    with pytest.raises(SceneError, match=r"a Lyapunov exponent needs a constant drive\.velocity"):
-        slipwave.run("ramp", lyapunov=True)
 
 
 def test_the_return_map_shows_each_period_over_the_one_before(tmp_path, printed):
