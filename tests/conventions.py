@@ -54,16 +54,8 @@ def main():
     checker = parser.parse_args().checker
     with tempfile.TemporaryDirectory() as folder:
         paths = written(Path(folder))
-        words = [
-            checker,
-            f"--test={CONVENTIONS.lower().replace('-', ':')}",
-            "--criteria",
-            "strict",
-            "--skip-checks",
-            LEFT_OUT,
-            *map(str, paths),
-        ]
-        ended = subprocess.run(words, capture_output=True, text=True, check=False)
+        options = [f"--test={CONVENTIONS.lower().replace('-', ':')}", "--criteria", "strict", "--skip-checks", LEFT_OUT]
+        ended = subprocess.run([checker, *options, *map(str, paths)], capture_output=True, text=True, check=False)
     if ended.returncode:
         print(ended.stdout + ended.stderr)
     print(f"{len(paths)} files: {'the checker has remarks' if ended.returncode else 'nothing to say against any'}")

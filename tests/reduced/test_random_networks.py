@@ -44,13 +44,9 @@ def random_network(seed):
     if "face" in upper and rng.random() < 0.5:
         lower |= {"r": r, "epsilon": epsilon, "face": upper["face"]}
     velocity, until = 10.0 ** rng.uniform(1.0, 3.0), float(rng.integers(16, 60))
+    law = rng.choice(["ageing", "ageing", "slip"]).item()
     changed = {
-        "interface": {
-            "law": rng.choice(["ageing", "ageing", "slip"]).item(),
-            "a_star": 0.369,
-            "a": a,
-            "b": a * rng.uniform(0.7, 2.0),
-        },
+        "interface": {"law": law, "a_star": 0.369, "a": a, "b": a * rng.uniform(0.7, 2.0)},
         "drive": {"velocity": drive(rng, motion, velocity)},
         "upper": upper,
         "lower": lower,

@@ -18,19 +18,9 @@ from validation.models.run import Length, simulate
 
 Row = tuple[str, ...]
 
+ON_GRIDS = ("dg:3 exact 3", "dg:3 explicit 3", "sbp:4 explicit 11", "fem:2 exact 3", "fd - 16")
 FACTORS = {
-    "model": (
-        "delay",
-        "kelvin-voigt",
-        "quasidynamic",
-        "fitted:4",
-        "modal:2",
-        "dg:3 exact 3",
-        "dg:3 explicit 3",
-        "sbp:4 explicit 11",
-        "fem:2 exact 3",
-        "fd - 16",
-    ),
+    "model": ("delay", "kelvin-voigt", "quasidynamic", "fitted:4", "modal:2", *ON_GRIDS),
     "slabs": ("alike", "commensurate", "irrational", "layered"),
     "face": ("rigid", "grip", "reflection", "machine"),
     "drive": ("constant", "ramp", "hold", "step after ramp"),

@@ -26,15 +26,8 @@ def rate_scene(direct, upper=None, lower=None, **changes):
     """Two slabs on an interface with F = `direct` ln v, sliding steadily at V = 1."""
     upper = SLAB if upper is None else dataclasses.replace(SLAB, **upper)
     lower = upper if lower is None else dataclasses.replace(SLAB, **lower)
-    return dataclasses.replace(
-        slipwave.read("paper"),
-        law=Ageing(0.0, direct, 0.0),
-        upper=upper,
-        lower=lower,
-        drive=steady_drive(1.0),
-        start=Start(size=0.0),
-        **changes,
-    )
+    changes |= {"law": Ageing(0.0, direct, 0.0), "drive": steady_drive(1.0), "start": Start(size=0.0)}
+    return dataclasses.replace(slipwave.read("paper"), upper=upper, lower=lower, **changes)
 
 
 def tiling(make, scene, time):

@@ -63,13 +63,8 @@ def by_hand(chosen, field):
     half_drive = 0.5 * np.interp(field.time, chosen.drive.times, chosen.drive.velocities)
     upper, lower = field.upper, field.lower or dataclasses.replace(field.upper, velocity=-field.upper.velocity)
     slip_rate = upper.velocity[:, 0] - lower.velocity[:, 0]
-    found = {
-        "input": 0.0,
-        "friction": over(clock, upper.stress[:, 0] * slip_rate),
-        "radiated": 0.0,
-        "viscous": 0.0,
-        "stored": 0.0,
-    }
+    found = dict.fromkeys(("input", "radiated", "viscous", "stored"), 0.0)
+    found["friction"] = over(clock, upper.stress[:, 0] * slip_rate)
     for slab, data, sign in ((chosen.upper, upper, 1.0), (chosen.lower, lower, -1.0)):
         top = sign * data.velocity[:, -1]
         pull = data.stress[:, -1]

@@ -67,15 +67,9 @@ def _in_si(among, a, gap, rng):
     if rng.random() < 0.5:
         face = {"stiffness": among(1e9, 1e12), "impedance": among(1e3, 1e7), "mass": among(1.0, 1e4)}
         slab["face"] = {"kind": "machine"} | face
-    law = {
-        "law": "ageing",
-        "a_star": 0.6,
-        "a": a,
-        "b": a + gap,
-        "normal_stress": among(1e5, 1e8),
-        "memory_length": among(1e-7, 1e-4),
-    }
-    tables = {"interface": law | {"reference_velocity": 1e-6}, "slab": slab, "drive": {"velocity": among(1e-9, 1.0) * 1e6}}
+    law = {"law": "ageing", "a_star": 0.6, "a": a, "b": a + gap, "reference_velocity": 1e-6}
+    law |= {"normal_stress": among(1e5, 1e8), "memory_length": among(1e-7, 1e-4)}
+    tables = {"interface": law, "slab": slab, "drive": {"velocity": among(1e-9, 1.0) * 1e6}}
     return slipwave.read(tables)
 
 

@@ -30,14 +30,7 @@ _DEFAULT, _LOOSEST, _TIGHTEST = 1e-8, 1e-4, 1e-10  # tolerances of orbits; four 
 _WITNESS_CELLS = 8
 _EXACT = 1e-11
 _SETTLED = 0.1  # of the tolerance: how closely cycles repeat
-_GRIDS = {
-    "fd": 1e-3,
-    "sbp:2": 1e-3,
-    "sbp:4": 1e-4,
-    "sbp:6": 1e-5,
-    "fem:4": 1e-6,
-    "dg": 1e-6,
-}  # tolerances asked for, and near them
+_GRIDS = {"fd": 1e-3, "sbp:2": 1e-3, "sbp:4": 1e-4, "sbp:6": 1e-5, "fem:4": 1e-6, "dg": 1e-6}  # asked for, and near them
 
 
 def of_orbit(model: str, scene: Scene, random: np.random.Generator) -> list[Held]:

@@ -12,7 +12,7 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import whole_or_absent
 from slipwave.sources import ROOT, source_digest
-from tests.verification.stated_errors.held import Held, coverage_of
+from tests.verification.stated_errors.held import Coverage, Held, coverage_of
 from tests.verification.stated_errors.measured import WITNESS as KNOWING
 from tests.verification.stated_errors.measured import (
     any_orbit,
@@ -109,20 +109,13 @@ def make_record(kinds: Iterable[str], path: Path = RECORD) -> None:
 def summary(record: Record) -> dict[str, Any]:
     """What the report shows of a record: for each kind and figure how many stated errors there are, how many hold the truth, and
     the median of stated over true error."""
+
+    def told(one: Coverage) -> dict[str, Any]:
+        return {"number": one.many, "held": round(one.share * one.many), "width": float(f"{one.width:.3g}")}
+
     return {
-        kind: {
-            "bar": one.bar,
-            "truth": one.truth,
-            "evidence": one.evidence.value,
-            "figures": {
-                found.figure: {
-                    "number": found.many,
-                    "held": round(found.share * found.many),
-                    "width": float(f"{found.width:.3g}"),
-                }
-                for found in coverage_of(record[kind])
-            },
-        }
+        kind: {"bar": one.bar, "truth": one.truth, "evidence": one.evidence.value}
+        | {"figures": {found.figure: told(found) for found in coverage_of(record[kind])}}
         for kind, one in KINDS.items()
     }
 
