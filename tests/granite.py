@@ -3,15 +3,8 @@
 from typing import Any
 
 GRANITE = {
-    "interface": {
-        "law": "ageing",
-        "a_star": 0.6,
-        "a": 0.01,
-        "b": 0.015,
-        "normal_stress": 5e6,
-        "memory_length": 1e-5,
-        "reference_velocity": 1e-6,
-    },
+    "interface": {"law": "ageing", "a_star": 0.6, "a": 0.01, "b": 0.015}
+    | {"normal_stress": 5e6, "memory_length": 1e-5, "reference_velocity": 1e-6},
     "slab": {"density": 2700.0, "shear_modulus": 30e9, "thickness": 10.0},
     "drive": {"velocity": 1.0},
 }

@@ -104,17 +104,8 @@ class Problem(NamedTuple):
         """What `_rates` needs, at a velocity of the drive; stress in units of the normal stress, time in transits."""
         scene, law, (mass, modes) = self.scene, self.scene.law, self.modes
         damping = scene.impedance if self.model == "quasidynamic" else 0.0
-        found = [
-            velocity,
-            scene.transit,
-            law.a_star,
-            law.a,
-            law.b,
-            scene.stiffness,
-            damping,
-            mass * scene.upper.epsilon,
-            len(modes),
-        ]
+        found = [velocity, scene.transit, law.a_star, law.a, law.b]
+        found += [scene.stiffness, damping, mass * scene.upper.epsilon, len(modes)]
         return np.array([*found, *(x for mode in modes for x in (mode[0] * scene.upper.epsilon, *mode[1:]))])
 
     def solved(self, integrate: Callable[[Array, Array, Array], Array]) -> Array:

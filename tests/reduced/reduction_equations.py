@@ -15,17 +15,8 @@ from reduced.impedance.reduction import Reduction
 from slipwave.scene.drive import NUDGE_CENTRE
 
 Array = NDArray[np.float64]
-EVERY_TERM = Reduction(
-    "made up",
-    mass=0.02,
-    damping=0.1,
-    frequencies=(6.2, 12.3),
-    residues=(2.1, 1.9),
-    decays=(0.5, 0.9),
-    offsets=(1.2, -0.4),
-    relaxations=((0.4, 1.3), (-0.1, 9.0)),
-    spring=0.7,
-)
+_MODES = {"frequencies": (6.2, 12.3), "residues": (2.1, 1.9), "decays": (0.5, 0.9), "offsets": (1.2, -0.4)}
+EVERY_TERM = Reduction("made up", mass=0.02, damping=0.1, relaxations=((0.4, 1.3), (-0.1, 9.0)), spring=0.7, **_MODES)
 TRANSFER = Reduction(
     "made up", frequencies=(5.9,), residues=(-1.7,), decays=(0.4,), offsets=(0.3,), relaxations=((0.2, 2.0),), spring=0.7
 )
@@ -42,14 +33,8 @@ class Equations:
     def start(self):
         states = sum(2 * len(part.modes) + len(part.relaxations) for part in self.parts)
         ln_v = [math.log(self.what.velocity)] if self.massive else []
-        return np.array(
-            [
-                self.what.steady_psi + self.what.start.jump_size,
-                *ln_v,
-                self.what.steady_stress / self.what.upper.epsilon,
-                *[0.0] * states,
-            ]
-        )
+        psi, load = self.what.steady_psi + self.what.start.jump_size, self.what.steady_stress / self.what.upper.epsilon
+        return np.array([psi, *ln_v, load, *[0.0] * states])
 
     def ln_v(self, time, psi, load):
         """Without mass: F(ln v, psi) + epsilon damping (v - V) = epsilon load."""

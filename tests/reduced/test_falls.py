@@ -66,15 +66,9 @@ def random_fall(seed):
     interface = {"law": law, "a_star": 0.369, "a": a, "b": a * rng.uniform(0.7, 2.0)}
     if law == "spinodal":
         interface |= {"cutoff_velocity": 10.0 ** rng.uniform(3.0, 6.0), "saturation_velocity": 10.0 ** rng.uniform(-4.0, -1.0)}
-    scene = {
-        "interface": interface,
-        "drive": {"velocity": [[float(t), float(v)] for t, v in knots]},
-        "upper": upper,
-        "lower": lower,
-        "start": {"size": 0.0},
-        "run": {"until": 31.87},
-    }
-    return read(scene)
+    drive = {"velocity": [[float(t), float(v)] for t, v in knots]}
+    slabs = {"upper": upper, "lower": lower}
+    return read(slabs | {"interface": interface, "drive": drive, "start": {"size": 0.0}, "run": {"until": 31.87}})
 
 
 class Lowest:

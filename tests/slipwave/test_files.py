@@ -58,12 +58,8 @@ def test_what_killed_processes_left_goes_when_the_next_file_is_written(tmp_path,
         for name, process in (("running", other.pid), ("killed", gone.pid)):
             monkeypatch.setattr(os, "getpid", lambda process=process: process)
             parts[name] = [part_of(tmp_path / stem, suffix) for stem, suffix in (("x.nc", ".nc"), ("run.nc", ".samples"))]
-        stay = [
-            *parts["running"],
-            tmp_path / f".notes-{gone.pid}.txt",
-            tmp_path / f".x-elsewhere-{gone.pid}.nc",
-            tmp_path / "x-1.nc",
-        ]
+        others = (f".notes-{gone.pid}.txt", f".x-elsewhere-{gone.pid}.nc", "x-1.nc")
+        stay = [*parts["running"], *(tmp_path / name for name in others)]
         for path in (*stay, *parts["killed"]):
             path.write_text("half")
         with whole_or_absent(tmp_path / "y.png") as temporary:

@@ -182,14 +182,9 @@ def test_every_rate_is_found_again(name, impedance):
         rate = 10.0**exponent
         psi = min(60.0, max(-60.0, steady_state(law, rate)))
         wanted, incoming = incoming_for(law, impedance, rate, psi)
-        for start, most in (
-            (wanted + 0.01, 5),
-            (0.0, MAX_ITERATIONS),
-            (wanted + 30.0, MAX_ITERATIONS),
-            (wanted - 30.0, MAX_ITERATIONS),
-        ):
+        for start in (wanted + 0.01, 0.0, wanted + 30.0, wanted - 30.0):
             z, iterations = solve_interface(law, impedance, incoming, psi, start)
-            assert 0 < iterations <= most
+            assert 0 < iterations <= (5 if start == wanted + 0.01 else MAX_ITERATIONS)
             # a root is as sharp as the rounding of the incoming stress over the slope of the balance
             v, v_z, _, friction_z, *_ = respond(law, wanted, psi)
             sharpness = 1e-15 * (abs(incoming) + impedance * v + 1.0) / (friction_z + impedance * v_z)

@@ -226,14 +226,8 @@ def test_a_scene_with_units_is_the_scene_in_bare_numbers():
 
 
 def test_times_and_velocities_become_transits_and_reference_velocities():
-    scene = slipwave.read(
-        GRANITE,
-        {
-            "drive.velocity": [["0 s", "1 um/s"], ["100 s", "10 um/s"], [1e6, 3.0]],
-            "run.until": "60 s",
-            "slab.viscosity": {"kind": "kelvin-voigt", "time": "1 ms"},
-        },
-    )
+    changes = {"run.until": "60 s", "slab.viscosity": {"kind": "kelvin-voigt", "time": "1 ms"}}
+    scene = slipwave.read(GRANITE, changes | {"drive.velocity": [["0 s", "1 um/s"], ["100 s", "10 um/s"], [1e6, 3.0]]})
     assert scene.drive.times == pytest.approx((0.0, 100 / ROUND_TRIP, 1e6), rel=1e-14)
     assert scene.drive.velocities == pytest.approx((1.0, 10.0, 3.0), rel=1e-15)
     assert scene.until == pytest.approx(60 / ROUND_TRIP, rel=1e-14)

@@ -77,12 +77,8 @@ class Fake:
         """Put `text` at the end of a study's file, as a later process would find it."""
         with open(module.__file__, "a") as source:
             source.write(text)
-        for function in (
-            slipwave.sources._read,
-            slipwave.sources.imported_files,
-            store._words,
-            store._called,
-        ):  # each process reads once
+        read_once = (slipwave.sources._read, slipwave.sources.imported_files, store._words, store._called)
+        for function in read_once:  # by each process
             function.cache_clear()
 
     def write(self, name, body, timed=False):

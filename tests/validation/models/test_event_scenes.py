@@ -8,14 +8,8 @@ from tests.granite import GRANITE as GRANITE_BLOCK
 from validation.models.build import build
 from validation.models.cycle import watch
 
-LAYERS = [
-    "drive.velocity=100.0",
-    "upper.epsilon=2.8e-05",
-    "upper.r=0.0031622776601683794",
-    "upper.layers=[{fraction=0.25, impedance=1.0}, {fraction=0.75, impedance=0.5}]",
-    "lower.epsilon=5.6e-05",
-    "lower.r=0.004743416490252569",
-]
+LAYERS = ["upper.epsilon=2.8e-05", "upper.r=0.0031622776601683794", "lower.epsilon=5.6e-05", "lower.r=0.004743416490252569"]
+LAYERS += ["drive.velocity=100.0", "upper.layers=[{fraction=0.25, impedance=1.0}, {fraction=0.75, impedance=0.5}]"]
 """Unlike slabs, the upper one layered: every third cycle has a precursor in which v crosses V and sticks again."""
 
 WAVES = {
@@ -49,14 +43,8 @@ def test_precursors_are_no_events(tolerance):
     assert prominence.min() > 0.5 * prominence.max()
 
 
-GRANITE = [
-    "slab.density=2700.0",
-    "slab.shear_modulus=3e10",
-    "slab.thickness=12.0",
-    "interface.normal_stress=5e6",
-    "interface.memory_length=1e-5",
-    "drive.velocity=100.0",
-]
+GRANITE = ["slab.density=2700.0", "slab.shear_modulus=3e10", "slab.thickness=12.0", "drive.velocity=100.0"]
+GRANITE += ["interface.normal_stress=5e6", "interface.memory_length=1e-5"]
 """Granite under 5 MPa, twice as at the onset of stick-slip: slabs ring after each event, so that v crosses V again and
 again. Counted by these crossings, 110 events in 9000 transits have periods of 69 +- 162 transits."""
 

@@ -24,12 +24,8 @@ KEYS = {
     "paper": ("interface.a_star", "interface.a", "interface.b", "slab.epsilon", "slab.log10_r", "drive.velocity"),
     "unlike": ("interface.a", "interface.b", "upper.epsilon", "lower.epsilon", "upper.r", "lower.r", "drive.velocity"),
 }
-MACHINE = {
-    "slab.face.kind": "machine",
-    "slab.face.stiffness": "2e8 Pa/m",
-    "slab.face.impedance": "14 Pa s/m",
-    "slab.face.mass": "13 kg/m2",
-}
+FACE = {"kind": "machine", "stiffness": "2e8 Pa/m", "impedance": "14 Pa s/m", "mass": "13 kg/m2"}
+MACHINE = {f"slab.face.{key}": value for key, value in FACE.items()}
 
 
 def differences(result, key, value, unit="", step=1e-5):
@@ -142,14 +138,8 @@ def test_the_table_shows_effects_of_1_percent_largest_first(capsys):
     lines = capsys.readouterr().out.splitlines()
     first = next(k for k, line in enumerate(lines) if line.startswith("effect in % of"))
     rows = [line for line in lines[first + 1 :] if "1 %" in line]
-    assert [row.split()[0] for row in rows] == [
-        "interface.b",
-        "interface.a",
-        "r",
-        "slab.epsilon",
-        "drive.velocity",
-        "interface.a_star",
-    ]
+    keys = [row.split()[0] for row in rows]
+    assert keys == ["interface.b", "interface.a", "r", "slab.epsilon", "drive.velocity", "interface.a_star"]
     assert main(["orbit", "paper", "--tol", "1e-6", "--response", "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)
     assert facts["response"]["keys"]["slab.log10_r"] == {"value": -2.68, "unit": ""}

@@ -348,12 +348,8 @@ def test_difference_of_two_models_in_per_cent_of_the_area():
 
 
 def test_a_map_shows_the_boundary_of_stability_within_a_cell(tmp_path):
-    what = plan_of(
-        Variation(sw.read_scene("paper")),
-        [axis_of("log10_r", "-2.75:-2.6:16"), axis_of("V", "10:1000:3:log")],
-        ["delay"],
-        "stability",
-    )
+    axes = [axis_of("log10_r", "-2.75:-2.6:16"), axis_of("V", "10:1000:3:log")]
+    what = plan_of(Variation(sw.read_scene("paper")), axes, ["delay"], "stability")
     data = computed(what, tmp_path / "map")
     stable = (data["stable"] == "yes").values
     lines = sw.map(tmp_path / "map").boundaries
