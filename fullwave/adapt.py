@@ -15,7 +15,7 @@ credited with more than the scheme's order p, i.e. the estimate is at least the 
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar, cast
 
@@ -23,7 +23,7 @@ import numpy as np
 
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.families import GALERKIN, degree_for
-from fullwave.lines.blocks import most_cells_alike
+from fullwave.lines.blocks import Section
 from fullwave.lines.march import MethodOfLines
 from fullwave.options import CellsRefused
 from slipwave.errors import NumericsError, SceneError
@@ -87,7 +87,7 @@ def to_tolerance(
     coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
     if coarsest and isinstance(cast(object, coarsest), MethodOfLines):  # no two grids of the leapfrog are one: its step follows
-        cells = most_cells_alike(coarsest.sections)
+        cells = _most_cells_alike(coarsest.sections)
     tried: list[tuple[int, float]] = []
     credited = min(credited, _IRREGULAR) if _kinked(scene) else credited
     before, difference, needed, outlook = None, math.inf, 0.0, ""
@@ -122,6 +122,15 @@ def to_tolerance(
         f"{solver.model}: tolerance {tolerance:g} not reached with {tried[-1][0]} cells: estimated error {tried[-1][1]:.2g}"
         f"{outlook} (scene {scene.name!r})"
     )
+
+
+def _most_cells_alike(sections: Sequence[Section]) -> int:
+    """The largest number of cells that gives the coarsest grid, `sections`, in which every layer has its fewest cells. Grids up
+    to it are identical, so that their difference is no error estimate."""
+    slabs = {section.slab for section in sections}
+    thinnest = min(sum(section.length for section in sections if section.slab == slab) for slab in slabs)
+    thickest = max(section.length for section in sections)
+    return max(sections[0].asked, int(sections[0].fewest * thinnest / thickest + 1e-9))
 
 
 def resolution_for(tolerance: float) -> float:

@@ -20,10 +20,9 @@ from typing import Any
 import numpy as np
 
 from fullwave.families import LEAPFROG
-from fullwave.leapfrog.faces import Rigid, face_energy
-from fullwave.leapfrog.grid import LeapfrogGrid, slab_grid
+from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.kernel import FRICTION, INPUT, MOST_PIECES, RATE, STEPS_PER_PIECE, STRESS, Z, march_leapfrog, steady_memory
-from fullwave.leapfrog.media import CHANGED, KelvinVoigt, Side, StandardLinear, steady_side
+from fullwave.leapfrog.media import CHANGED, KelvinVoigt, Rigid, Side, StandardLinear, face_energy, steady_side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
 from fullwave.sampling import pieces_until
@@ -117,7 +116,7 @@ class Leapfrog:
         travels = [slab.round_trip / scene.transit for slab in marched_slabs(scene)]
         self.step = cfl * 0.5 * (min(scene.upper.round_trip, scene.lower.round_trip) / scene.transit) / cells
         require_bytes(cells, _CELL_BYTES * cfl * 0.5 * sum(travels) / self.step)
-        self._grids = [slab_grid(slab, scene.transit, self.step, cfl, cells) for slab in marched_slabs(scene)]
+        self._grids = [LeapfrogGrid.of(slab, scene.transit, self.step, cfl, cells) for slab in marched_slabs(scene)]
         self._sides = [steady_side(scene, slab, grid) for slab, grid in zip(marched_slabs(scene), self._grids, strict=True)]
         self._lower = self._sides[1] if len(self._sides) == 2 else None
         self._memory = steady_memory(scene)

@@ -42,7 +42,6 @@ _Pairs: TypeAlias = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 _DEPENDENT = 1e-12  # singular values below this share of the largest belong to conditions that follow from others
 
-
 _SAMPLE_CELLS = 56  # of the longest line from which a step limit is computed; twice as many cells lower it by 0.2 per cent
 
 

@@ -24,11 +24,6 @@ def _both(scene: Scene, change: Callable[[Slab], Slab]) -> Scene:
     return dataclasses.replace(scene, upper=change(scene.upper), lower=change(scene.lower))
 
 
-def _round_trip(scene: Scene, value: float) -> Scene:
-    """Sets the upper slab's round trip; the ratio of both round trips stays."""
-    return scaled(scene, round_trip=value / scene.upper.round_trip)
-
-
 def _law(name: str) -> Callable[[Scene, float], Scene]:
     return lambda scene, value: dataclasses.replace(scene, law=scene.law._replace(**{name: value}))
 
@@ -54,7 +49,7 @@ def _logarithmic(setter: Callable[[Scene, float], Scene]) -> Callable[[Scene, fl
 
 
 _POSITIVE: dict[str, Callable[[Scene, float], Scene]] = {
-    "r": _round_trip,
+    "r": lambda scene, value: scaled(scene, round_trip=value / scene.upper.round_trip),
     "epsilon": lambda scene, value: scaled(scene, epsilon=value / scene.upper.epsilon),
     "V": lambda scene, value: scaled(scene, velocity=value),
     "grip_impedance": _face("impedance"),

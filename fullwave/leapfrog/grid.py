@@ -25,6 +25,23 @@ class LeapfrogGrid:
     step: float
     burden: float = 0.0
 
+    @staticmethod
+    def of(slab: Slab, transit: float, step: float, cfl: float, cells: int) -> "LeapfrogGrid":
+        """Grid of `slab`; a transit is `transit` L/V*. Raises SceneError naming cells if a layer is thinner than a cell."""
+        widths, impedances = [], []
+        for number, layer in enumerate(slab.layers):
+            travel = 0.5 * slab.round_trip / transit * layer.fraction
+            count = int(np.floor(cfl * travel / step * (1.0 + 1e-9)))
+            if count < 1:
+                wanted = int(np.ceil(cells * step / (cfl * travel)))
+                raise CellsRefused(f"cells = {cells}: layer {number + 1} is thinner than a cell; use at least {wanted}")
+            if count > MOST_CELLS:
+                raise CellsRefused(f"cells = {cells}: the slower slab would need {count} cells; at most {MOST_CELLS} are allowed")
+            widths.append(np.full(count, travel / count))
+            impedances.append(np.full(count, slab.epsilon * layer.impedance))
+        burden = slab.termination.in_transits(transit).mass
+        return LeapfrogGrid(np.concatenate(widths), np.concatenate(impedances), step, burden)
+
     @property
     def depth(self) -> Array:
         """Travel time of the nodes from the interface, transits, shape (n + 1,)."""
@@ -50,20 +67,3 @@ class LeapfrogGrid:
     def is_uniform(self) -> bool:
         """Whether it has one width and one impedance, and no burden."""
         return self.burden == 0.0 and bool(np.all(self.width == self.width[0]) and np.all(self.impedance == self.impedance[0]))
-
-
-def slab_grid(slab: Slab, transit: float, step: float, cfl: float, cells: int) -> LeapfrogGrid:
-    """Grid of `slab`; a transit is `transit` L/V*. Raises SceneError naming cells if a layer is thinner than a cell."""
-    widths, impedances = [], []
-    for number, layer in enumerate(slab.layers):
-        travel = 0.5 * slab.round_trip / transit * layer.fraction
-        count = int(np.floor(cfl * travel / step * (1.0 + 1e-9)))
-        if count < 1:
-            wanted = int(np.ceil(cells * step / (cfl * travel)))
-            raise CellsRefused(f"cells = {cells}: layer {number + 1} is thinner than a cell; use at least {wanted}")
-        if count > MOST_CELLS:
-            raise CellsRefused(f"cells = {cells}: the slower slab would need {count} cells; at most {MOST_CELLS} are allowed")
-        widths.append(np.full(count, travel / count))
-        impedances.append(np.full(count, slab.epsilon * layer.impedance))
-    burden = slab.termination.in_transits(transit).mass
-    return LeapfrogGrid(np.concatenate(widths), np.concatenate(impedances), step, burden)

@@ -21,27 +21,111 @@ Kelvin-Voigt     sigma = sigma_e + eps time u_s. The viscous part is the mean of
                  slabs. It has no step limit of its own (an explicit scheme would need dt < dx^2/(2 time)), and each step
                  dissipates exactly sum c (du)^2 dt.
 Stresses are deviations from that of steady sliding, which the spring that never relaxes carries.
+
+Outer faces (MODEL.md section 3) are one row of the grid's momentum balance. The half cell at the face has the grid impedance Z =
+eps dx/dt; its velocity w at a whole time is the mean of the two half steps around it. With the traction T on the face from
+outside, the stress `pull` in the last cell, and the viscous coupling c (damping) to the node below (velocity u; c = 0 in an
+elastic slab),
+
+    Z (w - w_old) = T - pull - c (w - u)        so     w = alpha u + beta.
+
+rigid   w is the drive's velocity.
+grip    T = load + Z_g (V - w), load' = K (V - w): the load is the mean of its two half steps. This adds K dt/2 to Z_g, conserves
+        the spring's energy and needs no smaller step, however stiff the spring is. With K = 0 the load is always the stress of
+        steady sliding.
+
+A mass on the face belongs to the half cell: it is part of Z (`grid.LeapfrogGrid`). Velocities are in V*; `mean` is the drive at
+the whole time, `following` the drive at the next half step.
 """
 
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fullwave.leapfrog.faces import Grip, Rigid, compiled_face, coupling, push, settle_face
 from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.slab import Slab
+from slipwave.scene.slab import Slab, Termination
 
 CHANGED = ("velocity", "stress", "relaxing", "lost", "memory")
 """Fields of media and faces that a march changes, for checkpoints."""
 
+
+class Rigid(NamedTuple):
+    """The drive moves the face itself."""
+
+    stored: float = 0.0
+
+
+class _Grip(NamedTuple):
+    """Dashpot `impedance` Z_g, `half_spring` K dt/2, the spring's load in steady sliding, and `memory` (2,): the load's deviation
+    from that at the half step, and the sum of the powers absorbed."""
+
+    impedance: float
+    half_spring: float
+    steady_load: float
+    memory: Array
+
+
+@by_class(inline=True)
+def _settle_face(
+    face: Any, inertia: float, old: float, pull: float, damping: float, mean: float, following: float
+) -> tuple[float, float]:
+    """(alpha, beta) of the face's row for the grid impedance `inertia` and the velocity `old` half a step before."""
+    resistance = face.impedance + face.half_spring
+    total = inertia + resistance + damping
+    return damping / total, (inertia * old - pull + face.memory[0] + resistance * mean) / total
+
+
+@by_class(inline=True)
+def _push(face: Any, traction: float, velocity: float, mean: float) -> float:
+    """Power of the drive from the deviation `traction`; also advances a grip's spring to the next half step."""
+    slip = mean - velocity
+    lost = face.impedance * slip * slip
+    face.memory[0] += 2.0 * face.half_spring * slip
+    face.memory[1] += lost
+    if face.half_spring == 0.0:
+        return float(traction * velocity + lost - face.steady_load * slip)  # the dead load acts on the face itself
+    return traction * mean
+
+
+@_settle_face.register(Rigid)
+def _settle_rigid(face, inertia, old, pull, damping, mean, following):  # type: ignore[no-untyped-def]
+    return 0.0, 0.5 * (old + following)
+
+
+@_push.register(Rigid)
+def _push_rigid(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
+    return traction * velocity
+
+
+def _coupling(face: Rigid | _Grip, inertia: float, damping: float) -> float:
+    """alpha of the face's row."""
+    return 0.0 if isinstance(face, Rigid) else damping / (inertia + face.impedance + face.half_spring + damping)
+
+
+def face_energy(face: Rigid | _Grip, steady_stress: float, step: float) -> tuple[float, float]:
+    """(change of the spring's energy, radiated energy) of a face since t = 0, in units of sigma L / transit."""
+    if isinstance(face, Rigid):
+        return 0.0, 0.0
+    stiffness, load = 2.0 * face.half_spring / step, float(face.memory[0])
+    spring = load * (load + 2.0 * steady_stress) / (2.0 * stiffness) if stiffness > 0.0 else 0.0
+    return spring, float(face.memory[1]) * step
+
+
+def _compiled_face(held: Termination, step: float, steady_stress: float) -> Rigid | _Grip:
+    """The kernel's form of an outer face; `held` and the time step `step` in transits."""
+    if held.is_rigid:
+        return Rigid()
+    return _Grip(held.dashpot, 0.5 * held.spring * step, steady_stress, np.zeros(2))
+
+
 Medium: TypeAlias = Any
-"""An instance of Uniform, Layered, StandardLinear or KelvinVoigt."""
+"""An instance of _Uniform, _Layered, StandardLinear or KelvinVoigt."""
 
 
-class Uniform(NamedTuple):
+class _Uniform(NamedTuple):
     """Homogeneous elastic slab: u (n + 1,), sigma (n,), dt/(eps dx), eps dt/dx, grid impedance eps dx/dt of an end node."""
 
     velocity: Array
@@ -51,7 +135,7 @@ class Uniform(NamedTuple):
     inertia: float
 
 
-class Layered(NamedTuple):
+class _Layered(NamedTuple):
     """Elastic slab of any layers: u, sigma, dt/mass (n + 1,), eps dt/dx (n,), grid impedances of the first and the last node."""
 
     velocity: Array
@@ -66,32 +150,32 @@ class Side(NamedTuple):
     """A marched slab; of alike slabs, which move antisymmetrically, only the upper one is marched."""
 
     medium: Medium
-    face: Rigid | Grip
+    face: Rigid | _Grip
 
 
-def _layered_medium(grid: LeapfrogGrid, velocity: float) -> Layered:
+def _layered_medium(grid: LeapfrogGrid, velocity: float) -> _Layered:
     """A slab of any layers that moves steadily at `velocity`."""
     n, inertia = grid.width.size, grid.inertia
     ends = float(inertia[0]), float(inertia[-1])
-    return Layered(np.full(n + 1, velocity), np.zeros(n), 2.0 / inertia, grid.stiffness, *ends)
+    return _Layered(np.full(n + 1, velocity), np.zeros(n), 2.0 / inertia, grid.stiffness, *ends)
 
 
-def _elastic_medium(grid: LeapfrogGrid, velocity: float) -> Uniform | Layered:
+def _elastic_medium(grid: LeapfrogGrid, velocity: float) -> _Uniform | _Layered:
     """A slab that moves steadily at `velocity`."""
     layered = _layered_medium(grid, velocity)
     if not grid.is_uniform:
         return layered
-    return Uniform(*layered[:2], 0.5 * float(layered.mobility[0]), float(layered.stiffness[0]), layered.inertia)
+    return _Uniform(*layered[:2], 0.5 * float(layered.mobility[0]), float(layered.stiffness[0]), layered.inertia)
 
 
 @by_class(inline=True)
-def load(medium: Medium, face: Rigid | Grip, mean: float, following: float) -> tuple[float, float]:
+def load(medium: Medium, face: Rigid | _Grip, mean: float, following: float) -> tuple[float, float]:
     """(Z, S) of the interface's half cell, here from its momentum alone."""
     return medium.inertia, medium.stress[0] + medium.inertia * medium.velocity[0]
 
 
 @by_class()
-def accelerate(medium: Medium, face: Rigid | Grip, rate: float, mean: float, following: float) -> float:
+def accelerate(medium: Medium, face: Rigid | _Grip, rate: float, mean: float, following: float) -> float:
     """Advance velocities by one step, with u = `rate` at the interface; returns the drive's power without the steady stress."""
     velocity, stress, mobility = medium.velocity, medium.stress, medium.mobility
     n = stress.size
@@ -99,9 +183,9 @@ def accelerate(medium: Medium, face: Rigid | Grip, rate: float, mean: float, fol
     for j in range(1, n):
         velocity[j] += mobility[j] * (stress[j] - stress[j - 1])
     old = velocity[n]
-    _, top = settle_face(face, medium.outer_inertia, old, stress[n - 1], 0.0, mean, following)
+    _, top = _settle_face(face, medium.outer_inertia, old, stress[n - 1], 0.0, mean, following)
     velocity[n] = 2.0 * top - old
-    return push(face, stress[n - 1] + medium.outer_inertia * (top - old), top, mean)
+    return _push(face, stress[n - 1] + medium.outer_inertia * (top - old), top, mean)
 
 
 @by_class()
@@ -112,7 +196,7 @@ def strain(medium: Medium) -> None:
         stress[j] += stiffness[j] * (velocity[j + 1] - velocity[j])
 
 
-@accelerate.register(Uniform)
+@accelerate.register(_Uniform)
 def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no-untyped-def]
     velocity, stress = medium.velocity, medium.stress
     n = stress.size
@@ -120,12 +204,12 @@ def _accelerate_uniform(medium, face, rate, mean, following):  # type: ignore[no
     for j in range(1, n):
         velocity[j] += medium.mobility * (stress[j] - stress[j - 1])
     old = velocity[n]
-    _, top = settle_face(face, medium.inertia, old, stress[n - 1], 0.0, mean, following)
+    _, top = _settle_face(face, medium.inertia, old, stress[n - 1], 0.0, mean, following)
     velocity[n] = 2.0 * top - old
-    return push(face, stress[n - 1] + medium.inertia * (top - old), top, mean)
+    return _push(face, stress[n - 1] + medium.inertia * (top - old), top, mean)
 
 
-@strain.register(Uniform)
+@strain.register(_Uniform)
 def _strain_uniform(medium):  # type: ignore[no-untyped-def]
     velocity, stress = medium.velocity, medium.stress
     for j in range(stress.size):
@@ -133,7 +217,7 @@ def _strain_uniform(medium):  # type: ignore[no-untyped-def]
 
 
 class StandardLinear(NamedTuple):
-    """The fields of Layered; the branch's stress `relaxing` q (n,), its eps_1 dt/dx (n,), dt/(2 time), the weights
+    """The fields of _Layered; the branch's stress `relaxing` q (n,), its eps_1 dt/dx (n,), dt/(2 time), the weights
     dx/(eps_1 time) of its losses (n,), and `lost` (1,), the sum of the dissipated powers."""
 
     velocity: Array
@@ -150,7 +234,7 @@ class StandardLinear(NamedTuple):
 
 
 class KelvinVoigt(NamedTuple):
-    """Velocity, stress and stiffness as in Layered; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the
+    """Velocity, stress and stiffness as in _Layered; grid impedances of all nodes (n + 1,), damping c = eps time/dx (n,), the
     elimination's alpha and 1/pivot (n + 1,), its `beta` (n + 1,), and `lost` (1,) as in StandardLinear."""
 
     velocity: Array
@@ -164,12 +248,12 @@ class KelvinVoigt(NamedTuple):
     lost: Array
 
 
-def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | Grip) -> KelvinVoigt:
+def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid | _Grip) -> KelvinVoigt:
     """A slab that moves steadily at `velocity`, with prepared elimination; viscous `time` in transits."""
     n, inertia = grid.width.size, grid.inertia
     damping = grid.impedance * time / grid.width
     alpha, pivot = np.zeros(n + 1), np.zeros(n + 1)
-    alpha[n] = coupling(face, inertia[-1], damping[-1])
+    alpha[n] = _coupling(face, inertia[-1], damping[-1])
     for j in range(n - 1, 0, -1):
         pivot[j] = 1.0 / (inertia[j] + damping[j] * (1.0 - alpha[j + 1]) + damping[j - 1])
         alpha[j] = damping[j - 1] * pivot[j]
@@ -179,7 +263,7 @@ def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid 
 
 def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
     """A slab in steady sliding at the scene's initial velocity."""
-    face = compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
+    face = _compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
     velocity, solid = 0.5 * scene.velocity, slab.rheology
     if solid.blocks_fast_waves:
         return Side(_kelvin_voigt(grid, velocity, solid.retardation / scene.transit, face), face)
@@ -210,7 +294,7 @@ def _strain_standard_linear(medium):  # type: ignore[no-untyped-def]
 def _load_kelvin_voigt(medium, face, mean, following):  # type: ignore[no-untyped-def]
     velocity, stress, beta, inertia, damping = medium.velocity, medium.stress, medium.beta, medium.node_inertia, medium.damping
     n = stress.size
-    _, beta[n] = settle_face(face, inertia[n], velocity[n], stress[n - 1], damping[n - 1], mean, following)
+    _, beta[n] = _settle_face(face, inertia[n], velocity[n], stress[n - 1], damping[n - 1], mean, following)
     for j in range(n - 1, 0, -1):
         known = inertia[j] * velocity[j] + stress[j] - stress[j - 1]
         beta[j] = (known + damping[j] * beta[j + 1]) * medium.pivot[j]
@@ -234,4 +318,4 @@ def _accelerate_kelvin_voigt(medium, face, rate, mean, following):  # type: igno
         velocity[j] = 2.0 * above - velocity[j]
         below = above
     medium.lost[0] += lost
-    return push(face, medium.stress[n - 1] + pull + medium.node_inertia[n] * (below - old), below, mean)
+    return _push(face, medium.stress[n - 1] + pull + medium.node_inertia[n] * (below - old), below, mean)

@@ -96,15 +96,6 @@ def sections_of(scene: Scene, cells: int, fewest: int) -> list[Section]:
     return sections
 
 
-def most_cells_alike(sections: Sequence[Section]) -> int:
-    """The largest number of cells that gives the coarsest grid, `sections`, in which every layer has its fewest cells. Grids up
-    to it are identical, so that their difference is no error estimate."""
-    slabs = {section.slab for section in sections}
-    thinnest = min(sum(section.length for section in sections if section.slab == slab) for slab in slabs)
-    thickest = max(section.length for section in sections)
-    return max(sections[0].asked, int(sections[0].fewest * thinnest / thickest + 1e-9))
-
-
 def padded_half(nodes: int) -> int:
     """Number of slots of w, and also of s, for `nodes` nodes, such that both together fill whole panels."""
     return -(-2 * nodes // LANES) * LANES // 2

@@ -9,8 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, steps_at_once
-from fullwave.lines.grid_slabs import FRICTION, INPUT, RADIATED, VISCOUS, GridSlabs
-from fullwave.lines.propagator import halves
+from fullwave.lines.propagator import FRICTION, INPUT, RADIATED, VISCOUS, GridSlabs, halves
 from fullwave.lines.system import System
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array, Pieces
@@ -27,7 +26,6 @@ MOST_BY_DEFAULT = 1000
 in space: from 130 unknowns on a transit costs a fifth of that by explicit steps, or less (a fortieth for elements of degree 4).
 Tables take 40 ms for 270 unknowns, 0.2 to 0.5 s for 500, 0.7 to 1.8 s for 800, which pays after 20 to 150 transits (1600 for
 `sbp:2`, whose explicit steps are cheapest); a scene of the gallery has 4000."""
-
 
 STAGES = 8
 LONGEST = 1.0

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from fullwave.families import FullWave
-from fullwave.lines.blocks import Block, BlockGrid, Chain, Section, assemble, sections_of, state_size
+from fullwave.lines.blocks import Block, BlockGrid, Section, assemble, sections_of, state_size
 from fullwave.lines.budget import enough_memory, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch, TimeMarch, cheaper_march
 from fullwave.lines.explicit import ExplicitMarch
@@ -66,23 +66,15 @@ def _weighted(norm: Any, values: Array) -> Array:
     return np.asarray(norm * values if isinstance(norm, np.ndarray) else norm @ values)
 
 
-def _twice_energy(grid: BlockGrid, state: Array) -> float:
-    """w.H w + s.H s of the deviations from steady sliding in the marched slabs (V*^2)."""
-    fields = [(block.norm, state[slots]) for block in grid.blocks for slots in (block.velocity, block.stress)]
-    return float(sum(values @ _weighted(norm, values) for norm, values in fields))
-
-
 def _snapshot_of(scene: Scene, grid: BlockGrid, system: System, time: float, state: Array) -> Snapshot:
-    """Fields of both slabs at `time`; if one slab is marched, it gives both."""
-    return both_slabs(scene, time, [_slab_fields(chain, system, state) for chain in grid.chains])
-
-
-def _slab_fields(chain: Chain, system: System, state: Array) -> SlabSnapshot:
-    """Fields of a marched slab. The two values at a joint are averaged."""
-    velocity = np.concatenate([state[block.velocity] for block in chain.blocks]) + 0.5 * system.forcing.velocity
-    stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in chain.blocks])
-    means = [np.bincount(chain.node, field) / chain.values for field in (velocity, stress + system.forcing.steady_stress)]
-    return SlabSnapshot(chain.depth, means[0], means[1])
+    """Fields of both slabs at `time`; if one slab is marched, it gives both. The two values at a joint are averaged."""
+    marched = []
+    for chain in grid.chains:
+        velocity = np.concatenate([state[block.velocity] for block in chain.blocks]) + 0.5 * system.forcing.velocity
+        stress = np.concatenate([block.section.impedance * _total_stress(block, system, state) for block in chain.blocks])
+        means = [np.bincount(chain.node, field) / chain.values for field in (velocity, stress + system.forcing.steady_stress)]
+        marched.append(SlabSnapshot(chain.depth, means[0], means[1]))
+    return both_slabs(scene, time, marched)
 
 
 def _total_stress(block: Block, system: System, state: Array) -> Array:
@@ -239,8 +231,10 @@ class MethodOfLines(ABC):
         return float(np.abs(self._march.layout[: self.grid.size]).max())
 
     def deviation_energy(self) -> float:
-        """As `FieldSolver`; that of the marched slabs."""
-        return _twice_energy(self.grid, self._march.layout)
+        """As `FieldSolver`; that of the marched slabs: w.H w + s.H s."""
+        state = self._march.layout
+        fields = [(block.norm, state[slots]) for block in self.grid.blocks for slots in (block.velocity, block.stress)]
+        return float(sum(values @ _weighted(norm, values) for norm, values in fields))
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
         """As `PortMarch`. Raises SceneError if it marches explicitly."""

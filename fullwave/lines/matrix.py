@@ -1,5 +1,5 @@
 """The equations of motion without friction as matrices, for the exact march, for the step limit of scenes with viscosity or a
-mass on a face, and as a simple reference for `fullwave.lines.kernel`.
+mass on a face, and as a simple reference for `fullwave.lines.explicit`.
 """
 
 from typing import NamedTuple

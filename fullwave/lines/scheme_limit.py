@@ -35,7 +35,6 @@ _PHASES, _PHASES_BY_NODE = 24, 800
 too long, since the worst phase lies between two; with 400 it is right to 1e-6."""
 _BISECTIONS = 40
 
-
 _SAMPLE_NODES = 28  # per section of the sample whose spectrum is computed
 
 

@@ -95,7 +95,7 @@ def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Contro
             folds = reached.last.special.kind == "LP"
             new = _next(plane, reached, tolerance, max(steps.shortest, _AT_CUSP) if folds else steps.shortest)
         except NumericsError:
-            end = cusp_after(plane, reached) if reached.last.special.kind == "LP" else None
+            end = _cusp_after(plane, reached) if reached.last.special.kind == "LP" else None
             if end is None:
                 raise
             yield end
@@ -206,7 +206,7 @@ class _Line:
         return self.known[length].parameters[1]
 
 
-def cusp_after(plane: Plane, reached: Reached) -> Reached | None:
+def _cusp_after(plane: Plane, reached: Reached) -> Reached | None:
     """The cusp right after the last point of a curve of folds, of kind CP, with the other fold that meets it there as the point
     `before`; None if none is near.
 

@@ -109,13 +109,18 @@ def difference_of_halves(point: OrbitPoint) -> float:
     return difference_of_parts(point.closed.cycle, point.closed.flow.nodes, 2)
 
 
+def without_derivatives(point: OrbitPoint) -> State:
+    """Arrays by name of a point: its `unknowns` (x, T, p), `tangent`, and the mesh."""
+    mesh = {f"{_MESH}{name}": np.atleast_1d(array) for name, array in point.closed.flow.mesh_state().items()}
+    return mesh | {"unknowns": point.unknowns, "tangent": point.tangent}
+
+
 def stored(point: OrbitPoint, step: float) -> State:
-    """Arrays by name from which a branch continues bit by bit: its `unknowns` (x, T, p), `tangent`, the next `step`, the mesh and
-    the derivatives of `Closed`, which may be those of a neighbour."""
+    """Arrays by name from which a branch continues bit by bit: those `without_derivatives`, the next `step`, and the derivatives
+    of `Closed`, which may be those of a neighbour, and are large."""
     closed = point.closed
-    mesh = {f"{_MESH}{name}": np.atleast_1d(array) for name, array in closed.flow.mesh_state().items()}
     derivatives = {"monodromy": closed.monodromy, "velocity": closed.velocity, "drift": closed.drift}
-    return mesh | {"unknowns": point.unknowns, "tangent": point.tangent, "step": np.array([step])} | derivatives
+    return without_derivatives(point) | {"step": np.array([step])} | derivatives
 
 
 def from_stored(family: FlowFamily, saved: Mapping[str, Array]) -> tuple[FlowFamily, OrbitPoint, float]:
@@ -135,13 +140,6 @@ def from_outline(family: FlowFamily, saved: Mapping[str, Array], metric: Metric)
     flow = family(float(saved["unknowns"][-1])).on_mesh(_mesh_of(saved))
     family = family.on(flow)
     return family, point_near(family, saved["unknowns"], saved["tangent"], metric)
-
-
-def without_derivatives(point: OrbitPoint) -> State:
-    """The arrays of `stored` without derivatives, which are large."""
-    return {
-        name: array for name, array in stored(point, 0.0).items() if name in ("unknowns", "tangent") or name.startswith(_MESH)
-    }
 
 
 def _mesh_of(saved: Mapping[str, Array]) -> State:

@@ -1,7 +1,7 @@
 """The compiled derivative of `march_delay` through a network in equal steps.
 
 All changes are carried at once, each in a column, the last axis of every array: loops over columns are what the compiler
-vectorises. Friction's part is `step_answer`, the slabs' part `Exchange`: a matrix, the same for every step, computed by sending
+vectorises. Friction's part is `step_answer`, the slabs' part `_Exchange`: a matrix, the same for every step, computed by sending
 unit waves through the march's own functions.
 """
 
@@ -18,7 +18,7 @@ from slipwave.step.impedance import Diagonal
 from slipwave.step.tangent import Motion, blank_answer, step_answer
 
 
-class Exchange(NamedTuple):
+class _Exchange(NamedTuple):
     """Linear map of the slabs over a step.
 
     Rows of the matrix: the waves that leave (layers, 2, s), the outer faces' state (slabs, 2) and psi at the step's end; the
@@ -37,7 +37,7 @@ class Exchange(NamedTuple):
     weights: Array
 
 
-def exchange_of(nodes: Nodes, network: Network, length: float, integral: Array) -> Exchange:
+def exchange_of(nodes: Nodes, network: Network, length: float, integral: Array) -> _Exchange:
     """The exchange in steps of `length` (transits); `integral` is A transposed."""
     matrix = exchange_matrix(nodes, network, length, integral)
     present = matrix != 0.0
@@ -48,11 +48,11 @@ def exchange_of(nodes: Nodes, network: Network, length: float, integral: Array) 
     back[: 2 * layers * s] = np.repeat(network.back, 2 * s, axis=0)
     weights = np.ascontiguousarray(np.repeat(network.weights, 2, axis=0).swapaxes(1, 2)).reshape(-1, n, s)
     starts = np.searchsorted(rows, np.arange(matrix.shape[0] + 1))
-    return Exchange(network.interface_impedance, starts, columns, matrix[rows, columns], back, weights)
+    return _Exchange(network.interface_impedance, starts, columns, matrix[rows, columns], back, weights)
 
 
 def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Array) -> Array:
-    """The matrix of `Exchange`."""
+    """The matrix of `_Exchange`."""
     s, layers, slabs = len(nodes), network.impedance.size, network.first.size
     near = network._replace(back=np.zeros_like(network.back), whole=np.ones(layers, dtype=np.bool_))
     faces, psi, stress = 2 * layers * s, 2 * (layers * s + slabs), 2 * (layers * s + slabs) + 1
@@ -65,7 +65,7 @@ def exchange_matrix(nodes: Nodes, network: Network, length: float, integral: Arr
 
 
 def driven_matrix(nodes: Nodes, network: Network, length: float, integral: Array) -> Array:
-    """Derivatives of what a step of `length` (transits) puts into the memory, rows of `Exchange`, by the drive at its nodes."""
+    """Derivatives of what a step of `length` (transits) puts into the memory, rows of `_Exchange`, by the drive at its nodes."""
     s, slabs = len(nodes), network.first.size
     passage, waves, tops = passage_of(network, s), np.zeros((s, network.impedance.size, 2, 1, s)), np.zeros((s, slabs, 2))
     near, nothing = network._replace(back=np.zeros_like(network.back)), np.zeros((1, s))
@@ -103,7 +103,7 @@ def send(
 def march_tangent(
     nodes: Nodes,
     law: Law,
-    exchange: Exchange,
+    exchange: _Exchange,
     h: float,
     integral: Array,
     motion: Motion,
@@ -135,7 +135,7 @@ def march_tangent(
 def march_back(
     nodes: Nodes,
     law: Law,
-    exchange: Exchange,
+    exchange: _Exchange,
     matrices: tuple[Array, Array],
     h: float,
     integral: Array,
@@ -162,7 +162,7 @@ def march_back(
 
 
 @njit
-def _depart(nodes: Nodes, exchange: Exchange, before: Array, cursor: int, memory: Array) -> None:
+def _depart(nodes: Nodes, exchange: _Exchange, before: Array, cursor: int, memory: Array) -> None:
     """The adjoint of `_arrive_columns`, added to `memory` (ring, rows)."""
     s, ring, weights = len(nodes), memory.shape[0], exchange.weights
     for i in range(memory.shape[1]):
@@ -195,7 +195,7 @@ def _step_matrix(nodes: Nodes, impedance: float, answer: Array, weights: Array, 
 
 
 @njit
-def _arrive_columns(nodes: Nodes, exchange: Exchange, memory: Array, cursor: int, arrived: Array) -> None:
+def _arrive_columns(nodes: Nodes, exchange: _Exchange, memory: Array, cursor: int, arrived: Array) -> None:
     """Rows of arrived <- output of earlier steps that arrives in the step at `cursor`."""
     s, ring, weights = len(nodes), memory.shape[0], exchange.weights
     for i in range(memory.shape[1]):
@@ -227,7 +227,7 @@ def _multiply(nodes: Nodes, matrix: Array, source: Array, target: Array, first: 
 
 
 @njit
-def _combine(exchange: Exchange, first: int, source: Array, target: Array) -> None:
+def _combine(exchange: _Exchange, first: int, source: Array, target: Array) -> None:
     """target <- rows of the matrix from `first`, times source."""
     for i in range(target.shape[0]):
         for k in range(exchange.starts[first + i], exchange.starts[first + i + 1]):

@@ -111,21 +111,21 @@ def leave(lines: Any, nodes: Nodes, physics: Physics, n: int, start: float, leng
 
 
 @by_class(inline=True)
-def begin_clock(lines: Any, memory: DelayMemory) -> None:
+def _begin_clock(lines: Any, memory: DelayMemory) -> None:
     """Called at the start of each repetition of the clock."""
 
 
 @by_class(inline=True)
-def go_back(lines: Any, memory: DelayMemory, n: int) -> None:
+def _go_back(lines: Any, memory: DelayMemory, n: int) -> None:
     """Called when step `n` of the clock is rejected. The memory stays that of the step's start."""
 
 
-@begin_clock.register(Alike)
+@_begin_clock.register(Alike)
 def _begin_transit(lines, memory):  # type: ignore[no-untyped-def]
     _copy(memory, lines.start)
 
 
-@go_back.register(Alike)
+@_go_back.register(Alike)
 def _back_to_transit(lines, memory, n):  # type: ignore[no-untyped-def]
     for k in range(n):
         for j in range(lines.incoming.shape[1]):
@@ -163,7 +163,7 @@ def march_delay(
         n = k % count
         if n == 0:
             origin = now[TIME] if k else clock.origin
-            begin_clock(lines, memory)
+            _begin_clock(lines, memory)
         start, length, left = origin + clock.begin[n], clock.length[n], now[PSI]
         law = law_of_step(physics.law, left)
         begin_step(nodes, physics, start, length, left, nodal)
@@ -177,7 +177,7 @@ def march_delay(
         if verdict == DONE and not roughness(lines, nodes, rule.tail, nodal) <= limits.resolution:
             verdict = NOT_SMOOTH
         if verdict != DONE:
-            go_back(lines, memory, n)
+            _go_back(lines, memory, n)
             return k, iterations, verdict
         predict(nodes, rule, EQUAL, left, Interface(nodal.psi, nodal.z), guess)
         to_own(law, guess.z)

@@ -87,7 +87,10 @@ class DelayMarch:
 
     def _left_too_fast(self, steps: float) -> NumericsError:
         """Error for a motion that is unstable on a time scale shorter than the steps resolve."""
-        growth, (time, psi) = self._growth(), self._memory.now[[TIME, PSI]]
+        time, psi = self._memory.now[[TIME, PSI]]
+        _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(self.scene.law, float(self._memory.guess.z[0]), float(psi))
+        # the real root of the characteristic equation without echoes: the arriving waves are given
+        growth = self.scene.transit * (g_psi - g_z * friction_psi / (friction_z + self.scene.impedance * v_z))
         return NumericsError(
             f"delay: at t = {time:.6g} transits (psi = {psi:.6g}) the motion is unstable: disturbances grow at "
             f"{growth:.4g} per transit, by e^{growth / steps:.3g} in one of {steps:.0f} steps per transit, the largest number; "
@@ -95,13 +98,6 @@ class DelayMarch:
             f"that cannot last. Use thinner slabs, or fd with {math.ceil(growth)} cells or more "
             f"(scene {self.scene.name!r}, digest {self.scene.digest})"
         )
-
-    def _growth(self) -> float:
-        """Growth rate (per transit) of a disturbance of psi at present, with the arriving waves given:
-        r (G_psi - G_z F_psi/(F_z + Z v_z)), the real root of the characteristic equation without echoes."""
-        z = float(self._memory.guess.z[0])
-        _, v_z, _, friction_z, friction_psi, _, g_z, g_psi = respond(self.scene.law, z, float(self._memory.now[PSI]))
-        return self.scene.transit * (g_psi - g_z * friction_psi / (friction_z + self.scene.impedance * v_z))
 
 
 def dense_resolution(tolerance: float, stages: int) -> float:

@@ -2,7 +2,7 @@
 
 from reduced.impedance.models import check_passivity, impedance, is_exact, ratio_of
 from reduced.impedance.reduce import reduction_of
-from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio, slab_ratio
+from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio
 
 __all__ = [
     "Complex",
@@ -14,5 +14,4 @@ __all__ = [
     "pair_ratio",
     "ratio_of",
     "reduction_of",
-    "slab_ratio",
 ]

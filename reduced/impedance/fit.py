@@ -29,7 +29,6 @@ _REAL_POLE = 1e-9
 _AT_REST = 1e-6
 _RELOCATIONS = 12
 
-
 WORST_ALLOWED = 0.05
 """Largest allowed error of Z below half the first mode, relative to |Z| + epsilon; a worse fit is refused."""
 

@@ -53,20 +53,15 @@ def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
     may change sign (`Reduction.sign_frequencies`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, _HIGHEST, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
-    if not is_exact(model):
-        s = np.append(s, 1j * np.maximum(analysed(scene, model).sign_frequencies(), 1e-6))
+    bad: tuple[complex, ...] = ()
+    if not is_exact(model):  # that is a chain of passive sections
+        reduced = analysed(scene, model)
+        s = np.append(s, 1j * np.maximum(reduced.sign_frequencies(), 1e-6))
+        poles, residues = reduced.poles_and_residues()
+        on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
+        wrong = (poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))
+        bad = tuple(complex(pole) for pole in poles[wrong])
     p, q = (jet.value for jet in ratio_of(scene, model)(Jet.variable(s / scene.transit)))
     real = (q * p.conj()).real / (np.abs(q) * np.abs(p) + 1e-300)  # relative to |Z|
     lowest = int(np.argmin(real))
-    bad = _unstable_poles(scene, model)
     return Passivity(bool(real[lowest] >= -1e-9 and not bad), float(real[lowest]), complex(s[lowest]), bad)
-
-
-def _unstable_poles(scene: Scene, model: str) -> tuple[complex, ...]:
-    """Poles (1/transit) that contradict passivity; none of the exact one-port, a chain of passive sections."""
-    if is_exact(model):
-        return ()
-    poles, residues = analysed(scene, model).poles_and_residues()
-    on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
-    wrong = (poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))
-    return tuple(complex(pole) for pole in poles[wrong])

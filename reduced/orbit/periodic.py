@@ -23,7 +23,6 @@ _STRESS_ROUNDING = 1e-14  # relative
 _SAMPLES, _SAME = 200, 1e-6  # of a part of a cycle, and differences of ln v and psi in two parts that are none
 _NAMES = ("period", "stress_drop", "elastic_stress_drop", "v_max", "v_min")
 
-
 FINER = 1.5
 """Ratio of the steps of two meshes whose figures are compared."""
 

@@ -7,14 +7,13 @@ from reduced.stability.characteristic import characteristic
 from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.error_laws import ErrorLaw, error_law
 from reduced.stability.essential import essential_abscissa
-from reduced.stability.spectrum import Spectrum, follow_root, leading_roots, spectrum, unstable_count
+from reduced.stability.spectrum import follow_root, leading_roots, spectrum, unstable_count
 from slipwave.friction.law import FrictionSlopes, friction_slopes
 
 __all__ = [
     "Boundary",
     "ErrorLaw",
     "FrictionSlopes",
-    "Spectrum",
     "Stability",
     "analyse",
     "boundary",

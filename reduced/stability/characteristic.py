@@ -19,7 +19,6 @@ from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import slab_ratio
 from slipwave.friction.law import FrictionSlopes, friction_slopes
 from slipwave.scene import Scene
-from slipwave.scene.slab import Slab
 
 _SHARED = 1e-6
 
@@ -107,14 +106,7 @@ class Characteristic:
     @property
     def leftmost(self) -> float:
         """Re s (< 0) left of which D may not be analytic: the relaxation of a viscous slab; -inf if both are elastic."""
-        return max(-retardation_rate(self.scene.upper), -retardation_rate(self.scene.lower))
-
-
-def retardation_rate(slab: Slab) -> float:
-    """Creep rate, in 1/(L/V*), at which strain relaxes under constant stress: minus a zero of the modulus; infinite if
-    elastic."""
-    time = slab.rheology.retardation
-    return 1.0 / time if time > 0.0 else float("inf")
+        return -min(slab.rheology.creep_rate for slab in (self.scene.upper, self.scene.lower))
 
 
 @lru_cache(maxsize=8)

@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.commensurate import common_divisor
-from reduced.stability.characteristic import retardation_rate
 from slipwave.errors import NumericsError
 from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
@@ -34,7 +33,7 @@ def essential_abscissa(scene: Scene) -> float:
     Raises NumericsError for more than 12 layers with incommensurate travel times.
     """
     slabs = scene.slabs
-    accumulation = max(-retardation_rate(slab) for slab in slabs)
+    accumulation = -min(slab.rheology.creep_rate for slab in slabs)
     if any(slab.rheology.blocks_fast_waves for slab in slabs):
         return accumulation
     times = [layer.fraction * slab.round_trip for slab in slabs for layer in slab.layers]

@@ -1,16 +1,30 @@
-"""The spectrum of steady sliding: the certified number of unstable roots, and the leading roots."""
+"""The spectrum of steady sliding: the certified number of unstable roots, and the leading roots. They are zeros of an analytic
+function in a region, counted by the argument principle and found by Newton's method from many starts."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
-from reduced.impedance import Complex
+from reduced.impedance import Complex, Jet
 from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.essential import fast_pattern
-from reduced.stability.roots import OnContour, count_zeros, distinct, polish, resolved, zeros_in
 from slipwave.errors import NumericsError
 from slipwave.scene import Scene
+
+Function = Callable[[Complex], Jet]
+
+_STEP = 0.5
+"""Largest |D'/D| ds along the contour, so that no turn of the argument is missed between two samples."""
+_MOST_POINTS = 1_000_000
+_SHORTEST, _FINEST = 1e-12, 1e-15
+_NEWTON_ROUNDS = 40
+_FEW = 6
+_DEEPEST = 40
+_CUTS = (0.5123, 0.4711, 0.5371, 0.4313, 0.5779)
 
 NEUTRAL = 1e-9
 """A root with |Re s| below this share of the slower rate, of friction or waves, is neutral: its sign is not decided."""
@@ -24,8 +38,144 @@ second many of the patterns in which fast roots repeat: beyond, they differ from
 
 _DEEPEST_STRIP, _FASTEST = 6.0, 20.0
 """Per transit: fastest decay of the roots searched, and fastest growth of those of active slabs."""
+
 _OFF_AXIS, _SMALL = 1e3, 1e-6
 _LEADING = 8
+
+
+def _rectangle(low: complex, high: complex) -> Complex:
+    """Corners of the _rectangle between `low` (left, below) and `high` (right, above), counter-clockwise, closed."""
+    return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag), low])
+
+
+class _OnContour(NumericsError):
+    """A zero lies on the contour, or too near to decide its side."""
+
+
+def _resolved(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> tuple[Complex, Jet]:
+    """Points along a polyline, dense enough that no turn of the function's argument is missed, and the function there.
+
+    Sides are halved until every piece meets three conditions: |D'/D| times its length is below 1/2 at both ends, D turns by less
+    than 60 degrees over it, and it is shorter than its distance from each of the `anchors`, the points near which D varies on a
+    short scale. Raises `_OnContour` if a zero lies on it, NumericsError if more than a million points are needed.
+    """
+    floor = _SHORTEST * float(np.abs(corners).max())
+    points = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in pairwise(corners)] + [corners[-1:]])
+    while (long := _beside(points, anchors, floor)).any():  # halves of a piece that is short enough here are too
+        points = np.insert(points, np.flatnonzero(long) + 1, 0.5 * (points[:-1] + points[1:])[long])
+    jet = function(points)
+    value, slope = jet.value, jet.slope
+    while True:
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            turn = np.angle(value[1:] / value[:-1])
+            rate = np.abs(slope / value)
+        if not np.all(np.isfinite(rate)):
+            bad = complex(points[int(np.argmin(np.isfinite(rate)))])
+            raise _OnContour(f"stability: the characteristic function is 0 or not finite on the contour at s = {bad:.6g}")
+        pieces = np.abs(np.diff(points))
+        long = (np.maximum(rate[1:], rate[:-1]) * pieces > _STEP) | (np.abs(turn) > np.pi / 3.0)
+        if np.any(long & (pieces < _FINEST * np.abs(points[1:]))):
+            raise _OnContour(f"stability: a root lies on the contour near s = {points[int(np.argmax(rate))]:.6g}")
+        if not long.any():
+            return points, Jet(value, slope)
+        if len(points) > _MOST_POINTS:
+            raise NumericsError(
+                f"stability: more than {_MOST_POINTS:,} points are needed to count the roots: too many waves fit into the slabs "
+                "during one oscillation of friction"
+            )
+        at = np.flatnonzero(long) + 1
+        middles = 0.5 * (points[:-1] + points[1:])[long]
+        jet = function(middles)
+        points, value, slope = (
+            np.insert(old, at, new) for old, new in ((points, middles), (value, jet.value), (slope, jet.slope))
+        )
+
+
+def _beside(points: Complex, anchors: tuple[complex, ...], floor: float) -> NDArray[np.bool_]:
+    """Which pieces between `points` are longer than `floor` and than their distance from one of the `anchors`."""
+    pieces, middles = np.abs(np.diff(points)), 0.5 * (points[1:] + points[:-1])
+    long = np.zeros(pieces.size, dtype=bool)
+    for anchor in anchors:
+        long |= pieces > np.maximum(np.abs(middles - anchor), floor)
+    return long
+
+
+def _count_zeros(function: Function, corners: Complex, anchors: tuple[complex, ...] = ()) -> int:
+    """Zeros of an analytic function inside a closed polyline: its winding number. A path from the real axis to the real axis is
+    closed by its mirror image, for a function that is real there. Raises as `_resolved`."""
+    _, jet = _resolved(function, corners, anchors)
+    half = 1.0 if corners[0] == corners[-1] else 0.5
+    return round(float(np.angle(jet.value[1:] / jet.value[:-1]).sum()) / (2.0 * np.pi * half))
+
+
+def polish(function: Function, starts: Complex) -> Complex:
+    """Newton's method from all starts; nan where it does not converge to rounding."""
+    s = np.array(starts, dtype=np.complex128)
+    step = np.full(s.shape, np.inf, dtype=np.complex128)
+    with np.errstate(all="ignore"):
+        for _ in range(_NEWTON_ROUNDS):
+            jet = function(s)
+            step = jet.value / jet.slope
+            s = s - step
+    converged = np.abs(step) <= 1e-10 * np.abs(s) + 1e-300
+    return np.where(converged & np.isfinite(s), s, np.nan)
+
+
+def zeros_in(
+    function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...] = (), depth: int = 0
+) -> Complex:
+    """All `expected` zeros in the _rectangle with corners `low` (left, below) and `high`, each once; for at most a few dozen
+    zeros.
+
+    `expected`: their number by `_count_zeros`; `anchors` as in `_resolved`. The _rectangle is halved until Newton's method finds
+    them all. Raises NumericsError if zeros lie too close to be distinguished.
+    """
+    if expected == 0:
+        return np.empty(0, dtype=np.complex128)
+    if expected <= _FEW:
+        re, im = np.linspace(low.real, high.real, 7), np.linspace(low.imag, high.imag, 9)
+        zeros = _distinct(polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
+        inside = zeros[(low.real < zeros.real) & (zeros.real < high.real) & (low.imag < zeros.imag) & (zeros.imag < high.imag)]
+        if inside.size == expected:
+            return inside
+    if depth > _DEEPEST:
+        raise NumericsError(f"stability: {expected} roots near s = {0.5 * (low + high):.6g} are too close to be distinguished")
+    halves = _halves(function, low, high, expected, anchors)
+    return np.concatenate([zeros_in(function, *half, count, anchors, depth + 1) for half, count in halves])
+
+
+def _halves(
+    function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...]
+) -> list[tuple[tuple[complex, complex], int]]:
+    """Both halves of a _rectangle, cut across its longer side, with their counts; the cut is shifted if it meets a zero."""
+    size = high - low
+    for share in _CUTS:
+        if size.imag >= size.real:
+            cut = low.imag + share * size.imag
+            first, second = (low, complex(high.real, cut)), (complex(low.real, cut), high)
+        else:
+            cut = low.real + share * size.real
+            first, second = (low, complex(cut, high.imag)), (complex(cut, low.imag), high)
+        try:
+            count = _count_zeros(function, _rectangle(*first), anchors)
+        except NumericsError:
+            continue
+        return [(first, count), (second, expected - count)]
+    raise NumericsError(f"stability: too many roots near s = {0.5 * (low + high):.6g}")
+
+
+def _distinct(zeros: Complex) -> Complex:
+    """The finite ones of `zeros`, each once."""
+    finite = zeros[np.isfinite(zeros)]
+    unit = 1e-9 * 10.0 ** np.floor(np.log10(np.maximum(np.abs(finite), 1e-290)))
+    _, first = np.unique(np.round(finite / unit) * unit, return_index=True)
+    kept = np.empty(0, dtype=np.complex128)
+    for zero in finite[first]:
+        if not np.any(np.abs(zero - kept) <= 1e-8 * abs(zero)):
+            kept = np.append(kept, zero)
+    return kept
+
+
 _ANGLES = np.radians([0.0, 15.0, 35.0, 60.0, 80.0, 90.0, 100.0, 120.0, 145.0, 165.0, 180.0])
 
 
@@ -103,8 +253,8 @@ def unstable_count(problem: Characteristic, beyond: float | None = None) -> int:
     left = _neutral_rate(problem) if beyond is None else beyond
     for margin in _MARGINS:
         try:
-            return count_zeros(problem.jet, _upper_half((centre, margin * radius), left * margin), problem.anchors)
-        except OnContour as error:
+            return _count_zeros(problem.jet, _upper_half((centre, margin * radius), left * margin), problem.anchors)
+        except _OnContour as error:
             failure = error
     raise failure
 
@@ -139,24 +289,24 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
     for share in (1.0, 0.983, 0.966, 0.943):
         try:
             return _certified(problem, complex(deepest, share * top), right, most)
-        except OnContour as error:
+        except _OnContour as error:
             failure = error
     raise failure
 
 
 def _certified(problem: Characteristic, corner: complex, right: float, most: int) -> Complex:
     """The leading roots with Re s between Re `corner` and `right` and |Im s| < Im `corner`: by Newton's method from a few starts,
-    confirmed by a count, else by halving the counted rectangle."""
+    confirmed by a count, else by halving the counted _rectangle."""
     top = corner.imag
     offset = _OFF_AXIS * _neutral_rate(problem)
-    edge, jet = resolved(problem.jet, np.array([complex(offset), complex(offset, top)]), problem.anchors)
+    edge, jet = _resolved(problem.jet, np.array([complex(offset), complex(offset, top)]), problem.anchors)
     for starts in (_few_starts, _many_starts):
         roots = _upper(polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value))))
         roots = roots[(roots.imag < top) & (roots.real > corner.real) & (roots.real < right)]
         cut = _cut(problem, roots, corner.real, most)
         roots = roots[roots.real > cut]
-        upper = np.array([right, complex(right, top), complex(cut, top), cut])  # half of a rectangle, mirrored at the real axis
-        count = count_zeros(problem.jet, upper, problem.anchors)
+        upper = np.array([right, complex(right, top), complex(cut, top), cut])  # half of a _rectangle, mirrored at the real axis
+        count = _count_zeros(problem.jet, upper, problem.anchors)
         if count == _number(roots):
             return roots
     return _upper(zeros_in(problem.jet, complex(cut, -top), complex(right, top), count, problem.anchors))
@@ -185,7 +335,7 @@ def _upper(zeros: Complex) -> Complex:
     """Each of `zeros` once, mirrored into the upper half plane, by falling real part; real ones exactly real."""
     finite = zeros[np.isfinite(zeros)]
     real = np.abs(finite.imag) < 1e-10 * np.abs(finite)
-    folded = distinct(np.where(real, finite.real + 0j, finite.real + 1j * np.abs(finite.imag)))
+    folded = _distinct(np.where(real, finite.real + 0j, finite.real + 1j * np.abs(finite.imag)))
     return folded[np.lexsort((folded.imag, -folded.real))]
 
 

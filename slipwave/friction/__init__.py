@@ -19,7 +19,6 @@ from slipwave.friction.law import (
     to_own,
     to_step,
     unknown_of,
-    unknowns,
     with_bend,
 )
 from slipwave.packages import load_from_packages
@@ -35,7 +34,7 @@ register("spinodal", spinodal.Spinodal, spinodal.respond_spinodal, spinodal.stea
 
 __all__ = [
     "LAWS", "Law", "OfStep", "allows_rest", "law_of_step", "rate_of", "rates", "register", "resampled", "respond", "said_of_rest",
-    "smooth", "steady_state", "to_own", "to_step", "unknown_of", "unknowns", "with_bend",
+    "smooth", "steady_state", "to_own", "to_step", "unknown_of", "with_bend",
 ]  # fmt: skip
 
 load_from_packages("slipwave.laws", lambda found, label: None)  # a module that registers its laws when it is imported

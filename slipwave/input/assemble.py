@@ -128,7 +128,11 @@ def assemble_scene(data: dict[str, Any], tables: keys.SceneTable, name: str) -> 
     """The scene of the raw tables `data`, which are `tables` once validated, called `name` if they give no name. Raises
     SceneError for keys that do not fit together."""
     run, start, interface = tables.run, tables.start, dict(tables.interface)
-    units = _units({key: interface[key] for key in keys.UNIT_KEYS if interface[key] is not None})
+    in_si = {key: interface[key] for key in keys.UNIT_KEYS if interface[key] is not None}
+    if in_si and len(in_si) < len(keys.UNIT_KEYS):
+        missing = next(key for key in keys.UNIT_KEYS if key not in in_si)
+        raise SceneError(f"interface.{missing}: missing; must be given with {' and '.join(sorted(in_si))} (all three or none)")
+    units = Units(**in_si) if in_si else None
     law = LAWS[tables.interface.law].parameters
     upper, lower = _in_machine(tables, _slabs(tables, units), units)
     filled = {
@@ -147,13 +151,6 @@ def assemble_scene(data: dict[str, Any], tables: keys.SceneTable, name: str) -> 
         units=units,
         written={"name": tables.name or name} | data | filled,
     )
-
-
-def _units(given: dict[str, float]) -> Units | None:
-    missing = [key for key in keys.UNIT_KEYS if key not in given]
-    if given and missing:
-        raise SceneError(f"interface.{missing[0]}: missing; must be given with {' and '.join(sorted(given))} (all three or none)")
-    return Units(**given) if given else None
 
 
 def _slabs(tables: keys.SceneTable, units: Units | None) -> tuple[Slab, Slab]:

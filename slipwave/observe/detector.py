@@ -28,7 +28,6 @@ _SLOPES, _VALUES, _EXTREMES = 1, 2, 3  # rows of the detector's scratch
 _SCRATCH = 4
 """Rows of scratch; the first is not used here."""
 
-
 _FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
 # slots of the memory of a rise: level of z, row after that of the piece in which v reached its maximum (0: the date is known),
 # first and last (exclusive) of the pieces that are kept
@@ -107,7 +106,7 @@ def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) 
     return buffer
 
 
-class Detector(NamedTuple):
+class _Detector(NamedTuple):
     """State of the detector: `law`, `basis` of the pieces, `floor` of a fall (normal stress); the `running` swing; the `rise` of
     v in it (see the slots above) and the pieces `kept` for that; y at the end of the `last` piece (1,), NaN before the first;
     `scratch` (4, nodes); rows for complete `swings`, of which the first `filled` (1,) are in use."""
@@ -124,15 +123,15 @@ class Detector(NamedTuple):
     filled: Array
 
 
-def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> Detector:
+def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> _Detector:
     """A detector before the first piece, with rows for `swings` swings."""
     n = basis.nodes.size
     memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((_SCRATCH, max(n, 2)))
-    return Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
+    return _Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
 
 
 @njit
-def scan(pieces: Pieces, first: int, found: Detector) -> int:
+def scan(pieces: Pieces, first: int, found: _Detector) -> int:
     """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if the free rows
     may not hold all swings that the next piece completes. If there are no pieces, the running swing is dated."""
     y, running, last = pieces.y, found.running, found.last
@@ -177,7 +176,7 @@ def _look(derivative: Array, pieces: Pieces, k: int, running: Array, left: float
 
 
 @inlined
-def _split(pieces: Pieces, k: int, found: Detector) -> float:
+def _split(pieces: Pieces, k: int, found: _Detector) -> float:
     """Complete the swings that end in piece k; returns the point where the running one begins."""
     y, slopes, basis, running = pieces.y[k], found.scratch[0], found.basis, found.running
     bottom, top = bounds(y)
@@ -200,7 +199,7 @@ def _split(pieces: Pieces, k: int, found: Detector) -> float:
 
 
 @njit
-def _turn(pieces: Pieces, k: int, point: float, found: Detector) -> None:
+def _turn(pieces: Pieces, k: int, point: float, found: _Detector) -> None:
     """End the running swing at `point` of piece k and begin the next one."""
     running, count = found.running, int(found.filled[0])
     running[END] = evaluate(found.basis, pieces.y[k], point)
@@ -213,7 +212,7 @@ def _turn(pieces: Pieces, k: int, point: float, found: Detector) -> None:
 
 
 @njit
-def _date(found: Detector) -> None:
+def _date(found: _Detector) -> None:
     """Set the date of the running swing, if it is a fall and v has risen to a new maximum: the time (transits), within the fall,
     at which z last passed the level before the highest node of the piece of that maximum. The search may be long; therefore it
     waits until the date is asked for, or the pieces that it needs are dropped."""
@@ -236,7 +235,7 @@ def _date(found: Detector) -> None:
 
 
 @njit
-def _begin(pieces: Pieces, k: int, point: float, direction: float, found: Detector) -> None:
+def _begin(pieces: Pieces, k: int, point: float, direction: float, found: _Detector) -> None:
     """Begin a swing in `direction` (1 up, -1 down) at `point` of piece k."""
     running = found.running
     running[DIRECTION] = direction
@@ -251,7 +250,7 @@ def _begin(pieces: Pieces, k: int, point: float, direction: float, found: Detect
 
 
 @njit
-def _take(pieces: Pieces, k: int, begin: float, end: float, found: Detector) -> None:
+def _take(pieces: Pieces, k: int, begin: float, end: float, found: _Detector) -> None:
     """Update the running swing's records with the part [begin, end] of piece k and, in a fall, follow the rise of v."""
     basis, running, slopes, law = found.basis, found.running, found.scratch[1], law_of_step(found.law, pieces.psi[k, 0])
     highest = running[RECORDS]
@@ -262,7 +261,7 @@ def _take(pieces: Pieces, k: int, begin: float, end: float, found: Detector) -> 
 
 
 @njit
-def _follow_rise(pieces: Pieces, k: int, raised: bool, found: Detector) -> None:
+def _follow_rise(pieces: Pieces, k: int, raised: bool, found: _Detector) -> None:
     """Add piece k of the running fall; `raised` is true if the largest z in the fall lies in it."""
     memory, kept = found.rise, found.kept
     if memory[KEPT] == kept.shape[0]:

@@ -10,7 +10,6 @@ from slipwave.friction import rates
 from slipwave.observe.extrema import bounds
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.scene import Scene
-from slipwave.scene.drive import Travelled
 
 COUNT = 4096
 """Intervals, at most; a figure is a thousand pixels wide."""
@@ -70,15 +69,15 @@ class Envelope:
 
     def by_time(self) -> Shown:
         """The motion so far over equal intervals of time."""
-        self._read()
-        return self._shown(self._bins[0])
+        return self._shown(0)
 
     def by_slip(self) -> Shown:
         """The motion so far over equal intervals of slip."""
-        self._read()
-        return self._shown(self._bins[1])
+        return self._shown(1)
 
-    def _shown(self, bins: "_Bins") -> Shown:
+    def _shown(self, which: int) -> Shown:
+        self._read()
+        bins = self._bins[which]
         low, high = np.split(bins.ranges[np.isfinite(bins.ranges[:, 0])].T, 2)
         rate = rates(self._scene.law, low[_Z]), rates(self._scene.law, high[_Z])
         return Shown(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
@@ -118,17 +117,17 @@ def _take(
     nodes: Array,
     reached: float,
     frame: tuple[float, float, float, float],
-    travelled: Travelled,
+    travelled: tuple[Array, Array, Array, Array],
     scratch: tuple[Array, Array],
     origin: Array,
     by_time: _Bins,
     by_slip: _Bins,
 ) -> None:
     """Add pieces with these `nodes`, after the time `reached`, as far as they are within the window; `frame`: its begin and
-    end (transits), a transit in L/V*, and the stiffness of the slabs; `origin` (1,): the slip of the first sample, NaN before it.
-    After a gap, and in intervals longer than a transit, all samples of a transit go to one interval, even if the next ones stay
-    empty: a part of a transit has another range."""
-    begin, end, unit, stiffness = frame
+    end (transits), a transit in L/V*, and the stiffness of the slabs; `travelled`: as in `Drive`; `origin` (1,): the slip of the
+    first sample, NaN before it. After a gap, and in intervals longer than a transit, all samples of a transit go to one interval,
+    even if the next ones stay empty: a part of a transit has another range."""
+    (begin, end, unit, stiffness), (knots, paces, gains, passed_by) = frame, travelled
     whole, gaps, here, transit, first = by_time.width[0] >= 1.0, False, 0, -math.inf, 0.0
     (samples, where), ends = (scratch[0][:_ROWS], scratch[0][_ROWS:]), scratch[1]
     for k in range(pieces.time.size):
@@ -140,11 +139,11 @@ def _take(
             time = pieces.time[k] + pieces.length[k] * nodes[j]
             if not begin <= time <= end:
                 continue
-            while here + 1 < travelled.knots.size and travelled.knots[here + 1] <= time:
+            while here + 1 < knots.size and knots[here + 1] <= time:
                 here += 1
-            since = time - travelled.knots[here]
-            pace = travelled.paces[here] + 0.5 * travelled.gains[here] * max(since, 0.0)
-            slip = unit * (travelled.passed[here] + since * pace - pieces.y[k, j] / stiffness)
+            since = time - knots[here]
+            pace = paces[here] + 0.5 * gains[here] * max(since, 0.0)
+            slip = unit * (passed_by[here] + since * pace - pieces.y[k, j] / stiffness)
             if math.isnan(origin[0]):
                 origin[0] = slip
             slip -= origin[0]

@@ -39,7 +39,6 @@ STEADY = 0.01
 _STICKS = 1.0  # range of ln v in both later quarters of a stage that stick-slips
 _LASTS = 0.9  # that of the last quarter, over that of the third
 
-
 _POINTS, _MORE_POINTS = 33, 257  # of a piece, its ends included; of one longer than _LONG
 _LONG = 2.0  # transits
 _BETWEEN = 0.1  # of the range of its nodal values: so far above these a piece may rise between its nodes
@@ -161,7 +160,6 @@ def _figures(stage: Stage, seen: _Measured, earlier: StageFigures | None, before
 
 _LEFT = math.exp(-1.0)
 """Share of the peak's height over the steady stress at which the stress counts as recovered."""
-
 
 Sampling: TypeAlias = tuple[Array, Array, Array]
 """Points of a piece; rows that evaluate its polynomial there; rows that integrate it from 0 to each point."""

@@ -20,17 +20,8 @@ class Plausible:
     usual: float
     sizes: dict[str, float]
 
-    def doubt(self, key: str, value: float, remark: str = "") -> Iterator[str]:
-        """One line if `value` of `key` is outside the range."""
-        if self.low <= value <= self.high:
-            return
-        unit = next(iter(self.sizes))
-        meant = [size for size in self.sizes if self.low <= value * self.sizes[size] <= self.high]
-        meant.sort(key=lambda size: abs(math.log(value * self.sizes[size] / self.usual)))
-        hint = f"; did you mean {value:g} {meant[0]}?" if meant else ""
-        yield f"{key} = {value:.4g} {unit}{remark}: {self.things} have {self._sized(self.low)} to {self._sized(self.high)}{hint}"
-
-    def _sized(self, value: float) -> str:
+    def sized(self, value: float) -> str:
+        """`value` in the largest unit that is not larger."""
         fitting = [unit for unit, size in self.sizes.items() if size <= value] or [min(self.sizes, key=self.sizes.__getitem__)]
         unit = max(fitting, key=self.sizes.__getitem__)
         return f"{value / self.sizes[unit]:g} {unit}"
@@ -65,8 +56,13 @@ PLAUSIBLE = {
 def doubt(key: str, value: float, remark: str = "") -> Iterator[str]:
     """One line if `value` (SI) of the scene's dotted `key` is implausible; none if it is plausible or no range is known."""
     known = PLAUSIBLE.get(key.rpartition(".")[2])
-    if known is not None:
-        yield from known.doubt(key, value, remark)
+    if known is None or known.low <= value <= known.high:
+        return
+    meant = [unit for unit, size in known.sizes.items() if known.low <= value * size <= known.high]
+    meant.sort(key=lambda unit: abs(math.log(value * known.sizes[unit] / known.usual)))
+    hint = f"; did you mean {value:g} {meant[0]}?" if meant else ""
+    have = f"{known.things} have {known.sized(known.low)} to {known.sized(known.high)}"
+    yield f"{key} = {value:.4g} {next(iter(known.sizes))}{remark}: {have}{hint}"
 
 
 def doubts(scene: Scene) -> list[str]:

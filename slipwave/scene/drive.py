@@ -44,16 +44,6 @@ class Ramps(NamedTuple):
     velocities: Array
 
 
-class Travelled(NamedTuple):
-    """The integral of V: times of the `knots` (transits), V there (`paces`, V*), its growth after each (`gains`, V* per
-    transit), and the integral before it (`passed`)."""
-
-    knots: Array
-    paces: Array
-    gains: Array
-    passed: Array
-
-
 @by_class(inline=True)
 def velocity_at(drive: Any, time: float, within: float) -> float:
     """V (in V*) at `time` (transits), on the straight stretch of V that contains `within`.
@@ -142,12 +132,13 @@ class Drive:
         return np.asarray(passed[here] + since * (paces[here] + 0.5 * gains[here] * np.maximum(since, 0.0)))
 
     @cached_property
-    def travelled(self) -> Travelled:
-        """What `travel` reads."""
+    def travelled(self) -> tuple[Array, Array, Array, Array]:
+        """The integral of V: times of the knots (transits), V there (V*), its growth after each (V* per transit), and the
+        integral before it."""
         knots, paces = np.array(self.times), np.array(self.velocities)
         lasts, rise = np.append(np.diff(knots), 1.0), np.append(np.diff(paces), 0.0)
         gains = np.divide(rise, lasts, out=np.zeros_like(rise), where=lasts > 0.0)
-        return Travelled(knots, paces, gains, np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise)))))
+        return knots, paces, gains, np.concatenate(([0.0], np.cumsum(lasts * (paces + 0.5 * rise))))
 
 
 def steady_drive(velocity: float) -> Drive:

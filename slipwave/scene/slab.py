@@ -165,6 +165,12 @@ class Rheology:
         """Whether the modulus grows without bound with the frequency."""
         return self.retardation > 0.0 and self.relaxation == 0.0
 
+    @property
+    def creep_rate(self) -> float:
+        """Rate, in 1/(L/V*), at which strain relaxes under constant stress: minus a zero of the modulus; infinite if elastic."""
+        time = self.retardation
+        return 1.0 / time if time > 0.0 else math.inf
+
     def modulus(self, s: Any) -> Any:
         """G(s)/G; `s` in 1/(L/V*): a complex number, an array, or anything that adds and divides as these."""
         return (1.0 + s * self.retardation) / ((1.0 + s * self.relaxation) * (1.0 + self.ratio))

@@ -115,7 +115,7 @@ def follow(
         _act(solver, marks)
     if pieces is None:
         raise NumericsError(f"{solver.model}: nothing to do: until = {until} is not after t = {solver.time}")
-    return final_state(solver, pieces, until)
+    return _final_state(solver, pieces, until)
 
 
 def _act(solver: Solver, marks: Sequence[Mark]) -> None:
@@ -124,7 +124,7 @@ def _act(solver: Solver, marks: Sequence[Mark]) -> None:
             mark.act()
 
 
-def final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
+def _final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
     """The interface at `until` (transits), evaluated from the solver's latest `pieces`, which must contain that time."""
     if solver.nodes[-1] == 1.0 and abs(until - pieces.time[-1] - pieces.length[-1]) < _AT_END:  # as a rule: nothing to evaluate
         z, psi, mu = (float(values[-1, -1]) for values in pieces[2:5])

@@ -49,7 +49,7 @@ def radau(stages: int) -> Collocation:
     """Radau IIA rule with `stages` nodes: order 2 stages - 1 at the step's end, L-stable (Hairer and Wanner II, IV.5)."""
     if not 1 <= stages <= 12:
         raise ValueError(f"stages = {stages}: must be in 1..12")
-    nodes = radau_nodes(stages)
+    nodes = _radau_nodes(stages)
     gauss, weights = legendre.leggauss(stages + 2)
     basis = lagrange_basis(nodes)
     rows = [0.5 * x * weights @ interpolation_matrix(basis, 0.5 * x * (gauss + 1.0)) for x in nodes]
@@ -95,7 +95,7 @@ def from_moments(nodes: Array) -> Array:
     return values
 
 
-def radau_nodes(stages: int) -> Array:
+def _radau_nodes(stages: int) -> Array:
     """Right Radau points on (0, 1]: the end, and the roots of Jacobi's P^(1,0) of stages - 1, shifted."""
     difference = legendre.Legendre.basis(stages - 1) - legendre.Legendre.basis(stages)  # (1 - x) P^(1,0), up to a factor
     slope, points = difference.deriv(), np.sort(difference.roots().real)[:-1]

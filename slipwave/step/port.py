@@ -22,13 +22,13 @@ Levels: TypeAlias = NDArray[np.int64]
 _LANES = 8  # doubles in a cache line; rows of the tables begin and end with a line, otherwise a long step costs twice as much
 
 
-class NoLedger(NamedTuple):
+class _NoLedger(NamedTuple):
     """The `ledger` of a port without an energy balance: `is_kept` (1,) is false."""
 
     is_kept: NDArray[np.bool_]
 
 
-NO_LEDGER = NoLedger(np.zeros(1, dtype=np.bool_))
+NO_LEDGER = _NoLedger(np.zeros(1, dtype=np.bool_))
 
 
 class Port(NamedTuple):
@@ -97,25 +97,6 @@ class Slabs(Protocol):
         """The same model of another scene."""
 
 
-def blank_port(scene: Scene, longest: float, levels: int, remembered: int, stages: int) -> Port:
-    """A port of `levels` step lengths, of which `longest` (transits) is the first, whose tables are zero and not ready."""
-    n = padded(remembered)
-    return Port(
-        np.ldexp(longest, -np.arange(levels)),
-        np.zeros(levels, dtype=np.bool_),
-        np.empty((levels, stages, stages)),
-        np.empty((levels, stages)),
-        line_aligned(levels, n, stages),
-        np.empty((levels, stages, stages)),
-        line_aligned(levels, n + 2 * stages, n),
-        scene.velocity,
-        scene.drive.is_constant,
-        line_aligned(n),
-        np.zeros(n + 2 * stages),
-        NO_LEDGER,
-    )
-
-
 def prepared(slabs: Slabs, port: Port, levels: Iterable[int]) -> Port:
     """`port` with the tables of these `levels`, made where they are not ready."""
     for level in levels:
@@ -140,7 +121,7 @@ def line_aligned(*shape: int) -> Array:
 @by_class()
 def record(ledger: Any, port: Port, nodes: Nodes, level: int, rows: int, integral: Array, nodal: Nodal) -> None:
     """Add the work and heat of a step of `level` to the `ledger` of `port`, whose `vector` has (x, u, c) in its first `rows`
-    entries. Does nothing for `NoLedger`; each class of ledger registers its own version."""
+    entries. Does nothing for `_NoLedger`; each class of ledger registers its own version."""
 
 
 @inlined

@@ -43,7 +43,7 @@ class Given(NamedTuple):
     state: Array
 
 
-class LawAlong(NamedTuple):
+class _LawAlong(NamedTuple):
     """v, v_z, F, F_z, F_psi and G at the nodes (k, s) of a motion."""
 
     v: Array
@@ -54,11 +54,11 @@ class LawAlong(NamedTuple):
     growth: Array
 
 
-def _law_along(law: Law, pieces: Pieces) -> LawAlong:
+def _law_along(law: Law, pieces: Pieces) -> _LawAlong:
     """Rate, friction and their derivatives of `law` along a motion."""
     answers = np.empty((6, *pieces.z.shape))
     _respond_all(law, pieces.z, pieces.psi, answers)
-    return LawAlong(*answers)
+    return _LawAlong(*answers)
 
 
 @njit
@@ -86,7 +86,7 @@ def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Arra
             velocity[k, j] = velocity_at(drive, times[k] + nodes[j] * lengths[k], times[k] + 0.5 * lengths[k])
 
 
-def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, LawAlong]:
+def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, _LawAlong]:
     """Direct derivatives along `pieces` through the law and the clock, zero through the slabs; and the law along them."""
     (steps, stages), count, here = pieces.z.shape, len(sides), _law_along(scene.law, pieces)
     stress, gain = np.zeros((2, steps, count, stages))
@@ -105,7 +105,7 @@ def start_by(sides: Sequence[Sides]) -> Array:
     return np.array(ends)
 
 
-def stress_by(here: LawAlong, given: Given, direct: Array) -> Array:
+def stress_by(here: _LawAlong, given: Given, direct: Array) -> Array:
     """d mu/dp at the nodes (k, m, s) from the responses, with F_p = `direct` (k, m, s)."""
     slope, by_psi = (here.by_z / here.v_z)[:, None], here.by_psi[:, None]
     return slope * given.rate + by_psi * given.state + direct

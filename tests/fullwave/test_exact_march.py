@@ -9,7 +9,7 @@ from grid_scenes import SCENES as OF_GRIDS
 import slipwave
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_element import FiniteElement
-from fullwave.lines import exact, grid_slabs, march
+from fullwave.lines import exact, march, propagator
 from fullwave.lines.system import GRIP, SCALARS, Viscous
 from fullwave.summation_by_parts import SummationByParts
 from reduced.delay.system import delay_system
@@ -204,7 +204,7 @@ def test_steps_end_on_breaks_far_apart_and_none_is_tiny(name):
 
 
 def test_a_motion_too_fast_for_every_step_is_refused(monkeypatch):
-    monkeypatch.setattr(grid_slabs, "LEVELS", 3)
+    monkeypatch.setattr(propagator, "LEVELS", 3)
     solver = DiscontinuousGalerkin(slipwave.read("paper", ["start.kind=jump", "start.size=3.0"]), 3, 2, time="exact")
     with pytest.raises(
         NumericsError, match=r"^dg:3: no step is short enough at t = 0 transits, v = .*, psi = [-.\d]+ \(scene 'paper'"

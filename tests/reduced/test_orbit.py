@@ -17,9 +17,8 @@ from reduced.impedance import reduction_of
 from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import CycleSection, approach, closest_returns, guesses
-from reduced.orbit.closing import close, close_family
+from reduced.orbit.closing import Evaluated, close, close_family, solve_by_newton
 from reduced.orbit.multipliers import floquet, multipliers
-from reduced.orbit.newton import Evaluated, solve_by_newton
 from reduced.orbit.periodic import amplitude, figures_of, repeats_sooner
 from reduced.stability.onsets import _bracket, onsets
 from slipwave import read, read_scene

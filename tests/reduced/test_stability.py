@@ -25,7 +25,7 @@ from reduced.stability import (
     with_parameter,
 )
 from reduced.stability.analyse import stability_in_si, thickened
-from reduced.stability.roots import polish, zeros_in
+from reduced.stability.spectrum import polish, zeros_in
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.friction.ageing import Ageing, AgeingRegularised

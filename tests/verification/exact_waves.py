@@ -10,7 +10,7 @@ import numpy as np
 import scipy.sparse
 
 import slipwave
-from fullwave.lines.kernel import STEPS_PER_PIECE
+from fullwave.lines.explicit import STEPS_PER_PIECE
 from slipwave.friction.ageing import Ageing
 from slipwave.observe.pieces import SAME
 from slipwave.scene.drive import Start, steady_drive
