@@ -14,12 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from slipwave import sources
 from slipwave.sources import ROOT
 
-BELOW = {
-    "slipwave": (),
-    "reduced": ("slipwave",),
-    "fullwave": ("slipwave",),
-    "validation": ("slipwave", "reduced", "fullwave"),
-}
+BELOW = {"slipwave": (), "reduced": ("slipwave",), "fullwave": ("slipwave",), "validation": ("slipwave", "reduced", "fullwave")}
 """What each room may import besides itself: the two that hold models never import each other."""
 
 INSTRUMENT = {f"validation/{one}" for one in ("models", "commands", "data", "fit", "sweep", "chart", "references")}

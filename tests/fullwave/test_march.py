@@ -146,13 +146,7 @@ def test_a_big_grid_leaves_compiled_code_soon(kind, options, products, monkeypat
     assert max(call.steps * call.values * products for call in calls) < 4.3e8
 
 
-@pytest.mark.parametrize(
-    ("kind", "options"),
-    [
-        (DiscontinuousGalerkin, {"number": 24}),
-        (FiniteElement, {"number": 16}),
-    ],
-)
+@pytest.mark.parametrize(("kind", "options"), [(DiscontinuousGalerkin, {"number": 24}), (FiniteElement, {"number": 16})])
 def test_a_grid_beyond_the_memory_is_refused_at_once(kind, options, monkeypatch):
     """Before more of it is built than the few cells by which it is judged."""
     built = []

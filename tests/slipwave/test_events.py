@@ -64,10 +64,7 @@ HALF = PERIOD / (2 * np.pi) * np.arccos(-1.0 + np.log(2.0) / 3.0)
 def wave(until, of_rate=3.0, stress=np.zeros_like):
     """ln v = ln V - `of_rate` cos(2 pi t/T) with y = sin(2 pi t/T): the rate is V where y turns."""
     return Motion(
-        lambda t: np.sin(2 * np.pi * t / PERIOD),
-        lambda t: np.log(V) - of_rate * np.cos(2 * np.pi * t / PERIOD),
-        until,
-        stress,
+        lambda t: np.sin(2 * np.pi * t / PERIOD), lambda t: np.log(V) - of_rate * np.cos(2 * np.pi * t / PERIOD), until, stress
     )
 
 

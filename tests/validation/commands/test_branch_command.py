@@ -215,7 +215,7 @@ def test_a_branch_ends_at_its_longest_period(answer):
 
 def test_switched_it_follows_the_doubled_orbits_from_doubling_to_doubling(answer):
     found = answer(
-        "branch", "paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.6:-2.57", "--tol", "1e-5", "--switch", "PD"
+        "branch", *["paper", "--model", "kelvin-voigt", "--over", "log10_r=-2.6:-2.57", "--tol", "1e-5", "--switch", "PD"]
     )
     born = [(special["type"], special["log10_r"], special["period"]) for special in found["special"]]
     assert born == [("PD", pytest.approx(-2.595727667, abs=1e-8), pytest.approx(2.0 * 78.994716174, abs=1e-6))]
@@ -358,12 +358,8 @@ def test_a_curve_of_period_doublings_begins_at_its_second_point(tmp_path):
     ],
 )
 def test_a_point_that_is_not_there_is_one_line(words, told, whole, refused):
-    given = [
-        *words,
-        *([] if "--from" in words else ["--from", str(whole[1])]),
-        *([] if "--and" in words else ["--and", "V=100:110"]),
-    ]
-    assert told in refused("curve", *given)
+    usual = {"--from": str(whole[1]), "--and": "V=100:110"}
+    assert told in refused("curve", *words, *(word for key in usual.keys() - set(words) for word in (key, usual[key])))
 
 
 def test_hopf_points_of_a_key_are_those_of_its_short_name():

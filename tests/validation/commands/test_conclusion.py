@@ -30,11 +30,8 @@ def row(model, wall, error=1e-3, **more):
 
 
 FAILED, STEADY = row("quasistatic", 0.01, None, failed="it runs away"), row("block8", 0.01, None, verdict="steady")
-APART = {
-    "verdict": "irregular",
-    "difference": {"period": 0.03, "stress_drop": -0.2},
-    "margin": {"period": 0.004, "stress_drop": 0.1},
-}
+APART = {"difference": {"period": 0.03, "stress_drop": -0.2}, "margin": {"period": 0.004, "stress_drop": 0.1}}
+APART |= {"verdict": "irregular"}
 
 
 @pytest.mark.parametrize(
@@ -171,11 +168,8 @@ def test_compare_and_fit_date_a_record_alike(slips):
     series, cycles, scene = slips
     assert scene.units
     cell = sampled(series, scene, 5e-4)
-    time, friction, slips_at = (
-        cell["time"],
-        cell["friction"],
-        scene.transit * np.append(cycles.time, cycles.time[-1:] + cycles.period[-1:]),
-    )
+    time, friction = cell["time"], cell["friction"]
+    slips_at = scene.transit * np.append(cycles.time, cycles.time[-1:] + cycles.period[-1:])
     since = time - slips_at[np.maximum(np.searchsorted(slips_at, time) - 1, 0)]
     rings = friction + 0.012 * np.where(since > 0.0, np.exp(-since / 5e-3) * np.sin(2.0 * np.pi * since / 3e-3), 0.0)
     kept = np.random.default_rng(2).random(time.size) < 0.3

@@ -21,12 +21,7 @@ FAST = {"drive.velocity": 2000}
 
 
 @pytest.mark.parametrize(
-    "changes",
-    [
-        {"slab": {"r": 10**-2.3}, "drive.velocity": 50},
-        {"log10_r": -2.3, "V": 50},
-        {"r": 10**-2.3, "velocity": 50},
-    ],
+    "changes", [{"slab": {"r": 10**-2.3}, "drive.velocity": 50}, {"log10_r": -2.3, "V": 50}, {"r": 10**-2.3, "velocity": 50}]
 )
 def test_changes_may_be_tables_or_dotted_keys(changes):
     scene = sw.read_scene("paper", **changes)

@@ -210,12 +210,7 @@ PAIRS = {
         {"block12,block8": "block8,block12", " a &&": " b &&", "map a": "map b"},
     ),
     "fit, units of headings": Pair(STEPS, {"steps.csv": "steps-units.csv"}, (), 1e-6),
-    "fit, columns without a heading": Pair(
-        STEPS,
-        {"SI": "texts", "steps.csv": OTHER_COLUMNS},
-        (),
-        1e-6,
-    ),
+    "fit, columns without a heading": Pair(STEPS, {"SI": "texts", "steps.csv": OTHER_COLUMNS}, (), 1e-6),
     "fit, other V*": Pair(
         f"{STEPS},a_star", {"SI": "paced"}, ((r"a_star|^nc\.(value|low|high|correlation)", None), *PACED), 1e-6
     ),

@@ -350,11 +350,7 @@ def test_what_was_computed_with_a_file_that_has_changed_is_not_gone_on_with(name
 
 def test_a_digest_is_that_of_the_user_s_text_as_it_was_loaded_with_what_it_imports(here):
     (here / "parts").mkdir()
-    for name, text in (
-        ("__init__", ""),
-        ("whole", "from . import half\ndef f(x): return half.x"),
-        ("half", "x = 1"),
-    ):
+    for name, text in (("__init__", ""), ("whole", "from . import half\ndef f(x): return half.x"), ("half", "x = 1")):
         (here / "parts" / f"{name}.py").write_text(text)
     sys.path.append(str(here))
 
@@ -384,10 +380,7 @@ EXITS = {
         ["sweep", "paper", "--vary", "V=50,100", "--measure", "user:f", "--workers", "1", "--out", "map"],
         "def f(scene): sys.exit(0)",
     ),
-    "function of a law": (
-        ["verify", "--law", "user.py"],
-        LAW.replace("v, age = math.exp(z), math.exp(psi)", "sys.exit(0)"),
-    ),
+    "function of a law": (["verify", "--law", "user.py"], LAW.replace("v, age = math.exp(z), math.exp(psi)", "sys.exit(0)")),
     "function of a family": (
         ["run", "paper", "--model", "mine", "--family", "user.py"],
         "from slipwave.family import Family\ndef make(*given, **named): sys.exit(0)\n"

@@ -107,10 +107,7 @@ def test_derivatives_in_si_scale_as_the_units_do():
 
 @pytest.mark.parametrize(
     ("scene", "key", "end", "inwards"),
-    [
-        ("machine", "slab.face.impedance", 0.0, 1e-6),
-        ("reflection", "slab.face.coefficient", 1.0, -1e-6),
-    ],
+    [("machine", "slab.face.impedance", 0.0, 1e-6), ("reflection", "slab.face.coefficient", 1.0, -1e-6)],
 )
 def test_the_end_of_a_range_is_one_sided(scene, key, end, inwards):
     """Without dashpot, or with R = 1, there is no scene on the other side: the slope is that of orbits on this side."""

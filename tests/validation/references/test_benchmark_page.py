@@ -209,11 +209,7 @@ def test_score_says_how_many_digits_are_right(score):
     status, said, _ = score(THEIRS, digits="3")
     assert status == 0
     digits = {line.split()[0]: line.split()[2:5] for line in said.splitlines()[:3]}
-    assert digits == {
-        "orbit.period": ["6", "of", "12"],
-        "orbit.v_max": ["3", "of", "12"],
-        "fold.1.log10_r": ["12", "of", "12"],
-    }
+    assert digits == {"orbit.period": ["6", "of", "12"], "orbit.v_max": ["3", "of", "12"], "fold.1.log10_r": ["12", "of", "12"]}
     assert said.endswith("3 of 3 rows have 3 digits right, or all in which the two programs agree\n")
     status, said, _ = score(THEIRS + "fold.1.perod,59.1\n")
     assert status == 3

@@ -129,10 +129,7 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
     assert short == ["quasidynamic", "slides steadily", "−40.0 ± 0.2\u00a0%", "0.05", "avoid other cycles"]
     assert '<td class="n wrong first" colspan="2"><a href="#models.paper.quasidynamic.-2.7">slides steadily</a></td>' in html
     assert rows_of(html, "error of the stress drop, paper")[3][2] == "+5.0 ± 0.2\u00a0%"
-    assert rows_of(html, "onset of stick-slip, paper")[1:] == [
-        ["delay", "−2.690000", "exact"],
-        ["quasidynamic", "–", "–"],
-    ]
+    assert rows_of(html, "onset of stick-slip, paper")[1:] == [["delay", "−2.690000", "exact"], ["quasidynamic", "–", "–"]]
 
 
 def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
@@ -249,12 +246,8 @@ def test_advice_over_scenes_goes_by_the_least_r_at_which_a_model_fails():
     """Columns of several scenes at the same r over their onsets; a scene in which a model was not tried says nothing of it."""
     columns = [ModelColumn(name, -2.6, over_onset, f"r = {over_onset} r_{{c}}") for over_onset in (1.02, 1.25) for name in "ab"]
     good, bad, none = regime(70.0), regime(80.0), Regime(UNTRIED)
-    found = {
-        "delay": [good] * 4,
-        "modal:1": [good, good, good, bad],
-        "block8": [good, bad, good, good],
-        "modal:8": [none, good] * 2,
-    }
+    found = {"delay": [good] * 4, "modal:1": [good, good, good, bad]}
+    found |= {"block8": [good, bad, good, good], "modal:8": [none, good] * 2}
     table = table_of(found, columns=columns)
     assert [column.group for column in table.columns] == ["r = 1.02 r_{c}"] * 2 + ["r = 1.25 r_{c}"] * 2
     assert [row.advice for row in table.rows] == ["use", "use up to 1.02 r_{c}", "avoid", "use"]
