@@ -242,7 +242,10 @@ class ProtocolObserver:
         """Find the peak of a stage and the recovery after it, in those of its `pieces` in which they may lie."""
         count, steady, long = pieces.time.size, self._steady(stage), pieces.length > _LONG
         first, highest, lowest = 0, (stage.sign * pieces.mu).max(axis=1), (stage.sign * pieces.mu).min(axis=1)
+        known = highest.max()
         highest, lowest = (1.0 + _BETWEEN) * highest - _BETWEEN * lowest, (1.0 + _BETWEEN) * lowest - _BETWEEN * highest
+        if not known <= stage.sign * self._seen[k].peak:  # what lies before a higher peak is forgotten with it
+            first = int(np.argmax(~(highest < known)))
         while first < count:
             seen, many = self._seen[k], 1
             may = ~(highest[first:] < stage.sign * seen.peak)
