@@ -9,7 +9,7 @@ from reduced.delay.kernel import LOST, Clock, DelayMemory, march_delay
 from reduced.delay.march import EXTREMES
 from reduced.delay.multirevolution import LONGEST
 from reduced.delay.network_kernel import Integers, NetworkLines
-from slipwave.compiled import allocating
+from slipwave.compiled import allocating, njit
 from slipwave.friction import rate_of, respond
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.step.collocation import Nodes
@@ -144,6 +144,13 @@ def carried(block: StickBlock, vector: Array, count: int) -> Array:
     return vector
 
 
+@njit
+def _put(values: Array, into: Array) -> None:
+    """Copy `values` (n,): numba compiles an assignment to a slice thirty times as long."""
+    for i in range(values.size):
+        into[i] = values[i]
+
+
 @allocating
 def memory_of(lines: NetworkLines, memory: DelayMemory) -> Array:
     """The memory (n,): waves, the oldest step first, outer faces, psi and y."""
@@ -152,9 +159,9 @@ def memory_of(lines: NetworkLines, memory: DelayMemory) -> Array:
     for layer in range(layers):
         for way in range(ways):
             for step in range(ring):
-                vector[at : at + s] = lines.waves[layer, way, (lines.cursor[0] + step) % ring]
+                _put(lines.waves[layer, way, (lines.cursor[0] + step) % ring], vector[at : at + s])
                 at += s
-    vector[at:-2] = lines.tops.ravel()
+    _put(lines.tops.reshape(-1), vector[at:])
     vector[-2], vector[-1] = memory.now[PSI], memory.now[ELASTIC]
     return vector
 
@@ -163,10 +170,11 @@ def memory_of(lines: NetworkLines, memory: DelayMemory) -> Array:
 def _place(march: LineMarch, block: StickBlock, task: WalkTask, walk: Walk, vector: Array, number: int) -> None:
     """Set the state at the beginning of the block `number` to a `vector` (n,) as `Walk.now`."""
     lines, memory, whole, size = march.lines, march.memory, vector + task.shift, march.lines.waves.size
-    lines.waves[:] = whole[:size].reshape(lines.waves.shape)
-    lines.tops[:] = whole[size:-2].reshape(lines.tops.shape)
+    _put(whole[:size], lines.waves.reshape(-1))
+    _put(whole[size:-2], lines.tops.reshape(-1))
     lines.cursor[0] = 0
-    memory.guess.psi[:], memory.guess.z[:] = walk.guess.psi, walk.guess.z
+    _put(walk.guess.psi, memory.guess.psi)
+    _put(walk.guess.z, memory.guess.z)
     memory.now[TIME], memory.now[LOST] = task.origin + (task.done + number * block.steps) * block.length, 0.0
     memory.now[PSI], memory.now[ELASTIC] = whole[-2], whole[-1]
 
@@ -175,7 +183,7 @@ def _place(march: LineMarch, block: StickBlock, task: WalkTask, walk: Walk, vect
 def _marched(
     nodes: Nodes, march: LineMarch, block: StickBlock, task: WalkTask, number: int, pieces: Pieces, at: int, count: Integers
 ) -> bool:
-    """LineMarch the block `number` as pieces from `at` on; whether it is one of a stick."""
+    """March the block `number` as pieces from `at` on; whether it is one of a stick."""
     first = task.done + number * block.steps
     begin = block.length * np.arange(first, first + block.steps + 1).astype(np.float64)
     clock = Clock(task.origin, begin, np.full(block.steps, block.length), 1)
@@ -242,7 +250,9 @@ def walk_on(nodes: Nodes, march: LineMarch, block: StickBlock, task: WalkTask, w
         z, mu, y = pieces.z[begin:end], pieces.mu[begin:end], pieces.y[begin:end]
         change = _change(nodes, march, block, task, z, psi)
         past = np.dot(walk.change[1:], block.after[block.slot[reach]])
-        number = np.append(walk.number[1:], float(last))
+        number = np.empty(order + 1)
+        number[-1] = last
+        _put(walk.number[1:], number)
         if good and known:
             missed = change - np.dot(weights_at(number[:-1], number[-1]), past)
             missed *= sum_of_new(number[1:], float(first), block.nodes[reach], block.weights[reach])
@@ -254,8 +264,9 @@ def walk_on(nodes: Nodes, march: LineMarch, block: StickBlock, task: WalkTask, w
         if not good:
             count[REACH] = _of_few_powers(max(_SHRINK, scale) * reach) if count[SKIPPED] else 0
             continue
-        walk.highest[:-1] = walk.highest[1:].copy()
-        walk.highest[-1] = np.array([z.max(), mu.max(), y.max(), -z.min(), -mu.min(), -y.min()])
+        for k in range(order):
+            _put(walk.highest[k + 1], walk.highest[k])
+        _put(np.array([z.max(), mu.max(), y.max(), -z.min(), -mu.min(), -y.min()]), walk.highest[-1])
         now = memory_of(march.lines, march.memory) - task.shift + missed
         guess, shown = (march.memory.guess.psi.copy(), march.memory.guess.z.copy()), end
         if known:
@@ -265,7 +276,12 @@ def walk_on(nodes: Nodes, march: LineMarch, block: StickBlock, task: WalkTask, w
                 shown += steps
             count[SKIPPED] += reach - (shown - end) // steps
             count[REACH] = _of_few_powers(min(_GROW, scale) * reach)
-        walk.now[:], walk.number[:], walk.guess.psi[:], walk.guess.z[:] = now, number, guess[0], guess[1]
-        walk.change[:-1], walk.change[-1] = past, change
+        _put(now, walk.now)
+        _put(number, walk.number)
+        _put(guess[0], walk.guess.psi)
+        _put(guess[1], walk.guess.z)
+        _put(change, walk.change[-1])
+        for k in range(order):
+            _put(past[k], walk.change[k])
         count[SHOWN], count[NEXT], count[KNOWN] = shown, last + 1, min(count[KNOWN] + 1, order)
     _place(march, block, task, walk, walk.now, count[NEXT])
