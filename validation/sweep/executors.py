@@ -16,9 +16,7 @@ from slipwave.extras import require
 from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
 from validation.models.own import load_families, own_files
-from validation.sweep.workers import starting
-
-_ENVIRONMENT = threading.Lock()
+from validation.sweep.workers import environment, starting
 
 
 @contextmanager
@@ -31,8 +29,9 @@ def processes(workers: int) -> Iterator[Callable[[], Executor]]:
         """Start a new pool, which replaces the one before."""
         while made:
             kill(made.pop())
-        with _environment(dict.fromkeys(VARIABLES, "1")):
-            pool = ProcessPoolExecutor(workers, starting(), _begin, ([*LAW_FILES], own_files(), dict(os.environ)))
+        context = starting()
+        with environment(dict.fromkeys(VARIABLES, "1")):
+            pool = ProcessPoolExecutor(workers, context, _begin, ([*LAW_FILES], own_files(), dict(os.environ)))
             made.append(pool)
             with suppress(BrokenExecutor):  # a process killed as it starts: the next submission raises
                 for _ in range(workers):
@@ -61,12 +60,13 @@ def _end_group(leader: int) -> None:
             end(leader, signal.SIGKILL)
 
 
-def _begin(laws: list[Path], families: list[Path], environment: dict[str, str]) -> None:
+def _begin(laws: list[Path], families: list[Path], inherited: dict[str, str]) -> None:
     """Initialise a worker: it leads a group of processes, which Ctrl-C does not reach, ends with its parent, and loads the user's
     laws and families."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.setsid()
-    os.environ.update(environment)
+    os.environ.clear()
+    os.environ.update(inherited)
     for path in laws:
         load_laws(path)
     for path in families:
@@ -80,23 +80,6 @@ def _begin(laws: list[Path], families: list[Path], environment: dict[str, str]) 
         _end_group(os.getpid())
 
     threading.Thread(target=watch, daemon=True).start()
-
-
-@contextmanager
-def _environment(values: dict[str, str]) -> Iterator[None]:
-    """Context with these environment variables, which new processes inherit; for one thread at a time, so that each restores the
-    former values."""
-    with _ENVIRONMENT:
-        before = {name: os.environ.get(name) for name in values}
-        os.environ.update(values)
-        try:
-            yield
-        finally:
-            for name, value in before.items():
-                if value is None:
-                    del os.environ[name]
-                else:
-                    os.environ[name] = value
 
 
 @contextmanager

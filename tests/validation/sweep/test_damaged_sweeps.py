@@ -18,8 +18,8 @@ import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
 from validation.commands.cli import main
 from validation.sweep import store as of_store
-from validation.sweep.executors import _environment
 from validation.sweep.store import Store
+from validation.sweep.workers import environment
 
 
 @pytest.fixture(scope="module")
@@ -303,12 +303,12 @@ def test_threads_that_start_processes_leave_the_environment_as_it_was():
     entered, freed = threading.Event(), threading.Event()
 
     def other():
-        with _environment({"SLIPWAVE_TEST_THREAD": "1"}):
+        with environment({"SLIPWAVE_TEST_THREAD": "1"}):
             entered.set()
             freed.wait()
 
     with ThreadPoolExecutor(1) as thread:
-        with _environment({"SLIPWAVE_TEST_THREAD": "1"}):
+        with environment({"SLIPWAVE_TEST_THREAD": "1"}):
             thread.submit(other)
             entered.wait(0.2)  # in vain: the other waits for this block to end
         freed.set()
