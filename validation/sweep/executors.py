@@ -65,7 +65,7 @@ def _begin(laws: list[Path], families: list[Path], inherited: dict[str, str]) ->
     laws and families."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.setsid()
-    os.environ.clear()
+    os.environ.clear()  # what the fork server was started with
     os.environ.update(inherited)
     for path in laws:
         load_laws(path)

@@ -24,7 +24,7 @@ def starting() -> BaseContext:
         return multiprocessing.get_context("spawn")
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(_IMPORTED)
-    # it imports before it is told our path, and would take files of the working folder that have names of ours
+    # the fork server imports before it is told our path; it would take files of the working folder with the names of ours
     with environment({**dict.fromkeys(VARIABLES, "1"), "PYTHONSAFEPATH": "1"}):
         forkserver.ensure_running()
     return context
