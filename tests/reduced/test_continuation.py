@@ -11,13 +11,10 @@ import pytest
 from reduced.continuation.branch import Control, follow_branch
 from reduced.continuation.curve import CURVE_STEPS, OnCurve, Plane, beginning, crossing, follow_curve, turn
 from reduced.continuation.curve import METRIC as ON_PLANE
-from reduced.continuation.point import FlowFamily, Metric, direction
+from reduced.continuation.point import FlowFamily, Metric
 from reduced.continuation.special import specials_between, trend_of
-from reduced.continuation.start import from_hopf, from_orbit, from_stored, metric_for, stored
-from reduced.delay.flow import DelayFlow
-from reduced.orbit.closing import CLOSES_TO, by_parameter, close
-from reduced.parameters import with_parameter
-from slipwave import read
+from reduced.continuation.start import from_hopf, from_orbit
+from reduced.orbit.closing import CLOSES_TO, close
 from slipwave.errors import NumericsError
 from tests.orbit_by_hand import SHRINKS, SNAKE, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand, Oscillator
 from validation.models.points import BranchPoint
@@ -191,21 +188,6 @@ def test_a_count_that_no_event_explains_ends_the_branch():
         branch(family, at(family, oscillator, 0.3), lambda q: q.parameter < 0.7, control=control)
 
 
-def test_a_stored_point_goes_on_as_the_branch_did():
-    """Through arrays only, on the mesh that the branch had there; the family given has another."""
-    family = family_of(SUBCRITICAL, roughest=2e-8)
-    steps = branch(family, from_hopf(family, 0.0, 2.0 * math.pi, METRIC), lambda q: q.parameter < 0.1)
-    middle = next(k for k, step in enumerate(steps) if step.special)
-    saved = stored(steps[middle].point, steps[middle].next_step)
-    again, point, step = from_stored(family, saved)
-    assert again(0.0).steps == steps[middle].point.closed.flow.steps != 6
-    assert all(step.point.closed.flow.roughness(step.point.closed.cycle, 1e-8) <= 1.0 for step in steps)
-    assert point.closed.residual < 1e-11
-    rest = branch(again, point, lambda q: q.parameter < 0.1, control=replace(CONTROL, first=step))
-    expected = [step.point.unknowns for step in steps[middle + 1 :]]
-    np.testing.assert_array_equal([step.point.unknowns for step in rest], expected)
-
-
 def test_a_branch_that_is_lost_says_where():
     """Steps of 0.3 and more cannot follow the turn at the fold; they begin at p = -0.21."""
     family, control = family_of(SUBCRITICAL), Control(0.6, shortest=0.3)
@@ -339,17 +321,6 @@ def test_a_curve_that_turns_within_a_hundred_thousandth():
     assert places[:, 1].max() == pytest.approx(0.2, abs=2e-6)
 
 
-def test_a_curve_that_turns_back_in_both_parameters():
-    start, points = curve("NS", circle, 0.2, (0.0, 1.0), 42, Control(2e-2, 1e-5, 0.04))
-    assert start.parameters == pytest.approx((0.3, 0.0), abs=1e-9)
-    places = np.array([place for place, _ in points])
-    np.testing.assert_allclose(np.hypot(places[:, 0] - 0.5, places[:, 1]), 0.2, rtol=0.0, atol=1e-8)
-    angles = np.unwrap(np.arctan2(places[:, 1], 0.5 - places[:, 0]))
-    assert (np.diff(angles) > 0.0).all()
-    assert angles[-1] > 2.0 * math.pi
-    assert all(special.bracket < 3e-9 for _, special in points)
-
-
 def test_where_a_curve_turns_and_returns():
     """The circle's highest point, from neighbours up to 0.04 away, and where it is back at the height of its beginning."""
     plane, steps = Plane(scene_of, (1.0, 1.0)), Control(2e-2, 1e-5, 0.04)
@@ -372,31 +343,3 @@ def test_a_curve_that_ends_says_where():
 
     with pytest.raises(NumericsError, match=r"cannot be followed beyond the parameters 0\.3, 0\.(1|099\d*): "):
         curve("NS", ended, 0.2, (0.0, 1.0), 40)
-
-
-def test_folds_depend_on_two_products_alone():
-    """With time in units of L/V the equations contain epsilon V and r V only, and psi is shifted by ln V. So an orbit at V is one
-    at 100 with epsilon and r larger by V/100; a fold is a fold there."""
-    base = read("paper")
-    metric = metric_for(-2.72, -2.3)
-    family = FlowFamily(DelayFlow(base, 6.0), lambda p: with_parameter(base, "log10_r", p))
-    first = from_hopf(family, -2.6995497159, 49.66818383, metric)
-    steps = follow_branch(family, first, metric, lambda point: True, 1e-6)
-    (fold,) = next(step.special for step in steps if step.special)
-    plane = Plane(lambda p, v: with_parameter(family(p).scene, "V", v), (0.4, 100.0))
-    start = OnCurve((fold.point.parameter, 100.0), fold)
-    steps = follow_curve(
-        plane, beginning(start, (0.0, 1.0), replace(CURVE_STEPS, first=0.02)), 1e-6, replace(CURVE_STEPS, first=0.02)
-    )
-    for (p, v), special in (one.last for one in itertools.islice(steps, 4)):
-        point, share = special.point, v / 100.0
-        epsilon = with_parameter(base, "epsilon", 2.8e-5 * share)
-        other = FlowFamily(point.closed.flow.of(epsilon), lambda q, scene=epsilon: with_parameter(scene, "log10_r", q))
-        at = p + math.log10(share)
-        state = point.unknowns[:-2] - point.closed.flow.steady + other(at).steady
-        closed = close(other(at), state, point.closed.cycle.period)
-        assert closed.cycle.period == pytest.approx(point.closed.cycle.period, rel=1e-11)
-        np.testing.assert_allclose(closed.cycle.start, state, rtol=0.0, atol=1e-11)
-        known = replace(closed, parameter=at, drift=by_parameter(other, closed.cycle, at))
-        assert abs(direction(known, point.tangent, metric)[-1]) < 1e-6
-    assert v > 103.0

@@ -66,16 +66,6 @@ def test_unresolvable_run_is_refused_with_place_and_time(march, name, keys, monk
         follow(march(read(name, {f"{key}.log10_r": -2.3 for key in keys})), 1e5)
 
 
-def test_end_between_steps_is_read_from_the_polynomial():
-    scene = paper(-2.6)
-    whole, part = Delay(scene), Delay(scene)
-    early = follow(part, 33.37)
-    follow(whole, 33.0)
-    late = follow(whole, 33.37)
-    assert early.psi == pytest.approx(late.psi, abs=1e-11)
-    assert part.time - 33.37 < 1.0 / part.steps
-
-
 @pytest.mark.parametrize(("march", "name"), [(Delay, "paper"), (DelayNetwork, "unlike-irrational")])
 def test_an_end_that_rounding_just_misses_is_reached(march, name):
     solver = march(read(name))
@@ -206,22 +196,6 @@ def test_a_state_that_does_not_fit_is_refused_and_changes_nothing(model, name):
     solver.restore(given)
     assert_same_bits(solver.state(), given)
     assert follow(solver, 40.0) == follow(other, 40.0)
-
-
-def refining(emit):
-    """Three steps a transit are too few from the first event on."""
-    return Delay(slipwave.read("paper", ["slab.log10_r=-2.3", *JUMPED]), steps=3, emit=emit)
-
-
-@pytest.mark.parametrize("emit", [True, False])
-def test_steps_that_become_too_long_after_a_restart_are_refined_as_without_it(emit):
-    straight, first, resumed = refining(emit), refining(emit), refining(emit)
-    follow(first, 1.5)
-    before = first.steps
-    resumed.restore(first.state())
-    assert follow(resumed, 300.0) == follow(straight, 300.0)
-    assert resumed.steps > before
-    assert_same_bits(resumed.state(), straight.state())
 
 
 def test_elastic_stress_of_very_slow_sliding_does_not_drift_from_friction():

@@ -129,12 +129,6 @@ def test_the_march_goes_on_as_the_solver_does(kind):
     assert cycle.end[-1] == pytest.approx(history.at(begin + times[-1:])[2, 0], abs=1e-12)
 
 
-def test_two_marches_in_turn_are_one():
-    _, flow, start = settled("unlike", per_transit=12.0)
-    halfway = flow.march(start, 3.37).end
-    np.testing.assert_allclose(flow.march(halfway, 4.0).end, flow.march(start, 7.37).end, rtol=0.0, atol=1e-14)
-
-
 @every_scene
 def test_another_mesh_keeps_the_motion(kind):
     _, flow, start = settled(kind)

@@ -1,7 +1,5 @@
 """The exact one-port and reductions as impedances: closed forms, by hand, passive at every frequency."""
 
-import math
-
 import numpy as np
 import pytest
 from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, LOSSY, ROUND_TRIP, paper, scene_of, slab
@@ -9,7 +7,6 @@ from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, LOSSY, ROUND_TRIP,
 import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, reduction_of
-from reduced.impedance.reduce import spring_damping_mass
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, StandardLinearViscosity
@@ -37,10 +34,6 @@ def test_closed_forms_of_the_alike_pair(model):
     assert impedance(paper(), T / ROUND_TRIP, model) == pytest.approx(EPSILON * CLOSED[model](T), rel=1e-13)
 
 
-def test_a_fit_of_lossless_slabs_is_their_modes():
-    assert reduction_of(paper(), "fitted:4").frequencies == pytest.approx(reduction_of(paper(), "modal:4").frequencies, rel=1e-13)
-
-
 @pytest.mark.parametrize("name", LOSSLESS)
 def test_modal_converges_to_the_exact_pair(name):
     s = np.array([0.05j, 0.3 + 0.5j, 1.1j, 0.5 + 3j]) / ROUND_TRIP
@@ -49,20 +42,6 @@ def test_modal_converges_to_the_exact_pair(name):
     assert errors[0] < 0.05
     assert errors[1] < errors[0] / 8
     assert errors[2] < min(errors[1] / 8, 3e-4)
-
-
-@pytest.mark.parametrize("name", LOSSLESS)
-@pytest.mark.parametrize("model", ["block12", "modal:0", "modal:3", "modal:20"])
-def test_spring_and_mass_survive_truncation(name, model):
-    """Z = spring/s + mass s at low frequency: exact in every modal reduction and in block12."""
-    scene = LOSSLESS[name]
-    reduced = reduction_of(scene, model)
-    total = reduced.mass + sum(c / w**2 for c, w in zip(reduced.residues, reduced.frequencies, strict=True))
-    spring, _, mass = spring_damping_mass(scene)
-    omega = 1e-2
-    low = impedance(scene, 1j * omega / scene.transit).imag / scene.upper.epsilon
-    assert (reduced.spring, total) == pytest.approx((spring, mass), rel=1e-12)
-    assert -spring / omega + mass * omega == pytest.approx(low, rel=1e-9)
 
 
 @pytest.mark.parametrize("name", ["ratio 2", "ratio sqrt 2", "same time"])
@@ -96,10 +75,6 @@ def test_every_reduction_that_is_offered_is_passive(name, model):
     else:
         with pytest.raises(SceneError, match="fitted:N"):
             check_passivity(EVERY[name], model)
-
-
-def test_the_spring_of_a_standard_linear_slab_is_relaxed():
-    assert math.isclose(reduction_of(EVERY["standard linear"], "quasistatic").spring, 1 / 1.5)
 
 
 @pytest.mark.parametrize("name", LOSSY)

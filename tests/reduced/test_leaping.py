@@ -93,16 +93,6 @@ def test_only_whole_transits_without_events_are_left_out(both):
     assert pieces.z[gap + 1].max() < 1.0
 
 
-def test_one_observer_that_needs_every_transit_gets_them():
-    scene = granite()
-    leaping, plain = delay_system(scene, tolerance=1e-6), Delay(scene, tolerance=1e-6)
-    ours, theirs = (HistoryObserver(scene.law, plain.nodes, start=19_000.0) for _ in range(2))
-    assert isinstance(leaping, LeapingDelay)
-    assert follow(leaping, 20_000.0, [EventObserver(scene, plain.nodes), ours]) == follow(plain, 20_000.0, [theirs])
-    assert np.array_equal(ours.samples(), theirs.samples())
-    assert leaping.skipped == 0
-
-
 @pytest.mark.parametrize(
     ("velocity", "leaps_again"),
     [
@@ -126,20 +116,6 @@ def test_no_leap_crosses_a_change_of_the_drive(velocity, leaps_again):
     assert gap[ends < first].any()
     assert not (gap & (begins > first - 1.0) & (ends < last)).any()
     assert gap[ends >= last].any() == leaps_again
-
-
-def test_a_hold_is_leapt_over_and_has_the_figures_of_every_transit():
-    """Steady sliding, a hold, and sliding again: the wave of each step goes round through all of it."""
-    knots = [[0.0, 1.0], [300.5, 1.0], [300.5, 0.0], [6000.25, 0.0], [6000.25, 1.0]]
-    scene = slipwave.read(GRANITE | {"drive": {"velocity": knots}, "start": {"size": 0.0}})
-    leaping, plain = (kind(scene, tolerance=1e-6) for kind in (LeapingDelay, Delay))
-    protocols = [ProtocolObserver(scene, plain.nodes, 7000.0) for _ in range(2)]
-    ends = [follow(solver, 7000.0, [one]) for solver, one in zip((leaping, plain), protocols, strict=True)]
-    assert 4500 < leaping.skipped < 5700
-    assert ends[0].psi == pytest.approx(ends[1].psi, abs=2e-6)
-    (_, hold, slide), (_, known, later) = (one.figures for one in protocols)
-    assert hold.relaxation == pytest.approx(known.relaxation, rel=1e-6)
-    assert slide.healing == pytest.approx(later.healing, rel=1e-6)
 
 
 SMALL = GRANITE | {"start": {"size": 1e-4}}

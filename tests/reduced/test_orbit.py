@@ -16,8 +16,8 @@ from reduced.delay.network import DelayNetwork
 from reduced.impedance import reduction_of
 from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
 from reduced.orbit import periodic_orbit
-from reduced.orbit.approach import CycleSection, approach, closest_returns, guesses
-from reduced.orbit.closing import Evaluated, close, close_family, solve_by_newton
+from reduced.orbit.approach import approach, guesses
+from reduced.orbit.closing import Evaluated, close, solve_by_newton
 from reduced.orbit.multipliers import floquet, multipliers
 from reduced.orbit.periodic import amplitude, figures_of, repeats_sooner
 from reduced.stability.onsets import _bracket, onsets
@@ -28,25 +28,10 @@ from slipwave.step.collocation import radau
 from slipwave.step.flow import Cycle
 from slipwave.step.port_flow import flow_near
 from tests.differences import largest
-from tests.orbit_by_hand import SHRINKS, SUBCRITICAL, SUPERCRITICAL, TURN, FlowByHand
+from tests.orbit_by_hand import SUBCRITICAL, SUPERCRITICAL, FlowByHand
 
 UNSTABLE, STABLE = 0.2, 0.8
 """|w|^2 of the two orbits of the subcritical oscillator at p = -0.16."""
-
-
-def test_an_orbit_of_a_family_on_a_plane():
-    """With the weight on psi alone, the orbit is the one whose psi at the start is that of the guess."""
-    start, flow_at = SUBCRITICAL.state(0.4), lambda p: FlowByHand(SUBCRITICAL, p)
-    guess = start + np.array([0.01, 0.03])
-    weights = np.array([0.0, 1.0, 0.0, 0.0])
-    found = close_family(flow_at, guess, SUBCRITICAL.period(0.4), -0.2, weights)
-    s = float(found.cycle.start @ found.cycle.start)
-    assert found.cycle.start[1] == pytest.approx(guess[1], abs=1e-11)
-    assert found.parameter == found.unknowns[-1] == pytest.approx(SUBCRITICAL.g(s), abs=1e-11)
-    assert found.flow.parameter == found.parameter
-    assert found.cycle.period == found.unknowns[-2] == pytest.approx(SUBCRITICAL.period(s), abs=1e-11)
-    again = close_family(flow_at, guess, SUBCRITICAL.period(0.4), -0.2, weights, neighbour=found)
-    np.testing.assert_allclose(again.unknowns, found.unknowns, rtol=0.0, atol=1e-11)
 
 
 def test_no_orbit_there():
@@ -85,14 +70,6 @@ def test_figures_of_a_polynomial_motion():
 def test_a_motion_that_repeats_after_a_third(cycles, sooner):
     cycle, nodes = motion([*[lambda t: np.sin(math.pi * t)] * 4], 6.0, pieces=60)
     assert repeats_sooner(cycle, nodes, cycles) is sooner
-
-
-def test_the_closest_returns_come_first():
-    sections = [CycleSection(None, np.array([x, 0.0]), date) for x, date in [(0.0, 0.0), (3.0, 10.0), (2.5, 19.0), (2.6, 31.0)]]
-    returns = [(first.date, time) for first, time in closest_returns(sections)]
-    assert returns == [(19.0, 12.0), (10.0, 9.0), (0.0, 10.0)]
-    assert [time for _, time in closest_returns(sections, cycles=2)] == [21.0, 19.0]
-    assert [time for _, time in closest_returns(sections, near=9.6)] == [9.0, 10.0]
 
 
 def test_the_trivial_multiplier_is_split_off():
@@ -196,18 +173,6 @@ def test_a_mesh_is_solved_on_although_the_coarser_one_s_orbit_nearly_closes_on_i
     flow = Shifted(SUPERCRITICAL, s, steps=12)
     period = periodic_orbit(flow, 1.02 * SUPERCRITICAL.state(s), SUPERCRITICAL.period(s)).orbit.period
     assert abs(period.value - SUPERCRITICAL.period(s)) < period.error < 2e-12 * period.value
-
-
-@pytest.mark.parametrize(("strip", "expected"), [(False, 1), (True, -1)])
-def test_multipliers_beside_the_plane(strip, expected):
-    """exp((d +- 1.3 i) T) of the oscillator that turns, -exp(d T) and -exp(-0.4 T) of the strip."""
-    oscillator = SUPERCRITICAL._replace(beside=lambda p: p - 0.2, moebius=strip)
-    period = oscillator.period(0.3)
-    found = found_at(oscillator, 0.3).multipliers
-    pair = np.exp((0.1 + TURN * np.array([1j, -1j])) * period) if expected > 0 else -np.exp(np.array([0.1, SHRINKS]) * period)
-    wanted = [*sorted(pair, key=lambda m: (-abs(m), m.imag)), oscillator.multiplier(0.3)]
-    assert sorted(found.values, key=lambda m: (-round(abs(m), 9), m.imag)) == pytest.approx(wanted, rel=2e-3)
-    assert found.stable is False
 
 
 def test_a_tolerance_that_no_mesh_reaches_is_told():
@@ -368,27 +333,6 @@ def test_no_orbit_near_a_run():
         guessed("delay", -2.72)
     with pytest.raises(NumericsError, match=r"a run of 300 transits made \d+ cycles in its second half: no orbit near it"):
         approach(run_of("delay", -2.68), 1e-6, most=300.0)
-
-
-@pytest.mark.parametrize("log10_r", [-2.69, -2.68])
-def test_the_estimated_errors_bound_the_errors(log10_r):
-    """Against a mesh of half the steps. Measured: 0.03 to 0.8 of the estimates."""
-    result = found("delay", log10_r, 1e-8)
-    closed = result.closed
-    finer, state = closed.flow.remeshed(closed.cycle, 2.0)
-    exact = figures_of(close(finer, state, closed.cycle.period))
-    for name, value in exact.items():
-        estimate = getattr(result.orbit, name)
-        assert abs(estimate.value - value) <= estimate.error < 1e-8 * abs(value), name
-
-
-def test_no_multiplier_of_the_waves_is_told():
-    """Their ring about the essential radius is never the same on two meshes; what is told is on a third one too."""
-    told = found("delay", -2.68).multipliers
-    assert told.essential_radius == pytest.approx(0.0044, abs=1e-4)
-    finest = np.linalg.eigvals(found("delay", -2.68, 1e-11).closed.monodromy)
-    for value in told.values:
-        assert np.abs(finest - value).min() < 2e-3 * abs(value)
 
 
 def test_a_run_that_creeps_past_a_lost_orbit_is_followed_on():

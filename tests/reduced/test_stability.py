@@ -11,7 +11,6 @@ import slipwave
 from reduced import closed_forms
 from reduced.stability import (
     analyse,
-    boundary,
     characteristic,
     critical_epsilon,
     critical_round_trip,
@@ -22,7 +21,6 @@ from reduced.stability import (
     scaled,
     spectrum,
     unstable_count,
-    with_parameter,
 )
 from reduced.stability.analyse import stability_in_si, thickened
 from reduced.stability.spectrum import polish, zeros_in
@@ -178,15 +176,6 @@ def test_essential_abscissa_closed_form():
 def test_a_face_that_swallows_the_load_fails_without_oscillating():
     found = analyse(EVERY["reflection"])
     assert (found.unstable_roots, found.leading_roots[0].imag) == (1, 0.0)
-
-
-def test_boundary_of_gripped_slabs_parts_stable_from_unstable():
-    scene = EVERY["matched grip"]
-    (curve, *_) = boundary(scene, "delay", ("log10_grip_impedance", "log10_r"), ((-2.0, 4.0), (-4.0, -2.0)))
-    for i in range(5, len(curve.first) - 5, 10):
-        at = with_parameter(scene, "log10_grip_impedance", curve.first[i])
-        counts = [unstable_count(characteristic(with_parameter(at, "log10_r", curve.second[i] + d))) for d in (-1e-3, 1e-3)]
-        assert sorted(counts) == [0, 2]
 
 
 @pytest.mark.parametrize("model", ["quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:3"])

@@ -339,26 +339,23 @@ def test_a_text_is_parsed_once_for_all_processes_and_again_when_it_is_edited(sta
     assert parsed == [texts[0], texts[2]]
 
 
-def test_a_damaged_file_of_what_was_parsed_is_replaced(started_again, tmp_path):
+@pytest.mark.parametrize(
+    "spoilt",
+    [
+        lambda content: content[:-20],
+        lambda content: pickle.dumps({key: tuple(one) for key, one in sources._kept().items()}),
+    ],
+    ids=["damaged", "kept by another version"],
+)
+def test_what_is_kept_in_another_form_is_parsed_again_and_replaced(spoilt, started_again, tmp_path):
     path = tmp_path / "program.py"
     path.write_text("x = 1\n")
     whole = program(path)
     sources._keep()
     (kept,) = (tmp_path / "kept").iterdir()
-    kept.write_bytes(kept.read_bytes()[:-20])
+    kept.write_bytes(spoilt(kept.read_bytes()))
     started_again()
     assert program(path) == whole
     sources._keep()
     started_again()
     assert len(sources._kept()) == 1
-
-
-def test_what_another_version_has_kept_is_parsed_again(started_again, tmp_path):
-    path = tmp_path / "program.py"
-    path.write_text("x = 1\n")
-    whole = program(path)
-    sources._keep()
-    (kept,) = (tmp_path / "kept").iterdir()
-    kept.write_bytes(pickle.dumps({key: tuple(one) for key, one in sources._kept().items()}))
-    started_again()
-    assert program(path) == whole

@@ -108,26 +108,6 @@ def test_a_ringing_that_decays_is_no_stick_slip():
     assert not ringing(0.0, 300.0).figures[1].stick_slips  # one way through, no cycle
 
 
-@pytest.mark.parametrize("end", [3, 20, 25, 120])
-def test_a_protocol_goes_on_as_without_a_stop(end):
-    """Inside the start, at a jump, after the peak of a step and in the middle of a hold."""
-    drive = [[0, 100], [20, 100], [20, 300], [100, 300], [100, 0], [150, 0], [150, 100]]
-    scene = slipwave.read("paper", {"slab.log10_r": -3.0, "start.size": 0.0, "drive.velocity": drive, "run.until": 220})
-    rng = np.random.default_rng(1)
-    parts = [Pieces(np.array([t]), np.ones(1), *(4.0 + 0.1 * rng.standard_normal((4, 1, 3)))) for t in np.arange(0.0, 220.0)]
-    whole, before, after = (ProtocolObserver(scene, np.array([0.2, 0.5, 1.0]), 220.0) for _ in range(3))
-    for part in parts:
-        whole.scan(part)
-    for part in parts[:end]:
-        before.scan(part)
-    after.restore(before.state())
-    assert after.whole_from == before.whole_from == (math.inf if end == 120 else 0.0)
-    for part in parts[end:]:
-        after.scan(part)
-    assert repr(after.figures) == repr(whole.figures)
-    assert [stage.reached for stage in after._seen] == [20.0, 100.0, 150.0, 220.0]
-
-
 def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back():
     """Two parabolas over nodes that miss their peaks, in pieces of their own, and a fall to the steady stress between them."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 60})

@@ -56,19 +56,6 @@ def test_slip_is_the_integral_of_the_slip_rate(motion):
     assert np.diff(along.slip).min() > 0.0
 
 
-@pytest.mark.parametrize("stop", [0.7, 40.0, 231.0])
-def test_it_goes_on_from_its_state(motion, stop):
-    scene, envelope, _ = motion
-    solver = build("delay", scene)
-    first, second = (Envelope(scene, solver.nodes) for _ in range(2))
-    follow(solver, stop, [first])
-    second.restore({name: array.copy() for name, array in first.state().items()})
-    follow(solver, 300.0, [second])
-    assert all(np.array_equal(array, second.state()[name]) for name, array in envelope.state().items())
-    with pytest.raises(ValueError, match="the window is 0:inf; this run asks for 5:9"):
-        Envelope(scene, solver.nodes, 5.0, 9.0).restore(first.state())
-
-
 def test_a_leapt_stretch_has_the_ranges_of_whole_transits():
     """Of granite. Every transit has another range, by what changes in a stick from one interval to the next."""
     scene = slipwave.read(GRANITE)

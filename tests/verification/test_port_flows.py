@@ -82,19 +82,6 @@ def test_the_flow_continues_the_run(kind, name):
     assert largest(flow.march(flow.steady, period).end - flow.steady) < 1e-12
 
 
-@pytest.mark.parametrize(("kind", "name"), [("reduced", "kelvin-voigt"), ("dg:7", "alike")])
-def test_another_scene_has_the_same_mesh_and_states(kind, name):
-    """The flow of a run of the other scene does the same with the state, which is in units of stress for any impedance."""
-    flow, state = moving(kind, name)
-    other = slipwave.read("paper", ["slab.epsilon=2.2e-3", "slab.log10_r=-2.6", "interface.a=0.036"])
-    solver = ReducedModel(other, reduction_of(other, name)) if kind == "reduced" else GRIDS[kind](other)
-    direct = solver.flow(4.0, 1e-11)[0]
-    direct, _ = direct.remeshed(direct.march(direct.steady, 4.0)._replace(start=state), 1.0)
-    ours = flow.of(other).march(state, 4.0)
-    assert largest(ours.end - direct.march(state, 4.0).end) < 1e-9
-    assert ours.pieces.length.size == flow.march(state, 4.0).pieces.length.size
-
-
 def test_a_motion_that_cannot_be_followed():
     scene = slipwave.read("paper")
     solver = ReducedModel(scene, reduction_of(scene, "quasistatic"))

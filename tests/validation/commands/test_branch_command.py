@@ -256,18 +256,6 @@ FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
 FIRST, SECOND = (over_range(text, "paper") for text in (RANGE, "V=100:120"))
 
 
-def test_the_first_fold_of_the_delay_system():
-    """Its place at V = 100 is that of other programs; towards larger V its period falls."""
-    found = sw.curve("paper", "LP", "log10_r=-2.72:-2.68", "V=100:120", most_points=4).summary
-    assert (found["type"], found["parameters"], found["model"]) == ("LP", ["log10_r", "V"], "delay")
-    first, *others = found["points"]
-    assert (first["log10_r"], first["V"]) == (pytest.approx(-2.7002517033, abs=5e-9), 100.0)
-    assert first["period"] == pytest.approx(59.1074327, abs=1e-5)
-    assert (first["unstable_before"], first["unstable_after"]) == (1, 0)
-    assert [a["V"] < b["V"] and a["period"] > b["period"] for a, b in zip([first, *others], others, strict=False)] == [True] * 3
-    assert found["notes"] == ["stopped after 4 points: --most-points goes further"]
-
-
 def test_a_curve_ends_at_the_edge_of_its_ranges():
     """The first torus point of the delay system in r and epsilon."""
     result = sw.curve("paper", "NS", "log10_r=-2.72:-2.64", "epsilon=2.8e-5:2.806e-5")
@@ -278,16 +266,6 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
     assert all(2.8e-5 <= point["epsilon"] <= 2.806e-5 and point["bracket"] < 1e-9 for point in points)
     assert result.summary["notes"] == ["the curve leaves the rectangle of both ranges at epsilon = 2.806e-05"]
     assert result.dataset.attrs["command"] == "curve"
-
-
-def test_keys_of_the_scene_span_a_plane():
-    texts = ("slab.thickness=31 mm:34 mm", "interface.normal_stress=1 kPa:1.1 kPa", "V=100:120")
-    first, second, over = (over_range(text, "paper-si") for text in texts)
-    keyed = {"slab.thickness": 0.032, "interface.normal_stress": 1050.0}
-    assert Curve("LP", first, second, "delay", 1e-4).plane.scene_at(0.032, 1050.0) == sw.read("paper-si", keyed)
-    mixed = Curve("LP", over, second, "delay", 1e-4).plane.scene_at(110.0, 1050.0)
-    assert mixed.velocity == 110.0
-    assert mixed.transit == sw.read("paper-si", {"interface.normal_stress": 1050.0}).transit
 
 
 def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
@@ -360,13 +338,6 @@ def test_a_curve_of_period_doublings_begins_at_its_second_point(tmp_path):
 def test_a_point_that_is_not_there_is_one_line(words, told, whole, refused):
     usual = {"--from": str(whole[1]), "--and": "V=100:110"}
     assert told in refused("curve", *words, *(word for key in usual.keys() - set(words) for word in (key, usual[key])))
-
-
-def test_hopf_points_of_a_key_are_those_of_its_short_name():
-    scene = sw.read("paper", ["face.kind=grip", "face.stiffness=20", "face.impedance=1000"])
-    short = sw.curve(scene, "HB", "log10_r=-2.75:-2.55", "grip_impedance=1000:900").found.points
-    keyed = sw.curve(scene, "HB", "log10_r=-2.75:-2.55", "face.impedance=1000:900").found.points
-    assert (len(keyed) > 5, [one[:3] for one in keyed]) == (True, [pytest.approx(one[:3], rel=1e-9) for one in short])
 
 
 def test_a_curve_of_folds_ends_at_a_cusp(tmp_path, answer):

@@ -19,16 +19,6 @@ GRIP = {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}
 UNITS = {"interface.normal_stress": "5 MPa", "interface.memory_length": "10 um", "interface.reference_velocity": "1 um/s"}
 
 
-@pytest.mark.parametrize("omega", [61.7, 1851.9, 3e5])
-def test_a_grip_reflects_by_its_closed_form(omega):
-    """|R|^2 = ((Z_g - eps)^2 + (K/omega)^2)/((Z_g + eps)^2 + (K/omega)^2), K = 10 eps/r, Z_g = 3 eps."""
-    slab, spring = slipwave.read("grip").upper, 10.0 / R
-    wanted = math.sqrt((2.0**2 + (spring / omega) ** 2) / (4.0**2 + (spring / omega) ** 2))
-    assert abs(slab.reflection(1j * omega)) == pytest.approx(wanted, rel=1e-14)
-    assert slab.termination.spring_rate == pytest.approx(10.0 / (3.0 * R), rel=1e-14)
-    assert slab.fast_reflection == pytest.approx(0.5, rel=1e-14)
-
-
 @pytest.mark.parametrize(
     ("face", "viscosity", "fast", "rate"),
     [

@@ -19,7 +19,7 @@ from validation.models import progress as module
 from validation.models.build import build
 from validation.models.cycle import watch
 from validation.models.outlook import amplified_rounding, outlook, stress_released
-from validation.models.progress import LongRunAdvice, Remaining, error_without_echoes, progress, share_of_run
+from validation.models.progress import LongRunAdvice, Remaining, progress, share_of_run
 from validation.models.run import simulate
 
 
@@ -144,12 +144,6 @@ def test_work_is_shared_by_time_and_by_what_the_drive_has_travelled(drive, share
     """A hold of 80 in 100 transits has nothing of the way. A drive that reverses or rests says nothing."""
     share = share_of_run(drive, 100.0)
     assert [share(time) for time in (5.0, 30.0, 100.0)] == pytest.approx(shares)
-
-
-def test_the_error_is_that_of_one_echo():
-    """2 Z V/a for the ageing law, with Z = epsilon/2."""
-    scene = slipwave.read("paper")
-    assert error_without_echoes(scene) == pytest.approx(2.8e-5 * 100.0 / 0.0349, rel=1e-9)
 
 
 @pytest.mark.parametrize("model", ["delay", "block8"])

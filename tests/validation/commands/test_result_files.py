@@ -197,30 +197,6 @@ SCENE = {
 """A stiff block whose transits are long, so that few have to be computed."""
 
 
-def test_json_and_file_have_every_stage_with_si(tmp_path):
-    result = slipwave.run("velocity-steps", "quasidynamic", **SCENE)
-    result.to_netcdf(tmp_path / "steps.nc")
-    stages = result.summary["protocol"]
-    assert [(stage["kind"], stage["stick_slips"]) for stage in stages] == [("start", 0), ("step", 0), ("hold", 0)]
-    sizes = {f"{name}_Pa": 5e6 for name in ("direct_effect", "evolution", "steady_stress", "relaxation", "healing")}
-    sizes |= {"slip_to_recovery_m": 1e-5, "velocity_m_per_s": 1e-6}
-    with xarray.open_dataset(tmp_path / "steps.nc") as data:
-        assert (data.attrs["ended"], data.attrs["reasons"]) == ("until", "; ".join(result.reasons))
-        assert data["stage_kind"].values.tolist() == ["start", "step", "hold"]
-        for label, size in sizes.items():
-            name = label.removesuffix("_m_per_s").removesuffix("_m").removesuffix("_Pa")
-            plain = [math.nan if stage[name] is None else stage[name] for stage in stages]
-            twin = [math.nan if stage["si"][label] is None else stage["si"][label] for stage in stages]
-            np.testing.assert_allclose(twin, np.multiply(plain, size), rtol=1e-12)
-            np.testing.assert_array_equal(data[f"stage_{name}"], plain)
-            np.testing.assert_allclose(data[f"stage_{label}"], twin, rtol=1e-15)
-        for name, seconds in (("start", [0.0, 40.0, 90.0]), ("end", [40.0, 90.0, 100.0])):
-            assert data[f"stage_{name}_s"].values.tolist() == [stage["si"][f"{name}_s"] for stage in stages]
-            assert data[f"stage_{name}_s"].values.tolist() == pytest.approx(seconds, rel=1e-12)
-    assert stages[1]["direct_effect"] > 0.0 < stages[2]["relaxation"]
-    assert stages[1]["healing"] is None
-
-
 @pytest.mark.parametrize(("name", "options"), [("paper", []), ("paper-si", ["--set", "drive.velocity=2000"])])
 def test_slip_events_as_csv(name, options, tmp_path):
     path = tmp_path / "events.csv"

@@ -57,6 +57,7 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, place):
         (["--model", "delay"], "model is 'dg:7'; this run needs 'delay'"),
         (["--checkpoint-every", "0"], "'0': must be a positive number of transits, or in scenes with SI units a time as in 10s"),
         (["--checkpoint-every", "1 s"], '--checkpoint-every = "1 s": must come with interface.normal_stress'),
+        (["--window", "5:9"], "the window is 0:inf; this run asks for 5:9"),
         (["--fields", "fields.nc"], "observers is ['envelope', 'events']; this run needs ['envelope', 'events', 'fields']"),
     ],
 )
