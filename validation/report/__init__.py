@@ -37,7 +37,7 @@ class Budget:
     report: Callable[[float], None] = field(default=lambda share: None, compare=False)
 
     def plan(self, quick: Item, full: Item) -> Item:
-        """The one of two plans that is asked for: all numbers in which a quick and a full report differ."""
+        """The one of two values that is asked for; all numbers in which a quick and a full report differ are asked here."""
         return quick if self.quick else full
 
     def each(self, items: Collection[Item], end: float = 1.0, begin: float = 0.0) -> Iterator[Item]:

@@ -90,7 +90,9 @@ def _write(out: Path, results: list[store.Stored], quick: bool, against: Record 
     red: tuple[Word, ...] = baseline.LEFT
     if against:
         red, times = (Word.WORSE,), bare.times.model_copy(update={"before": against.times.seconds})
-        report = bare.model_copy(update={"changes": changes_since(against, bare, _called(against)), "times": times})
+        version, revision = against.versions.get("slipwave", "?"), against.digests.get("commit", "?")
+        left = changes_since(against, bare, f"slipwave {version}, {revision}, of {against.times.written}")
+        report = bare.model_copy(update={"changes": left, "times": times})
     out.mkdir(parents=True, exist_ok=True)
     write_files(out, report, red, patch)
     page = write_page(out, results, facts, report)
@@ -98,11 +100,6 @@ def _write(out: Path, results: list[store.Stored], quick: bool, against: Record 
     if lines:
         raise RedReport(lines, page)
     return page
-
-
-def _called(report: Record) -> str:
-    """Text that identifies a report by version, commit and time."""
-    return f"slipwave {report.versions.get('slipwave', '?')}, {report.digests.get('commit', '?')}, of {report.times.written}"
 
 
 def _side_by_side(

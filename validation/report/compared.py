@@ -64,7 +64,9 @@ def compared_table(
         for one, regime in zip(columns, exact, strict=True)
     )
     table = ModelTable(name, caption, parameter, QUANTITIES, tuple(grouped), tuple(costs), EXACT_MODEL, tuple(rows))
-    return _with_advice(table)
+    advised = ((row, advice_on(row, table)) for row in table.rows)
+    done = replace(table, rows=tuple(replace(row, advice=advice, why=why) for row, (advice, why) in advised))
+    return replace(done, sentences=tuple(_sentences(done)))
 
 
 def _cell(ours: Regime, exact: Regime | None) -> ModelCell:
@@ -115,13 +117,6 @@ def is_good(cell: ModelCell, bars: float = 2.0, symbols: Sequence[str] = JUDGED)
 def _is_off(cell: ModelCell, symbol: str, bars: float = 2.0) -> bool:
     found = cell.figures.get(symbol)
     return found is not None and found.size > GOOD + bars * found.standard_error
-
-
-def _with_advice(table: ModelTable) -> ModelTable:
-    """The table with advice in every row, and with its sentences."""
-    advised = ((row, advice_on(row, table)) for row in table.rows)
-    done = replace(table, rows=tuple(replace(row, advice=advice, why=why) for row, (advice, why) in advised))
-    return replace(done, sentences=tuple(_sentences(done)))
 
 
 def advice_on(row: ModelRow, table: ModelTable, symbols: Sequence[str] = JUDGED) -> tuple[str, str]:

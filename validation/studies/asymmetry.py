@@ -110,14 +110,6 @@ _WITNESSED = {
 }
 
 
-class _Plan(NamedTuple):
-    """Full waves and cells per slab; motions on record that are computed again; rounds of costs."""
-
-    grids: tuple[tuple[str, int], ...]
-    again: tuple[tuple[str, _Pair], ...]
-    rounds: int
-
-
 _AGAIN = ((EXACT_MODEL, _Pair(3.0, 5.0, -2.68)), ("modal:4", _Pair(3.0, 10.0, -2.68)), (EXACT_MODEL, _Pair(3.0, 2.0, -2.6)))
 _MORE = (
     (EXACT_MODEL, _Pair(10.0, 10.0, -2.68)),
@@ -126,8 +118,7 @@ _MORE = (
     ("kelvin-voigt", _Pair(10.0, 2.0, -2.6)),
     ("modal:8", _Pair(1.0, 5.0, -2.6)),
 )
-_QUICK = _Plan((("dg:7", 4), ("sbp:6", 64)), _AGAIN, 3)
-_FULL = _Plan((("dg:7", 6), ("sbp:6", 96)), _AGAIN + _MORE, 5)
+"""Motions on record that are computed again, and those that a full report adds."""
 _SECOND = {"pair-2": _Pair(3.0, 2.0, -2.68), "pair-root2": _Pair(10.0, math.sqrt(2.0), -2.68)}
 _TORN, _LEAKING = _Pair(10.0, 2.0, -2.68), 0.999
 """What docs/benchmark/pairs.csv has, by its names; the pair that has a torus behind leaking faces, and their R."""
@@ -138,17 +129,17 @@ def run(budget: Budget) -> StudyResult:
     delay = {name: state_at(name, UNTIL, tol=TOLERANCE) for name in _WITNESSED}
     coarse = {name: state_at(name, UNTIL, tol=10.0 * TOLERANCE) for name in _WITNESSED}
     known = {name: max(ROUNDING, abs(coarse[name] - psi)) for name, psi in delay.items()}
-    plan = budget.plan(_QUICK, _FULL)
-    waves = {(name, of): state_at(name, UNTIL, of, cells=n, time="explicit") for name in _WITNESSED for of, n in plan.grids}
+    grids = budget.plan(quick=(("dg:7", 4), ("sbp:6", 64)), full=(("dg:7", 6), ("sbp:6", 96)))
+    waves = {(name, of): state_at(name, UNTIL, of, cells=n, time="explicit") for name in _WITNESSED for of, n in grids}
     budget.report(0.4)
     alike, *two = map(_period_as_two, IMPEDANCES)
     exact = {pair: on_record(EXACT_MODEL, pair.settings) or Regime(UNDECIDED) for pair in PAIRS}
     ends = {pair: _end_of(pair) for pair in pairs_at(LOG10_R[0])}
     budget.report(0.6)
     timed = [one for one in MODELS if one != "quasidynamic"]
-    costs = relative_costs(timed, {}, scene_of(_COSTED.settings), plan.rounds)
+    costs = relative_costs(timed, {}, scene_of(_COSTED.settings), budget.plan(quick=3, full=5))
     compared = recorded_table(NAME, [_column(pair) for pair in PAIRS], MODELS, _COSTED.title, costs)
-    again = [(model, _column(pair)) for model, pair in plan.again]
+    again = [(model, _column(pair)) for model, pair in budget.plan(_AGAIN, _AGAIN + _MORE)]
     return StudyResult(
         answers=_answers(exact, ends, alike, first_in_words(compared, _LADDER, "at every p and q of the table")),
         figures=(

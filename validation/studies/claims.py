@@ -3,7 +3,7 @@
 import math
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -73,14 +73,8 @@ Orbits: TypeAlias = dict[float, dict[str, Orbit]]
 """log10 r, where all models have settled -> their orbits."""
 
 
-class _Deep(NamedTuple):
-    """A long run at log10 r = -2.3: its cycles after the transient, and time and stress over a stretch of it."""
-
-    events: Events
-    time: np.ndarray
-    stress: np.ndarray
-    slip_rate: np.ndarray
-
+History: TypeAlias = dict[str, np.ndarray]
+"""The interface over a stretch of a run, by the names of `OneCycle`."""
 
 _SOME, _ALL = (-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66), tuple(round(-2.695 + 0.0025 * n, 4) for n in range(15))
 """log10 r from just beyond the onset to where the delay system's orbit loses stability (-2.6575)."""
@@ -91,19 +85,20 @@ def run(budget: Budget) -> StudyResult:
     along, until = budget.plan(quick=(_SOME, 6000.0), full=(_ALL, 16000.0))
     found = {log10_r: _settled_at(log10_r) for log10_r in budget.each(along, end=0.6)}
     orbits = {log10_r: models for log10_r, models in found.items() if models}
-    deep = {model: _run_deep(model, until) for model in WAVES}
+    runs = {model: _run_deep(model, until) for model in WAVES}
+    events, motions = {model: own for model, (own, _) in runs.items()}, {model: own for model, (_, own) in runs.items()}
     ripples = {model: _measure_ripples(model) for model in WAVES}
     scenes = [sw.read(name) for name in SCENES[:3]]
     of_orbits = (*_orbit_claims(orbits), *_ripple_claims(ripples), *_stable_branch_claims(orbits))
-    of_cycles = (*_load_claims(orbits, deep, ripples), *_irregular_claims(deep))
+    of_cycles = (*_load_claims(orbits, events["delay"], ripples), *_irregular_claims(events, motions))
     verdicts = (*_onset_claims(), *of_orbits, *of_cycles, *_scene_claims(*scenes[:2]))
     onset = _onset_at(100.0)
     numbers = {"r_c delay": onset["delay"], "r_c kelvin-voigt": onset["kelvin-voigt"], "omega_c": onset["omega_c"]}
     return StudyResult(
         answers=_answers(verdicts),
         figures=(
-            Figure("irregular", _CAPTION, lambda: _irregular(deep), paper="Fig 9", carries=("P13 ",), zoom=True),
-            Figure("planes", _PLANES, lambda: _slip_planes(deep), paper="Fig 9", carries=("P13 ",)),
+            Figure("irregular", _CAPTION, lambda: _irregular(motions), paper="Fig 9", carries=("P13 ",), zoom=True),
+            Figure("planes", _PLANES, lambda: _slip_planes(motions), paper="Fig 9", carries=("P13 ",)),
         ),
         tables=(_groups(scenes),),
         verdicts=verdicts,
@@ -156,19 +151,19 @@ def _groups(scenes: list[sw.Scene]) -> Table:
     return table("groups", caption, " | ".join(["group", *(f"{s.name} .6g" for s in scenes)]), rows)
 
 
-def _irregular(deep: dict[str, _Deep]) -> Chart:
+def _irregular(motions: dict[str, History]) -> Chart:
     """Stress over time, one panel per model."""
     across, up = Scale("time (transits)", limits=SHOWN), Scale(r"$\mu$")
-    lines = {model: model_line(model, run.time, run.stress, dashes="-", width=0.7) for model, run in deep.items()}
-    return Chart([Panel(line.name, across, up, [line]) for line in lines.values()], 3.6, share=("all", "all"))
+    lines = [model_line(model, own["time"], own["stress"], dashes="-", width=0.7) for model, own in motions.items()]
+    return Chart([Panel(line.name, across, up, [line]) for line in lines], 3.6, share=("all", "all"))
 
 
-def _slip_planes(deep: dict[str, _Deep]) -> Chart:
+def _slip_planes(motions: dict[str, History]) -> Chart:
     law: Any = sw.read("paper-2.3").law
     panels = []
-    for model, run in deep.items():
-        line = model_line(model, run.slip_rate, run.stress, dashes="-", width=0.5)
-        rate = np.geomspace(run.slip_rate.min(), run.slip_rate.max(), 50)
+    for model, own in motions.items():
+        line = model_line(model, own["slip_rate"], own["stress"], dashes="-", width=0.5)
+        rate = np.geomspace(own["slip_rate"].min(), own["slip_rate"].max(), 50)
         steady = Trace("steady sliding", rate, law.a_star + (law.a - law.b) * np.log(rate), Look(ORANGE, "--"))
         panels.append(Panel(line.name, Scale("$v/V^*$", "log"), Scale(r"$\mu$"), [line, steady]))
     return Chart(panels, 3.4, len(panels), share=("all", "all"))
@@ -213,11 +208,10 @@ def _settled_at(log10_r: float) -> dict[str, Orbit]:
     return {} if any(one.unrest > RESTLESS for one in found.values()) else {model: one.orbit for model, one in found.items()}
 
 
-def _run_deep(model: str, until: float) -> _Deep:
-    """Run `model` at log10 r = -2.3 to `until` (transits)."""
+def _run_deep(model: str, until: float) -> tuple[Events, History]:
+    """A run of `model` at log10 r = -2.3 to `until` (transits): its cycles after the transient, and a stretch of it."""
     run = sw.run("paper-2.3", model, until=until, tol=1e-9, window=SHOWN, rate=_RATE)
-    history = history_of(run)
-    return _Deep(run.records.watch.events(SHOWN[0]), *(history[name] for name in _Deep._fields[1:]))
+    return run.records.watch.events(SHOWN[0]), history_of(run)
 
 
 def _measure_ripples(model: str) -> dict[str, float]:
@@ -340,8 +334,9 @@ def _stable_branch_claims(orbits: Orbits) -> Verdicts:
     )
 
 
-def _load_claims(orbits: Orbits, deep: dict[str, _Deep], ripples: dict[str, dict[str, float]]) -> Verdicts:
-    """P12: the identity, whether periods are proportional to drops, and whether they are nearly equal deep inside."""
+def _load_claims(orbits: Orbits, events: Events, ripples: dict[str, dict[str, float]]) -> Verdicts:
+    """P12: the identity, whether periods are proportional to drops, and whether they are nearly equal deep inside, where the
+    delay system has these `events`."""
     off = max(abs((part["drop"] + part["falling"] + part["slipped"]) / part["period"] - 1.0) for part in ripples.values())
     text = "relative, both systems at r = 10^{{-2.68}}; delay system: "
     text += "{period:.2f} = {drop:.2f} + {falling:.2f} + {slipped:.2f} transits"
@@ -360,7 +355,6 @@ def _load_claims(orbits: Orbits, deep: dict[str, _Deep], ripples: dict[str, dict
         f"{range_of_r(list(orbits))}",
         near=1.0,
     )
-    events = deep["delay"].events
     period = float(np.mean(events.period))
     share = float(np.mean(events.elastic_stress_drop)) / _load_rate() / period
     most = 1.0 - 1.0 / period  # an event lasts until its wave is back, which is one transit
@@ -381,13 +375,13 @@ def _load_rate() -> float:
     return float(scene.upper.epsilon * scene.velocity)
 
 
-def _overtones(run: _Deep, ripple: float) -> np.ndarray:
+def _overtones(dates: np.ndarray, motion: History, ripple: float) -> np.ndarray:
     """In the slow phase of each recorded cycle, the share of the ripples' power that is not a sine of period `ripple` (transits):
     of the stress over `_SLOW` such periods, without its cubic trend."""
     found = []
-    for date in run.events.time[(run.events.time > run.time[0]) & (run.events.time + _AFTER + _SLOW * ripple < run.time[-1])]:
+    for date in dates[(dates > motion["time"][0]) & (dates + _AFTER + _SLOW * ripple < motion["time"][-1])]:
         time = date + _AFTER + ripple * np.arange(_SLOW * _SAMPLES) / _SAMPLES
-        stress = np.interp(time, run.time, run.stress)
+        stress = np.interp(time, motion["time"], motion["stress"])
         turn = 2.0 * np.pi * (time - date) / ripple
         basis = np.column_stack([np.vander((time - time.mean()) / np.ptp(time), 4), np.sin(turn), np.cos(turn)])
         weights = np.linalg.lstsq(basis, stress, rcond=None)[0]
@@ -396,12 +390,11 @@ def _overtones(run: _Deep, ripple: float) -> np.ndarray:
     return np.array(found)
 
 
-def _irregular_claims(deep: dict[str, _Deep]) -> Verdicts:
+def _irregular_claims(events: dict[str, Events], motions: dict[str, History]) -> Verdicts:
     """P13: the ODE's cycles neither repeat nor keep their size; the delay system's vary little in comparison."""
-    ode, delay = deep["kelvin-voigt"].events, deep["delay"].events
+    ode, delay = events["kelvin-voigt"], events["delay"]
     found = [_recurrence(values) for values in (ode.period, ode.stress_drop, np.log(ode.v_max))]
     ratios = {name: _spread_of(getattr(ode, name)) / _spread_of(getattr(delay, name)) for name in _CONTRAST}
-    largest = {model: run.events.v_max.max() for model, run in deep.items()}
     yield at_least(
         "P13 At r = 10^{-2.3} the ODE is irregular",
         PAPER,
@@ -420,9 +413,9 @@ def _irregular_claims(deep: dict[str, _Deep]) -> Verdicts:
         ", ".join(f"{value:.1f}" for value in ratios.values()) + " times",
         all(ratios[name] > times for name, times in _CONTRAST.items()),
         "spreads (standard deviation over mean) of T, Δμ and v_{max}; largest v_{max} "
-        f"{largest['kelvin-voigt']:.0e} against {largest['delay']:.0e} V*",
+        f"{ode.v_max.max():.0e} against {delay.v_max.max():.0e} V*",
     ).with_margin(max(times / ratios[name] for name, times in _CONTRAST.items()), 1.0)
-    rest = {model: _overtones(deep[model], period) for model, period in _RIPPLE.items()}
+    rest = {model: _overtones(events[model].time, motions[model], period) for model, period in _RIPPLE.items()}
     most, least = max(rest["kelvin-voigt"], default=math.inf), min(rest["delay"], default=0.0)
     yield holding(
         "P13 At r = 10^{-2.3} the ODE’s ripples remain sinusoidal, the delay system’s have new structures",

@@ -43,17 +43,8 @@ _TOLERANCES = (1e-3, 1e-5, 1e-7, 1e-9, 1e-11)
 _EXACT = 1e-13  # tolerance of the reference run of errors, and the smallest error that is drawn
 _WAVE = "dg:7"
 _MARCHES = ("exact", "explicit")
-
-
-class _Plan(NamedTuple):
-    """Cells per slab of the leapfrog and of the elements; rounds in which run times are taken."""
-
-    fd: tuple[int, ...]
-    wave: tuple[int, ...]
-    rounds: int
-
-
-_QUICK, _FULL = _Plan((16, 32, 64, 128), (2, 4), 2), _Plan((16, 32, 64, 128, 256), (2, 3, 4, 6), 5)
+_LEAPFROG, _ELEMENTS = (16, 32, 64, 128, 256), (2, 3, 4, 6)
+"""Cells per slab."""
 
 
 class _SettingRun(NamedTuple):
@@ -84,12 +75,11 @@ class _SettingRun(NamedTuple):
 def run(budget: Budget) -> StudyResult:
     """Run and time every model at a ladder of settings."""
     exact = memo.settled("delay", sw.read("paper"), _EXACT, 1e-10).orbit
-    plan = budget.plan(_QUICK, _FULL)
-    settings = _settings(plan)
+    settings = _settings(budget.plan(_LEAPFROG[:-1], _LEAPFROG), budget.plan(_ELEMENTS[::2], _ELEMENTS))
     cycles = [_cycle_at(*setting) for setting in budget.each(settings, end=0.4)]
     points = [
         _SettingRun(*setting, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times)
-        for setting, cycle, times in zip(settings, cycles, _times_of(settings, plan.rounds), strict=True)
+        for setting, cycle, times in zip(settings, cycles, _times_of(settings, budget.plan(quick=2, full=5)), strict=True)
     ]
     return StudyResult(
         answers=(StudyAnswer(_answer(points), ("The finest setting", "The exact and the explicit")),),
@@ -99,11 +89,11 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _settings(plan: _Plan) -> list[tuple[str, dict[str, Any]]]:
-    """Models and their options."""
+def _settings(leapfrog: Sequence[int], elements: Sequence[int]) -> list[tuple[str, dict[str, Any]]]:
+    """Models and their options; given are the cells per slab of the full waves."""
     settings: list[tuple[str, dict[str, Any]]] = [("delay", {"tol": tolerance}) for tolerance in _TOLERANCES]
-    settings += [("fd", {"cells": n, "cfl": cfl}) for cfl in (1.0, 0.5) for n in plan.fd]
-    settings += [(_WAVE, {"cells": n, "time": march}) for march in _MARCHES for n in plan.wave]
+    settings += [("fd", {"cells": n, "cfl": cfl}) for cfl in (1.0, 0.5) for n in leapfrog]
+    settings += [(_WAVE, {"cells": n, "time": march}) for march in _MARCHES for n in elements]
     return settings + [(model, {"tol": tolerance}) for model in _ODES for tolerance in _TOLERANCES]
 
 
@@ -180,7 +170,7 @@ def _marches(points: Sequence[_SettingRun]) -> Verdict:
 
 _CAPTION = (
     f"Run time against error of the period: each model at tolerances {power(_TOLERANCES[0])} to {power(_TOLERANCES[-1])}, or "
-    f"{_FULL.fd[0]} cells upwards with `fd` and {_FULL.wave[0]} cells upwards with `{_WAVE}`, over {TRANSITS:.0f} transits at "
+    f"{_LEAPFROG[0]} cells upwards with `fd` and {_ELEMENTS[0]} cells upwards with `{_WAVE}`, over {TRANSITS:.0f} transits at "
     f"log_{{10}} r = {places([_LOG10_R])}. Errors below {power(_EXACT)} are drawn there."
 )
 

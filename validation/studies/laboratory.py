@@ -5,8 +5,9 @@ programs print."""
 import math
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import cycle
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -36,6 +37,11 @@ SCENES: tuple[str, ...] = ()
 FILES = (Path(published.__file__).with_name("laboratory.json"),)
 SECONDS = (10.0, 28.0)
 
+_LEEMAN_2016 = laboratory()["leeman-2016"]
+_RUNS: list[Mapping[str, Any]] = _LEEMAN_2016["rows"]
+_FITS = [np.transpose([one[key] for key in ("a", "b", "Dc_um")]) for one in _LEEMAN_2016["rate_and_state"]["fits"]]
+"""The seven runs of Leeman et al. (2016); the printed fits: a, b and L (um), and their standard deviations."""
+
 LAWS = ("ageing", "slip")
 NAMES = ("period", "drop", "peak")
 _PEAK = "peak slip rate / (mm/s)"
@@ -49,20 +55,8 @@ _RISES = ((0.66, 0.005, 1.0), (1.0, 0.003, 1.0), (1.33, 0.005, 1.0), (0.66, 0.01
 _SPREAD = 0.05  # of the rise time
 
 
-class _FrictionFit(NamedTuple):
-    """Parameters of friction: a, b and L in um."""
-
-    a: float
-    b: float
-    length: float
-
-
-class _MeasuredCycle(NamedTuple):
-    """A cycle: period (s), drop of friction, peak slip rate (mm/s)."""
-
-    period: float
-    drop: float
-    peak: float
+MeasuredCycle: TypeAlias = dict[str, float]
+"""By NAMES: period (s), drop of friction, peak slip rate (mm/s)."""
 
 
 class _Case(NamedTuple):
@@ -86,12 +80,12 @@ def run(budget: Budget) -> StudyResult:
     """Compute every run within the parameters' uncertainty, with and without waves, and compare it with the measurement."""
     count, events, with_keeping = budget.plan(quick=(6, 3, False), full=(24, len(_RISES), True))
     drawn = _samples(count)
-    pairs = [(row, law) for law in LAWS for row in leeman_runs()]
+    pairs = [(row, law) for law in LAWS for row in _RUNS]
     cases = [_case(row, law, drawn) for row, law in budget.each(pairs, 0.6)]
-    untuned = {(row["sigma_MPa"], k): cycle_without_tuning(row, printed_fits()[k][0]) for row in leeman_runs() for k in (1, 2)}
+    untuned = {(row["sigma_MPa"], k): _cycle_without_tuning(row, _FITS[k][0]) for row in _RUNS for k in (1, 2)}
     budget.report(0.7)
     rises = [_rise_of(*one) for one in _RISES[:events]]
-    programs = [(row, *fitted_to(row)) for row in laboratory()["programs"]["rows"]]
+    programs = [(row, *_fitted_to(row)) for row in laboratory()["programs"]["rows"]]
     return StudyResult(
         answers=_answers(cases),
         figures=(
@@ -103,7 +97,7 @@ def run(budget: Budget) -> StudyResult:
             *_against_measured(cases),
             *_on_waves(_waves_in_blocks(with_keeping)),
             _on_rises(rises),
-            *(verdict for one in programs for verdict in program_verdicts(*one)),
+            *(verdict for one in programs for verdict in _program_verdicts(*one)),
         ),
         notes=(_NOTE,),
         numbers=_numbers(cases, rises, len(drawn)),
@@ -132,11 +126,11 @@ def _answers(cases: Sequence[_Case]) -> tuple[StudyAnswer, ...]:
     )
 
 
-def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[_FrictionFit, float]]) -> _Case:
+def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[np.ndarray, float]]) -> _Case:
     found = [one for one in _cycles_of_samples(row, law, drawn) if one is not None]
-    figures = {name: [getattr(one, name) for one in found] for name in NAMES}
+    figures = {name: [one[name] for one in found] for name in NAMES}
     bands = {name: np.quantile(values if len(found) > 2 else [math.nan], (0.025, 0.5, 0.975)) for name, values in figures.items()}
-    off = [{name: abs(getattr(one, name) / _measured_figure(row, name) - 1.0) for name in NAMES} for one in found]
+    off = [{name: abs(one[name] / _measured_figure(row, name) - 1.0) for name in NAMES} for one in found]
     meets = sum(all(one[name] <= 2.0 * _SCATTER[name] for name in NAMES) for one in off)
     return _Case(row, law, len(found) / len(drawn), bands, meets)
 
@@ -148,13 +142,13 @@ def _measured_figure(row: Mapping[str, Any], name: str) -> float:
 
 def _row_met(cases: Sequence[_Case]) -> list[bool]:
     """For each run, whether some sample of some law meets period, drop and peak slip rate at once."""
-    return [any(case.meets for case in cases if case.row["run"] == row["run"]) for row in leeman_runs()]
+    return [any(case.meets for case in cases if case.row["run"] == row["run"]) for row in _RUNS]
 
 
-def _waves_in_blocks(with_keeping: bool) -> dict[str, _MeasuredCycle]:
+def _waves_in_blocks(with_keeping: bool) -> dict[str, MeasuredCycle]:
     """The run at 10 MPa with the third fit: by the plain `block`; by exact waves in blocks of 5 cm behind faces that `absorb`
     them and, if wanted, in blocks that `keep` them."""
-    row, (fit, _) = leeman_runs()[2], printed_fits()[2]
+    row, (fit, _) = _RUNS[2], _FITS[2]
     absorbing, seconds = _steel_blocks(row, fit, dashpot=1.0), 4.0 * row["T_s"]
     block, absorbed = (_cycle_in_run(absorbing, model, seconds, 0.0) for model in ("quasidynamic", "delay"))
     keeping = _steel_blocks(row, fit, dashpot=0.0, mass=400.0)
@@ -162,19 +156,19 @@ def _waves_in_blocks(with_keeping: bool) -> dict[str, _MeasuredCycle]:
     return {name: one for name, one in (("block", block), ("absorb", absorbed), ("keep", kept)) if one}
 
 
-def _reproduced(untuned: Mapping[tuple[float, int], _MeasuredCycle | None]) -> Verdicts:
+def _reproduced(untuned: Mapping[tuple[float, int], MeasuredCycle | None]) -> Verdicts:
     """Verdicts: our plain block, by normal stress (MPa) and number of the fit, against another program's."""
     title = "The plain spring and block moves as in another program"
-    printed = laboratory()["leeman-2016"]["plain_spring_block"]
+    printed = _LEEMAN_2016["plain_spring_block"]
     apart, slides = list[float](), list[bool]()
     for (stress, k), found in untuned.items():
         theirs = printed["T_s"][str(stress)][k - 1]
         if theirs is None:
             slides.append(found is None)
         else:
-            apart.append(abs(found.period / theirs - 1.0) if found else math.nan)
+            apart.append(abs(found["period"] / theirs - 1.0) if found else math.nan)
     peaks = [
-        abs(found.peak / theirs - 1.0) if (found := untuned[int(stress), k]) else math.nan
+        abs(found["peak"] / theirs - 1.0) if (found := untuned[int(stress), k]) else math.nan
         for stress, pair in printed["peak_mm_s"].items()
         for k, theirs in zip((1, 2), pair, strict=True)
     ]
@@ -219,21 +213,23 @@ def _against_measured(cases: Sequence[_Case]) -> Verdicts:
     ).with_margin(len(met) - sum(met), 1.0)
 
 
-def _on_waves(waves: Mapping[str, _MeasuredCycle]) -> Verdicts:
+def _on_waves(waves: Mapping[str, MeasuredCycle]) -> Verdicts:
     """Verdicts on the neglect of waves: no effect if they are absorbed; the whole damping if not."""
-    apart = [abs(one / other - 1.0) for one, other in zip(waves["block"], waves["absorb"], strict=True)]
-    text = ", ".join(f"{name} {100.0 * size:.2g} %" for name, size in zip(NAMES, apart, strict=True))
+    apart = {name: abs(waves["block"][name] / waves["absorb"][name] - 1.0) for name in NAMES}
+    text = ", ".join(f"{name} {100.0 * size:.2g} %" for name, size in apart.items())
     title = "Waves that leave blocks of 5 cm differ from radiation damping by less than events scatter"
-    yield claim(title, WITNESS, max(apart), _SAME, f"{text}: the blocks' own compliance, between friction and what absorbs")
+    yield claim(
+        title, WITNESS, max(apart.values()), _SAME, f"{text}: the blocks' own compliance, between friction and what absorbs"
+    )
     if kept := waves.get("keep"):
-        measured = _measured_figure(leeman_runs()[2], "peak")
+        measured = _measured_figure(_RUNS[2], "peak")
         yield _of_others(
             "Leeman et al. 2016: blocks that keep their waves slip as slowly as was measured",
             f"peak slip rate within a factor of 2 of {measured:.3g} mm/s",
-            f"{kept.peak:.3g} mm/s",
-            0.5 < kept.peak / measured < 2.0,
+            f"{kept['peak']:.3g} mm/s",
+            0.5 < kept["peak"] / measured < 2.0,
             "without a loss only inertia limits the slip rate: something takes the energy away",
-        ).with_margin(abs(math.log2(kept.peak / measured)), 1.0)
+        ).with_margin(abs(math.log2(kept["peak"] / measured)), 1.0)
 
 
 def _on_rises(rises: Sequence[tuple[float, float]]) -> Verdict:
@@ -258,7 +254,7 @@ def _numbers(cases: Iterable[_Case], rises: Iterable[tuple[float, float]], count
 
 def _over_stress(cases: Sequence[_Case]) -> Chart:
     """Measured values with their scatter and the ranges of the laws, over normal stress."""
-    panels, runs = [], leeman_runs()
+    panels = []
     for name in NAMES:
         traces = []
         for law, color, aside in zip(LAWS, (BLUE, ORANGE), (-0.15, 0.15), strict=True):
@@ -267,8 +263,8 @@ def _over_stress(cases: Sequence[_Case]) -> Chart:
             traces.append(Trace(f"{law} law, 95 %", *ranges, Look(color, width=2.5), shift=(aside, 0.0)))
             medians = [band[1] for band in own.values()]
             traces.append(Trace(f"{law} law, median", [*own], medians, Look(color, "", "_", size=9.0), shift=(aside, 0.0)))
-        values = np.array([_measured_figure(row, name) for row in runs])
-        at, scatter = [row["sigma_MPa"] for row in runs], _SCATTER[name] * values
+        values = np.array([_measured_figure(row, name) for row in _RUNS])
+        at, scatter = [row["sigma_MPa"] for row in _RUNS], _SCATTER[name] * values
         traces.append(Trace("measured", at, values, POINTS.but(size=4.0), y_error=scatter))
         up = Scale(_SYMBOLS[name][1], "log", (0.01, 60.0)) if name == "peak" else Scale(_SYMBOLS[name][1], limits=(0.0, None))
         panels.append(Panel("", Scale("normal stress / MPa"), up, traces))
@@ -313,35 +309,15 @@ _CYCLES = 12.0
 _START = 2.0
 
 
-def leeman_runs() -> list[Mapping[str, Any]]:
-    """The seven runs of Leeman et al. (2016)."""
-    return list(laboratory()["leeman-2016"]["rows"])
-
-
-def printed_fits() -> list[tuple[_FrictionFit, _FrictionFit]]:
-    """The printed fits of a, b and L: values and standard deviations."""
-    found = laboratory()["leeman-2016"]["rate_and_state"]["fits"]
-    return [
-        (_FrictionFit(*(one[key][0] for key in ("a", "b", "Dc_um"))), _FrictionFit(*(one[key][1] for key in ("a", "b", "Dc_um"))))
-        for one in found
-    ]
-
-
-def _samples(count: int) -> list[tuple[_FrictionFit, float]]:
+def _samples(count: int) -> list[tuple[np.ndarray, float]]:
     """Parameters within the printed uncertainty, with a factor of k': the three fits in turn, a, b and L normal and independent
     of each other (no correlation is printed)."""
-    random, fits = np.random.default_rng(20160331), printed_fits()
-    drawn = random.standard_normal((count, 4))
-    return [
-        (
-            _FrictionFit(*(m + s * x for m, s, x in zip(*fits[n % len(fits)], row[:3], strict=True))),
-            math.exp(_STIFFNESS_SPREAD * row[3]),
-        )
-        for n, row in enumerate(drawn)
-    ]
+    drawn = np.random.default_rng(20160331).standard_normal((count, 4))
+    pairs = zip(drawn, cycle(_FITS))
+    return [(mean + spread * row[:3], math.exp(_STIFFNESS_SPREAD * row[3])) for row, (mean, spread) in pairs]
 
 
-def _plain_block(row: Mapping[str, Any], fit: _FrictionFit, law: str, factor: float = 1.0) -> sw.Scene:
+def _plain_block(row: Mapping[str, Any], fit: np.ndarray, law: str, factor: float = 1.0) -> sw.Scene:
     """Spring, `factor` times k', and radiation damping, rho c/2 of steel: alike slabs whose elasticity is the spring, for a model
     without waves and inertia."""
     stiffness = factor * row["k_per_um"] * row["sigma_MPa"] * 1e12  # Pa/m
@@ -349,7 +325,7 @@ def _plain_block(row: Mapping[str, Any], fit: _FrictionFit, law: str, factor: fl
     return _scene(row, fit, law, slab)
 
 
-def _steel_blocks(row: Mapping[str, Any], fit: _FrictionFit, dashpot: float, mass: float = 0.0) -> sw.Scene:
+def _steel_blocks(row: Mapping[str, Any], fit: np.ndarray, dashpot: float, mass: float = 0.0) -> sw.Scene:
     """Two blocks of steel, each behind a spring with a dashpot (of `dashpot` times rho c) and a mass (kg/m2)."""
     stiffness = row["k_per_um"] * row["sigma_MPa"] * 1e12
     spring = 1.0 / (1.0 / (2.0 * stiffness) - _THICKNESS / _SHEAR_MODULUS)
@@ -359,9 +335,10 @@ def _steel_blocks(row: Mapping[str, Any], fit: _FrictionFit, dashpot: float, mas
     return _scene(row, fit, "ageing", slab)
 
 
-def _scene(row: Mapping[str, Any], fit: _FrictionFit, law: str, slab: Mapping[str, Any]) -> sw.Scene:
-    """A run between alike slabs."""
-    interface = {"law": law, "a_star": 0.6, "a": fit.a, "b": fit.b, "memory_length": fit.length * 1e-6}
+def _scene(row: Mapping[str, Any], fit: np.ndarray, law: str, slab: Mapping[str, Any]) -> sw.Scene:
+    """A run between alike slabs; `fit`: a, b and L (um)."""
+    a, b, length = fit.tolist()
+    interface = {"law": law, "a_star": 0.6, "a": a, "b": b, "memory_length": length * 1e-6}
     interface |= {"normal_stress": row["sigma_MPa"] * 1e6, "reference_velocity": 1e-6}
     drive, start = {"velocity": 10.0}, {"size": _START}
     return sw.read_scene({"name": "laboratory", "interface": interface, "slab": slab, "drive": drive, "start": start})
@@ -369,7 +346,7 @@ def _scene(row: Mapping[str, Any], fit: _FrictionFit, law: str, slab: Mapping[st
 
 def _cycle_in_run(
     scene: sw.Scene, model: str, seconds: float, after: float = 0.5, tolerance: float = _TOLERANCE
-) -> _MeasuredCycle | None:
+) -> MeasuredCycle | None:
     """The last complete cycle, beginning `after` this share, of a run of `seconds`; None if there is none, or if the slip rate
     stays below twice V: steady sliding, now or later."""
     assert scene.units
@@ -379,20 +356,20 @@ def _cycle_in_run(
     if events.time.size == 0 or events.v_max[-1] <= 2.0 * scene.velocity:
         return None
     peak = 1e3 * events.v_max[-1] * scene.units.reference_velocity
-    return _MeasuredCycle(events.period[-1] * transit, events.stress_drop[-1], peak)
+    return {"period": events.period[-1] * transit, "drop": events.stress_drop[-1], "peak": peak}
 
 
-def _cycles_of_samples(
-    row: Mapping[str, Any], law: str, drawn: Iterable[tuple[_FrictionFit, float]]
-) -> list[_MeasuredCycle | None]:
+def _cycles_of_samples(row: Mapping[str, Any], law: str, drawn: Iterable[tuple[np.ndarray, float]]) -> list[MeasuredCycle | None]:
     """A cycle of the plain block for each of the samples; None where it slides steadily."""
     return [
-        _cycle_in_run(_plain_block(row, fit, law, factor), "quasidynamic", _CYCLES * row["T_s"]) if fit.b > fit.a > 0.0 else None
+        _cycle_in_run(_plain_block(row, fit, law, factor), "quasidynamic", _CYCLES * row["T_s"])
+        if fit[1] > fit[0] > 0.0
+        else None
         for fit, factor in drawn
     ]
 
 
-def cycle_without_tuning(row: Mapping[str, Any], fit: _FrictionFit) -> _MeasuredCycle | None:
+def _cycle_without_tuning(row: Mapping[str, Any], fit: np.ndarray) -> MeasuredCycle | None:
     """The cycle of the plain block with a printed fit, ageing law."""
     return _cycle_in_run(_plain_block(row, fit, "ageing"), "quasidynamic", 2.0 * _CYCLES * row["T_s"], after=0.7)
 
@@ -415,10 +392,10 @@ def _rise_of(normal_stress: float, weakening: float, velocity: float) -> tuple[f
     history, date = history_of(run), run.done.events.time[-1]
     near = np.abs(transit * (history["time"] - date)) <= 0.1  # s
     drop = run.done.events.elastic_stress_drop[-1] * normal_stress
-    return (drop, 1e3 * transit * rise_time(history["time"][near], history["elastic_stress"][near]))
+    return (drop, 1e3 * transit * _rise_time(history["time"][near], history["elastic_stress"][near]))
 
 
-def rise_time(time: np.ndarray, elastic: np.ndarray) -> float:
+def _rise_time(time: np.ndarray, elastic: np.ndarray) -> float:
     """The time in which the elastic stress falls from 90 % to 10 % of its drop, over 0.590, the share of this time in half a
     period of free vibration."""
     top = int(np.argmax(elastic))
@@ -429,16 +406,16 @@ def rise_time(time: np.ndarray, elastic: np.ndarray) -> float:
 
 
 _BEFORE = 1.0  # s of steady sliding
-_FAR = (1.5, 1.2, 3.0)  # times the printed values: where a fit begins
+_FAR = np.array([1.5, 1.2, 3.0])  # times the printed values: where a fit begins
 _OF_FIT = 1e-9
 _BAR = 1e-5  # relative error of a fitted value: printed digits in the tail of a step leave some 1e-6
 
 
-def fitted_to(row: Mapping[str, Any]) -> tuple[float, _FrictionFit]:
+def _fitted_to(row: Mapping[str, Any]) -> tuple[float, np.ndarray]:
     """The largest residual of quasi-static friction fitted to a printed series from distant start values, and the fitted
     parameters over the true ones; friction is the shear stress over 1 MPa."""
-    true = _FrictionFit(row["a"], row["b"], row["Dc_um"])
-    block = _plain_block({**row, "sigma_MPa": 1.0}, _FrictionFit(*(x * y for x, y in zip(_FAR, true, strict=True))), row["law"])
+    true = np.array([row["a"], row["b"], row["Dc_um"]])
+    block = _plain_block({**row, "sigma_MPa": 1.0}, _FAR * true, row["law"])
     begin = f"{_BEFORE} s"
     steps = [["0 s", "1 um/s"], [begin, "1 um/s"], [begin, f"{row['velocity']} um/s"]]
     samples = [(0.0, 0.6), *((_BEFORE + time, friction) for time, friction in zip(row["time_s"], row["friction"], strict=True))]
@@ -448,15 +425,14 @@ def fitted_to(row: Mapping[str, Any]) -> tuple[float, _FrictionFit]:
         scene, free = sw.read(block, {"drive.velocity": steps, "start.size": 0.0}), ["a", "b", "memory_length"]
         found = sw.fit(scene, data=[str(file)], free=free, model="quasistatic", tol=_OF_FIT).summary
     a, b, length = (one["value"] for one in found["parameters"].values())
-    ratios = _FrictionFit(a / true.a, b / true.b, 1e6 * length / true.length)
-    return found["residual"]["largest"], ratios
+    return found["residual"]["largest"], np.array([a, b, 1e6 * length]) / true
 
 
-def program_verdicts(row: Mapping[str, Any], apart: float, ratios: _FrictionFit) -> Verdicts:
+def _program_verdicts(row: Mapping[str, Any], apart: float, ratios: np.ndarray) -> Verdicts:
     """Verdicts on the agreement of the motion and of the parameters."""
     name = f"{row['program']}, {row['law']} law, step to {row['velocity']:g} V*"
     title = "Fitted quasi-static friction is what rsfmodel and Marone's program print, within one unit of the last digit"
     yield claim(title, WITNESS, apart * 10.0 ** row["digits"], 1.0, f"{name}: {len(row['friction'])} values")
-    worst = max(abs(ratio - 1.0) for ratio in ratios)
+    worst = np.abs(ratios - 1.0).max()
     title = "A fit of what these programs print gives back their a, b and L"
     yield claim(title, WITNESS, worst, _BAR, f"{name}: relative; begun 1.5, 1.2 and 3 times as large")

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -45,27 +44,11 @@ _WAVE = 5e-4  # leapfrog with these cells
 _OUTLINE = 0.1  # a model whose period is further off does not have the same cycle
 
 
-class _CycleRun(NamedTuple):
-    """A model's orbit with errors of its computation, and one cycle of it."""
-
-    orbit: Orbit
-    cycle: OneCycle
-
-    def off(self, exact: "_CycleRun", quantity: str) -> float:
-        """Relative error of `quantity` (a field of Orbit)."""
-        return self.orbit.values()[quantity] / exact.orbit.values()[quantity] - 1.0
-
-    @property
-    def own_error(self) -> float:
-        """The largest relative error of the figures of the orbit."""
-        return max(float(one.error / abs(one.value)) for one in vars(self.orbit).values())
-
-
 def run(budget: Budget) -> StudyResult:
     """Compute every model's orbit, overlay one cycle of each, compare."""
     runs = {model: _run_model(model) for model in budget.each(MODELS)}
-    cycles = {model: own.cycle for model, own in runs.items()}
-    errors = {model: own.off(runs["delay"], "period") for model, own in runs.items()}
+    orbits, cycles = {model: orbit for model, (orbit, _) in runs.items()}, {model: cycle for model, (_, cycle) in runs.items()}
+    errors = {model: _off(orbits, model, "period") for model in orbits}
     return StudyResult(
         answers=(StudyAnswer(_answer(errors), ("Orbits", "The full wave")),),
         figures=(
@@ -73,13 +56,13 @@ def run(budget: Budget) -> StudyResult:
             Figure("ode-orbit", _ODE_ORBIT, lambda: _ode_orbit(cycles), paper="Fig 4", carries=("P3 ", "P5 "), zoom=True),
             Figure("panels", _PANELS_CAPTION, lambda: _panels(cycles), paper="Fig 5", carries=("P4 ", "P5 ", "P6 ")),
         ),
-        tables=(_orbits(runs),),
-        verdicts=tuple(_cycle_verdicts(runs)),
+        tables=(_table(orbits),),
+        verdicts=tuple(_cycle_verdicts(orbits)),
         notes=(reference()["how"],),
         numbers={
             f"delay {name}": stated(found.value, found.error, known, half_digit(known))
             for name, known in reference_orbit("delay", LOG10_R).items()
-            for found in [getattr(runs["delay"].orbit, name)]
+            for found in [getattr(orbits["delay"], name)]
         },
         omissions=(
             Omission(
@@ -89,6 +72,11 @@ def run(budget: Budget) -> StudyResult:
             ),
         ),
     )
+
+
+def _off(orbits: Mapping[str, Orbit], model: str, quantity: str) -> float:
+    """Relative error of `quantity` (a field of Orbit) against the delay system's."""
+    return orbits[model].values()[quantity] / orbits["delay"].values()[quantity] - 1.0
 
 
 def _answer(errors: Mapping[str, float]) -> str:
@@ -120,14 +108,13 @@ _SINCE = Scale("time since the slip event (transits)")
 _STRESS, _RATE = Scale(r"stress $\mu$"), Scale("slip rate $v/V^*$", "log")
 
 
-def _orbits(runs: Mapping[str, _CycleRun]) -> Table:
+def _table(orbits: Mapping[str, Orbit]) -> Table:
     columns = ("T [transits] .9g", "Δμ [σ] .7f", "Δy [σ] .7f", "v_{max} [V*] .8g", "v_{min} [V*] .7g")
     rows = []
-    for model, own in runs.items():
-        pairs = [
-            (value, None if model == "delay" else own.off(runs["delay"], name)) for name, value in own.orbit.values().items()
-        ]
-        rows.append((model, *(cell for pair in pairs for cell in pair), own.own_error))
+    for model, own in orbits.items():
+        pairs = [(value, None if model == "delay" else _off(orbits, model, name)) for name, value in own.values().items()]
+        own_error = max(float(one.error / abs(one.value)) for one in vars(own).values())
+        rows.append((model, *(cell for pair in pairs for cell in pair), own_error))
     heading = " | ".join(["model", *(f"{column} | error [relative] .1e" for column in columns), "own error [relative] .0e"])
     caption = (
         f"The orbit at log_{{10}} r = {places([LOG10_R])}, by Newton’s method but for the leapfrog’s; Δy: drop of the elastic "
@@ -137,22 +124,22 @@ def _orbits(runs: Mapping[str, _CycleRun]) -> Table:
     return table("orbits", caption, heading, rows, (0,))
 
 
-def _run_model(model: str) -> _CycleRun:
-    """The orbit of `model` in the paper's scene: by Newton's method; the leapfrog, whose steps cannot be fractions of a period,
-    is run until it has settled."""
+def _run_model(model: str) -> tuple[Orbit, OneCycle]:
+    """The orbit of `model` in the paper's scene, with errors of its computation, and one cycle of it: by Newton's method; the
+    leapfrog, whose steps cannot be fractions of a period, is run until it has settled."""
     scene = slipwave.read("paper")
     if model == "fd":
         settled = memo.settled(model, scene, None, _TOLERANCE, cells=_CELLS, cfl=_CFL)
-        return _CycleRun(settled.orbit, one_cycle(settled, before=_MARGIN, after=_MARGIN, per_piece=2))
+        return settled.orbit, one_cycle(settled, before=_MARGIN, after=_MARGIN, per_piece=2)
     found = memo.own_orbit(model, scene, _TOLERANCE)
-    return _CycleRun(found.orbit, memo.cycle_of(found.closed, _MARGIN, _MARGIN))
+    return found.orbit, memo.cycle_of(found.closed, _MARGIN, _MARGIN)
 
 
-def _cycle_verdicts(runs: Mapping[str, _CycleRun]) -> Verdicts:
+def _cycle_verdicts(orbits: Mapping[str, Orbit]) -> Verdicts:
     """Every orbit against other programs', the leapfrog's against the delay system's."""
-    for model, own in runs.items():
-        yield from as_known("Orbits are those of other programs", model, LOG10_R, own.orbit.values())
-    off = max(abs(runs["fd"].off(runs["delay"], name)) for name in SYMBOLS)
+    for model, orbit in orbits.items():
+        yield from as_known("Orbits are those of other programs", model, LOG10_R, orbit.values())
+    off = max(abs(_off(orbits, "fd", name)) for name in SYMBOLS)
     remark = f"leapfrog with {_CELLS} cells at CFL {_CFL}; it vanishes at the second order"
     yield claim("The full wave runs on the delay system’s orbit", WITNESS, off, _WAVE, remark)
 

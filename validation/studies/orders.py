@@ -5,7 +5,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -49,41 +49,22 @@ SCENES = ("paper", "yardstick")
 SECONDS = (25.0, 90.0)
 
 
-class _Plan(NamedTuple):
-    """Models whose order in space is fitted; cells of the leapfrog from a jump; by model, cells per slab of its own orbits; log10
-    r of other orbits of the full wave, from the onset on, and of means; pairs of slabs of the exact motion."""
-
-    in_space: tuple[str, ...]
-    jump: tuple[int, ...]
-    grids: dict[str, tuple[int, ...]]
-    orbits_at: tuple[float, ...]
-    means_at: tuple[float, ...]
-    pairs: tuple[str, ...]
-
-
-def _plan(budget: Budget) -> _Plan:
-    few, many = ((48, 96, 192, 384, 768)[:n] for n in (4, 5))
-    coarse: dict[str, tuple[int, ...]] = {"dg:7": (2, 3), "fem:4": (5, 8)}
-    fine: dict[str, tuple[int, ...]] = {"dg:7": (2, 3, 4, 5, 6), "fem:4": (5, 8, 12, 16, 24), "sbp:6": (24, 32, 48, 64, 96, 160)}
-    return budget.plan(
-        quick=_Plan(judged_models(True), few, coarse, (), (-2.5,), ("alike",)),
-        full=_Plan(judged_models(False), many, fine, (-2.699, -2.66, -2.65), (-2.5, -2.3), tuple(_MOTION_MARCH)),
-    )
-
-
 def run(budget: Budget) -> StudyResult:
     """Climb every ladder, find every orbit, march both ways, record one event."""
-    plan = _plan(budget)
-    climbs = [climb_of(model) for model in budget.each(plan.in_space, 0.4)]
+    climbs = [climb_of(model) for model in budget.each(_judged_models(budget.quick), 0.4)]
     other_cfls = {cfl: _leapfrog_at(cfl) for cfl in _CFLS[1:]}
-    jumps = {cfl: _jump_errors(cfl, plan.jump) for cfl in _CFLS}
-    orbits = [(model, _AT, _orbit_errors(model, _AT, cells)) for model, cells in budget.each(plan.grids.items(), 0.6, 0.4)]
-    others = [(_WAVE, log10_r, _orbit_errors(_WAVE, log10_r, (_CELLS - 1, _CELLS))) for log10_r in plan.orbits_at]
-    means = [_means_verdict(log10_r) for log10_r in plan.means_at]
+    jump_cells = budget.plan(_JUMP_CELLS[:-1], _JUMP_CELLS)
+    jumps = {cfl: _jump_errors(cfl, jump_cells) for cfl in _CFLS}
+    grids = budget.plan(_FEW_GRIDS, _MANY_GRIDS)
+    orbits = [(model, _AT, _orbit_errors(model, _AT, cells)) for model, cells in budget.each(grids.items(), 0.6, 0.4)]
+    orbits_at, means_at = budget.plan(quick=((), (-2.5,)), full=((-2.699, -2.66, -2.65), (-2.5, -2.3)))
+    others = [(_WAVE, log10_r, _orbit_errors(_WAVE, log10_r, (_CELLS - 1, _CELLS))) for log10_r in orbits_at]
+    means = [_means_verdict(log10_r) for log10_r in means_at]
     marches = {model: _march_errors(model) for model in _TIMED}
-    pairs = [(model, pair) for model in MOTION_GRIDS for pair in plan.pairs]
-    motions = {pair: motion_errors(*pair) for pair in budget.each(pairs, 0.9, 0.6)}
-    event = recorded_event()
+    slabs = budget.plan(["alike"], [*_MOTION_MARCH])
+    pairs = [(model, pair) for model in MOTION_GRIDS for pair in slabs]
+    motions = {pair: _motion_errors(*pair) for pair in budget.each(pairs, 0.9, 0.6)}
+    event = _recorded_event()
     finest = ", ".join(f"{plain(max([*found.values()][-1].values()), '.0e')} (`{model}`)" for model, _, found in orbits)
     moved = plain(min(found[-1] for found in motions.values()), ".0e")
     return StudyResult(
@@ -114,7 +95,7 @@ def run(budget: Budget) -> StudyResult:
             *map(order_verdict, climbs),
             *(order_verdict(climbed, _evidence_at(cfl)) for cfl, climbed in other_cfls.items()),
             *(
-                of_order(_JUMP, _evidence_at(cfl), fit_order(np.array(plan.jump), found), 1.0, f"CFL {cfl}")
+                of_order(_JUMP, _evidence_at(cfl), fit_order(np.array(jump_cells), found), 1.0, f"CFL {cfl}")
                 for cfl, found in jumps.items()
             ),
             _independence(),
@@ -122,8 +103,8 @@ def run(budget: Budget) -> StudyResult:
             *(verdict for one in (*orbits, *others) for verdict in _agreement_verdicts(*one)),
             *means,
             *(verdict for model, found in marches.items() for verdict in _time_verdicts(model, *found)),
-            *(motion_verdict(*pair, found) for pair, found in motions.items()),
-            *event_verdicts(event),
+            *(_motion_verdict(*pair, found) for pair, found in motions.items()),
+            *_event_verdicts(event),
         ),
         notes=_NOTES,
         numbers=_numbers(climbs, motions),
@@ -180,9 +161,10 @@ _INDEPENDENT = "The delay system shares no module of a solver with any full wave
 _CFLS = (0.5, 0.9, 1.0)
 _FEW = ("fd", "sbp:2", "sbp:4", "sbp:6", "fem:7", "dg:2", "dg:7")
 _JUMP_UNTIL = 400.0  # transits
+_JUMP_CELLS = (48, 96, 192, 384, 768)
 
 
-def judged_models(quick: bool) -> tuple[str, ...]:
+def _judged_models(quick: bool) -> tuple[str, ...]:
     """The members whose order is fitted: in a quick report some of those with a ladder, one of every family at least."""
     seen = {model.partition(":")[0] for model in _FEW}
     others = (family.called(next(iter(family.ladder))) for family in GRIDS if family.ladder and family.name not in seen)
@@ -244,6 +226,9 @@ _QUANTITIES = {"period": ("T", 1e-12), "stress_drop": ("Δμ", 5e-12)}
 """The figures, their symbols, and relative errors, at the level of rounding, below which no order is fitted."""
 _AT, _TOLERANCE = -2.68, 1e-11
 _WAVE, _CELLS = "dg:7", 6
+_FEW_GRIDS: dict[str, tuple[int, ...]] = {"dg:7": (2, 3), "fem:4": (5, 8)}
+_MANY_GRIDS = {"dg:7": (2, 3, 4, 5, 6), "fem:4": (5, 8, 12, 16, 24), "sbp:6": (24, 32, 48, 64, 96, 160)}
+"""By model: cells per slab of its own orbits."""
 _MEANS_UNTIL, _ERRORS = 10000.0, 4.0  # transits; standard errors
 _NEAR_ONSET = {"start.size": 2.0}  # a small nudge grows for thousands of transits
 
@@ -259,7 +244,7 @@ def _figures(model: str, log10_r: float, cells: int | None) -> dict[str, Any]:
     return sw.orbit("paper", model, cells=cells, tol=_TOLERANCE, **{"slab.log10_r": log10_r}, **near).summary
 
 
-def orbit_order(found: Mapping[int, Mapping[str, float]], quantity: str) -> float:
+def _orbit_order(found: Mapping[int, Mapping[str, float]], quantity: str) -> float:
     """Mean order from the coarsest grid to the finest one whose error is above the floor, the second one in any case."""
     (coarse, first), *finer = ((cells, one[quantity]) for cells, one in found.items())
     fine, last = next((one for one in reversed(finer) if one[1] > _QUANTITIES[quantity][1]), finer[0])
@@ -268,7 +253,7 @@ def orbit_order(found: Mapping[int, Mapping[str, float]], quantity: str) -> floa
 
 def _approach_verdict(model: str, found: Mapping[int, Mapping[str, float]]) -> Verdict:
     """The order of the errors on finer and finer grids."""
-    least = min(orbit_order(found, quantity) for quantity in _QUANTITIES)
+    least = min(_orbit_order(found, quantity) for quantity in _QUANTITIES)
     where = f"`{model}`, {min(found)} to {max(found)} cells a slab; the lower of T and Δμ"
     return at_least(_APPROACHES, WITNESS, least, declared_order(model), where)
 
@@ -367,14 +352,14 @@ _MADE = "Full waves make an exact motion with friction and state at their orders
 _CFL = 0.5  # of the leapfrog; at 1 it is the delay system
 
 
-def motion_errors(model: str, pair: str) -> np.ndarray:
+def _motion_errors(model: str, pair: str) -> np.ndarray:
     """The errors of a model on all its grids, for a pair of slabs."""
     options: dict[str, Any] = {"cfl": _CFL} if model == "fd" else {"time": _MOTION_MARCH[pair]}
     scene = given_scene(pair == "unlike")
     return np.array([error_of_motion(model, scene, cells, **options) for cells in MOTION_GRIDS[model][0]])
 
 
-def motion_verdict(model: str, pair: str, found: np.ndarray) -> Verdict:
+def _motion_verdict(model: str, pair: str, found: np.ndarray) -> Verdict:
     """The order, unless the finest error is not below the bound. Schemes of order 2 must not be better either."""
     (cells, bound), declared, where = MOTION_GRIDS[model], declared_order(model), f"`{model}`, {pair} slabs"
     if found[-1] < bound:
@@ -391,17 +376,12 @@ _EVENT_UNTIL = 8.0  # transits; the orbit begins with an event
 _CURVED, _LATE = 1e-10, 0.1  # of the wave's range; transits
 
 
-class _EventWaves(NamedTuple):
-    """The upper slab about one slip event: time (transits) from its fastest moment, depth of the ends of cells, the `outgoing`
-    wave, stress - epsilon velocity, over time and depth, and the slip rate over V."""
-
-    time: np.ndarray
-    depth: np.ndarray
-    outgoing: np.ndarray
-    slip_rate: np.ndarray
+EventWaves: TypeAlias = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+"""The upper slab about one slip event: time (transits) from its fastest moment, depth of the ends of cells, the outgoing wave,
+stress - epsilon velocity, over time and depth, and the slip rate over V."""
 
 
-def recorded_event() -> _EventWaves:
+def _recorded_event() -> EventWaves:
     """The event with which a run from the periodic orbit begins; the time between samples is a wave's through half a cell."""
     scene = sw.read("paper", {"start.kind": "orbit"})
     fields = sw.run(scene, f"dg:{_DEGREE}", cells=_FINE, until=_EVENT_UNTIL, fields=True).records.fields
@@ -409,19 +389,19 @@ def recorded_event() -> _EventWaves:
     time, upper = fields.field.time, fields.field.upper
     outgoing, fastest = upper.stress - scene.upper.epsilon * upper.velocity, np.argmax(upper.velocity[:, 0])
     rate = 2.0 * upper.velocity[:, 0] / scene.velocity
-    return _EventWaves(time - time[fastest], upper.depth[::_DEGREE], outgoing[:, ::_DEGREE], rate)
+    return time - time[fastest], upper.depth[::_DEGREE], outgoing[:, ::_DEGREE], rate
 
 
-def event_verdicts(event: _EventWaves) -> Verdicts:
+def _event_verdicts(event: EventWaves) -> Verdicts:
     """The outgoing wave at each depth against that of the interface one travel time before; the time until the slip rate, twice
     the velocity at the interface, falls below V."""
-    source, off = CubicSpline(event.time, event.outgoing[:, 0]), 0.0
-    for depth, wave in zip(event.depth, event.outgoing.T, strict=True):
-        emitted = event.time - 0.5 * depth
-        inside = emitted >= event.time[0]
+    time, depths, outgoing, rate = event
+    source, off = CubicSpline(time, outgoing[:, 0]), 0.0
+    for depth, wave in zip(depths, outgoing.T, strict=True):
+        emitted = time - 0.5 * depth
+        inside = emitted >= time[0]
         off = max(off, np.abs(wave - source(emitted))[inside].max())
     where = f"`dg:{_DEGREE}`; the largest difference over the range"
-    yield claim(_STRAIGHT, EXACT, off / np.ptp(event.outgoing[:, 0]), _CURVED, where)
-    slow = event.time[(event.time > 0.0) & (event.slip_rate < 1.0)]
-    stop = slow.min(initial=np.inf)
+    yield claim(_STRAIGHT, EXACT, off / np.ptp(outgoing[:, 0]), _CURVED, where)
+    stop = time[(time > 0.0) & (rate < 1.0)].min(initial=np.inf)
     yield claim(_ENDED, EXACT, stop, _LATE, "transits from the fastest moment until v falls below V", near=1.0)

@@ -118,17 +118,6 @@ _AGAIN = (
 )
 
 
-class _Plan(NamedTuple):
-    """Faces of full waves; motions on record that are computed again; rounds of costs; kinds of faces whose first torus ends."""
-
-    witnessed: tuple[_LeakyFace, ...]
-    again: tuple[tuple[str, _LeakyFace, float], ...]
-    rounds: int
-    ends: tuple[str, ...]
-
-
-_QUICK = _Plan(_WITNESSED[::2], _AGAIN[::2], 3, ("bare",))
-_FULL = _Plan(_WITNESSED, _AGAIN, 5, ("bare", "grip"))
 _ON_THE_MAP = _LeakyFace("grip", True, 0.995), -2.5
 _CELLS = 8  # of the full wave
 _FIRST_TORUS = {"log10_r": (-2.72, -2.6)}
@@ -197,18 +186,18 @@ def run(budget: Budget) -> StudyResult:
     shown = columns()
     exact = {key: on_record(EXACT_MODEL, one.settings) or Regime(UNDECIDED) for key, one in shown.items()}
     budget.report(0.2)
-    plan = budget.plan(_QUICK, _FULL)
-    words = {face: face.settings(-2.6) for face in plan.witnessed}
+    words = {face: face.settings(-2.6) for face in budget.plan(_WITNESSED[::2], _WITNESSED)}
     delay = {face: state_at(one, UNTIL, tol=1e-11) for face, one in words.items()}
     waves = {face: state_at(one, UNTIL, "dg:7", cells=_CELLS, time="explicit") for face, one in words.items()}
     budget.report(0.5)
-    costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), plan.rounds)
+    costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), budget.plan(quick=3, full=5))
     compared = recorded_table(NAME, [*shown.values()], MODELS, shown[_COSTED].title, costs)
-    again = [*((model, shown[face, over]) for model, face, over in plan.again), (EXACT_MODEL, _column(*_ON_THE_MAP))]
+    again = [(model, shown[face, over]) for model, face, over in budget.plan(_AGAIN[::2], _AGAIN)]
+    again.append((EXACT_MODEL, _column(*_ON_THE_MAP)))
     known = {face: special_points().get(face.settings(), ()) for face in BRANCHES}
     regimes = {key: on_record(EXACT_MODEL, words) or Regime(UNDECIDED) for key, words in plane().items()}
     budget.report(0.7)
-    torus = {kind: _torus_end(kind) for kind in plan.ends}
+    torus = {kind: _torus_end(kind) for kind in budget.plan(["bare"], [*_KINDS])}
     return StudyResult(
         answers=_answers(known, regimes, torus, first_in_words(compared, _LADDER, "behind every face")),
         figures=(Figure("plane", _PLANE, lambda: _plane(known, regimes, torus)),),

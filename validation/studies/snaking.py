@@ -64,21 +64,6 @@ _BEFORE, _BEYOND = -2.659, -2.6565
 """log10 r of direct runs on both sides of the first torus point, where the branch has one orbit."""
 
 
-class _Plan(NamedTuple):
-    """Periods (transits) up to which the branch is followed, and its finer copy; log10 r at which coexisting orbits are listed,
-    and at which runs may end on different ones; the first special point beside which runs begin, and the stride to the next."""
-
-    longest: float
-    finer: float
-    shown: tuple[float, ...]
-    coexist: tuple[float, ...]
-    beside: tuple[int, int]
-
-
-_QUICK = _Plan(78.5, 75.2, (-2.66,), (-2.66,), (1, 4))
-_FULL = _Plan(85.0, 78.3, (-2.66, -2.65, -2.64, -2.63, -2.62), (-2.6655, -2.66, -2.6595), (0, 1))
-
-
 class _DirectRun(NamedTuple):
     """A run from a nudge of this `size`: the periods of the cycles of its last part (transits), whether they settled, and the
     period of the branch's `orbit` nearest to its last cycle, of the stable ones if there are any."""
@@ -92,13 +77,14 @@ class _DirectRun(NamedTuple):
 
 def run(budget: Budget) -> StudyResult:
     """Follow the branch twice, list the orbits at some r, and run the delay system near the first torus point."""
-    plan = budget.plan(_QUICK, _FULL)
-    branch = branch_of("delay", -2.3, plan.longest)
+    branch = branch_of("delay", -2.3, budget.plan(quick=78.5, full=85.0))
     budget.report(0.5)
-    finer = branch_of("delay", -2.3, plan.finer, _FINER, _SHORT)
+    finer = branch_of("delay", -2.3, budget.plan(quick=75.2, full=78.3), _FINER, _SHORT)
     budget.report(0.9)
-    orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in plan.shown}
-    starts = [(log10_r, size) for log10_r in plan.coexist for size in _NUDGES]
+    shown = budget.plan(quick=(-2.66,), full=(-2.66, -2.65, -2.64, -2.63, -2.62))
+    orbits = {log10_r: branch.orbits_at(log10_r) for log10_r in shown}
+    coexist = budget.plan(quick=(-2.66,), full=(-2.6655, -2.66, -2.6595))
+    starts = [(log10_r, size) for log10_r in coexist for size in _NUDGES]
     before, *others, beyond = (
         _run_at(log10_r, size, branch.orbits_at(log10_r))
         for log10_r, size in ((_BEFORE, _NUDGES[0]), *starts, (_BEYOND, _NUDGES[0]))
@@ -114,7 +100,7 @@ def run(budget: Budget) -> StudyResult:
             *_fold_claims(branch, finer),
             *_settles([before, *others]),
             _wanders(beyond),
-            _grows(sides(branch, *plan.beside)),
+            _grows(sides(branch, *budget.plan(quick=(1, 4), full=(0, 1)))),
             *_coexisting(others),
             *_on_torus(*_torus_at(-2.65)),
         ),

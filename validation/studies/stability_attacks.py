@@ -45,20 +45,6 @@ CELLS = {model: cells.fine for model, cells in ATTACKED.items()}
 """Cells of the faster slab for runs that are compared with the delay system."""
 
 
-class _Plan(NamedTuple):
-    """Powers of ten of stiffness; media; transits of noise; whether late motions are compared; models that ask for cells."""
-
-    decades: tuple[int, ...]
-    media: tuple[str, ...]
-    transits: float
-    late: bool
-    advised: tuple[str, ...]
-
-
-_QUICK = _Plan((-4, 0, 2, 4, 8), FEW_MEDIA, 1e3, False, ("sbp:4", "fem:4", "dg:3"))
-_FULL = _Plan((-4, -2, *range(9)), tuple(MEDIA), 2e4, True, tuple(CELLS))
-
-
 class _Attack(NamedTuple):
     """An extreme scene: its title, the scene and its changes, the refinement of its grids over CELLS, and the time (transits) of
     the late motion."""
@@ -91,19 +77,20 @@ ATTACKS = {
 
 def run(budget: Budget) -> StudyResult:
     """Step limits over eight decades of stiffness and over media, extreme scenes, and noise in a locked slab."""
-    plan = budget.plan(_QUICK, _FULL)
-    steps = {model: {decade: limit_at(model, decade) for decade in plan.decades} for model in budget.each(CELLS, 0.2)}
-    around = {medium: {model: around_the_limit(model, medium) for model in CELLS} for medium in budget.each(plan.media, 0.4, 0.2)}
-    attacks = {name: attack(name, plan.late) for name in budget.each(ATTACKS, 0.8, 0.4)}
-    advice = {model: advised(model) for model in plan.advised}
+    decades = budget.plan(quick=(-4, 0, 2, 4, 8), full=(-4, -2, *range(9)))
+    steps = {model: {decade: limit_at(model, decade) for decade in decades} for model in budget.each(CELLS, 0.2)}
+    media, transits = budget.plan(quick=FEW_MEDIA, full=tuple(MEDIA)), budget.plan(quick=1e3, full=2e4)
+    around = {medium: {model: around_the_limit(model, medium) for model in CELLS} for medium in budget.each(media, 0.4, 0.2)}
+    attacks = {name: _attack(name, late=not budget.quick) for name in budget.each(ATTACKS, 0.8, 0.4)}
+    advice = {model: advised(model) for model in budget.plan(quick=["sbp:4", "fem:4", "dg:3"], full=[*CELLS])}
     verdicts = (
         *map(limit_verdict, steps, steps.values()),
         *map(medium_verdict, around, around.values()),
         *(state_verdict(model, state_reach(model)) for model in CELLS),
         stop_verdict({model: stops_beyond(model, BEYOND) for model in CELLS}),
-        *(attack_verdict(name, outcomes) for name, outcomes in attacks.items()),
+        *(_attack_verdict(name, outcomes) for name, outcomes in attacks.items()),
         _advice_verdict(advice),
-        *(noise_verdict(model, locked_noise(model, plan.transits), plan.transits) for model in budget.each(CELLS, 1.0, 0.8)),
+        *(noise_verdict(model, locked_noise(model, transits), transits) for model in budget.each(CELLS, 1.0, 0.8)),
     )
     return StudyResult(
         answers=(StudyAnswer(answer(steps, attacks), tuple(dict.fromkeys(one.claim for one in verdicts))),),
@@ -112,7 +99,7 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def answer(steps: Mapping[str, Mapping[int, float]], attacks: Mapping[str, Mapping[str, "AttackOutcome"]]) -> str:
+def answer(steps: Mapping[str, Mapping[int, float]], attacks: Mapping[str, Mapping[str, "_AttackOutcome"]]) -> str:
     """One sentence with the figures that matter."""
     stiff = [share for shares in steps.values() for decade, share in shares.items() if decade > 0]
     outcomes = [(name, outcome) for name, by_model in attacks.items() for outcome in by_model.values()]
@@ -133,7 +120,7 @@ _NOTES = (
 
 
 @dataclass(frozen=True)
-class AttackOutcome:
+class _AttackOutcome:
     """Largest error of psi up to t = 40; `late` as `_late_error` gives it; the message of a run that stopped (empty if none did).
     Only a run that stops need not be right: counted failed solves do not suffice."""
 
@@ -156,7 +143,7 @@ Trajectory: TypeAlias = tuple[np.ndarray, float, Events]
 """psi at the moments and at the end, and the cycles of the second half."""
 
 
-def attack(name: str, late: bool = False) -> dict[str, AttackOutcome]:
+def _attack(name: str, late: bool = False) -> dict[str, _AttackOutcome]:
     """The outcome of attack `name` for every family, in 40 transits or until its late time."""
     finer, until = ATTACKS[name].finer, ATTACKS[name].late if late else MOMENTS[-1]
     exact = _trajectory("delay", name, until, tol=1e-10)
@@ -173,13 +160,13 @@ def _trajectory(model: str, name: str, until: float, **options: Any) -> Trajecto
     return psis, run.done.final.psi, run.records.watch.events(0.5 * until)
 
 
-def _outcome(model: str, cells: int, exact: Trajectory, name: str, until: float) -> AttackOutcome:
+def _outcome(model: str, cells: int, exact: Trajectory, name: str, until: float) -> _AttackOutcome:
     try:
         ours = _trajectory(model, name, until, cells=cells, time=EXPLICIT[model])
     except (SceneError, NumericsError) as error:
-        return AttackOutcome(math.nan, message=str(error))
+        return _AttackOutcome(math.nan, message=str(error))
     off = np.abs(ours[0] - exact[0]).max()
-    return AttackOutcome(off, _late_error(ours, exact) if until > MOMENTS[-1] else 0.0)
+    return _AttackOutcome(off, _late_error(ours, exact) if until > MOMENTS[-1] else 0.0)
 
 
 def _late_error(ours: Trajectory, exact: Trajectory) -> float:
@@ -193,7 +180,7 @@ def _late_error(ours: Trajectory, exact: Trajectory) -> float:
     return min(of_state, float(np.abs(mine / theirs - 1.0).max()))
 
 
-def attack_verdict(name: str, by_model: Mapping[str, AttackOutcome]) -> Verdict:
+def _attack_verdict(name: str, by_model: Mapping[str, _AttackOutcome]) -> Verdict:
     """Whether an attack ended right or with a message in every model."""
     ended = [one.off for one in by_model.values() if not one.message]
     silent = [model for model, one in by_model.items() if one.is_silently_wrong]

@@ -113,10 +113,10 @@ from pathlib import Path
 from reduced.stability import scaled
 from validation.models.own import load_families
 from validation.measure import orders as in_space
-from validation.studies.orders import judged_models
+from validation.studies.orders import _judged_models
 from validation.report.grid_verdicts import order_verdict
 load_families(Path("finite_volume.py"))
-assert "fv" in judged_models(quick=True)
+assert "fv" in _judged_models(quick=True)
 true = in_space.without_error_in_time
 factor = float(sys.argv[1])
 in_space.without_error_in_time = lambda model, scene, cells, **o: true(model, scaled(scene, epsilon=factor), cells, **o)

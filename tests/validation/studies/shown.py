@@ -81,6 +81,10 @@ def each(change):
     )
 
 
+def first(change):
+    return lambda found: (change(found[0]), *found[1:])
+
+
 def only(name, change):
     return lambda value: value | {name: change(value[name])}
 
@@ -172,24 +176,24 @@ def green(study, tapes):
 
 S, DISPLACED = (scaled,), part("words", "figures", change=lambda value: scaled(value, 3e-2))
 PLACES = {
-    "one-cycle": (Place("one_cycle:_run_model", (part("orbit"),)),),
+    "one-cycle": (Place("one_cycle:_run_model", (first(scaled),)),),
     "orders": (
         Place("orders:climb_of", (part("errors", change=displaced(1e-3)),), few=True),
         Place("orders:_leapfrog_at", (part("errors", change=displaced(1e-3)),)),
         Place("orders:_jump_errors", (displaced(0.1),)),
         Place("orders:_shared", (lambda common: ("one", *common),), unjudged=("fd", "sbp", "fem")),
         Place("orders:_figures", (only("period", scaled), only("stress_drop", scaled))),
-        Place("orders:_means_of", (lambda found: (scaled(found[0], 0.02), found[1]),)),
+        Place("orders:_means_of", (first(lambda means: scaled(means, 0.02)),)),
         Place("orders:_march_errors", (lambda both: (1e-3 + both[0], both[1]), lambda both: (both[0], 1e-3 + both[1]))),
         Place("orders:error_of_motion", (lambda error: 100.0 * error,), few=True),
-        Place("orders:recorded_event", (part("depth"),)),
+        Place("orders:_recorded_event", (lambda event: (event[0], scaled(event[1]), *event[2:]),)),
     ),
     "stability-attacks": (
         Place("stability_attacks:limit_at", (lambda share: 0.9 * share,)),
         Place("stability_attacks:around_the_limit", (lambda pair: (1e3, pair[1]), lambda pair: (pair[0], 1.0))),
         Place("stability_attacks:state_reach", (lambda reach: 0.9 * reach,), unjudged=("fd",)),
         Place("stability_attacks:stops_beyond", (scaled,)),
-        Place("stability_attacks:attack", (each(lambda one: replace(one, error=0.02 + one.error, message="")),)),
+        Place("stability_attacks:_attack", (each(lambda one: replace(one, error=0.02 + one.error, message="")),)),
         Place("stability_attacks:advised", (lambda found: (found[0], found[1] + 0.02),)),
         Place("stability_attacks:locked_noise", (lambda left: 1.1 + left,)),
     ),
@@ -201,7 +205,7 @@ PLACES = {
         Place("onset:_taylor"),
         Place("onset:analyse", (part("log10_r_c"),), unjudged=("paper",), few=True),
     ),
-    "energy": (Place("energy:_balance", (lambda found: (found[0] | {"residual": found[0]["residual"] + 1e-6}, found[1]),)),),
+    "energy": (Place("energy:_balance", (first(only("residual", displaced(1e-6))),)),),
     "reflection": (
         Place("reflection:state_at", S, 2),
         Place("reflection:_face_onset"),
@@ -240,7 +244,7 @@ PLACES = {
     ),
     "bifurcation": (
         Place("bifurcation:branch_of", (part("onset.parameter"),)),
-        Place("bifurcation:_wave_orbit", (lambda both: (scaled(both[0]), both[1]),)),
+        Place("bifurcation:_wave_orbit", (first(scaled),)),
         Place("bifurcation:doubled", (part("last_two"), part("single.orbit"), part("double.orbit"))),
         Place("bifurcation:bubble", (lambda found: (found[0], found[1] + 3e-5, found[2]),)),
         Place("bifurcation:_folds_over_drive", (each(lambda fold: (fold[0] + 1e-6, fold[1])),)),
@@ -254,14 +258,14 @@ PLACES = {
     ),
     "laboratory": (
         Place("laboratory:_cycles_of_samples", (lambda found: [None] * len(found),), 9, claimed=True),
-        Place("laboratory:cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),
-        Place("laboratory:_waves_in_blocks", (only("block", part("period", change=lambda one: 1.1 * one)),)),
+        Place("laboratory:_cycle_without_tuning", (lambda one: one and scaled(one, 0.01), lambda one: None), few=True),
+        Place("laboratory:_waves_in_blocks", (only("block", only("period", lambda one: 1.1 * one)),)),
         Place("laboratory:_rise_of", (lambda one: (one[0], 1.1 * one[1]),)),
-        Place("laboratory:fitted_to", (lambda one: (2e-8 + one[0], one[1]), lambda one: (one[0], scaled(one[1])))),
+        Place("laboratory:_fitted_to", (lambda one: (2e-8 + one[0], one[1]), lambda one: (one[0], scaled(one[1])))),
     ),
     "claims": (
         Place("claims:_settled_at", tuple(only(model, scaled) for model in ("delay", "kelvin-voigt", "block8", "block12")), 9),
-        Place("claims:_run_deep", (part("events.stress_drop", change=beating),), claimed=True),
+        Place("claims:_run_deep", (first(part("stress_drop", change=beating)),), claimed=True),
         Place("claims:_measure_ripples", tuple(only(name, scaled) for name in ("ripple", "drop", "slipped"))),
     ),
 }

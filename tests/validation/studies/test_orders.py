@@ -22,14 +22,21 @@ from validation.report.grid_verdicts import order_verdict
 from validation.studies import bifurcation as claims
 from validation.studies import orders
 from validation.studies.bifurcation.doubling import doubled
-from validation.studies.laboratory import cycle_without_tuning, fitted_to, leeman_runs, printed_fits, program_verdicts, rise_time
+from validation.studies.laboratory import (
+    _FITS,
+    _RUNS,
+    _cycle_without_tuning,
+    _fitted_to,
+    _program_verdicts,
+    _rise_time,
+)
 from validation.studies.snaking import sides
 
 
 def test_an_order_ends_where_rounding_begins():
     errors = {cells: {"period": error} for cells, error in ((2, 1e-4), (4, 1e-7), (8, 1e-10), (16, 2e-13))}
-    assert orders.orbit_order(errors, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
-    assert orders.orbit_order({cells: errors[cells] for cells in (2, 16)}, "period") == pytest.approx(np.log(5e8) / np.log(8.0))
+    assert orders._orbit_order(errors, "period") == pytest.approx(np.log(1e6) / np.log(4.0))
+    assert orders._orbit_order({cells: errors[cells] for cells in (2, 16)}, "period") == pytest.approx(np.log(5e8) / np.log(8.0))
 
 
 @pytest.fixture(scope="module")
@@ -72,16 +79,15 @@ def test_a_ladder_without_an_order_is_red_and_says_why():
 def test_every_family_with_a_ladder_is_judged_by_a_quick_report(monkeypatch):
     own = replace(GALERKIN, pattern="volumes", numbers=(), default=None, ladder={0: GALERKIN.ladder[1]})
     monkeypatch.setattr(orders, "GRIDS", (*orders.GRIDS, own, replace(own, pattern="bare", ladder={})))
-    assert orders.judged_models(quick=True) == (*orders._FEW, "volumes")
-    assert set(orders.judged_models(quick=False)) == set(LADDERS)
+    assert orders._judged_models(quick=True) == (*orders._FEW, "volumes")
+    assert set(orders._judged_models(quick=False)) == set(LADDERS)
 
 
 def test_a_wrong_wave_speed_and_an_event_that_never_ends_are_red():
-    event = orders.recorded_event()
-    assert outcomes(orders.event_verdicts(event)) == "pass pass"
-    assert outcomes(orders.event_verdicts(event._replace(depth=1.001 * event.depth))) == "fail pass"
-    endless = np.full_like(event.slip_rate, 1e3)
-    assert outcomes(orders.event_verdicts(event._replace(slip_rate=endless))) == "pass fail"
+    time, depth, wave, rate = orders._recorded_event()
+    assert outcomes(orders._event_verdicts((time, depth, wave, rate))) == "pass pass"
+    assert outcomes(orders._event_verdicts((time, 1.001 * depth, wave, rate))) == "fail pass"
+    assert outcomes(orders._event_verdicts((time, depth, wave, np.full_like(rate, 1e3)))) == "pass fail"
 
 
 FAST = {("fd", "unlike"), ("sbp:4", "alike"), ("dg:2", "unlike")}
@@ -117,7 +123,7 @@ def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike):
     ],
 )
 def test_every_full_wave_makes_it_at_its_order(model, pair):
-    assert outcomes(orders.motion_verdict(model, pair, orders.motion_errors(model, pair))) == "pass"
+    assert outcomes(orders._motion_verdict(model, pair, orders._motion_errors(model, pair))) == "pass"
 
 
 def test_exact_steps_follow_a_drive_that_is_not_linear():
@@ -196,25 +202,25 @@ def test_the_doubled_orbit(found):
 
 def test_the_plain_block_repeats_a_printed_period_and_slides_where_it_should():
     """14 and 8 MPa: 9.70 s and 15.3 mm/s by the third fit; steady sliding by the second."""
-    found = cycle_without_tuning(leeman_runs()[6], printed_fits()[2][0])
+    found = _cycle_without_tuning(_RUNS[6], _FITS[2][0])
     assert found
-    assert (found.period, found.peak) == (pytest.approx(9.70, rel=2e-3), pytest.approx(15.3, rel=0.03))
-    assert 0.035 < found.drop < 0.041
-    assert cycle_without_tuning(leeman_runs()[1], printed_fits()[1][0]) is None
+    assert (found["period"], found["peak"]) == (pytest.approx(9.70, rel=2e-3), pytest.approx(15.3, rel=0.03))
+    assert 0.035 < found["drop"] < 0.041
+    assert _cycle_without_tuning(_RUNS[1], _FITS[1][0]) is None
 
 
 def test_the_rise_time_of_free_swinging_is_half_its_period():
     time = np.linspace(-1.0, 3.0, 4001)
     fall = np.where(time < 0.0, 1.0 + 1e-3 * time, np.where(time > 2.0, -1.0, np.cos(0.5 * math.pi * time)))
-    assert rise_time(time, fall) == pytest.approx(2.0, rel=2e-3)
+    assert _rise_time(time, fall) == pytest.approx(2.0, rel=2e-3)
 
 
 @pytest.mark.parametrize("row", laboratory()["programs"]["rows"][2:], ids=["step", "hold"])
 def test_friction_that_another_program_prints_is_ours_and_gives_its_parameters_back(row):
-    apart, ratios = fitted_to(row)
+    apart, ratios = _fitted_to(row)
     assert 0.0 < apart < 1e-9  # nine digits are printed
-    assert ratios == pytest.approx((1.0, 1.0, 1.0), abs=1e-6)
+    np.testing.assert_allclose(ratios, [1.0, 1.0, 1.0], atol=1e-6, rtol=0.0)
     friction = [value + 3e-9 * (k == 7) for k, value in enumerate(row["friction"])]
-    wrong = fitted_to({**row, "friction": friction})
-    assert outcomes([*program_verdicts(row, apart, ratios), *program_verdicts(row, *wrong)]) == "pass pass fail pass"
-    assert outcomes(program_verdicts(row, apart, ratios._replace(length=1.0 + 2e-5))) == "pass fail"
+    wrong = _fitted_to({**row, "friction": friction})
+    assert outcomes([*_program_verdicts(row, apart, ratios), *_program_verdicts(row, *wrong)]) == "pass pass fail pass"
+    assert outcomes(_program_verdicts(row, apart, np.append(ratios[:2], 1.0 + 2e-5))) == "pass fail"

@@ -23,7 +23,7 @@ from validation.report.registered import study_called
 from validation.studies import checks
 from validation.studies import which_model as study
 from validation.studies.stability_attacks import CELLS as ATTACKED
-from validation.studies.stability_attacks import AttackOutcome, attack, attack_verdict
+from validation.studies.stability_attacks import _attack, _attack_verdict, _AttackOutcome
 from validation.studies.which_model import judged, laws
 
 
@@ -222,15 +222,15 @@ def test_every_claim_of_the_paper_is_settled_or_said_to_be_left_out():
 
 @pytest.mark.parametrize("name", ["V 4", "jump back"])
 def test_late_cycles_are_right(name):
-    found = attack(name, late=True)
+    found = _attack(name, late=True)
     assert set(found) == set(ATTACKED)
     assert not any(outcome.is_silently_wrong for outcome in found.values())
 
 
 def test_an_attack_must_end_right_to_1_percent_or_with_a_message():
     ends = [(0.0099, 0.0099), (math.nan, 0.0, "too stiff"), (0.011, 0.0), (0.0, 0.011), (math.nan,)]
-    found = [{"fd": AttackOutcome(0.005), "dg:4": AttackOutcome(*end)} for end in ends]
-    assert outcomes(attack_verdict("jump", one) for one in found) == "pass pass fail fail fail"
+    found = [{"fd": _AttackOutcome(0.005), "dg:4": _AttackOutcome(*end)} for end in ends]
+    assert outcomes(_attack_verdict("jump", one) for one in found) == "pass pass fail fail fail"
 
 
 def limits(*shares):

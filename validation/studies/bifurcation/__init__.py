@@ -3,7 +3,7 @@ their first fold over V, how far it lies below the Hopf point, and that only the
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -56,42 +56,23 @@ SCENES = ("paper",)
 SECONDS = (20.0, 60.0)
 
 _WAVE, _CELLS, _TOLERANCE = "dg:7", 8, 1e-8
+_WAVES_AT = (-2.69, -2.68, -2.67, -2.66)  # log10 r of its orbits
 _PUBLISHED = {"first fold": "LP", "first period doubling": "PD", "first torus point": "NS"}
 _WAVE_ORBITS = 1e-9
 _BUBBLES = ["PD", "PD", "LP", "LP", "PD", "PD", "LP", "LP", "PD", "PD", "NS"]
 
 
-class _Plan(NamedTuple):
-    """Model -> log10 r and the period (transits) at which its branch ends; log10 r of the full wave's orbits; the pairs of period
-    doublings; models whose first fold is followed over V, with so many points on each side of V = 100; whether the branch of the
-    ODE reaches its torus point."""
-
-    ends: dict[str, tuple[float, float]]
-    waves: tuple[float, ...]
-    pairs: tuple[tuple[float, float], ...]
-    folds: tuple[str, ...]
-    points: int
-    to_torus: bool
-
-
-_QUICK = _Plan({"delay": (-2.3, 78.5), "kelvin-voigt": (-2.579, FAR)}, (-2.69, -2.68), PAIRS[:1], ("delay",), 12, False)
-_FULL = _Plan(
-    {"delay": (-2.3, 85.0), "kelvin-voigt": (-2.3, FAR)},
-    (-2.69, -2.68, -2.67, -2.66),
-    PAIRS,
-    ("delay", "kelvin-voigt"),
-    24,
-    True,
-)
-
-
 def run(budget: Budget) -> StudyResult:
     """Follow the branches from their Hopf points; find the full wave's own orbits, the doubled orbits and the folds over V."""
-    plan = budget.plan(_QUICK, _FULL)
-    delay, ode = (branch_of(model, *end) for model, end in budget.each(plan.ends.items(), end=0.5))
-    waves = {log10_r: _wave_orbit(delay, log10_r) for log10_r in plan.waves}
-    orbits, bubbles = doubled(), [bubble(*pair) for pair in budget.each(plan.pairs, end=0.8, begin=0.5)]
-    folds = {model: _folds_over_drive(model, plan.points) for model in plan.folds}
+    to_torus = not budget.quick  # the ODE's branch
+    longest, highest = budget.plan(quick=(78.5, -2.579), full=(85.0, -2.3))
+    ends = [("delay", -2.3, longest), (ODE, highest, FAR)]
+    delay, ode = (branch_of(*end) for end in budget.each(ends, end=0.5))
+    waves = {log10_r: _wave_orbit(delay, log10_r) for log10_r in budget.plan(_WAVES_AT[:2], _WAVES_AT)}
+    pairs = budget.plan(quick=PAIRS[:1], full=PAIRS)
+    orbits, bubbles = doubled(), [bubble(*pair) for pair in budget.each(pairs, end=0.8, begin=0.5)]
+    models, points = budget.plan(quick=(["delay"], 12), full=(["delay", ODE], 24))
+    folds = {model: _folds_over_drive(model, points) for model in models}
     branches = {"delay": delay, "kelvin-voigt": ode}
     return StudyResult(
         answers=_answers(delay, ode),
@@ -112,13 +93,13 @@ def run(budget: Budget) -> StudyResult:
             *_same_orbits(waves),
             _mildly_subcritical(delay, ode),
             *_fold_verdicts(folds, _fold_at(folds["delay"][-1][1])),
-            *(_bubbles_of(ode) if plan.to_torus else ()),
+            *(_bubbles_of(ode) if to_torus else ()),
             *doubling_verdicts(orbits, ode, bubbles),
             unlike(delay, ode),
         ),
         notes=(_HOW,),
         numbers=_numbers(branches.values(), orbits),
-        omissions=() if plan.to_torus else (_P9,),
+        omissions=() if to_torus else (_P9,),
     )
 
 
@@ -386,13 +367,6 @@ def _fold_at(velocity: float) -> float:
     return float(found.special[-1]["log10_r"]) - larger
 
 
-def _below(model: str, fold: Fold) -> float:
-    """Relative distance in r below the Hopf point."""
-    scene = sw.read("paper")
-    onset = onset_of(scene.law, scene.upper.epsilon, fold[1])
-    return float(1.0 - 10.0 ** fold[0] / onset[model])
-
-
 def _fold_verdicts(curves: Mapping[str, Sequence[Fold]], again: float) -> Verdicts:
     """`again`: the last fold of the delay system by `_fold_at`."""
     log10_r, velocity = curves["delay"][-1]
@@ -400,13 +374,15 @@ def _fold_verdicts(curves: Mapping[str, Sequence[Fold]], again: float) -> Verdic
     yield claim(
         title, EXACT, log10_r, ROUNDING, f"log_{{10}} r of the delay system’s first fold at V = {velocity:.1f}", near=again
     )
+    scene = sw.read("paper")
     for model, folds in curves.items():
         low, high = folds[0][1], folds[-1][1]
+        below = [1.0 - 10.0**r / onset_of(scene.law, scene.upper.epsilon, v)[model] for r, v in folds]
         yield in_range(
             "P8 The Hopf point is very mildly subcritical, at other V (and so at other ε) too",
             PAPER,
             (0.0, JUST_BELOW),
-            [_below(model, fold) for fold in folds],
+            below,
             f"{model}: of r_{{c}}, how far below lie {len(folds)} folds at V from {low:.0f} to {high:.0f}; at fixed V that is ε "
             f"from {plain(2.8e-7 * low, '.2g')} to {plain(2.8e-7 * high, '.2g')}",
             ".2%",

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -73,35 +73,21 @@ _COSTED = (-2.68, -2.5)
 _LEAST = 1e-13  # the smallest error that is drawn
 
 
-class _Plan(NamedTuple):
-    """log10 r beyond where the exact system's orbits are stable; rounds of costs; other scenes; log10 r and the period (transits)
-    at which the branches of the paper's ODE and of the exact system end; shares of epsilon for the laws of errors."""
-
-    beyond: tuple[float, ...]
-    rounds: int
-    scenes: tuple[str, ...]
-    ends: tuple[float, float]
-    scales: tuple[float, ...]
-
-
-_QUICK = _Plan((-2.65, -2.5), 3, ("unlike", "grip", "rock"), (-2.64, 74.6), (2.0, laws.HALF))
-_FULL = _Plan(BEYOND, 7, tuple(ELSEWHERE), (-2.3, 80.0), (2.0, 1.0, laws.HALF, 0.25, 0.125))
-
-
 def run(budget: Budget) -> StudyResult:
     """Every model's regime, orbits and means at every r, and its cost at two; in other scenes; over r; laws of the errors."""
-    plan = budget.plan(_QUICK, _FULL)
-    grid, there = (*SHOWN, *plan.beyond), places_of(plan.scenes)
+    beyond, rounds = budget.plan(quick=(-2.65, -2.5), full=BEYOND), budget.plan(quick=3, full=7)
+    grid, there = (*SHOWN, *beyond), places_of(budget.plan(quick=["unlike", "grip", "rock"], full=[*ELSEWHERE]))
     regimes = {
         model: {x: on_record(model, paper_at(x)) or regime_at(model, x) for x in grid} for model in budget.each(EVERY, 0.4)
     }
-    table = _the_table(regimes, {_title(x): _costs_at(x, plan.rounds) for x in _COSTED})
+    table = _the_table(regimes, {_title(x): _costs_at(x, rounds) for x in _COSTED})
     others = _in_scenes(there, budget)
-    found = periods.branches_of(*plan.ends)
+    found = periods.branches_of(*budget.plan(quick=(-2.64, 74.6), full=(-2.3, 80.0)))
     budget.report(0.8)
     seen = periods.periods_of(found, regimes)
     onsets = laws.measure_onsets(scene_at(SHOWN[1]))
-    cycles = [laws.measure_cycle(scene_at(SHOWN[1]), scale) for scale in budget.each(plan.scales, begin=0.85)]
+    scales = budget.plan(quick=(2.0, laws.HALF), full=(2.0, 1.0, laws.HALF, 0.25, 0.125))
+    cycles = [laws.measure_cycle(scene_at(SHOWN[1]), scale) for scale in budget.each(scales, begin=0.85)]
     return StudyResult(
         answers=(
             StudyAnswer(" ".join(table.sentences), _RESTS_ON),
@@ -123,7 +109,7 @@ def run(budget: Budget) -> StudyResult:
         ),
         numbers=_numbers(table, regimes)
         | _scene_numbers(others, ("kelvin-voigt", "modal:4", "fitted:4", "block12"))
-        | periods.period_numbers(seen, plan.beyond)
+        | periods.period_numbers(seen, beyond)
         | laws.law_numbers(cycles),
         model_tables=(table, others),
     )

@@ -89,10 +89,6 @@ def measure_cycle(paper: slipwave.Scene, scale: float) -> _CycleErrors:
     return _CycleErrors(scale, theta, exact.v_max.value * scene.transit, known)
 
 
-def _law(model: str) -> str:
-    return _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}")
-
-
 def law_verdicts(onsets: Onsets, cycles: Sequence[_CycleErrors]) -> Verdicts:
     """On the onset one case for each model, and that on the cycle. Twice the next term of a law is allowed, as it shows at the
     paper's epsilon. From there it falls as theta^2, or theta for the one odd law; what a wrong factor leaves does not fall.
@@ -102,7 +98,8 @@ def law_verdicts(onsets: Onsets, cycles: Sequence[_CycleErrors]) -> Verdicts:
         fall = (theta / here) ** (1 if model == "quasidynamic" else 2)
         allowed = 2.0 * fall * abs(onset.ratio(_HERE) - 1.0) + _ROUNDING / abs(onset.law.at(theta))
         title, ratio = "A reduction’s error of r_{c} follows the law of its impedance", onset.ratio(_FINER)
-        remark = f"`{model}`: measured over {_law(model)} at θ = {theta:.3f}; the next term is allowed"
+        law = _TEXT.get(model, "θ^{4} Σ_{k>N} 2/(2πk)^{4}")
+        remark = f"`{model}`: measured over {law} at θ = {theta:.3f}; the next term is allowed"
         yield claim(title, ASYMPTOTIC, ratio, allowed, remark, f"{ratio:.5f}", near=1.0)
     yield from [_cycle_verdict(cycles)] if cycles else []
 
