@@ -32,7 +32,7 @@ from validation.sweep.map_figures import chart_of_sweep, figures_on_clock, onset
 from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Axis, Plan, axis_of
 from validation.sweep.store import STATUS, Store
-from validation.sweep.sweep import Forecast, Swept, Where, forecast, perform_sweep, plan_of, stored_plan
+from validation.sweep.sweep import Where, forecast, perform_sweep, plan_of, stored_plan
 
 _SHOWN = 5  # reasons why points have no figures
 _FEW = 12  # points that are printed one by one
@@ -91,18 +91,18 @@ class _SweepOptions(RunsOptions):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class SweepResult(Result):
-    """The present state of a sweep: points computed and missing; with `dry` the `expected` time only."""
+    """The present state of a sweep: the finished part of a `plan` in its `store`, the `audit` of a refined one (`refine`), the
+    time of this call (s) and the points `computed` in it; with `dry` the `expected` time only."""
 
     OUTPUTS: ClassVar = (Output("--plot", FIGURES, "save_plot", "draw the map, or a line over one axis: .png, .pdf or .svg"),)
 
-    swept: Swept
-    expected: Forecast | None = None
+    plan: Plan
+    store: Store
+    audit: tuple[int, int] | None = None
+    wall_s: float = 0.0
+    computed: int = 0
+    expected: dict[str, Any] | None = None
     temporary: bool = False
-
-    @property
-    def plan(self) -> Plan:
-        """The axes, models and measure of the sweep."""
-        return self.swept.plan
 
     @cached_property
     def dataset(self) -> Dataset:
@@ -111,12 +111,12 @@ class SweepResult(Result):
 
     @cached_property
     def _arrays(self) -> dict[str, Any]:
-        return filled_arrays(self.plan, self.swept.store)
+        return filled_arrays(self.plan, self.store)
 
     @property
     def facts(self) -> dict[str, Any]:
         """As `Result`."""
-        plan, audit = self.plan, self.swept.audit
+        plan = self.plan
         axes = [
             {
                 "key": axis.name,
@@ -128,16 +128,16 @@ class SweepResult(Result):
             for axis in plan.axes
         ]
         found: dict[str, Any] = {"scene": plan.base.name, "measure": plan.measure, "models": list(plan.models)}
-        found |= {"axes": axes, "set": dict(plan.scenes.sets), "folder": None if self.temporary else str(self.swept.store.folder)}
+        found |= {"axes": axes, "set": dict(plan.scenes.sets), "folder": None if self.temporary else str(self.store.folder)}
         if self.expected is not None:
-            return found | {"expected": self.expected._asdict()}
+            return found | {"expected": self.expected}
         status = [STATUS[number] for number in self._arrays["status"] if number >= 0]
         reasons = Counter(str(reason) for reason in self._arrays["reason"] if reason)
         found |= {"points": plan.size, **{name: status.count(name) for name in STATUS}}
         found["reasons"] = [{"reason": reason, "points": count} for reason, count in reasons.most_common(_SHOWN)]
-        found |= {"regimes": self._regimes(), "wall_s": self.swept.wall_s, "computed_now": self.swept.computed}
-        if audit is not None:
-            divided, hidden = audit
+        found |= {"regimes": self._regimes(), "wall_s": self.wall_s, "computed_now": self.computed}
+        if self.audit is not None:
+            divided, hidden = self.audit
             found["audit"] = {"cells_divided": divided, "hidden": hidden, "share": hidden / max(divided, 1)}
         return found
 
@@ -159,18 +159,17 @@ class SweepResult(Result):
             ends = ", ".join(map(str, axis.values)) if axis.is_of_words else f"from {axis.values[0]:g} to {axis.values[-1]:g}"
             yield f"{axis.name} {ends}{axis.unit and ' '}{axis.unit}, {len(axis.values)} values"
         yield from plan.scenes.lines
-        if self.expected is not None:
-            yield (
-                f"{rounded(self.expected.seconds_per_point * 1e3, 3)} ms per point: about {rounded(self.expected.seconds, 3)} s "
-                f"with {self.expected.workers} workers, {self.expected.size / 1e6:.1f} MB"
-            )
+        if expected := self.expected:
+            each, all_of_them = (rounded(value, 3) for value in (1e3 * expected["seconds_per_point"], expected["seconds"]))
+            with_them = f"{expected['workers']} workers, {expected['size'] / 1e6:.1f} MB"
+            yield f"{each} ms per point: about {all_of_them} s with {with_them}"
             return
-        now = f"{summary['computed_now']} of them now, in {self.swept.wall_s:.3g} s"
+        now = f"{summary['computed_now']} of them now, in {self.wall_s:.3g} s"
         yield f"done {summary['done']} of {summary['points']}, {now}"
         for row in summary["reasons"]:
             yield f"{row['points']} without figures: {row['reason']}"
-        if self.swept.audit is not None:
-            yield "of {} cells divided at random {} held another regime than their corners".format(*self.swept.audit)
+        if self.audit is not None:
+            yield "of {} cells divided at random {} held another regime than their corners".format(*self.audit)
         if summary["regimes"]:
             yield ""
             words = list(dict.fromkeys(word for row in summary["regimes"] for word in row))
@@ -212,12 +211,12 @@ class SweepResult(Result):
     def to_go_on(self, options: _SweepOptions) -> str:
         """As `Result`."""
         again = "" if self.plan.measure in MEASURES else f" --measure {self.plan.measure}"
-        return f"slipwave sweep {self.swept.store.folder}{again} goes on"
+        return f"slipwave sweep {self.store.folder}{again} goes on"
 
     def close(self) -> None:
         """Remove the temporary folder of a sweep without `out`."""
         if self.temporary:
-            shutil.rmtree(self.swept.store.folder, ignore_errors=True)
+            shutil.rmtree(self.store.folder, ignore_errors=True)
 
 
 @command
@@ -239,22 +238,22 @@ def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
     label = f"--measure = {plan.measure!r}" if is_own else ""
     if options.dry:
         with no_exit(label):
-            return SweepResult(Swept(plan, Store(folder or Path())), forecast(plan, _where(options)))
+            return SweepResult(plan, Store(folder or Path()), expected=forecast(plan, _where(options)))
     store = Store(folder or Path(tempfile.mkdtemp(prefix="slipwave-sweep-")))
     if options.gather:
-        result = SweepResult(Swept(plan, store))
+        result = SweepResult(plan, store)
         result.to_netcdf(store.folder / GATHERED)
         return result
-    failed, stopped, swept = "", False, Swept(plan, store)
+    failed, stopped, audit, computed = "", False, None, 0
     try:
         with no_exit(label):
-            swept = perform_sweep(plan, store, _where(options), options.anew)
+            audit, computed = perform_sweep(plan, store, _where(options), options.anew)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted after {int(store.done(plan).sum())} of {plan.size} points", True
-        swept = Swept(plan, store, None, time.perf_counter() - began)
-    return SweepResult(swept, None, folder is None, failed=failed, stopped=stopped)
+    seconds = time.perf_counter() - began
+    return SweepResult(plan, store, audit, seconds, computed, temporary=folder is None, failed=failed, stopped=stopped)
 
 
 def _where(options: _SweepOptions) -> Where:

@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import time
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ from functools import cache
 from importlib.metadata import version
 from itertools import chain
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 from pydantic import BaseModel
@@ -50,28 +49,6 @@ class Where:
     executor: Executor | None = None
     part: tuple[int, int] = (1, 1)
     most_seconds: float = DAY
-
-
-@dataclass(frozen=True)
-class Swept:
-    """The finished part of a `plan` in its `store`: the `audit` of a refined sweep (`refine`), the time of this call (s) and the
-    points `computed` in it."""
-
-    plan: Plan
-    store: Store
-    audit: tuple[int, int] | None = None
-    wall_s: float = 0.0
-    computed: int = 0
-
-
-class Forecast(NamedTuple):
-    """Predicted cost of a sweep: points, seconds per point and in all with `workers` workers, bytes on disk."""
-
-    points: int
-    seconds_per_point: float
-    seconds: float
-    size: int
-    workers: int
 
 
 def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], measure: str, **options: Any) -> Plan:
@@ -140,8 +117,9 @@ def stored_plan(folder: Path) -> Plan:
     return plan
 
 
-def forecast(plan: Plan, where: Where) -> Forecast:
-    """Forecast from a few points all over the plan, computed in this process; for a refined plan that of the whole lattice."""
+def forecast(plan: Plan, where: Where) -> dict[str, Any]:
+    """Predicted cost of a sweep: points, seconds per point and in all with so many workers, bytes on disk; from a few points all
+    over the plan, computed in this process; for a refined plan that of the whole lattice."""
     chosen = plan.order[np.linspace(0, plan.size - 1, min(_PROBES, plan.size)).astype(int)]
     compute(plan, chosen[:1])  # compiled code is loaded
     spent: list[float] = []
@@ -150,14 +128,19 @@ def forecast(plan: Plan, where: Where) -> Forecast:
         if sum(spent) > _PROBE_SECONDS:
             break
     each, workers = float(np.mean(spent)), where.workers or cores()
-    return Forecast(plan.size, each, plan.size * each / workers, _size(plan), workers)
+    cost = {"points": plan.size, "seconds_per_point": each, "seconds": plan.size * each / workers}
+    return cost | {"size": _size(plan), "workers": workers}
 
 
 def _size(plan: Plan) -> int:
     return plan.size * _BYTES * (len(measure_of(plan.measure).columns) * (2 if plan.base.units else 1) + 2)
 
 
-def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) -> Swept:
+Done: TypeAlias = tuple[tuple[int, int] | None, int]
+"""The audit of a refined sweep (`refine`), and the number of points computed now."""
+
+
+def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) -> Done:
     """Compute the missing points, or all `anew`. Raises SceneError for more than the disk or `most_seconds`; NumericsError if the
     scheduler disappears. Finished parts stay in the store in any case.
     """
@@ -168,11 +151,11 @@ def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) ->
         return _complete(plan, store, where, engine)
 
 
-def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
+def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Done:
     free = shutil.disk_usage(store.folder).free
     if _size(plan) > free:
         raise SceneError(f"--out = {str(store.folder)!r}: needs about {_size(plan):.1e} bytes, and {free:.1e} are free")
-    began, done = time.perf_counter(), store.done(plan)
+    done = store.done(plan)
     before, order, levels = int(done.sum()), plan.order, int(plan.options.get("refine", 0))
     order = order[len(order) * (where.part[0] - 1) // where.part[1] : len(order) * where.part[0] // where.part[1]]
     with progress(f"{plan.base.name}, points", len(order)) as report:
@@ -200,7 +183,7 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Swept:
         else:
             audit = None
             engine.run(order[~done[order]])
-    return Swept(plan, store, audit, time.perf_counter() - began, done_now[0] - before)
+    return audit, done_now[0] - before
 
 
 @contextmanager
