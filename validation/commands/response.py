@@ -25,7 +25,7 @@ from validation.chart import GUIDE, Chart, Look, Panel, Scale, Second, Trace
 from validation.chart.thin import staying
 from validation.commands.reasons import PREFIXES, power_of
 from validation.commands.result import aligned, rounded
-from validation.data.variables import INTERFACE, PHASE, cycle_in_si, shown_in, si_factor, twins_in_si
+from validation.data.variables import INTERFACE, PHASE, cycle_in_si, in_si, shown_in, si_factor
 from validation.models.orbit_start import first_event
 from validation.models.orbits import OrbitFound
 from validation.models.parameter import Parameter, number_in
@@ -135,9 +135,9 @@ def response_lines(response: Response, facts: Mapping[str, Any], scene: Scene) -
 def _figures(closed: Closed) -> dict[str, float]:
     """The figures of the JSON of orbits; those in SI under `si.`NAME."""
     scene, values = closed.flow.scene, figures_of(closed)
-    in_si = cycle_in_si(values, scene).get("si", {})
-    in_si.pop("transit_s", None)
-    return values | {"period_time": values["period"] * scene.transit} | {_SI + name: value for name, value in in_si.items()}
+    physical = cycle_in_si(values, scene).get("si", {})
+    physical.pop("transit_s", None)
+    return values | {"period_time": values["period"] * scene.transit} | {_SI + name: value for name, value in physical.items()}
 
 
 def _numbers(scene: Scene) -> Iterator[_Number]:
@@ -187,8 +187,7 @@ def _phase_facts(found: OrbitFound, responding: Responding) -> PhaseFacts:
     facts["diffusion"] = dict(zip(_NAMES, response.diffusion.tolist(), strict=True))
     if scene.units is None:
         return facts
-    in_si = {twin: one for name in columns for twin, (one, _) in twins_in_si(name, columns[name], meanings[name], scene).items()}
-    facts["si"] = {twin: one.tolist() for twin, one in in_si.items()}
+    facts["si"] = {twin: one.tolist() for twin, one in in_si(columns, meanings, scene).items()}
     for key, power in (("first_order_up_to", -1.0), ("harmonics", 1.0), ("diffusion", 2.0)):
         sizes = {name: scene.units.size(meanings[name].unit, scene.transit) ** power for name in _NAMES}
         facts["si"][key] = {name: (size * np.array(facts[key][name])).tolist() for name, size in sizes.items()}

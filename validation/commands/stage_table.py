@@ -1,6 +1,5 @@
 """The stages of a protocol as results: dictionaries for the JSON, with SI where the scene has units, and rows for a table."""
 
-import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import pairwise
@@ -9,7 +8,7 @@ from typing import Any
 from slipwave.observe.protocol import StageFigures
 from slipwave.scene import Scene
 from validation.commands.result import aligned, rounded
-from validation.data.variables import STAGE_QUANTITIES, shown_in, twins_in_si
+from validation.data.variables import STAGE_QUANTITIES, in_si, shown_in
 
 
 def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:
@@ -21,12 +20,8 @@ def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str
 def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
     if scene.units is None:
         return {}
-    found = {}
-    for name, quantity in STAGE_QUANTITIES.items():
-        value = getattr(stage, name.removeprefix("stage_"))
-        for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items():
-            found[twin.removeprefix("stage_")] = None if value is None else float(size)
-    return {"si": found}
+    values = {name: getattr(stage, name.removeprefix("stage_")) for name in STAGE_QUANTITIES}
+    return {"si": {twin.removeprefix("stage_"): size for twin, size in in_si(values, STAGE_QUANTITIES, scene).items()}}
 
 
 def stages_in_words(stages: Sequence[StageFigures]) -> str:

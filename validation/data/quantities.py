@@ -3,7 +3,7 @@
 import math
 import re
 from contextlib import suppress
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 from unicodedata import normalize
 
 from slipwave.errors import SceneError
@@ -73,12 +73,8 @@ class Unit(NamedTuple):
     is_log: bool = False
 
 
-class Heading(NamedTuple):
-    """A column's `quantity` (a key of MEASURED; empty for one that is not read), and its `unit` as written, None where there is
-    none."""
-
-    quantity: str
-    unit: str | None
+Heading: TypeAlias = tuple[str, str | None]
+"""A column's quantity (a key of MEASURED; empty for one that is not read), and its unit as written, None where there is none."""
 
 
 def _words(name: str) -> frozenset[str]:
@@ -99,7 +95,7 @@ def heading(text: str) -> Heading:
             name, unit = name.removeprefix(prefix), f"log10 {unit or ''}".strip()
     key = _NAMES.get(_words(name), "")
     found_in_cuts = () if key or unit is not None else filter(None, map(_ending_in_unit, _cuts(text)))
-    return next(iter(found_in_cuts), Heading(key, unit))
+    return next(iter(found_in_cuts), (key, unit))
 
 
 def _plain(text: str) -> str:
@@ -118,7 +114,7 @@ def _cuts(text: str) -> list[tuple[str, str]]:
 def _ending_in_unit(parts: tuple[str, str]) -> Heading | None:
     name, unit = parts
     key = _NAMES.get(_words(name))
-    return Heading(key, unit) if key and unit and _size(unit, key) is not None else None
+    return (key, unit) if key and unit and _size(unit, key) is not None else None
 
 
 def unit_of(written: str | None, key: str, where: str, area: float | None = None) -> Unit | None:
@@ -157,7 +153,7 @@ def _size(written: str, key: str) -> Unit | None:
 
 def name_of_quantity(text: str, where: str) -> str:
     """The key of MEASURED named by a user's word. Raises SceneError, which begins with `where`, if there is none."""
-    name = heading(text).quantity
+    name, _ = heading(text)
     if not name:
         raise SceneError(f"{where}: {shorten(text)} is no quantity of a record: {choices(MEASURED, text)}")
     return name

@@ -134,7 +134,7 @@ def read_series(
     given = _given_units(label, units, [*headings.values()]) | scaled
     on = _area(area)
     column_units = {
-        key: unit_of(given.get(key, headings[index].unit), key, f"{label!r}, column {index + 1}, {key}", on)
+        key: unit_of(given.get(key, headings[index][1]), key, f"{label!r}, column {index + 1}, {key}", on)
         for key, index in chosen.items()
     }
     text, gaps = _without_missing(text, list(chosen.values()), missing)
@@ -210,7 +210,7 @@ def _parted(label: str, lines: list[str]) -> _Text:
         above = [line.lstrip().lstrip("#% ") for line in lines[: rows[0][0] - 1] if line.strip()]
         above = [line for line in above[-1:] if len(_words(line, between, width)) == width]
     cells = [_words(line, between, width) for line in above[-2:]]
-    of_units = len(cells) == 2 and not any(heading(cell).quantity for cell in cells[1]) and len(cells[0]) == len(cells[1])
+    of_units = len(cells) == 2 and not any(heading(cell)[0] for cell in cells[1]) and len(cells[0]) == len(cells[1])
     names = (cells[0] if of_units else cells[-1]) if cells else []
     data = rows[first:]
     return _Text([line for _, line in data], [number for number, _ in data], between, names, cells[1] if of_units else [])
@@ -254,12 +254,12 @@ def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading
     if not text.cells and columns is None:
         form = "--columns, as in time,friction,_ (_: not read)"
         raise SceneError(f"{label!r}: has no heading: name its {text.width} columns by {form}")
-    headings = {index: heading(name) for index, name in enumerate(text.cells)}
     below = dict(enumerate(text.units))
-    headings = {index: Heading(one.quantity, below.get(index, one.unit) or one.unit) for index, one in headings.items()}
+    found = enumerate(map(heading, text.cells))
+    headings: dict[int, Heading] = {index: (key, below.get(index, unit) or unit) for index, (key, unit) in found}
     plain = {re.sub("_2$", "", name.strip().lower()): index for index, name in enumerate(text.cells)}
-    if SEAS.keys() <= plain.keys() and not any(one.unit for one in headings.values()):
-        headings |= {plain[name]: Heading(headings[plain[name]].quantity, unit) for name, unit in SEAS.items()}
+    if SEAS.keys() <= plain.keys() and not any(unit for _, unit in headings.values()):
+        headings |= {plain[name]: (headings[plain[name]][0], unit) for name, unit in SEAS.items()}
     if columns is None:
         return headings
     words = [word.strip() for word in columns.split(",")]
@@ -271,20 +271,20 @@ def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading
     for index, word in enumerate(words):
         if word not in _SKIP:
             name_of_quantity(word, "--columns")
-            if named[index].unit is None and index in headings:
-                named[index] = named[index]._replace(unit=headings[index].unit)
+            if named[index][1] is None and index in headings:
+                named[index] = named[index][0], headings[index][1]
     return named
 
 
 def _chosen(label: str, headings: Mapping[int, Heading], text: _Text) -> dict[str, int]:
     """Quantity -> index of its column. Raises SceneError if two columns are the same quantity, and if none is time."""
     indices: dict[str, int] = {}
-    for index, one in headings.items():
-        if one.quantity in indices:
-            both = f"columns {indices[one.quantity] + 1} and {index + 1} are both {one.quantity}"
+    for index, (key, _) in headings.items():
+        if key in indices:
+            both = f"columns {indices[key] + 1} and {index + 1} are both {key}"
             raise SceneError(f"{label!r}: {both}; {text.there}; --columns says which is which (_: not read)")
-        if one.quantity:
-            indices[one.quantity] = index
+        if key:
+            indices[key] = index
     if "time" not in indices:
         raise SceneError(f"{label!r}: has no column time; {text.there}; --columns names them in order, as in time,friction,_")
     return indices
@@ -300,7 +300,7 @@ def _given_units(label: str, units: str | None, headings: Sequence[Heading]) -> 
         return {name_of_quantity(name, "--units"): unit.strip() for name, unit in pairs}
     if len(parts) > len(headings):
         raise SceneError(f"--units = {shorten(units)}: has {len(parts)} units; {label!r} has {len(headings)} columns")
-    return {one.quantity: unit for one, unit in zip(headings, parts, strict=False) if one.quantity and unit not in _SKIP}
+    return {key: unit for (key, _), unit in zip(headings, parts, strict=False) if key and unit not in _SKIP}
 
 
 def _require_units_of_one_kind(label: str, units: Mapping[str, Unit | None]) -> None:
@@ -397,6 +397,6 @@ def _notes_on(
     bare = [key for key, unit in units.items() if unit is None]
     if bare:
         yield f"{', '.join(bare)} without a unit: taken as SI, or as the units of a scene without SI (--units says others)"
-    left = [text.cells[index] for index, one in headings.items() if not one.quantity and index < len(text.cells)]
+    left = [text.cells[index] for index, (key, _) in headings.items() if not key and index < len(text.cells)]
     if left:
         yield f"{UNREAD}: {', '.join(left)}"

@@ -123,16 +123,23 @@ def twins_in_si(name: str, values: ArrayLike, quantity: Meaning, scene: Scene) -
     return {f"{name}_{ending}": (np.asarray(values, dtype=float) * factor, {"long_name": quantity.meaning, "units": unit})}
 
 
+def in_si(values: Mapping[str, Any], quantities: Mapping[str, Meaning], scene: Scene) -> dict[str, Any]:
+    """Name -> value in SI, as `twins_in_si`, of each of the `quantities`; None where there is none."""
+    every: dict[str, Any] = {}
+    for name, quantity in quantities.items():
+        value = values.get(name)
+        for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items():
+            every[twin] = None if value is None else size if np.ndim(size) else float(size)
+    return every
+
+
 def cycle_in_si(values: Mapping[str, float], scene: Scene) -> dict[str, dict[str, float]]:
     """{"si": the figures of a cycle in SI}, for the JSON of a scene with units; else nothing. `period_std` and `period_margin`
     are in the unit of `period`."""
     if scene.units is None:
         return {}
     kinds = {name: EVENTS[name.removesuffix("_std").removesuffix("_margin")] for name in values}
-    twins = {
-        twin: float(size) for name in values for twin, (size, _) in twins_in_si(name, values[name], kinds[name], scene).items()
-    }
-    return {"si": twins | {"transit_s": scene.units.size("transit", scene.transit)}}
+    return {"si": in_si(values, kinds, scene) | {"transit_s": scene.units.size("transit", scene.transit)}}
 
 
 def variables(

@@ -302,11 +302,6 @@ class FoldedRecord(NamedTuple):
     period: float
     noise: float
 
-    @property
-    def since(self) -> Array:
-        """Times (n,) since the last event."""
-        return self.times - self.period * self.cycle
-
 
 def folded(name: str, times: Array, friction: Array, transit: float) -> FoldedRecord:
     """The samples of whole cycles away from events, sorted by phase. Raises SceneError for a record whose cycles are not

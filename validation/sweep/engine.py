@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from validation.data.variables import twins_in_si
+from validation.data.variables import in_si
 from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
 from validation.sweep.store import STATUS, Columns, Store
@@ -44,14 +44,7 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
     try:
         scene = plan.scene(point)
         figures = measure.of(scene, plan.model(point), plan.options)
-        twins: dict[str, Any] = {}
-        for name, quantity in measure.columns.items() if scene.units else ():
-            value = figures.get(name)
-            twins |= {
-                twin: size if np.ndim(size) else float(size)
-                for twin, (size, _) in twins_in_si(name, math.nan if value is None else value, quantity, scene).items()
-            }
-        return {"status": "done", **figures, **twins}
+        return {"status": "done", **figures, **in_si(figures, measure.columns, scene)}
     except SceneError as refusal:
         return {"status": "refused", "reason": str(refusal)}
     except NumericsError as failure:
