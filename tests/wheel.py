@@ -22,6 +22,7 @@ COMMANDS = (
     "run paper --until 40",
     "run unlike --model dg:3 --until 20 --out run.nc --fields last.vtu",
     "stability paper",
+    "sweep paper --vary V=50,100 --measure stability --workers 2 --out map",
     "report --quick --only checks energy",
 )
 
@@ -70,6 +71,8 @@ def main(words):
         for command in (*COMMANDS, *(["report --quick"] if "--quick-report" in words else [])):
             print(f"slipwave {command}", flush=True)
             use(programs, place, "slipwave", *command.split())
+        swept = json.loads(use(programs, place, "slipwave", "sweep", "map", "--gather", "--json"))
+        assert (swept["done"], swept["failed"]) == (2, 0)
         report = json.loads((place / "reports" / "report.json").read_text(encoding="utf-8"))
         assert {study["name"] for study in report["studies"]} >= {"checks", "energy"}
         assert not [study["error"] for study in report["studies"] if study["error"]]

@@ -26,15 +26,37 @@ from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import KelvinVoigtViscosity
 from slipwave.solve import follow
 from tests.bench.peers import PEER_HEADS, table_of_peers
-from tests.bench.setting import Setting
 from tests.bench.through_python import table_of_times
 from tests.granite import GRANITE
 from validation.commands.result import aligned
 from validation.models.build import build
-from validation.models.timing import Work, alternating, in_turn, quartiles
+from validation.models.by_name import Options
+from validation.models.timing import March, Work, alternating, in_turn, quartiles
 
 PSI = -2.8174018894888
 """psi(600) by the delay system at three resolutions, and by another program."""
+
+
+class Setting(NamedTuple):
+    """A model with its numerical options; `None` leaves one to the model."""
+
+    model: str
+    tolerance: float | None = None
+    cells: int | None = None
+    time: str | None = None
+
+    @property
+    def options(self) -> Options:
+        return Options(tolerance=self.tolerance, cells=self.cells, time=self.time)
+
+    @property
+    def words(self) -> str:
+        """The model and its options, as a table names them."""
+        words = [f"{self.cells} cells"] if self.cells else []
+        words += [f"{self.time} in time"] if self.time else []
+        words += [f"tolerance 1e{math.log10(self.tolerance):.2g}"] if self.tolerance else []
+        return ", ".join([self.model, *words])
+
 
 _EXACT, _EXPLICIT = Setting("dg:8", cells=4, time="exact"), Setting("dg:8", cells=4, time="explicit")
 SETTINGS = (
@@ -74,7 +96,7 @@ class Entrant(NamedTuple):
 def full_waves(yardstick: Path | None, rounds: int, settings: Sequence[Setting] = SETTINGS) -> list[Entrant]:
     """The other program and every setting, in turn; a round before that loads the compiled code."""
     scene = sw.read("paper-2.6")
-    works = {one: _whole(lambda one=one: follow(one.solver(scene), 600.0)) for one in settings}
+    works = {one: _whole(lambda one=one: follow(build(one.model, scene, **one.options), 600.0)) for one in settings}
     found: dict[Any, list[Entrant]] = {}
     for number in range(rounds + 1):
         done = [(one, _entrant(one, final.psi, seconds)) for one, seconds, final in alternating(works, 1)]
@@ -118,12 +140,16 @@ def _ratio(first: Sequence[float], second: Sequence[float]) -> str:
 
 def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
     """Two works whose times are compared, by what their ratio is called."""
-    paper, run = sw.read("paper"), partial(Setting.march, begin=1.0)
+    paper = sw.read("paper")
     upper, lower = (replace(paper.upper, epsilon=share * paper.upper.epsilon) for share in (2.0 / 3.0, 2.0))
     pair, unlike = (replace(paper, upper=upper, lower=replace(lower, round_trip=r * paper.transit)) for r in (1.0, 2.0))
     irrational = replace(paper, lower=replace(paper.lower, round_trip=math.sqrt(2.0) * paper.lower.round_trip))
     slab = replace(paper.upper, viscosity=KelvinVoigtViscosity(0.05 * paper.upper.round_trip))
     delay = Setting("delay", tolerance=1e-9)
+
+    def run(setting: Setting, scene: Scene, transits: float) -> March:
+        return March(setting.model, scene, transits, 1.0, setting.options)
+
     alike, once = run(delay, paper, 200.0), run(_EXACT, paper, 200.0)
     found: dict[str, tuple[Work[Any], Work[Any]]] = {
         "delay: slabs of one pair over alike": (run(delay, pair, 200.0), alike),

@@ -130,18 +130,17 @@ def test_reading_leaves_the_dictionary_alone():
     assert before == PLAIN
 
 
-def test_an_override_replaces_its_sibling():
+def test_an_override_replaces_its_sibling_and_takes_bare_words_and_new_kinds():
     assert slipwave.read("paper", ["slab.r=0.003"]).upper.round_trip == 0.003
     assert slipwave.read(PLAIN, ["slab.log10_r=-2.3"]).upper.round_trip == 10**-2.3
     assert slipwave.read("paper-si", {"slab.log10_r": -2.3}).upper.round_trip == 10**-2.3
     assert slipwave.read("paper", ["slab.r=0.003", "slab.log10_r=-2"]).upper.round_trip == 1e-2
-
-
-def test_an_override_takes_bare_words_and_new_kinds():
     assert type(slipwave.read("paper", ["interface.law=slip"]).law).__name__ == "Slip"
     assert slipwave.read("grip", ["slab.face.coefficient=0.5", "slab.face.kind=reflection"]).upper.face == ReflectingFace(0.5)
     assert slipwave.read("paper", ["name = other", "run.until = 10"]).name == "other"
     assert slipwave.read("paper", "drive.velocity=[[0, 1], [1, 2]]").drive.velocities == (1.0, 2.0)
+    cutoff = slipwave.read("paper", ["interface.law=ageing-cutoff", "interface.cutoff_velocity=40"])
+    assert slipwave.read(cutoff, ["cutoff_velocity=50"]).law.cutoff_velocity == 50.0  # the last word of a key is enough
 
 
 def test_an_override_of_slab_is_refused_where_slabs_differ():
@@ -167,11 +166,6 @@ def test_an_override_of_one_slab_leaves_the_other_as_it_was(key, side):
     other = "lower" if side == "upper" else "upper"
     assert getattr(after, other) == getattr(before, other)
     assert getattr(after, side) != getattr(before, side)
-
-
-def test_the_last_word_of_a_key_of_the_scenes_law_is_enough():
-    cutoff = slipwave.read("paper", ["interface.law=ageing-cutoff", "interface.cutoff_velocity=40"])
-    assert slipwave.read(cutoff, ["cutoff_velocity=50"]).law.cutoff_velocity == 50.0
 
 
 GRANITE = {

@@ -112,18 +112,6 @@ def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, ca
     assert [("63 s left" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
 
 
-def test_the_rest_is_predicted_from_the_whole_and_from_the_last_tenth():
-    """At 1 % a second up to a half, then at 0.1 %: nothing before a tenth; then both speeds, the last stretch being a tenth."""
-    remaining = Remaining()
-    found = {done: remaining(0.01 * done, float(done if done <= 50 else 10 * done - 450)) for done in range(101)}
-    assert all(found[done] is None for done in range(10))
-    assert found[10] == pytest.approx((90.0, 90.0))
-    assert found[50] == pytest.approx((50.0, 50.0))
-    assert found[60] == pytest.approx((0.4 * 150.0 / 0.6, 0.4 * 100.0 / 0.1))
-    assert found[100] == (0.0, 0.0)
-    assert Remaining()(1.0, 5.0) is None
-
-
 def test_a_continued_run_is_predicted_from_where_it_goes_on():
     """From a half on at 5 % in 2 s; the first news, of any time, is the beginning."""
     remaining = Remaining()

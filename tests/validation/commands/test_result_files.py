@@ -77,14 +77,24 @@ def test_thinning_and_window_keep_what_they_say(tmp_path):
     assert none["interface_psi"].size == 0
 
 
-def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path):
-    saving = {"checkpoint": str(tmp_path / "run.npz"), "checkpoint_every": 10.0, "every": 7}
+@pytest.mark.parametrize(
+    "kept",
+    [
+        {"every": 7},
+        {"every": 1, "window": (5.0, 25.0)},  # the checkpoint, at t = 30, lies behind it, within it, before it
+        *({"every": every, "window": (20.3, 45.6)} for every in (2, 7)),
+        {"every": 3, "window": (40.0, 55.0)},
+        {"rate": 13, "window": (20.3, 45.6)},
+    ],
+)
+def test_a_run_that_goes_on_keeps_the_same_samples(tmp_path, kept):
+    saving = {"checkpoint": str(tmp_path / "run.npz"), "checkpoint_every": 10.0} | kept
     sw.run("paper", "block8", until=30, **saving)
     resumed = sw.run("paper", "block8", until=60, **saving).dataset
-    straight = sw.run("paper", "block8", until=60, every=7).dataset
-    xarray.testing.assert_equal(resumed, straight)
-    with pytest.raises(sw.SceneError, match=r"keeps one in 7 samples from t = 0 to inf; this run asks for one in 1 samples"):
-        sw.run("paper", "block8", until=90, **saving | {"every": 1})
+    xarray.testing.assert_equal(resumed, sw.run("paper", "block8", until=60, **kept).dataset)
+    assert resumed["time"].size > 20
+    with pytest.raises(sw.SceneError, match=r"keeps one in \d samples.* from t = .*; this run asks for one in 5 samples"):
+        sw.run("paper", "block8", until=90, **saving | {"every": 5, "rate": None})
 
 
 @pytest.mark.parametrize("name", gallery_names())

@@ -124,14 +124,6 @@ def table(lines, heading):
     return [dict(zip(heading, row, strict=True)) for row in cells]
 
 
-def test_stability_in_si():
-    found = sw.stability("paper-si").summary
-    root, si = complex(*found["leading_roots"][0]), found["si"]
-    assert (si["growth_time_s"], si["frequency_Hz"]) == pytest.approx(
-        (0.9 / root.real, abs(root.imag) / (2.0 * 3.141592653589793 * 0.9)), rel=1e-12
-    )
-
-
 RANGES = tuple(
     Over(name, first=first, last=last, scenes=Variation(PAPER))
     for name, first, last in (("log10_r", -2.8, -2.6), ("V", 90.0, 120.0))

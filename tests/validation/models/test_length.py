@@ -253,30 +253,6 @@ def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path, capsys, monke
     assert [path.name for path in tmp_path.iterdir()] == ["x.nc"]
 
 
-@pytest.mark.parametrize("every", [1, 2, 3, 7])
-@pytest.mark.parametrize("window", [(0.0, np.inf, 0.0), (1.3, 3.6, 0.0), (1.3, 3.6, 0.013)])
-def test_thinned_samples_go_on_where_they_stopped(tmp_path, every, window):
-    """The checkpoint lies after any part of a run: before, within or after the window."""
-    parts = [pieces(first, 100 + first) for first in range(5)]
-    kept = Kept(every, *window)
-    whole = HistoryFile(PAPER.law, NODES, tmp_path / "whole", 9.0, kept=kept)
-    for part in parts:
-        whole.scan(part)
-    wanted = [part["time"] for part in whole.parts()]
-    for stop in range(1, 5):
-        first, second = (HistoryFile(PAPER.law, NODES, tmp_path / f"{stop}", 9.0, kept=kept) for _ in range(2))
-        for part in parts[:stop]:
-            first.scan(part)
-        saved = first.state()
-        first.close()
-        second.restore(saved)
-        for part in parts[stop:]:
-            second.scan(part)
-        assert np.array_equal(np.concatenate([part["time"] for part in second.parts()]), np.concatenate(wanted))
-        second.close()
-    whole.close()
-
-
 def test_full_detail_inside_a_window_and_leaps_outside():
     found = slipwave.run(GRANITE, until=30_000, window=(20_000.25, 20_060.5), tol=1e-6)
     plain = slipwave.run(GRANITE, until=30_000, tol=1e-6)

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import slipwave as sw
-from tests.bench.__main__ import full_waves, main, run_program
+from tests.bench.__main__ import Setting, full_waves, main, run_program
 from tests.bench.peers import HELD, PEERS, At, Problem, _around, _at, table_of_peers
-from tests.bench.setting import Setting
 from tests.bench.through_python import Timed, table_of_times
 from validation.models import stopwatch
 from validation.models.timing import alternating, in_turn, quartiles
@@ -64,10 +63,8 @@ def test_works_take_turns(clock):
     assert in_turn({"a": clock(1.0, 2.0), "b": clock(3.0, 4.0)}, 2) == [{"a": 1.0, "b": 3.0}, {"a": 2.0, "b": 4.0}]
     ticks = iter([5.0, 8.0])
     assert list(alternating({"a": clock(1.0)}, 1, partial(next, ticks))) == [("a", 3.0, -1.0)]
-
-
-def test_quartiles_by_hand():
     assert quartiles([2.0, 6.0, 4.0, 10.0, 8.0]) == (4.0, 6.0, 8.0)
+    assert table_of_times(3, {"a (ms)": Timed(clock(9.0, 1.0, 3.0, 2.0), 1e3)}) == [["a (ms)", "2e+03", "1.5e+03 to 2.5e+03"]]
 
 
 def test_the_program_prints_the_error_and_the_time_of_every_march(tmp_path, capsys):
@@ -116,10 +113,6 @@ def test_times_are_compared_at_the_same_error():
     assert _at(1e-6, [(1e-7, 8.0), (1e-5, 2.0)]) == pytest.approx(At(4.0, 1e-6))
     assert _at(1e-9, [(1e-7, 8.0)]) == At(8.0, 1e-7)
     assert _at(1e-2, [(1e-3, 8.0)]) == At(8.0, 1e-2)
-
-
-def test_there_is_a_row_for_each_work(clock):
-    assert table_of_times(3, {"a (ms)": Timed(clock(9.0, 1.0, 3.0, 2.0), 1e3)}) == [["a (ms)", "2e+03", "1.5e+03 to 2.5e+03"]]
 
 
 def test_there_is_a_row_for_each_problem_and_tolerance(monkeypatch):

@@ -189,12 +189,8 @@ def test_coexisting_orbits_are_all_found():
     assert outcomes(claims.published([branch, shifted])) == "pass fail"
 
 
-@pytest.fixture(scope="module")
-def found():
-    return doubled()
-
-
-def test_the_doubled_orbit(found):
+def test_the_doubled_orbit():
+    found = doubled()
     assert found.double.orbit.period.value == pytest.approx(158.1976822682, abs=1e-8)
     assert found.double.multipliers.stable is True
     assert found.single.multipliers.stable is False

@@ -167,26 +167,19 @@ def test_the_public_functions_that_a_study_calls_are_in_its_key(name, called):
     assert ROOT / "validation" / "commands" / "bench.py" not in files
 
 
-def test_a_key_follows_every_package_and_python(monkeypatch):
-    study = study_called("claims")
-    before = store.study_key(study, False)
-    packages = [line.split()[0] for line in store.packages_of(store.sources_of(study))[1:]]
-    assert {"numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pydantic", "matplotlib"} <= set(packages)
-    true = metadata.version
-    for changed in packages:
-        with monkeypatch.context() as patch:
-            patch.setattr(store.metadata, "version", lambda name, changed=changed: "0" if name == changed else true(name))
-            assert store.study_key(study, False) != before, changed
-    monkeypatch.setattr(store.platform, "python_version", lambda: "3.0.0")
-    assert store.study_key(study, False) != before
-
-
-def test_a_key_follows_the_settings_and_the_format(monkeypatch):
+def test_a_key_follows_every_package_python_the_settings_and_the_format(monkeypatch):
     study = study_called("claims")
     before = store.study_key(study, False)
     assert before == store.study_key(study, False) != store.study_key(study, True)
-    monkeypatch.setattr(store, "_FORMAT", 0)
-    assert store.study_key(study, False) != before
+    packages = [line.split()[0] for line in store.packages_of(store.sources_of(study))[1:]]
+    assert {"numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pydantic", "matplotlib"} <= set(packages)
+    true, changed = metadata.version, []
+    for package in packages:
+        changed.append((store.metadata, "version", lambda name, package=package: "0" if name == package else true(name)))
+    for change in (*changed, (store.platform, "python_version", lambda: "3.0.0"), (store, "_FORMAT", 0)):
+        with monkeypatch.context() as patch:
+            patch.setattr(*change)
+            assert store.study_key(study, False) != before, change
 
 
 def test_a_key_follows_the_files_that_a_study_reads(fake, tmp_path):
