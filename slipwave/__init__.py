@@ -8,7 +8,6 @@ from importlib import import_module
 from typing import Any
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.input import read, read_scene
 
 _PLACES = {
     "bench": "commands.bench",
@@ -28,18 +27,18 @@ _PLACES = {
 }
 """The module of `validation` in which each function is written."""
 
-_TYPES = {"Scene": "slipwave.scene"}
-"""Types of arguments, for hints."""
+_OWN = {"Scene": "slipwave.scene", "read": "slipwave.input.assemble", "read_scene": "slipwave.input.assemble"}
+"""The modules of what is here, imported when it is used: numba and pydantic take longer than `slipwave --help`."""
 
-__all__ = ["NumericsError", "SceneError", "read", "read_scene", *_TYPES, *_PLACES]
+__all__ = ["NumericsError", "SceneError", *_OWN, *_PLACES]
 
 
 def __getattr__(name: str) -> Any:
     """The function `name` of a command; raises ImportError naming the user's file that hides one of our packages."""
     if name == "__version__":
         return import_module("importlib.metadata").version("slipwave")
-    if name in _TYPES:
-        return getattr(import_module(_TYPES[name]), name)
+    if name in _OWN:
+        return getattr(import_module(_OWN[name]), name)
     if name not in _PLACES:
         raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
     line = import_module("slipwave.hidden").hidden_package()

@@ -1,7 +1,7 @@
 from slipwave.errors import NumericsError as NumericsError
 from slipwave.errors import SceneError as SceneError
-from slipwave.input import read as read
-from slipwave.input import read_scene as read_scene
+from slipwave.input.assemble import read as read
+from slipwave.input.assemble import read_scene as read_scene
 from slipwave.scene import Scene as Scene
 from validation.commands.bench import bench as bench
 from validation.commands.branch import branch as branch

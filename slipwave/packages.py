@@ -101,7 +101,7 @@ def _name_apart(module: ModuleType, path: Path) -> None:
 
     functions = (one for one in vars(module).values() if isinstance(getattr(one, "py_func", one), FunctionType))
     parts = [frozen_parts([one]) for one in functions]
-    text = b"".join(part.text.encode() if part else path.read_bytes() for part in parts)
+    text = b"".join(part[0].encode() if part else path.read_bytes() for part in parts)
     digest = hashlib.sha256(text).hexdigest()[:8]
     for kind in vars(module).values():
         if isinstance(kind, type) and issubclass(kind, tuple) and kind.__module__ == module.__name__:

@@ -5,7 +5,6 @@ derivative of a `System`, the right-hand side that every stage of every family e
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -140,17 +139,6 @@ def _rates_of(system: System, time: float, state: Array, rates: Array, at: int, 
     return z, mu, forcing.transit * abs(answer[7]), iterations
 
 
-class _Integrated(NamedTuple):
-    """All integrated values, `state` (n,), and z of the last three steps' stages, `unknowns` (3, stages), latest first: a
-    parabola through them starts each friction solve, which saves two of four iterations. Scratch: the state of a stage, `trial`
-    (n,), and the `rates` of all stages, flat (stages n,)."""
-
-    state: Array
-    unknowns: Array
-    trial: Array
-    rates: Array
-
-
 @njit
 def march_lines(
     system: System,
@@ -159,16 +147,20 @@ def march_lines(
     first: int,
     begin: int,
     end: int,
-    values: _Integrated,
+    values: tuple[Array, Array, Array, Array],
     pieces: Pieces,
     frames: Array,
 ) -> tuple[int, int, float]:
     """March steps `begin` to `end` (excluded) of those that fill `pieces`, which begin at step number `first`. The step after the
     last piece is evaluated only to record the last sample. `method` is that of steps of this length (`scaled_method`). `frames`,
     if it has rows, receives the state at the beginning of every step. Returns (failed solves, step n of the first one or -1,
-    fastest relaxation of the state per transit)."""
+    fastest relaxation of the state per transit).
+
+    `values`: all integrated ones, `state` (n,), and z of the last three steps' stages, `unknowns` (3, stages), latest first: a
+    parabola through them starts each friction solve, which saves two of four iterations. Scratch: the state of a stage, `trial`
+    (n,), and the `rates` of all stages, flat (stages n,)."""
     weight, abscissae = method.weight, method.abscissae
-    state, unknowns, trial, rates = values.state, values.unknowns, values.trial, values.rates
+    state, unknowns, trial, rates = values
     unknown, psis, stress, elastic = pieces.z, pieces.psi, pieces.mu, pieces.y
     stages, size, count = method.stages, system.interface.size, pieces.time.size
     failures, failed = 0, -1
@@ -220,9 +212,9 @@ class ExplicitMarch:
     ) -> None:
         self._scene, self._system, self._method, self.step, self._model = scene, system, method, step, model
         self.nodes, self._scaled = np.linspace(0.0, 1.0, STEPS_PER_PIECE + 1), scaled_method(method, step)
-        unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
-        self._values = _Integrated(_room(values.size), unknowns, _room(values.size), _room(method.stages * values.size))
-        self.layout = self._values.state
+        self._unknowns = np.full((3, method.stages), unknown_of(scene.law, scene.velocity))
+        self.layout, scratch = _room(values.size), _room(method.stages * values.size)
+        self._values = self.layout, self._unknowns, _room(values.size), scratch
         self.begin_from(values)
         self.failures, self.failed_at = 0, math.nan
         self._taken, self._cells, self._work = 0, cells, work
@@ -316,15 +308,15 @@ class ExplicitMarch:
         whole[size + PSI], whole[size + ELASTIC] = interface.psi, interface.elastic
         pieces = math.ceil(interface.time / self.transits_per_piece - 1e-9)
         counts = np.array([STEPS_PER_PIECE * pieces, 0.0])
-        return {"counts": counts, "state": whole, "unknowns": np.full_like(self._values.unknowns, interface.z)}
+        return {"counts": counts, "state": whole, "unknowns": np.full_like(self._unknowns, interface.z)}
 
     def state(self) -> State:
         """As `Solver`; `counts`: steps taken, failures."""
         counts = np.array([self._taken, self.failures], dtype=float)
-        return {"counts": counts, "state": self.layout.copy(), "unknowns": self._values.unknowns.copy()}
+        return {"counts": counts, "state": self.layout.copy(), "unknowns": self._unknowns.copy()}
 
     def restore(self, state: State) -> None:
         """As `Solver`."""
         taken, failures = whole_numbers(state, "counts", (0, 0))
-        take_back({"state": self.layout, "unknowns": self._values.unknowns}, state, self._model)
+        take_back({"state": self.layout, "unknowns": self._unknowns}, state, self._model)
         self._taken, self.failures = taken, failures

@@ -1,6 +1,6 @@
 """The exact delay system (29, 35) for plain slabs of equal round trips, by Radau collocation whose steps divide the transit.
 
-Steps (`transit_mesh`) are equal between the kinks of the drive, which return every transit, and halved where the motion needs it.
+Steps (`TransitMesh`) are equal between the kinks of the drive, which return every transit, and halved where the motion needs it.
 
 A knot of the drive at t causes a kink of the load at t and, half a transit later, of the wave that reaches the interface. Its
 echoes return every transit for ever. A polynomial across a kink is only first-order accurate, so steps must end on kinks. The
@@ -9,7 +9,6 @@ halved, and joined when the wave has become smooth again.
 """
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -54,17 +53,15 @@ class TransitMesh:
         step, weights = _read_at(self, tuple(nodes.tolist()), other)
         return np.asarray(np.einsum("isk,...isk->...is", weights, np.ascontiguousarray(values[..., step, :])))
 
-    def halved(self, step: int) -> list[int]:
+    def halved(self, step: int) -> tuple[int, ...]:
         """The levels if a step is halved."""
-        levels = list(self.levels)
-        levels[step : step + 1] = [levels[step] + 1] * 2
-        return levels
+        return (*self.levels[:step], *(self.levels[step] + 1,) * 2, *self.levels[step + 1 :])
 
-    def joined(self, first: NDArray[np.intp]) -> list[int]:
+    def joined(self, first: NDArray[np.intp]) -> tuple[int, ...]:
         """The levels if each of the steps `first` is joined with the next one, its other half."""
         levels = np.array(self.levels)
         levels[first] -= 1
-        return np.delete(levels, first + 1).tolist()
+        return tuple(np.delete(levels, first + 1).tolist())
 
     @property
     def halves(self) -> NDArray[np.intp]:
@@ -85,24 +82,20 @@ def _read_at(coarse: TransitMesh, nodes: tuple[float, ...], finer: TransitMesh) 
     return step, interpolation_matrix(basis, local.ravel()).reshape(*at.shape, len(nodes))
 
 
-def cuts_of(drive: Drive) -> Array:
+def _cuts_of(drive: Drive) -> tuple[float, ...]:
     """Fractions of the transit at which the drive's knots cause a kink of the load or of the wave at the interface, and 0."""
     knots = np.array(drive.knots)
     fractions = np.sort(np.concatenate(([0.0], knots % 1.0, (knots + 0.5) % 1.0)))
     fractions = fractions[fractions < 1.0 - _SAME]
-    return fractions[np.concatenate(([True], np.diff(fractions) > _SAME))]
-
-
-def transit_mesh(count: int, cuts: Array, levels: Iterable[float] = ()) -> TransitMesh:
-    """Steps no longer than 1/`count`, equal between neighbouring `cuts` (sorted, the first 0), halved to `levels` if these are
-    given. Raises SceneError if levels do not fit."""
-    return _mesh_of(count, tuple(cuts.tolist()), tuple(map(int, levels)))
+    return tuple(fractions[np.concatenate(([True], np.diff(fractions) > _SAME))].tolist())
 
 
 @lru_cache(maxsize=256)
-def _mesh_of(count: int, cuts: tuple[float, ...], levels: tuple[int, ...]) -> TransitMesh:
+def _transit_mesh(count: int, cuts: tuple[float, ...], levels: tuple[int, ...] = ()) -> TransitMesh:
+    """Steps no longer than 1/`count`, equal between neighbouring `cuts` (sorted, the first 0), halved to `levels` if these are
+    given. Raises SceneError if levels do not fit."""
     if levels:
-        whole, (places, sizes) = _mesh_of(count, cuts, ()), _places(levels)
+        whole, (places, sizes) = _transit_mesh(count, cuts), _places(levels)
         if places[-1] + sizes[-1] != whole.steps:
             raise SceneError("levels do not fit the steps of a transit")
         step = places.astype(int)
@@ -149,11 +142,14 @@ class Delay(DelayMarch):
         self, scene: Scene, nodes: int | None = None, steps: int | None = None, tolerance: float = 1e-9, emit: bool = True
     ) -> None:
         stages = nodes or (_LOOSE_NODES if tolerance > _LOOSE else _TIGHT_NODES)
-        super().__init__(scene, stages, tolerance, dense_resolution(tolerance, stages) if emit else end_resolution(tolerance))
+        # where only the state at the ends of steps counts, which superconverges: with 5 and 8 nodes the error of psi, measured on
+        # the reference scenes, is 0.02 coefficient^2 (for coefficients from 2e-2 down to 1e-5)
+        at_ends = float(min(0.02, max((30.0 * tolerance) ** 0.5, 1e-6)))
+        super().__init__(scene, stages, tolerance, dense_resolution(tolerance, stages) if emit else at_ends)
         self._emit, self._negligible = emit, _SHARE * tolerance
         self.settings = {"nodes": stages, "steps": steps, "tolerance": tolerance, "emit": emit}
-        self._cuts = cuts_of(scene.drive)
-        mesh = transit_mesh(steps or first_steps(scene, stages), self._cuts)
+        self._cuts = _cuts_of(scene.drive)
+        mesh = _transit_mesh(steps or first_steps(scene, stages), self._cuts)
         self._impedance = plain_impedance(scene)
         start = present(0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress)
         self._remember(mesh, first_waves(scene, mesh, self.nodes), start)
@@ -208,8 +204,8 @@ class Delay(DelayMarch):
         """As `Solver`."""
         count, failures, iterations, first = whole_numbers(state, "counts", (1, 0, 0, 1))
         levels = tables(state, {"levels": (-1, 1)}, self.model)["levels"].ravel()
-        mesh = transit_mesh(min(count, self._most_steps), self._cuts, levels)
-        beginning = transit_mesh(min(first, self._most_steps), self._cuts)
+        mesh = _transit_mesh(min(count, self._most_steps), self._cuts, tuple(levels.astype(int).tolist()))
+        beginning = _transit_mesh(min(first, self._most_steps), self._cuts)
         shapes = {
             "incoming": (mesh.steps, self._stages),
             "guess": (2, self._stages),
@@ -231,7 +227,7 @@ class Delay(DelayMarch):
         `interface.time` is a whole number of transits. Waves of the first transit: S = mu + eps v/2 of the motion itself."""
         saved, counts = self.state(), self.state()["counts"]
         counts[0] = max(int(counts[0]), round(1.0 / cycle.pieces.length[0]))
-        mesh = transit_mesh(int(counts[0]), self._cuts)
+        mesh = _transit_mesh(int(counts[0]), self._cuts)
         times = mesh.starts[:, None] + self.nodes * mesh.lengths[:, None]
         basis = lagrange_basis(radau(NODES).nodes)
         z, psi, mu, _ = (values.reshape(times.shape) for values in values_at(cycle.pieces, basis, times.ravel(), self.scene.law))
@@ -259,10 +255,10 @@ class Delay(DelayMarch):
         # where v may change its sign, its bend travels with the waves through every step: equal ones resolve it
         may_halve = self._emit and not allows_rest(self.scene.law) and old.count >= _MOST_EQUAL
         if may_halve and (verdict != TOO_STEEP or any(old.levels)):
-            new = transit_mesh(old.count, self._cuts, old.halved(self._rejected))
+            new = _transit_mesh(old.count, self._cuts, old.halved(self._rejected))
             fits = new.lengths.min() >= _SHORTEST
         else:
-            new = transit_mesh(next_count(self._mesh.count), self._cuts)
+            new = _transit_mesh(next_count(self._mesh.count), self._cuts)
             fits = new.count <= self._most_steps
         if not fits:
             raise self._unresolved(1.0 / old.lengths.min() if any(old.levels) else self.steps, verdict)
@@ -273,12 +269,12 @@ class Delay(DelayMarch):
         mesh, waves, now = self._mesh, self._lines.incoming, self._memory.now
         friction_z = respond(self.scene.law, float(self._memory.guess.z[0]), float(now[PSI]))[3]
         while (first := mesh.halves).size:
-            longer = transit_mesh(mesh.count, self._cuts, mesh.joined(first))
+            longer = _transit_mesh(mesh.count, self._cuts, mesh.joined(first))
             changes = np.abs(longer.resample(mesh.resample(waves, self.nodes, longer), self.nodes, mesh) - waves).max(axis=1)
             first = first[np.maximum(changes[first], changes[first + 1]) < self._negligible * friction_z]
             if not first.size:
                 break
-            longer = transit_mesh(mesh.count, self._cuts, mesh.joined(first))
+            longer = _transit_mesh(mesh.count, self._cuts, mesh.joined(first))
             mesh, waves = longer, mesh.resample(waves, self.nodes, longer)
         if self.steps - mesh.steps > _WORTH_JOINING * self.steps:
             self._change(mesh, waves, now)
@@ -313,12 +309,6 @@ def first_waves(scene: Scene, mesh: TransitMesh, nodes: Array) -> Array:
     times, middles = late[:, None] + nodes * mesh.lengths[:, None], late + 0.5 * mesh.lengths
     rates = [[velocity_at(drive, time, middle) for time in row] for row, middle in zip(times, middles, strict=True)]
     return scene.steady_stress + impedance * (2.0 * np.array(rates) - scene.velocity)
-
-
-def end_resolution(tolerance: float) -> float:
-    """As `dense_resolution` if only the state at the ends of steps counts, which superconverges: with 5 and 8 nodes the error of
-    psi, measured on the reference scenes, is 0.02 coefficient^2 (for coefficients from 2e-2 down to 1e-5)."""
-    return float(min(0.02, max((30.0 * tolerance) ** 0.5, 1e-6)))
 
 
 def first_steps(scene: Scene, stages: int) -> int:

@@ -25,8 +25,8 @@ from slipwave.scene.drive import Constant
 from slipwave.solve import State
 from slipwave.step.collocation import radau, rule_of
 from slipwave.step.flow import NO_PUSH, Cycle, Pulses, Push, eigenvalues_without, impulses
+from slipwave.step.newton import first_guess
 from slipwave.step.nodal import DONE, Limits, Physics, nodal_of
-from slipwave.step.solve import first_guess
 from slipwave.step.tangent import Motion
 from slipwave.threads import one_thread
 

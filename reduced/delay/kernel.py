@@ -21,7 +21,7 @@ from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene.drive import velocity_at
 from slipwave.step.collocation import EQUAL, Nodes
 from slipwave.step.impedance import Diagonal
-from slipwave.step.newton import emit
+from slipwave.step.newton import emit, solve
 from slipwave.step.nodal import (
     DONE,
     ELASTIC,
@@ -37,7 +37,6 @@ from slipwave.step.nodal import (
     judge_step,
     predict,
 )
-from slipwave.step.solve import solve
 
 
 class DelayMemory(NamedTuple):

@@ -12,8 +12,8 @@ from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.solve import Energy
 from slipwave.step.collocation import growth_limit, rule_of
+from slipwave.step.newton import first_guess
 from slipwave.step.nodal import PSI, TIME, TOO_STEEP, Interface, Limits, Physics, nodal_of
-from slipwave.step.solve import first_guess
 
 MAX_STEPS = 4096
 """Largest number of steps per transit."""

@@ -14,7 +14,6 @@ from reduced.delay.kernel import leave, receive, roughness
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes
-from slipwave.step.nodal import Nodal
 
 OUTWARD, INWARD = 0, 1
 LOAD, VELOCITY = 0, 1  # columns of `NetworkLines.tops`
@@ -106,7 +105,7 @@ def _read(nodes: Nodes, network: Network, waves: Array, cursor: int, arrived: Ar
 
 
 @njit
-def reflect_top(nodes: Nodes, lines: NetworkLines, slab: int, length: float, integral: Array) -> None:
+def _reflect_top(nodes: Nodes, lines: NetworkLines, slab: int, length: float, integral: Array) -> None:
     """Wave launched inwards by a slab's outer face, and the face's load and velocity at the step's end.
 
     With u = dV - w at the nodes, collocation of `transmission_lines` is
@@ -164,7 +163,7 @@ def gather(nodes: Nodes, lines: NetworkLines, length: float, integral: Array, in
             for j in range(len(nodes)):
                 launched[last, INWARD, j] = arrived[last, OUTWARD, j] + 2.0 * impedance[last] * passage.drive[j]
         else:
-            reflect_top(nodes, lines, slab, length, integral)
+            _reflect_top(nodes, lines, slab, length, integral)
         for layer in range(last - 1, first - 1, -1):
             scatter(nodes, impedance[layer], impedance[layer + 1], layer, arrived, launched)
         share = network.weight * network.interface_impedance / impedance[first]
@@ -190,8 +189,16 @@ def launch(nodes: Nodes, lines: NetworkLines) -> None:
     lines.cursor[0] = cursor + 1 if cursor + 1 < waves.shape[2] else 0
 
 
-@njit
-def roughness_from_faces(nodes: Nodes, tail: Array, lines: NetworkLines, nodal: Nodal) -> float:
+@receive.register(NetworkLines)
+def _arrive_through_network(lines, nodes, physics, n, length, nodal):  # type: ignore[no-untyped-def]
+    for j in range(len(nodes)):
+        lines.passage.drive[j] = 0.5 * (nodal.drive[j] - physics.forcing.velocity)
+        nodal.incoming[j] = lines.network.base
+    gather(nodes, lines, length, physics.rule.integral, nodal.incoming)
+
+
+@roughness.register(NetworkLines)
+def _roughness_of_faces(lines, nodes, tail, nodal):  # type: ignore[no-untyped-def]
     """Highest Legendre coefficient of the waves that springs and masses launch in a step, as a change of z where they arrive.
     Waves launched with too few nodes stay inaccurate, however short the steps in which they arrive."""
     network, passage, worst, inverse = lines.network, lines.passage, 0.0, 0.0
@@ -204,19 +211,6 @@ def roughness_from_faces(nodes: Nodes, tail: Array, lines: NetworkLines, nodal: 
                 coefficient += tail[j] * passage.launched[last, INWARD, j]
             worst = max(worst, abs(coefficient) * inverse * network.interface_impedance / network.impedance[last])
     return worst
-
-
-@receive.register(NetworkLines)
-def _arrive_through_network(lines, nodes, physics, n, length, nodal):  # type: ignore[no-untyped-def]
-    for j in range(len(nodes)):
-        lines.passage.drive[j] = 0.5 * (nodal.drive[j] - physics.forcing.velocity)
-        nodal.incoming[j] = lines.network.base
-    gather(nodes, lines, length, physics.rule.integral, nodal.incoming)
-
-
-@roughness.register(NetworkLines)
-def _roughness_of_faces(lines, nodes, tail, nodal):  # type: ignore[no-untyped-def]
-    return roughness_from_faces(nodes, tail, lines, nodal)
 
 
 @leave.register(NetworkLines)

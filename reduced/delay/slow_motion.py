@@ -22,8 +22,8 @@ from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
 from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Full
+from slipwave.step.newton import solve
 from slipwave.step.nodal import Interface, Limits, nodal_of
-from slipwave.step.solve import solve
 
 Complex = NDArray[np.complex128]
 

@@ -157,14 +157,15 @@ def _made_from(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[
         brought = frozen_parts([thing for thing, home in homes.items() if not inside(home)])
         if brought is None:
             return None
-        starts = brought.files.union(home for home in homes.values() if inside(home))
+        text, called = brought
+        starts = called.union(home for home in homes.values() if inside(home))
         if starts <= set(sources):
             break
         sources = _closure(starts.union(sources))
         pairs = [pair for owner, choices in _choices if owner in sources for pair in choices()]
         functions = {function, *(version for kind, version in pairs if kind in classes or _home_of(kind) in sources)}
     # a file edited after the start is no longer the text that this process has imported
-    return None if any(path.stat().st_mtime > STARTED for path in sources) else (sources, brought.text)
+    return None if any(path.stat().st_mtime > STARTED for path in sources) else (sources, text)
 
 
 def _home_of(kind: type) -> Path:

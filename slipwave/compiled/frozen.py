@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from types import BuiltinFunctionType, FunctionType, ModuleType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,19 +19,13 @@ _LIBRARIES = ("math", "cmath", "numpy")
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 
-class Frozen(NamedTuple):
-    """The user's functions and classes in compiled code as text, and the project's files that they call."""
-
-    text: str
-    files: frozenset[Path]
-
-
 class _Unknown(Exception):
     """A value that may enter compiled code and that has no known text."""
 
 
-def frozen_parts(things: Iterable[Any]) -> Frozen | None:
-    """Text and files of the functions and classes `things` in compiled code; None if a value has no known text.
+def frozen_parts(things: Iterable[Any]) -> tuple[str, frozenset[Path]] | None:
+    """The functions and classes `things` of a user in compiled code as text, and the files of the project that they call; None if
+    a value has no known text.
 
     Known are numbers, texts, arrays, tuples of them, functions of math and numpy, named tuples of an imported module, and
     functions that name nothing else.
@@ -41,7 +35,7 @@ def frozen_parts(things: Iterable[Any]) -> Frozen | None:
         text = "\n".join(sorted("\n".join(walk.value(thing)) for walk, thing in walks))
     except _Unknown:
         return None
-    return Frozen(text, frozenset().union(*(walk.files for walk, _ in walks)))
+    return text, frozenset().union(*(walk.files for walk, _ in walks))
 
 
 class _Walk:

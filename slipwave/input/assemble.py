@@ -1,13 +1,15 @@
-"""Turns tables into a frozen `Scene`: validates them, combines keys that depend on each other and converts SI (15).
+"""Reads a scene: validates its tables, combines keys that depend on each other and converts SI (15) to a frozen `Scene`.
 
 Values that were given with a unit are converted to the units of the scene (`in_scene`).
 """
 
 import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeAlias
 
 from pydantic import ValidationError
 
@@ -15,8 +17,10 @@ import slipwave.input.schema as keys
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
 from slipwave.input.complaint import complaint
+from slipwave.input.overrides import apply_overrides
 from slipwave.input.quantity import KINDS, Quantity, looks_measured, quantity
 from slipwave.input.schema import Numbers, allowed_in
+from slipwave.input.source import load_tables
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubt
@@ -34,8 +38,39 @@ from slipwave.scene.slab import (
 )
 from slipwave.scene.units import Units
 
+SceneSource: TypeAlias = str | Path | Mapping[str, Any] | Scene
+"""A gallery name, the path of a TOML file, a dictionary of the same shape, or a scene that was read before."""
+
 _PER_AREA = {"N/m": "Pa/m", "N s/m": "Pa s/m", "kg": "kg/m2"}
 _LARGEST_RATIO = 1e9
+
+
+def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Scene:
+    """The `Scene` of a gallery name, a TOML file or a dictionary of the same shape, with single keys overridden.
+
+    `overrides` is a list of "key=value" (dotted key, TOML value) or a dictionary {"slab.log10_r": -2.3}; see
+    `slipwave.input.overrides`. A scene that was read before is read again from its tables. Reading runs no code. Raises
+    SceneError: one line that names the key, the value and what is allowed.
+    """
+    if isinstance(source, Scene) and not overrides:
+        return source
+    name, data = load_tables(source)
+    data = apply_overrides(data, overrides) if overrides else data
+    return assemble_scene(data, validate(data), name)
+
+
+def read_scene(source: SceneSource, **changes: Any) -> Scene:
+    """`read` with changes as keywords: tables, as slab={"log10_r": -2.6}, or dotted keys, as **{"slab.log10_r": -2.6}."""
+    return read(source, dict(_dotted(changes)))
+
+
+def _dotted(changes: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Every value with its dotted key."""
+    for key, value in changes.items():
+        if isinstance(value, Mapping):
+            yield from _dotted(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
 
 
 def validate(data: dict[str, Any]) -> keys.SceneTable:

@@ -22,6 +22,9 @@ _TIME, _SLIP, _Z, _MU = range(_ROWS)  # columns of the least values; those of th
 Ranges: TypeAlias = tuple[Array, Array]
 """The least and the greatest values in each interval."""
 
+_Bins: TypeAlias = tuple[Array, Array]
+"""The width (1,) of intervals, and the ranges (intervals, columns) of the samples in them; infinite where there are none."""
+
 
 class Shown(NamedTuple):
     """The intervals that hold samples, as arrays of equal length: `time` (transits) and `slip` (L, from the first sample on) of
@@ -77,16 +80,16 @@ class Envelope:
 
     def _shown(self, which: int) -> Shown:
         self._read()
-        bins = self._bins[which]
-        low, high = np.split(bins.ranges[np.isfinite(bins.ranges[:, 0])].T, 2)
+        _, ranges = self._bins[which]
+        low, high = np.split(ranges[np.isfinite(ranges[:, 0])].T, 2)
         rate = rates(self._scene.law, low[_Z]), rates(self._scene.law, high[_Z])
         return Shown(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
 
     def state(self) -> dict[str, Array]:
         """The ranges so far, for a checkpoint."""
         self._read()
-        tables = {f"ranges{n}": bins.ranges.T.copy() for n, bins in enumerate(self._bins)}
-        widths = [float(bins.width[0]) for bins in self._bins]
+        tables = {f"ranges{n}": ranges.T.copy() for n, (_, ranges) in enumerate(self._bins)}
+        widths = [float(width[0]) for width, _ in self._bins]
         return {"numbers": np.array([self._begin, self._end, self._reached, self._origin[0], *widths]), **tables}
 
     def restore(self, state: dict[str, Array]) -> None:
@@ -96,19 +99,12 @@ class Envelope:
         if (begin, end) != (self._begin, self._end):
             raise ValueError(f"the window is {begin:g}:{end:g}; this run asks for {self._begin:g}:{self._end:g}")
         self._origin = np.full(1, origin)
-        by_time, by_slip = (_Bins(np.full(1, width), state[f"ranges{n}"].T.copy()) for n, width in enumerate(widths))
+        by_time, by_slip = ((np.full(1, width), state[f"ranges{n}"].T.copy()) for n, width in enumerate(widths))
         self._bins = by_time, by_slip
 
 
-class _Bins(NamedTuple):
-    """The `ranges` (intervals, columns) of samples in intervals of `width` (1,); infinite where there are none."""
-
-    width: Array
-    ranges: Array
-
-
 def _empty_bins() -> _Bins:
-    return _Bins(np.full(1, _FIRST), np.repeat([[np.inf, -np.inf]], _ROWS, axis=1).repeat(COUNT, axis=0))
+    return np.full(1, _FIRST), np.repeat([[np.inf, -np.inf]], _ROWS, axis=1).repeat(COUNT, axis=0)
 
 
 @njit
@@ -128,7 +124,7 @@ def _take(
     first sample, NaN before it. After a gap, and in intervals longer than a transit, all samples of a transit go to one interval,
     even if the next ones stay empty: a part of a transit has another range."""
     (begin, end, unit, stiffness), (knots, paces, gains, passed_by) = frame, travelled
-    whole, gaps, here, transit, first = by_time.width[0] >= 1.0, False, 0, -math.inf, 0.0
+    whole, gaps, here, transit, first = by_time[0][0] >= 1.0, False, 0, -math.inf, 0.0
     (samples, where), ends = (scratch[0][:_ROWS], scratch[0][_ROWS:]), scratch[1]
     for k in range(pieces.time.size):
         gaps |= pieces.time[k] > reached + 0.5
@@ -167,25 +163,26 @@ def _take(
 def _widen(bins: _Bins, where: Array, lowest: float, highest: float, samples: Array, ends: Array) -> None:
     """Widen the ranges of the intervals at the positions `where` (n,), from `lowest` to `highest`, by the first n `samples`
     (rows, nodes), whose least and greatest are the `ends`."""
-    while highest >= COUNT * bins.width[0]:
-        _double(bins)
-    unit = 1.0 / bins.width[0]  # a power of two
+    width, ranges = bins
+    while highest >= COUNT * width[0]:
+        _double(width, ranges)
+    unit = 1.0 / width[0]  # a power of two
     together = int(max(lowest * unit, 0.0)) == int(max(highest * unit, 0.0))
     for j in range(1 if together else where.size):
-        row = bins.ranges[int(max(where[j] * unit, 0.0))]
+        row = ranges[int(max(where[j] * unit, 0.0))]
         for column in range(_ROWS):
             low, high = (ends[column], ends[_ROWS + column]) if together else (samples[column, j], samples[column, j])
             row[column], row[_ROWS + column] = min(row[column], low), max(row[_ROWS + column], high)
 
 
 @njit
-def _double(bins: _Bins) -> None:
+def _double(width: Array, ranges: Array) -> None:
     """Make the intervals twice as long."""
-    bins.width[0] *= 2.0
+    width[0] *= 2.0
     for k in range(COUNT):
         for column in range(2 * _ROWS):
             sign = 1.0 if column < _ROWS else -1.0
             least = math.inf
             if 2 * k < COUNT:
-                least = min(sign * bins.ranges[2 * k, column], sign * bins.ranges[2 * k + 1, column])
-            bins.ranges[k, column] = sign * least
+                least = min(sign * ranges[2 * k, column], sign * ranges[2 * k + 1, column])
+            ranges[k, column] = sign * least

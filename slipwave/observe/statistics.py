@@ -9,7 +9,8 @@ counts.
 """
 
 import math
-from dataclasses import dataclass, field, fields
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -58,20 +59,10 @@ class Spread:
 
 
 @dataclass(frozen=True)
-class Margins:
-    """Half the widths of the 95 % intervals of the means over cycles that never repeat, and of the median of the largest slip
-    rate; NaN for others."""
-
-    period: float = math.nan
-    stress_drop: float = math.nan
-    elastic_stress_drop: float = math.nan
-    v_max_median: float = math.nan
-
-
-@dataclass(frozen=True)
 class RunStatistics:
     """Period (transits), stress drop, elastic stress drop, extreme slip rates (V*) over `cycles` cycles, and the median of their
-    largest slip rates, which has no heavy tail; `margins` of means."""
+    largest slip rates, which has no heavy tail; `margins`: half the widths of the 95 % intervals of the means and of the median
+    over cycles that never repeat, by name; NaN for others."""
 
     cycles: int
     period: Spread
@@ -80,7 +71,7 @@ class RunStatistics:
     v_max: float
     v_min: float
     v_max_median: float
-    margins: Margins = field(default_factory=Margins)
+    margins: Mapping[str, float]
 
     @property
     def spreads(self) -> dict[str, Spread]:
@@ -95,31 +86,15 @@ class RunStatistics:
 def summarise(events: Events, repeat: bool = True) -> RunStatistics:
     """Statistics of all cycles in `events`; their means have margins unless the cycles `repeat`."""
     figures = (events.period, events.stress_drop, events.elastic_stress_drop)
-    middle = median_of(events.v_max)
-    margins = Margins() if repeat else Margins(*[*map(margin_of_mean, figures), 2.0 * middle.error])
+    middle = float(np.median(events.v_max)) if events.time.size else math.nan
+    halves = (math.nan,) * 4 if repeat else (*map(margin_of_mean, figures), _margin_of_median(events.v_max))
+    margins = dict(zip(("period", "stress_drop", "elastic_stress_drop", "v_max_median"), halves, strict=True))
     if not events.time.size:
         nothing = Spread(np.nan, np.nan)
         return RunStatistics(0, nothing, nothing, nothing, np.nan, np.nan, np.nan, margins)
     period, drop, elastic_drop = (Spread(float(values.mean()), float(values.std())) for values in figures)
     extremes = float(events.v_max.max()), float(events.v_min.min())
-    return RunStatistics(events.time.size, period, drop, elastic_drop, *extremes, middle.value, margins)
-
-
-def mean_of(values: Array) -> Estimate:
-    """Mean of a stationary sequence (n,), n of 8 or more, and its error: half of the 95 % margin, that is, 1.3 times the standard
-    deviation of such means, and up to 1.9 times that for few values. Twice the error covers the mean of 95 in 100 sequences."""
-    return Estimate(float(values.mean()), 0.5 * margin_of_mean(values))
-
-
-def median_of(values: Array) -> Estimate:
-    """Median of such a sequence, and its error: half of what the quantiles differ by between which the share of values above the
-    median lies, within its own error. NaN as error for fewer than FEWEST values, and as median for none."""
-    middle = float(np.median(values)) if values.size else math.nan
-    if values.size < FEWEST:
-        return Estimate(middle, math.nan)
-    share = mean_of((values > middle).astype(float)).error
-    low, high = np.quantile(values, np.clip((0.5 - share, 0.5 + share), 0.0, 1.0))
-    return Estimate(middle, 0.5 * float(high - low))
+    return RunStatistics(events.time.size, period, drop, elastic_drop, *extremes, middle, margins)
 
 
 def margin_of_mean(values: Array) -> float:
@@ -133,6 +108,16 @@ def margin_of_mean(values: Array) -> float:
     means = np.array([batch.mean() for batch in np.array_split(values, BATCHES)])
     by_batches = _quantile(BATCHES - 1.0) * float(means.std(ddof=1)) / math.sqrt(BATCHES)
     return max(by_batches, _by_autocorrelations(values), _by_fading_memory(values))
+
+
+def _margin_of_median(values: Array) -> float:
+    """The same of their median: what the quantiles differ by between which the share of values above the median lies, within half
+    of its own margin."""
+    if values.size < FEWEST:
+        return math.nan
+    share = 0.5 * margin_of_mean((values > np.median(values)).astype(float))
+    low, high = np.quantile(values, np.clip((0.5 - share, 0.5 + share), 0.0, 1.0))
+    return float(high - low)
 
 
 def _by_autocorrelations(values: Array) -> float:

@@ -17,7 +17,7 @@ from slipwave.friction import Law, law_of_step, to_own, to_step
 from slipwave.observe.pieces import Array, Pieces, slack
 from slipwave.step.collocation import EQUAL, RATIOS, Nodes, Rule
 from slipwave.step.impedance import Full, own
-from slipwave.step.newton import emit
+from slipwave.step.newton import emit, solve
 from slipwave.step.nodal import (
     DONE,
     ELASTIC,
@@ -33,7 +33,6 @@ from slipwave.step.nodal import (
     tail_of,
 )
 from slipwave.step.port import Port, arrive, take_in
-from slipwave.step.solve import solve
 
 END, LEFT = 3, 4
 """Further entries of `Memory.now`: z at the present, psi at the start of the last step."""

@@ -33,7 +33,7 @@ class Nodal(Protocol):
 
     Of the linearised step: `v_z`; `inverse`, 1/(F_z + K_jj v_z); `mismatch` of the stress and `ratio`, F_psi, times that;
     `by_z`, h G_z; `slope`, h dG/dpsi at given stress; `change` of psi. `missed`: what `left` contains because v changes its sign
-    (`slipwave.step.solve`). Scratch: `gain`, `stress`, `trial`, `state` (s, 2 s + 1),
+    (`slipwave.step.newton`). Scratch: `gain`, `stress`, `trial`, `state` (s, 2 s + 1),
     `rate` (s, s + 1).
 
     It is a numpy record (`nodal_of`): compiled code then knows that no two of its arrays overlap."""

@@ -20,9 +20,9 @@ from slipwave.solve import State
 from slipwave.step.collocation import growth_limit, rule_of
 from slipwave.step.flow import NO_PUSH, Cycle, Pulses, Push, impulses, velocity_by_difference
 from slipwave.step.march import ANY_LENGTH, NEXT, NOT_READY, Memory, Stretch, begin, march, resolution_of
+from slipwave.step.newton import first_guess
 from slipwave.step.nodal import DONE, TIME, Limits, Physics, nodal_of
 from slipwave.step.port import LEVELS, Port, Slabs, prepared
-from slipwave.step.solve import first_guess
 from slipwave.step.tangent import Motion, carry, carry_back
 from slipwave.threads import one_thread
 

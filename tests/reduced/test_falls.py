@@ -18,8 +18,8 @@ from slipwave.scene.drive import Drive
 from slipwave.solve import follow
 from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Diagonal
+from slipwave.step.newton import solve
 from slipwave.step.nodal import NOT_SMOOTH, nodal_of
-from slipwave.step.solve import solve
 from tests.reduced.test_random_networks import fit_out
 from validation.models.build import build
 

@@ -13,7 +13,7 @@ from reduced.impedance.reduction import TABULATED, reduction
 from reduced.ode import slabs
 from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs, impedance_at
 from slipwave.errors import NumericsError
-from slipwave.input import read_scene
+from slipwave.input.assemble import read_scene
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import Pieces, lagrange_basis
 from slipwave.scene.drive import Drive

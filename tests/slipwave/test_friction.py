@@ -14,8 +14,8 @@ from slipwave.friction import LAWS, law_of_step, rate_of, respond, steady_state,
 from slipwave.friction.interface import MAX_ITERATIONS, solve_interface
 from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Diagonal, Full
+from slipwave.step.newton import solve as solve_step
 from slipwave.step.nodal import nodal_of
-from slipwave.step.solve import solve as solve_step
 from slipwave.step.tangent import Answer, Motion, step_answer
 from tests.differences import difference
 

@@ -178,5 +178,5 @@ def test_what_cannot_be_told_is_never_kept(constant):
 
 
 def test_files_of_the_project_that_a_law_calls_are_named():
-    found = frozen_parts([made(ageing.respond_ageing)])
-    assert [path.name for path in found.files] == ["ageing.py"]
+    _, files = frozen_parts([made(ageing.respond_ageing)])
+    assert [path.name for path in files] == ["ageing.py"]

@@ -1,7 +1,6 @@
 """Verdicts on sequences of cycles whose nature is known, margins of means, and the largest Lyapunov exponent."""
 
 import math
-from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import Pieces
 from slipwave.observe.events import Events
-from slipwave.observe.statistics import BATCHES, FEWEST, margin_of_mean, median_of, summarise
+from slipwave.observe.statistics import BATCHES, FEWEST, margin_of_mean, summarise
 from slipwave.observe.torus import rotation
 from slipwave.observe.verdict import judge_motion, repeating
 from slipwave.solve import follow
@@ -191,10 +190,10 @@ def test_autocorrelations_by_hand():
 def test_only_cycles_that_never_repeat_have_margins():
     column = np.linspace(1.0, 2.0, 16)
     events = Events(*[column] * 6)
-    assert all(np.isnan(margin) for margin in asdict(summarise(events).margins).values())
-    assert asdict(summarise(events, repeat=False).margins) == dict.fromkeys(
+    assert all(np.isnan(margin) for margin in summarise(events).margins.values())
+    assert summarise(events, repeat=False).margins == dict.fromkeys(
         ("period", "stress_drop", "elastic_stress_drop"), margin_of_mean(column)
-    ) | {"v_max_median": 2.0 * median_of(column).error}
+    ) | {"v_max_median": 1.0}  # from the least to the largest: so few values leave no less
 
 
 class Logistic:

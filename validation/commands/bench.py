@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.scene import Scene
 from validation.chart import Chart, Panel, Scale
 from validation.chart.looks import model_line, style_of

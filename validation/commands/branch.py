@@ -15,7 +15,7 @@ from reduced.orbit.closing import Closed
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
 from slipwave.files import FIGURES
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.observe import EventObserver
 from slipwave.scene import Scene
 from slipwave.solve import Solver
@@ -143,7 +143,7 @@ def _label(run: Run, shown: bool) -> str:
     """Legend of a run, with its mean period as in the table."""
     kind, period = run.kind or "events not watched", run.statistics.period.mean
     if shown:
-        margin = run.statistics.margins.period
+        margin = run.statistics.margins["period"]
         return f"{run.solver.model}: {kind}, T = {period:.6g}" + (f" ± {margin:.2g}" if math.isfinite(margin) else "")
     return f"{run.solver.model}: {'slides steadily' if kind == 'steady' else kind}, no cycle drawn"
 
@@ -215,7 +215,7 @@ def _figures(run: Run) -> dict[str, Any]:
     return {
         "events": run.starts,
         **{name: asdict(one) for name, one in ours.spreads.items()},
-        "margins": asdict(ours.margins) if run.verdict and run.verdict.wanders else None,
+        "margins": ours.margins if run.verdict and run.verdict.wanders else None,
         "v_max": ours.v_max,
         "v_min": ours.v_min,
     }

@@ -5,7 +5,7 @@ from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, ClassVar, NamedTuple, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 from slipwave.family import Exact
 from slipwave.observe.verdict import REPEATING
@@ -21,46 +21,30 @@ from validation.models.run import Run, needed
 
 _Row: TypeAlias = Mapping[str, Any]
 
-_COLUMNS = (("difference", "value"), ("margin", "margin"))
-
 CLOSE = 0.05
 """Largest relative distance in period and stress drop at which a cheaper model is recommended."""
 
 
-class Difference(NamedTuple):
-    """Difference relative to the reference's mean. `margin`: half the width of its 95 % interval, 0 if both motions are periodic,
-    NaN for too few cycles."""
-
-    value: float
-    margin: float
-
-
-def differences(run: Run, reference: Run) -> dict[str, Difference]:
-    """Differences of the mean period and stress drop: errors if both motions are periodic, else with margins, because motions
-    that never repeat agree only in their statistics. NaN where a run has none, or failed; 0 for the reference itself."""
-    found = {}
+def differences(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
+    """The relative differences of the mean period and stress drop by name: the `error` if both motions are periodic; else the
+    `difference` and its `margin`, because motions that never repeat agree only in their statistics. An error is None where a run
+    has none, or failed. `margin`: half the width of the 95 % interval, 0 of the reference itself, NaN for too few cycles."""
+    values, margins = dict[str, float | None](), dict[str, float | None]()
     for name in ("period", "stress_drop"):
         ours, theirs = (getattr(one.statistics, name).mean for one in (run, reference))
         parts = [_relative_margin(one, name) for one in (run, reference)]
         value = math.nan if run.failed else ours / theirs - 1.0
-        found[name] = Difference(value, 0.0 if run is reference else (1.0 + value) * math.hypot(*parts))
-    return found
+        if run.kind == reference.kind == "periodic" or not math.isnan(value):
+            values[name], margins[name] = value, 0.0 if run is reference else (1.0 + value) * math.hypot(*parts)
+    if run.kind == reference.kind == "periodic":
+        return {"error": values}
+    return {"error": dict.fromkeys(("period", "stress_drop"))} | ({"difference": values, "margin": margins} if values else {})
 
 
 def _relative_margin(run: Run, name: str) -> float:
     """The margin of a mean over the mean; 0 if the motion is periodic."""
     found = run.statistics
-    return 0.0 if run.kind == "periodic" else float(getattr(found.margins, name)) / float(getattr(found, name).mean)
-
-
-def in_json(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
-    """`error` by name, None for NaN; for motions that never repeat `difference` and its `margin` instead."""
-    found = differences(run, reference)
-    if run.kind == reference.kind == "periodic":
-        return {"error": {name: one.value for name, one in found.items()}}
-    known = {name: one for name, one in found.items() if not math.isnan(one.value)}
-    columns = {field: {name: getattr(one, part) for name, one in known.items()} for field, part in _COLUMNS} if known else {}
-    return {"error": dict.fromkeys(found), **columns}
+    return 0.0 if run.kind == "periodic" else found.margins[name] / float(getattr(found, name).mean)
 
 
 def conclusion(rows: Sequence[_Row]) -> str:
@@ -179,7 +163,7 @@ class Comparison(Result):
 
 def row_of(run: Run, figures: Mapping[str, Any], reference: Run) -> dict[str, Any]:
     """A row: model, `figures`, distances from the reference, and the failure, if any."""
-    row = {"model": run.solver.model, "verdict": run.kind, **figures, **in_json(run, reference)}
+    row = {"model": run.solver.model, "verdict": run.kind, **figures, **differences(run, reference)}
     row |= {"failures": run.solver.failures, "wall_s": run.wall_s}
     return row | ({"failed": run.failed} if run.failed else {})
 

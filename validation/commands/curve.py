@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from slipwave.errors import SceneError
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.input.wording import shorten
 from validation.chart import INK, Chart, Look, Panel, Scale, Trace
 from validation.commands.branch import (

@@ -10,7 +10,7 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from validation.chart import Chart
 from validation.commands.options import SceneOptions, command, option
 from validation.commands.result import Output, Result, aligned, rounded

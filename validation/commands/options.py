@@ -31,7 +31,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.own import load_laws
-from slipwave.input import SceneSource, read, read_scene
+from slipwave.input.assemble import SceneSource, read, read_scene
 from slipwave.input.source import is_stored, read_stored, recall
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.packages import ended

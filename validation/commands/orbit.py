@@ -16,8 +16,7 @@ from reduced.orbit.phase import PhaseResponse
 from reduced.orbit.response import Responding
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, TIME
-from slipwave.input import SceneSource
-from slipwave.input.assemble import moment
+from slipwave.input.assemble import SceneSource, moment
 from slipwave.input.wording import shorten
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from fullwave.fields.files import write_field
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, part_of
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.observe.protocol import StageFigures
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene.doubts import doubts
@@ -213,7 +213,7 @@ class RunResult(Result):
             "v_max": found.v_max,
             "v_min": found.v_min,
             "v_max_median": found.v_max_median,
-            "margins": asdict(found.margins) if done.verdict and done.verdict.wanders else None,
+            "margins": found.margins if done.verdict and done.verdict.wanders else None,
             "final": asdict(done.final) if done.final else None,
             "energy": self.energy,
             "ended": done.ended,
@@ -247,7 +247,7 @@ class RunResult(Result):
     def _spreads(self) -> dict[str, float]:
         """Standard deviations of the cycles' figures and, for motion that never repeats, margins of their means."""
         found, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
-        margins = {f"{name}_margin": getattr(found.margins, name) for name in found.spreads} if wanders else {}
+        margins = {f"{name}_margin": found.margins[name] for name in found.spreads} if wanders else {}
         return {f"{name}_std": one.std for name, one in found.spreads.items()} | margins
 
     @property

@@ -75,7 +75,7 @@ def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]
     """Cycles, margins of their means and stages, as far as there are any."""
     scene, found = done.solver.scene, _cycles(done, facts)
     if done.verdict and done.verdict.wanders:
-        margins = {f"{name}_margin": value for name, value in asdict(done.statistics.margins).items()}
+        margins = {f"{name}_margin": value for name, value in done.statistics.margins.items()}
         found = found.assign(variables((), margins, MARGINS, scene))
     if stages:
         rows = [asdict(stage) for stage in stages]

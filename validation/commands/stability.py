@@ -14,7 +14,7 @@ from reduced.stability import Stability, analyse, friction_slopes
 from reduced.stability.analyse import PhysicalStability, stability_in_si
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from slipwave.files import FIGURES
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.doubts import doubts

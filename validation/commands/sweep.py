@@ -19,7 +19,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, content_of
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.input.wording import sentence
 from slipwave.packages import no_exit
 from validation.chart import Chart

@@ -54,9 +54,9 @@ def figure_rows(
 
 def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
     """Lines with the intervals of the means of cycles that never repeat, and of the median of v_max; none if they do."""
-    if math.isnan(found.margins.period):
+    if math.isnan(found.margins["period"]):
         return []
-    period, drop, rate = found.margins.period, found.margins.stress_drop, found.margins.v_max_median
+    period, drop, rate = (found.margins[name] for name in ("period", "stress_drop", "v_max_median"))
     sizes = [shown_in(unit, scene)[0] for unit in ("transit", "normal stress")]
     seconds, pascals = (
         f" ({rounded(value * size, 3)} {unit})" if scene.units else ""

@@ -72,8 +72,8 @@ def _figures_of(run: Run) -> dict[str, Estimate]:
     until the last period, means and the largest slip rate."""
     found, events = run.statistics, (run.verdict.multiplicity if run.verdict else None) or 1
     values, margins = [found.period.mean, found.stress_drop.mean, found.v_max], found.margins
-    if not math.isnan(margins.period):
-        errors = [0.5 * margins.period, 0.5 * margins.stress_drop, 0.5 * margins.v_max_median]
+    if not math.isnan(margins["period"]):
+        errors = [0.5 * margins[name] for name in ("period", "stress_drop", "v_max_median")]
         return dict(zip(FIGURES, map(Estimate, [*values[:2], found.v_max_median], errors), strict=True))
     columns = [getattr(run.events, name)[-events:] for name in FIGURES.values()]
     last = [float(columns[0].mean()), float(columns[1].mean()), float(columns[2].max())]

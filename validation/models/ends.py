@@ -10,7 +10,7 @@ import numpy as np
 from reduced.continuation.curve import Reached, crossing, turn
 from reduced.stability.onsets import Onset, onsets
 from slipwave.errors import NumericsError, SceneError
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.input.wording import shorten
 from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias
 import slipwave
 from reduced.parameters import LABELS, PARAMETERS
 from slipwave.errors import SceneError
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from slipwave.input.overrides import full_key, kinds_of, label_of, words_of_scenes
 from slipwave.input.quantity import KINDS, Quantity, quantity
 from slipwave.input.schema import KeyTable, Numbers, Physical, allowed_in

@@ -66,7 +66,7 @@ class JudgedHalf(NamedTuple):
         earlier, later = (summarise(part, not self.verdict.wanders) for part in parts)
         for name in ("period", "stress_drop"):
             one, other = getattr(earlier, name).mean, getattr(later, name).mean
-            margins = [getattr(part.margins, name) for part in (earlier, later) if self.verdict.wanders]
+            margins = [part.margins[name] for part in (earlier, later) if self.verdict.wanders]
             if abs(one - other) > max([REPEATS * one, *margins]):
                 return False
         return True

@@ -12,7 +12,7 @@ from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
 from slipwave.friction.check import LawError
 from slipwave.friction.own import load_laws
-from slipwave.input import SceneSource
+from slipwave.input.assemble import SceneSource
 from validation.chart import Chart
 from validation.commands.options import ModelOptions, command
 from validation.commands.result import Output, Result, aligned

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
-from slipwave.input import read
+from slipwave.input.assemble import read
 from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
 from validation.commands.fit import _chart, _values_in_words

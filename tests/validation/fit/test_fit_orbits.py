@@ -5,7 +5,7 @@ import pytest
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
-from slipwave.input import read
+from slipwave.input.assemble import read
 from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
 from validation.fit.cycles import FoldedRecord, disturbed, folded

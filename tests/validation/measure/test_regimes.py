@@ -5,7 +5,8 @@ import pytest
 from scipy.signal import lfilter
 
 import slipwave
-from slipwave.observe.statistics import autocorrelations, mean_of, median_of
+from slipwave.observe.events import Events
+from slipwave.observe.statistics import autocorrelations, margin_of_mean, summarise
 from tests.granite import GRANITE
 from validation.fit.least_squares import correlated_samples
 from validation.measure.over_r import scene_at
@@ -48,16 +49,18 @@ def test_samples_of_a_fit_fluctuate_together_as_cycles_of_a_run_do():
     by_lag = [float(values[0][lag:] @ values[0][:-lag] / (values[0] @ values[0])) for lag in (1, 2, 7)]
     assert autocorrelations(values[0])[[0, 1, 2, 7]] == pytest.approx([1.0, *by_lag], rel=1e-10)
     assert np.mean([correlated_samples(one) for one in values]) == pytest.approx(9.0, rel=0.1)
-    by_means = [(mean_of(one).error / 1.2) ** 2 * one.size / np.var(one) for one in values]
+    by_means = [(0.5 * margin_of_mean(one) / 1.2) ** 2 * one.size / np.var(one) for one in values]
     assert np.mean(by_means) == pytest.approx(9.0, rel=0.25)
 
 
 @pytest.mark.parametrize("memory", [0.0, 0.8])
 def test_twice_the_error_of_a_median_is_a_margin_too_and_a_heavy_tail_does_not_matter(memory):
     """The median of a cubed exponential is that of the sequence, 5, mapped likewise; its mean is many times larger."""
-    found = [median_of(np.exp(3.0 * sequence(memory, 4000, seed))) for seed in range(40)]
-    assert np.mean([abs(one.value - np.exp(15.0)) <= 2.0 * one.error for one in found]) >= 0.9
-    assert np.median([one.error for one in found]) < 0.5 * np.exp(15.0)
+    columns = [np.exp(3.0 * sequence(memory, 4000, seed)) for seed in range(40)]
+    found = [summarise(Events(*[column] * 6), repeat=False) for column in columns]
+    margins = [one.margins["v_max_median"] for one in found]
+    assert np.mean([abs(one.v_max_median - np.exp(15.0)) <= margin for one, margin in zip(found, margins, strict=True)]) >= 0.9
+    assert np.median(margins) < np.exp(15.0)
 
 
 LONG_MEAN, ITS_MARGIN = 463.0, 0.2

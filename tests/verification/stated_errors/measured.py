@@ -153,7 +153,7 @@ def held_means(events: Events, count: int) -> list[Held]:
     certain = 1.0 / math.sqrt(1.0 + first.cycles / rest.cycles)
     return [
         Held(name, margin / getattr(rest, name).mean, certain * abs(getattr(first, name).mean / getattr(rest, name).mean - 1.0))
-        for name, margin in vars(first.margins).items()
+        for name, margin in first.margins.items()
         if name in first.spreads
     ]
 
