@@ -16,13 +16,6 @@ def quasistatic_r(slopes: FrictionSlopes, epsilon: float) -> float:
     return -epsilon / (slopes.healing * slopes.steady)
 
 
-def quasidynamic_r(slopes: FrictionSlopes, epsilon: float) -> float:
-    """Critical r with radiation damping, r_*/(1 - r_* G_phi/2); inf where the damping alone stabilises
-    (Z = eps/s + eps/2; not in the paper)."""
-    left = 1.0 - 0.5 * quasistatic_r(slopes, epsilon) * slopes.healing
-    return quasistatic_r(slopes, epsilon) / left if left > 0.0 else math.inf
-
-
 def kelvin_voigt_r(slopes: FrictionSlopes, epsilon: float) -> float:
     """Critical r of the Kelvin-Voigt system in closed form (27), with theta = pi/2 - asin(cos theta) so that nothing cancels as
     r omega_c -> 0, and cos theta = (1 + 8/(r_* omega_c)^2)^(-3/2)."""

@@ -19,7 +19,7 @@ from slipwave.files import CONVENTIONS, TIME
 from slipwave.observe.pieces import SAME, Array
 from slipwave.scene import Scene
 from slipwave.scene.units import IN_SI
-from slipwave.solve import FieldSolver, Final, Observer, SlabSnapshot, Snapshot, State, follow, tables
+from slipwave.solve import FieldSolver, SlabSnapshot, Snapshot, State, tables
 
 if TYPE_CHECKING:
     import xarray
@@ -159,20 +159,6 @@ class FieldRecord:
 
 def _values(shot: Snapshot) -> tuple[Array, Array, Array, Array]:
     return shot.upper.velocity, shot.upper.stress, shot.lower.velocity, shot.lower.stress
-
-
-def record_field(
-    solver: FieldSolver, start: float, end: float, interval: float = INTERVAL, observers: Sequence[Observer] = ()
-) -> tuple[Field, Final]:
-    """March to `end` and keep the fields of a window (`FieldRecord`). Returns the record and the interface's state at `end`.
-
-    Raises SceneError if the window is empty or already past, and NumericsError as `follow` does.
-    """
-    if not solver.time <= start:
-        raise SceneError(f"window = [{start:g}, {end:g}]: must be later than t = {solver.time:g}")
-    record = FieldRecord(solver, start, end, interval)
-    final = follow(solver, end, observers, marks=[record])
-    return record.field, final
 
 
 def _stack(shots: Sequence[SlabSnapshot]) -> SlabSnapshot:

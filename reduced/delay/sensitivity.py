@@ -82,14 +82,14 @@ def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arrivin
     _, rule, shape = rule_of(pieces.z.shape[1])
     nodes, own = np.array(shape), plain_impedance(scene)
     given, here = given_by(scene, sides, pieces, nodes.size)
-    direct = -given.stress
+    v, direct = here[0], -given.stress
     for i, (scenes, _, step) in enumerate(sides):
         for one, sign in zip(scenes, (0.5, -0.5), strict=True):
             impedance = plain_impedance(one)
             if impedance != own or one.velocity != scene.velocity:
                 drive = drive_on(one, pieces, nodes, 1.0, 0.5)
-                given.memory[:, i] += sign / step * 2.0 * impedance * (drive - here.v)
-                given.stress[:, i] -= sign / step * impedance * here.v
+                given.memory[:, i] += sign / step * 2.0 * impedance * (drive - v)
+                given.stress[:, i] -= sign / step * impedance * v
     motion, lengths = Motion(pieces.z, pieces.psi, False), pieces.length * scene.transit
     _carry_waves(shape, scene.law, own, lengths, rule.integral, motion, arriving, given, psi)
     return stress_by(here, given, direct)

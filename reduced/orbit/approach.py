@@ -36,14 +36,6 @@ class FlowingSolver(Solver, Protocol):
         """The map over a `period` (transits), on a mesh for figures with this relative error, and the present state."""
 
 
-class CycleSection(NamedTuple):
-    """The `state` of `flow` halfway between two slip events; `date` (transits) of the earlier one."""
-
-    flow: Flow
-    state: Array
-    date: float
-
-
 class Guess(NamedTuple):
     """Start of Newton's method: a `state` of `flow` between two slip events, where the motion is smooth, and a `period` of
     `cycles` cycles; whether the run had `settled`."""
@@ -77,7 +69,8 @@ def guesses(
     """Yield the guess of `approach`, then, if the cycles settle, guesses of the same run settled further: near a fold cycles
     hardly change though the orbit exists only at another parameter. If the cycles keep changing, yield the closest returns, of
     one cycle or of those that take about the period `near` (transits), which then come first: an irregular motion passes many
-    unstable orbits, but the mean of its cycles is near none.
+    unstable orbits, but the mean of its cycles is near none. The closest return, by the largest difference of a component of the
+    state, comes first; with `near`, only of the half whose times are nearest to it.
 
     Raises NumericsError as `approach` does, and SceneError if the run would take too long."""
     observer, foresight = EventObserver(solver.scene, solver.nodes), Foresight(solver, most)
@@ -91,12 +84,16 @@ def guesses(
         yield Guess(*_between(solver, observer, tolerance, period), period, _settled(events, alike))
     else:
         return
-    sections = _sections(solver, observer, tolerance, period)
+    flows, states, dates = _sections(solver, observer, tolerance, period)
     if near is None:
-        mean = (sections[-1].date - sections[0].date) / (len(sections) - 1)
-        yield Guess(sections[0].flow, np.mean([section.state for section in sections], axis=0), mean, False)
-    for section, returned in closest_returns(sections, cycles, near):
-        yield Guess(section.flow, section.state, returned, False, cycles)
+        yield Guess(flows[0], states.mean(axis=0), float(dates[-1] - dates[0]) / (dates.size - 1), False)
+    periods = dates[cycles:] - dates[:-cycles]
+    sought = np.arange(periods.size)
+    if near is not None:
+        sought = np.argsort(np.abs(periods - near), kind="stable")[: (periods.size + 1) // 2]
+    gaps = np.abs(states[cycles:] - states[:-cycles]).max(axis=1)
+    for k in sought[np.argsort(gaps[sought], kind="stable")][:_RETURNS]:
+        yield Guess(flows[k], states[k], float(periods[k]), False, cycles)
 
 
 def _cycles(
@@ -137,25 +134,16 @@ def _drifts(events: Events) -> bool:
     return bool((changes > 0.0).all() or (changes < 0.0).all())
 
 
-def _sections(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> list[CycleSection]:
-    """States halfway after the next events, all on one mesh."""
-    sections: list[CycleSection] = []
+def _sections(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> tuple[list[Flow], Array, Array]:
+    """Flows, all on one mesh, and states (k, n) halfway after the next events, and the dates (k,) of these (transits)."""
+    sections: list[tuple[Flow, Array, float]] = []
     while len(sections) < _CYCLES:
         flow, state = _between(solver, observer, tolerance, period)
-        if sections and flow.size != sections[0].flow.size:  # the solver has refined its mesh
+        if sections and flow.size != sections[0][0].size:  # the solver has refined its mesh
             sections = []
-        sections.append(CycleSection(flow, state, float(observer.dates()[-1])))
-    return sections
-
-
-def closest_returns(sections: list[CycleSection], cycles: int = 1, near: float | None = None) -> list[tuple[CycleSection, float]]:
-    """Sections with the closest returns (largest difference of a component of the state) after `cycles` cycles, closest first,
-    each with its return time (transits); with `near`, only from the half with return times nearest to it."""
-    pairs = [(first, last.date - first.date, last) for first, last in zip(sections, sections[cycles:], strict=False)]
-    if near is not None:
-        pairs = sorted(pairs, key=lambda pair: abs(pair[1] - near))[: (len(pairs) + 1) // 2]
-    pairs.sort(key=lambda pair: float(np.abs(pair[2].state - pair[0].state).max()))
-    return [pair[:2] for pair in pairs[:_RETURNS]]
+        sections.append((flow, state, float(observer.dates()[-1])))
+    flows, states, dates = zip(*sections, strict=True)
+    return list(flows), np.array(states), np.array(dates)
 
 
 def _between(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> tuple[Flow, Array]:

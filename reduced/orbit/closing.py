@@ -47,15 +47,6 @@ class Evaluated(NamedTuple, Generic[_Motion]):
         return float(np.abs(self.residual).max())
 
 
-class _Root(NamedTuple, Generic[_Motion]):
-    """The solution `at`, a `derivative` (m, m) evaluated at the distance `away` from it, and the number of `iterations`."""
-
-    at: Evaluated[_Motion]
-    derivative: Array
-    away: float
-    iterations: int
-
-
 def solve_by_newton(
     evaluate: Callable[[Array], Evaluated[_Motion]],
     derivative: Callable[[Evaluated[_Motion]], Array],
@@ -63,18 +54,16 @@ def solve_by_newton(
     tolerance: float,
     near: float,
     first: Array | None = None,
-) -> _Root[_Motion]:
-    """Unknowns near `guess` at which the largest residual is below `tolerance`, or no longer shrinks by rounding. The returned
-    derivative is evaluated within a distance (largest change of an unknown) of `near`. `first`: a derivative to start with, from
-    a nearby point.
+) -> tuple[Evaluated[_Motion], Array, int]:
+    """The equations at unknowns near `guess` at which the largest residual is below `tolerance` or no longer shrinks by rounding,
+    a derivative (m, m) evaluated within a distance (largest change of an unknown) of `near`, and the number of iterations.
+    `first`: a derivative to start with, from a nearby point.
 
     Raises NumericsError if there is no convergence, and the errors of `evaluate` at the guess.
     """
 
-    def finished(iterations: int) -> _Root[_Motion]:
-        if taken is None or away >= near:
-            return _Root(now, derivative(now), 0.0, iterations)
-        return _Root(now, taken, away, iterations)
+    def finished(iterations: int) -> tuple[Evaluated[_Motion], Array, int]:
+        return now, derivative(now) if taken is None or away >= near else taken, iterations
 
     now, away, taken, matrix = evaluate(guess), np.inf, first, first
     for iteration in range(_MOST_ITERATIONS):
@@ -212,16 +201,16 @@ def close_family(
     equations = _Equations(flow_at, guess, parameter, weights, along / max(float(np.abs(along).max()), 1e-300))
     known = None if neighbour is None else equations.bordered(neighbour.monodromy, neighbour.velocity, neighbour.drift)
     try:
-        solved = solve_by_newton(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
+        at, matrix, iterations = solve_by_newton(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
     except NumericsError as reason:
         raise NumericsError(
             f"{flow.model}: no periodic orbit found near a period of {period:.6g} transits: {reason} (scene {flow.scene.name!r}, "
             f"digest {flow.scene.digest})"
         ) from None
-    (flow, cycle), matrix = solved.at.motion, solved.derivative
-    residual, drift = float(np.abs(solved.at.residual[:n]).max()), np.ravel(matrix[:n, n + 1 :])
-    parameter = parameter if weights is None else float(solved.at.unknowns[-1])
-    return Closed(flow, cycle, residual, matrix[:n, :n] + np.eye(n), matrix[:n, n], drift, parameter, solved.iterations)
+    flow, cycle = at.motion
+    residual, drift = float(np.abs(at.residual[:n]).max()), np.ravel(matrix[:n, n + 1 :])
+    parameter = parameter if weights is None else float(at.unknowns[-1])
+    return Closed(flow, cycle, residual, matrix[:n, :n] + np.eye(n), matrix[:n, n], drift, parameter, iterations)
 
 
 def by_parameter(flow_at: FlowAt, cycle: Cycle, parameter: float) -> Array:

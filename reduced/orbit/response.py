@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -30,14 +29,6 @@ _ALIGNED = 1e-11  # of the period: error of an advance
 _NEUTRAL = 1e-6  # distance from 1 of another multiplier, below which the orbit has no derivative: it turns in a fold
 
 
-class Beside(NamedTuple):
-    """A `scene` at p + `offset`; d f/dp is the sum of `weight` f over several."""
-
-    scene: Scene
-    offset: float
-    weight: float
-
-
 class Responding:
     """An orbit on the meshes on which its motion is a smooth function of parameters. Raises NumericsError where another
     multiplier is 1, so that the orbit has no derivative."""
@@ -48,21 +39,24 @@ class Responding:
             raise NumericsError("another multiplier is 1 within 1e-6, as in a fold: the orbit has no derivative by a parameter")
         self._meshes, self._slowest = [(closed, _inverse(closed))], float(np.abs(others).max(initial=0.0))
 
-    def by(self, sides: Sequence[Beside], figures: Callable[[Closed], Mapping[str, float]]) -> dict[str, float]:
-        """d figures/dp from the scenes beside the orbit's. Raises SceneError if these have states of another size, NumericsError
-        if a march or, where travel times change, the orbit on another mesh fails."""
-        closed, inverse = self._smooth_in([side.scene for side in sides])
-        cycle, flows = closed.cycle, [closed.flow.of(side.scene) for side in sides]
+    def by(
+        self, scenes: Sequence[Scene], weights: Mapping[float, float], figures: Callable[[Closed], Mapping[str, float]]
+    ) -> dict[str, float]:
+        """d figures/dp from `scenes` beside the orbit's, at p + offset: d f/dp is the sum of weight f over them, `weights` by the
+        offset. Raises SceneError if they have states of another size, NumericsError if a march or, where travel times change,
+        the orbit on another mesh fails."""
+        closed, inverse = self._smooth_in(scenes)
+        cycle, flows = closed.cycle, [closed.flow.of(scene) for scene in scenes]
         if any(flow.size != closed.flow.size for flow in flows):
             raise SceneError("at this value alone the state has fewer numbers than beside it")
         ends = np.array([flow.march(cycle.start, cycle.period).end for flow in flows])
-        drift = np.array([side.weight for side in sides]) @ ends
+        drift = np.array([*weights.values()]) @ ends
         slope = inverse[:, :-1] @ -drift
         total = dict[str, float]()
-        for side, flow in zip(sides, flows, strict=True):
-            moved = flow.march(cycle.start + side.offset * slope[:-1], cycle.period + side.offset * float(slope[-1]))
+        for (offset, weight), flow in zip(weights.items(), flows, strict=True):
+            moved = flow.march(cycle.start + offset * slope[:-1], cycle.period + offset * float(slope[-1]))
             for name, value in figures(replace(closed, flow=flow, cycle=moved)).items():
-                total[name] = total.get(name, 0.0) + side.weight * value
+                total[name] = total.get(name, 0.0) + weight * value
         return total
 
     @cached_property

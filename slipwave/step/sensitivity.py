@@ -44,8 +44,8 @@ class Given(NamedTuple):
 
 
 def _law_along(law: Law, pieces: Pieces) -> Array:
-    """v_z, F, F_z, F_psi and G of `law` (5, k, s) at the nodes of a motion."""
-    answers = np.empty((5, *pieces.z.shape))
+    """v, v_z, F, F_z, F_psi and G of `law` (6, k, s) at the nodes of a motion."""
+    answers = np.empty((6, *pieces.z.shape))
     _respond_all(law, pieces.z, pieces.psi, answers)
     return answers
 
@@ -54,9 +54,9 @@ def _law_along(law: Law, pieces: Pieces) -> Array:
 def _respond_all(law: Law, z: Array, psi: Array, answers: Array) -> None:
     for k in range(z.shape[0]):
         for j in range(z.shape[1]):
-            _, v_z, friction, by_z, by_psi, growth, _, _ = respond(law, z[k, j], psi[k, j])
-            answers[0, k, j], answers[1, k, j] = v_z, friction
-            answers[2, k, j], answers[3, k, j], answers[4, k, j] = by_z, by_psi, growth
+            v, v_z, friction, by_z, by_psi, growth, _, _ = respond(law, z[k, j], psi[k, j])
+            answers[0, k, j], answers[1, k, j], answers[2, k, j] = v, v_z, friction
+            answers[3, k, j], answers[4, k, j], answers[5, k, j] = by_z, by_psi, growth
 
 
 def drive_on(scene: Scene, pieces: Pieces, nodes: Array, clock: float = 1.0, late: float = 0.0) -> Array:
@@ -76,17 +76,17 @@ def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Arra
 
 
 def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, Array]:
-    """Direct derivatives along `pieces` through the law and the clock, zero through the slabs; and v_z, F_z and F_psi (3, k, s)
-    along them."""
+    """Direct derivatives along `pieces` through the law and the clock, zero through the slabs; and v, v_z, F, F_z, F_psi and G
+    along them (6, k, s)."""
     (steps, stages), count, here = pieces.z.shape, len(sides), _law_along(scene.law, pieces)
     stress, gain = np.zeros((2, steps, count, stages))
     for i, (scenes, clocks, step) in enumerate(sides):
         for one, clock, sign in zip(scenes, clocks, (0.5, -0.5), strict=True):
-            _, friction, _, _, growth = here if one.law == scene.law else _law_along(one.law, pieces)
+            _, _, friction, _, _, growth = here if one.law == scene.law else _law_along(one.law, pieces)
             stress[:, i] -= sign / step * friction
             gain[:, i] += (sign / step * clock * one.transit * pieces.length)[:, None] * growth
     rate, state = np.empty((2, steps, count, stages))
-    return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state), here[[0, 2, 3]]
+    return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state), here
 
 
 def start_by(sides: Sequence[Sides]) -> Array:
@@ -96,9 +96,10 @@ def start_by(sides: Sequence[Sides]) -> Array:
 
 
 def stress_by(law: Array, given: Given, direct: Array) -> Array:
-    """d mu/dp at the nodes (k, m, s) from the responses, with F_p = `direct` (k, m, s); `law`: v_z, F_z and F_psi."""
-    v_z, by_z, by_psi = law
-    return (by_z / v_z)[:, None] * given.rate + by_psi[:, None] * given.state + direct
+    """d mu/dp at the nodes (k, m, s) from the responses, with F_p = `direct` (k, m, s); `law` as from `given_by`."""
+    _, v_z, _, by_z, by_psi, _ = law[:, :, None]
+    stress: Array = by_z / v_z * given.rate + by_psi * given.state + direct
+    return stress
 
 
 @njit

@@ -211,9 +211,9 @@ def test_steps_are_shortened_until_they_help_and_a_neighbour_that_misleads_is_no
     """For arctan the full step from 3 leads to -9.5, and on to ever larger values. The derivative of the neighbour leads from 0.5
     to -4600, whence no shortened step comes back."""
     far, near = (Equations(np.arctan, lambda u: np.diag(1.0 / (1.0 + u * u))) for _ in range(2))
-    assert abs(far.solved([3.0]).at.unknowns[0]) < 1e-12
+    assert abs(far.solved([3.0])[0].unknowns[0]) < 1e-12
     assert max(abs(u[0]) for u in far.tried) < 10.0
-    assert abs(near.solved([0.5], first=np.array([[1e-4]])).at.unknowns[0]) < 1e-12
+    assert abs(near.solved([0.5], first=np.array([[1e-4]]))[0].unknowns[0]) < 1e-12
     assert min(u[0] for u in near.tried) == pytest.approx(0.5 - 1e4 * math.atan(0.5))
 
 
@@ -225,7 +225,7 @@ def test_steps_leave_what_cannot_be_evaluated():
         return np.log(u)
 
     equations = Equations(residual, lambda u: np.diag(1.0 / u))
-    assert equations.solved([3.0]).at.unknowns[0] == pytest.approx(1.0, abs=1e-13)
+    assert equations.solved([3.0])[0].unknowns[0] == pytest.approx(1.0, abs=1e-13)
 
 
 def test_residuals_at_rounding_are_accepted():
@@ -233,7 +233,7 @@ def test_residuals_at_rounding_are_accepted():
     for floor in (3e-11, 3e-7):
         equations = Equations(lambda u, floor=floor: u - 1.0 + floor * np.sign(u - 1.0 + 1e-300), lambda u: np.eye(1))
         if floor < 1e-9:
-            assert equations.solved([1.5]).at.unknowns[0] == pytest.approx(1.0, abs=1e-10)
+            assert equations.solved([1.5])[0].unknowns[0] == pytest.approx(1.0, abs=1e-10)
         else:
             with pytest.raises(NumericsError, match=r"no convergence in 25 iterations: a residual of \de-07 is left"):
                 equations.solved([1.5])

@@ -13,9 +13,9 @@ from scipy.integrate import cumulative_simpson
 from scipy.interpolate import CubicSpline
 
 import slipwave
-from fullwave.fields.record import record_field
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, Slab, StandardLinearViscosity
+from tests.field_window import record_field
 from validation.models.build import build
 from validation.models.by_name import explicit_time
 

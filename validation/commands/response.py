@@ -12,7 +12,7 @@ import slipwave
 from reduced.orbit.closing import Closed
 from reduced.orbit.periodic import figures_of
 from reduced.orbit.phase import PhaseResponse
-from reduced.orbit.response import Beside, Responding
+from reduced.orbit.response import Responding
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import TIME
 from slipwave.input.assemble import validate
@@ -74,14 +74,15 @@ class _Number(Parameter):
             table = table[part]
         return slipwave.read(base, {key: [{**one, field: written} if i == k else one for i, one in enumerate(table)]})
 
-    def beside(self, base: Scene, wider: float = 1.0) -> list[Beside]:
-        """Scenes on both sides; at an end of the range this one and those on one side. Raises SceneError if there are none."""
+    def beside(self, base: Scene, wider: float = 1.0) -> tuple[list[Scene], dict[float, float]]:
+        """Scenes on both sides, and offset -> weight of each (`Responding.by`); at an end of the range this one and those on one
+        side. Raises SceneError if there are none."""
         step = wider * _STEP * (1.0 / math.log(10.0) if self.name.endswith("log10_r") else abs(self.value) or 1.0)
         failed = SceneError("")
         for sign, weights in ((1.0, _CENTRAL), (1.0, _ONE_SIDED), (-1.0, _ONE_SIDED)):
             try:
                 offsets = {sign * count * step: sign * weight / step for count, weight in weights.items()}
-                return [Beside(self.scene(base, offset), offset, weight) for offset, weight in offsets.items()]
+                return [self.scene(base, offset) for offset in offsets], offsets
             except SceneError as error:
                 failed = error
         raise failed
@@ -98,9 +99,9 @@ def response_of(found: OrbitFound, responding: Responding) -> Response:
         keys[number.name] = {"value": number.value, "unit": number.shown}
         by: Mapping[str, float] = {}
         try:
-            by = responding.by(number.beside(scene), _figures)
+            by = responding.by(*number.beside(scene), _figures)
             if number.value and all(abs(by[name] * number.value / figure) < _WEAK for name, figure in figures.items()):
-                by = responding.by(number.beside(scene, _WIDER), _figures)
+                by = responding.by(*number.beside(scene, _WIDER), _figures)
         except (SceneError, NumericsError) as error:
             keys[number.name]["reason"] = str(error)
         for name, known in slopes.items():

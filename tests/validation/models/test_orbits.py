@@ -10,13 +10,13 @@ from scipy.interpolate import CubicSpline
 
 import slipwave
 import slipwave as sw
-from fullwave.fields.record import record_field
 from reduced.orbit import periodic_orbit
 from reduced.orbit.closing import close
 from slipwave import read
 from slipwave.errors import NumericsError
 from slipwave.observe import HistoryObserver
 from slipwave.solve import follow
+from tests.field_window import record_field
 from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.commands.cli import INPUT_WRONG, main
