@@ -8,7 +8,8 @@ outer face oscillates: a march needs as many steps as in an event. A leap splits
 
 What the split misses in a step, mainly the square of the rest, is measured: some steps are marched before the leap and compared
 with the prediction of both parts. This drift goes on in the leap at the same rate, carried along like the rest. Steps after the
-leap give the drift there; its change, times the steps of the leap, is the estimated error.
+leap give the drift there; half its change, times the steps of the leap, corrects the memory (trapezoidal rule). A part of the
+correction is the estimated error.
 """
 
 import math
@@ -29,7 +30,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
-from slipwave.step.nodal import PSI, TIME, constant_guess
+from slipwave.step.nodal import ELASTIC, PSI, TIME, constant_guess
 
 _SHARE = 0.03  # of the tolerance: error of a leap; a protocol has some hundred leaps
 _PRICE, _PRICE_OF_POWERS = 5000.0, 0.0015  # steps of the march that take as long as a leap; more for n entries, times n^3
@@ -41,6 +42,7 @@ _SETTLES = 500.0  # steps of an average, times the phase of the slowest resonanc
 _PAUSE, _LONGEST_PAUSE = 1024, 1 << 16  # transits marched before the next try to leap; doubled by a try that fails late
 _CHECKED = 8.0  # times the root of a leap's steps: steps that are marched before it and after it, to check it
 _CUTS, _LOOKS = 16, 65  # pieces of a leap or of its check; moments at which its extrema are looked for
+_CORRECTED = 0.2  # of a leap's correction: error that it leaves where the drift falls by a factor e in the leap
 _ORDER = 8.0  # with which the highest coefficient of a slow step grows
 _NEWTON = 1e-5  # of the tolerance: what Newton's method leaves adds up, to 3e-7 in 1e5 steps if it is 1e-9
 _RISING = 10.0  # times the tolerance: waves that pieces of a leap lack where v rises above V
@@ -68,8 +70,8 @@ class _Check(NamedTuple):
 class LeapingNetwork(StroboscopicNetwork):
     """`DelayNetwork`, to its `tolerance`, as a `Leaping` solver.
 
-    V is constant in a leap. Where waves change z by less than the tolerance, the pieces of a leap are those of the slow motion;
-    elsewhere it is a gap, in which z, mu and y have no extremum. `skipped` counts the transits not marched. Steps are shortened
+    V is constant in a leap. Its pieces are those of the slow motion; where waves change z by more than the tolerance, z, mu and y
+    have no extremum in them. `skipped` counts the transits not marched. Steps are shortened
     to end at a jump of V.
     """
 
@@ -208,13 +210,17 @@ class LeapingNetwork(StroboscopicNetwork):
         split = split._replace(rest=later[:, 0] + steps * later[:, 1])
         self._jump_to(split, end, steps)
         behind, friction = self._check(split, count), self._friction(slow, end, end)
-        error = max(self._size(steps * (behind.drift - later[:, 1]), friction.mu_z), spread) if behind else math.inf
-        if not (behind and error <= self._allowed and not (rises and behind.ripple > visible)):
+        if behind is None:
+            return None, _SHRINK
+        missed = 0.5 * steps * (behind.drift - later[:, 1])
+        error = max(_CORRECTED * self._size(missed, friction.mu_z), spread)
+        if error > self._allowed or (rises and behind.ripple > visible):
             return None, min(0.5, self._scale(slow, error))
+        marched = behind.pieces.time.size
+        powers = powers_of(self._parts()[1].matrix(self._friction(slow, end, self.time))[0], marched)
+        self._take(self._now().vector + advanced(powers, missed, marched))
         self.skipped += end - begin
-        hidden = max(ahead.ripple, behind.ripple) > visible
-        shown = (ahead.pieces, behind.pieces) if hidden else (ahead.pieces, fill, behind.pieces)
-        return Pieces.joined(shown), self._scale(slow, error)
+        return Pieces.joined((ahead.pieces, fill, behind.pieces)), self._scale(slow, error)
 
     def _split(self, length: float) -> _Split | None:
         """The split of the present motion for a leap of `length` (transits); None if the slow part is not smooth enough. Slow
@@ -266,9 +272,9 @@ class LeapingNetwork(StroboscopicNetwork):
         if done < steps:
             return None
         miss = self._now().vector - self._composed(split, self.time).vector - expected
-        times = (pieces.time[:, None] + pieces.length[:, None] * self.nodes).ravel()
-        looks = np.linspace(start, self.time, _CUTS + 1)
-        ripple = np.abs(pieces.z.ravel() - np.interp(times, looks, motion.interface(split.slow, looks).z)).max()
+        times, looks = pieces.time[:, None] + pieces.length[:, None] * self.nodes, np.linspace(start, self.time, self._stages)
+        smooth = np.polynomial.Polynomial.fit(looks, motion.interface(split.slow, looks).z, self._stages - 1)
+        ripple = np.abs(pieces.z - smooth(times)).max()
         drift = miss / steps
         if ripple <= self._tolerance and abs(drift[-2]) < np.spacing(abs(self._memory.now[PSI])):
             drift[-2] = 0.0  # rounding: a march's psi stops where it changes by less in a step
@@ -288,11 +294,15 @@ class LeapingNetwork(StroboscopicNetwork):
 
     def _jump_to(self, split: _Split, time: float, steps: int) -> None:
         """Set the state `steps` later, at `time`, from its `split`."""
-        waves, tops, (psi, y) = self._parts()[1].empty.like(self._composed(split, time).vector + split.rest)
-        unknown = float(self._parts()[0].interface(split.slow, np.array(time)).z)
+        self._take(self._composed(split, time).vector + split.rest)
         self._done += steps
-        self._lines = lines_with(self._lines.network, waves.copy(), tops.copy())
+        unknown, (_, psi, y) = float(self._parts()[0].interface(split.slow, np.array(time)).z), self._memory.now[: ELASTIC + 1]
         self._memory = DelayMemory(constant_guess(psi, unknown, self._stages), present(time, psi, y))
+
+    def _take(self, vector: Array) -> None:
+        """Make `vector` (n,) the present memory."""
+        waves, tops, self._memory.now[[PSI, ELASTIC]] = self._frozen_step().empty.like(vector)
+        self._lines = lines_with(self._lines.network, waves.copy(), tops.copy())
 
     def _parts(self) -> tuple[SlowMotion, FrozenStep]:
         """The solvers of both parts of the motion."""

@@ -43,6 +43,7 @@ _POINTS, _MORE_POINTS = 33, 257  # of a piece, its ends included; of one longer 
 _LONG = 2.0  # transits
 _BETWEEN = 0.1  # of the range of its nodal values: so far above these a piece may rise between its nodes
 _AT_ONCE, _LONG_AT_ONCE = 256, 8  # pieces that are searched for a peak
+_FALLEN = 0.01  # of its rise to the peak: a stress that has fallen less may still rise
 _NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie between them
 
 
@@ -153,7 +154,7 @@ def _figures(stage: Stage, seen: _Measured, earlier: StageFigures | None, before
         numbers["direct_effect"] = seen.peak - seen.before
         if settled:
             numbers["evolution"] = seen.peak - seen.last
-    if stage.kind in ("step", "slide") and not math.isnan(seen.recovered):
+    if stage.kind in ("step", "slide") and not math.isnan(seen.recovered - seen.peak_slip):
         numbers["slip_to_recovery"] = seen.recovered - seen.peak_slip
     return replace(facts, **numbers)
 
@@ -181,11 +182,14 @@ class ProtocolObserver:
 
     @property
     def whole_from(self) -> float:
-        """As `Spanning`; infinite during a hold, of which only the end enters a figure."""
+        """As `Spanning`; infinite but at the beginning of a stage and between a peak and the recovery from it, over which slip is
+        summed."""
         if self._now == len(self.stages):
             return 0.0
         stage, seen = self.stages[self._now], self._seen[self._now]
-        return math.inf if stage.kind == "hold" and -math.inf < seen.reached < stage.end else 0.0
+        fallen = stage.sign * (seen.peak - seen.last) > _FALLEN * stage.sign * (seen.peak - seen.before)
+        recovers = fallen and math.isnan(seen.recovered) and not math.isnan(seen.peak_slip)
+        return math.inf if -math.inf < seen.reached < stage.end and not recovers else 0.0
 
     @property
     def figures(self) -> list[StageFigures]:
@@ -211,16 +215,18 @@ class ProtocolObserver:
             first, end = count * np.searchsorted(middle, stage[1:3]) if self._cut else np.searchsorted(time, stage[1:3])
             inside = slice(first, min(end, np.searchsorted(time, stage.end + slack(stage.end), "right")))
             if first < inside.stop:
+                reached = self._seen[k].reached
                 self._take(k, stage, time[inside], mu[inside], pieces.z.ravel()[inside], min(now, stage.end))
                 if stage.kind in ("step", "slide"):
-                    self._follow(k, stage, pieces, inside)
+                    self._follow(k, stage, pieces, inside, reached)
             elif self._seen[k].reached > -math.inf:
                 self._seen[k] = self._seen[k]._replace(reached=min(now, stage.end))
         while self._now < len(self.stages) and self.stages[self._now].end <= now:
             self._now += 1
 
-    def _follow(self, k: int, stage: Stage, pieces: Pieces, inside: slice) -> None:
-        """Add the slip in a stage, whose nodes are those `inside` the `pieces`, and look for its peak and the recovery."""
+    def _follow(self, k: int, stage: Stage, pieces: Pieces, inside: slice, reached: float) -> None:
+        """Add the slip in a stage, `reached` so far, whose nodes are those `inside` the `pieces`, and look for its peak and the
+        recovery. The slip between them is not known where a gap lies there."""
         count = self._nodes.size
         pieces = pieces.part(slice(inside.start // count, -(-inside.stop // count)))
         gained = self._scene.transit * pieces.length * np.add.reduce(self._whole * rates(self._scene.law, pieces.z), axis=1)
@@ -231,6 +237,10 @@ class ProtocolObserver:
             stress, slip = (values.ravel()[inside.start % count :] for values in self._sampled(self._own, pieces, begun[:-1]))
             taken = slice(inside.stop - inside.start)
             self._seen[k] = _peak(self._seen[k], stage.sign, self._steady(stage), stress[taken], slip[taken])
+        before = np.append(max(reached, stage.start), (pieces.time + pieces.length)[:-1])
+        at_gaps, seen = begun[:-1][pieces.time > before + slack(stage.end)], self._seen[k]
+        if ((at_gaps >= seen.peak_slip) & ~(at_gaps >= seen.recovered)).any():
+            self._seen[k] = seen._replace(peak_slip=math.nan)
         self._slip = float(begun[-1])
 
     def _sampled(self, sampling: Sampling, pieces: Pieces, begun: Array) -> tuple[Array, Array]:

@@ -36,7 +36,7 @@ class Final:
 
 class Observer(Protocol):
     """Reads the pieces of a run: of every transit, unless it is also `Spanning`, for which transits of slow motion may be left
-    out. In slow motion a piece may cover many transits."""
+    out, or their waves. In slow motion a piece may cover many transits."""
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces, in order."""

@@ -100,8 +100,8 @@ class Leaping(Solver, Protocol):
 
     def leap(self, until: float, end: float, gaps: bool) -> Pieces:
         """As `advance`, but with long pieces where waves change z by less than the tolerance and, if `gaps` are allowed, with
-        gaps (`slipwave.observe.pieces`) where no figure of a cycle is determined. The run's `end` (transits) never lies in a
-        gap."""
+        gaps (`slipwave.observe.pieces`), or long pieces without the waves, where no figure of a cycle is determined. The run's
+        `end` (transits) never lies in a gap."""
 
 
 @runtime_checkable

@@ -108,6 +108,26 @@ def test_a_ringing_that_decays_is_no_stick_slip():
     assert not ringing(0.0, 300.0).figures[1].stick_slips  # one way through, no cycle
 
 
+@pytest.mark.parametrize(("end", "whole_from"), [(3, math.inf), (20, 0.0), (25, 0.0), (120, math.inf)])
+def test_a_protocol_goes_on_as_without_a_stop(end, whole_from):
+    """Inside the start, at a jump, after the peak of a step and in the middle of a hold."""
+    drive = [[0, 100], [20, 100], [20, 300], [100, 300], [100, 0], [150, 0], [150, 100]]
+    scene = slipwave.read("paper", {"slab.log10_r": -3.0, "start.size": 0.0, "drive.velocity": drive, "run.until": 220})
+    rng = np.random.default_rng(1)
+    parts = [Pieces(np.array([t]), np.ones(1), *(4.0 + 0.1 * rng.standard_normal((4, 1, 3)))) for t in np.arange(0.0, 220.0)]
+    whole, before, after = (ProtocolObserver(scene, np.array([0.2, 0.5, 1.0]), 220.0) for _ in range(3))
+    for part in parts:
+        whole.scan(part)
+    for part in parts[:end]:
+        before.scan(part)
+    after.restore(before.state())
+    assert after.whole_from == before.whole_from == whole_from
+    for part in parts[end:]:
+        after.scan(part)
+    assert repr(after.figures) == repr(whole.figures)
+    assert [stage.reached for stage in after._seen] == [20.0, 100.0, 150.0, 220.0]
+
+
 def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back():
     """Two parabolas over nodes that miss their peaks, in pieces of their own, and a fall to the steady stress between them."""
     scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 60})
@@ -123,6 +143,26 @@ def test_a_peak_between_nodes_is_found_also_after_the_stress_has_come_back():
         take(time, 300.0, list(steady + peak - 0.1 * (nodes - 0.75) ** 2))
         take(time + 10.0, 300.0, [steady - 0.02] * 3)
         assert observer.figures[1].direct_effect == pytest.approx(peak, abs=1e-12)
+
+
+@pytest.mark.parametrize(("gap", "known"), [(1, True), (3, False), (5, True)])
+@pytest.mark.parametrize("at_once", [True, False])
+def test_slip_across_a_gap_is_not_known(gap, known, at_once):
+    """Transits that are left out before a peak or after the recovery from it take nothing from the figures."""
+    scene = slipwave.read("paper", {"drive.velocity": [[0, 100], [20, 100], [20, 300]], "run.until": 60})
+    ends = scene.steady_stress + np.array([0.0, 0.01, 0.02, 0.03, 0.02, -0.01, -0.01, 0.0])
+    stress = np.column_stack([0.5 * (np.append(ends[0], ends[:-1]) + ends), ends])
+    begins = np.append(19.0, np.arange(20.0, 27.0))
+    begins[gap + 1 :] += 4.0
+    velocity = np.append(100.0, np.full(7, 300.0))[:, None] * np.ones(2)
+    pieces = Pieces(begins, np.ones(8), *[np.log(velocity)] * 2, stress, np.log(velocity))
+    whole, gapped = (ProtocolObserver(scene, np.array([0.5, 1.0]), 60.0) for _ in range(2))
+    whole.scan(pieces._replace(time=19.0 + np.arange(8.0)))
+    for part in [pieces] if at_once else [pieces.part(slice(k, k + 1)) for k in range(8)]:
+        gapped.scan(part)
+    assert whole.figures[1].slip_to_recovery > 100.0 * scene.transit
+    assert gapped.figures[1].slip_to_recovery == (whole.figures[1].slip_to_recovery if known else None)
+    assert gapped.figures[1].direct_effect == whole.figures[1].direct_effect
 
 
 A, B, X = 0.01, 0.015, 10.0
@@ -157,7 +197,7 @@ def test_a_stiff_loading_shows_the_law(law):
         assert stage.slip_to_recovery == pytest.approx(LEFT[law, x], abs=2e-4)  # 2e-5 measured
     healed = B * math.log1p(HOLD) if law == "ageing" else 0.0
     assert slide.healing == pytest.approx(healed, abs=3e-5)  # 3e-6 measured
-    assert start.steady_stress == pytest.approx(0.6, abs=1e-12)
+    assert start.steady_stress == pytest.approx(0.6, abs=1e-11)  # 1.3e-12 measured
     assert slide.steady_stress == pytest.approx(0.6, abs=2e-6)  # B HOLD exp(-15)
     assert hold.relaxation is not None
     assert not any(stage.stick_slips for stage in (start, up, down, hold, slide))
