@@ -341,10 +341,7 @@ def test_a_text_is_parsed_once_for_all_processes_and_again_when_it_is_edited(sta
 
 @pytest.mark.parametrize(
     "spoilt",
-    [
-        lambda content: content[:-20],
-        lambda content: pickle.dumps({key: tuple(one) for key, one in sources._kept().items()}),
-    ],
+    [lambda content: content[:-20], lambda content: pickle.dumps({key: tuple(one) for key, one in sources._kept().items()})],
     ids=["damaged", "kept by another version"],
 )
 def test_what_is_kept_in_another_form_is_parsed_again_and_replaced(spoilt, started_again, tmp_path):

@@ -252,7 +252,6 @@ def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, refused, name):
     )
 
 
-FOLDS = ("paper", "LP", "log10_r=-2.72:-2.69", "V=100:120", "kelvin-voigt")
 FIRST, SECOND = (over_range(text, "paper") for text in (RANGE, "V=100:120"))
 
 
@@ -284,21 +283,6 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100, "point": None}
     assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
     assert (other.options.stored, other.found.second.ends) == (call | {"and": "V=90:91", "tol": 1e-4}, (90.0, 91.0))
-
-
-def test_a_curve_goes_on_to_the_same_points(tmp_path, monkeypatch):
-    """Stopped after one point and after three; until the last point is there, the file says that it is not complete."""
-    file, whole, complete, write = tmp_path / "part.nc", tmp_path / "whole.nc", [], followed.write_followed
-    monkeypatch.setattr(followed, "write_followed", lambda *parts: [complete.append(parts[3]), write(*parts)])
-    expected = sw.curve(*FOLDS, tol=1e-4, most_points=4, out=whole).found.points
-    assert (len(expected), complete) == (4, [False] * 4 + [True])
-    for most in (1, 3, 4):
-        found = sw.curve(*FOLDS, tol=1e-4, most_points=most, out=file, resume=file if most > 1 else None)
-        assert found.found.points == expected[:most]
-        assert found.summary["notes"] == [f"stopped after {most} points: --most-points goes further"]
-    with xarray.open_dataset(file) as resumed, xarray.open_dataset(whole) as direct:
-        xarray.testing.assert_equal(resumed, direct)
-        assert resumed["point_second"].values.tolist() == [point.second for point in expected]
 
 
 @pytest.mark.parametrize("kept", ["file", "result"])

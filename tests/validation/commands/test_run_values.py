@@ -76,24 +76,6 @@ def test_the_recorded_motion_obeys_the_equations(told):
         assert np.abs(misfit).max() < 2e-3 * np.abs(wanted[slow]).max()
 
 
-COMPARE = ["--until", "4000", "--cells", "24"]
-
-
-def test_compare_gives_every_models_own_run_and_its_signed_errors(answer, tmp_path):
-    found = answer("compare", "paper", "--models", "fd,delay,kelvin-voigt", *COMPARE, "--out", str(tmp_path / "three.png"))
-    rows = {row["model"]: row for row in found["models"]}
-    assert (found["reference"], found["until"], list(rows)) == ("delay", 4000.0, ["fd", "delay", "kelvin-voigt"])
-    reference = answer("run", "paper", "--model", "delay", "--until", "4000")
-    for model, row in rows.items():
-        alone = answer("run", "paper", "--model", model, "--until", "4000", *(["--cells", "24"] if model == "fd" else []))
-        for key in ("events", "period", "stress_drop", "elastic_stress_drop", "v_max", "v_min", "failures"):
-            assert row[key] == alone[key], (model, key)
-        for key in ("period", "stress_drop"):
-            theirs = reference[key]["mean"]
-            assert row["error"][key] == pytest.approx((alone[key]["mean"] - theirs) / theirs, rel=1e-9, abs=1e-15)
-    assert rows["kelvin-voigt"]["error"]["period"] == pytest.approx(70.7323 / 73.4721 - 1.0, abs=2e-5)
-
-
 def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
     chosen = [family for family in families() if family.name in ("delay", "fd")]

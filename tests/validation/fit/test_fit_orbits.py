@@ -62,16 +62,6 @@ def test_an_orbit_is_that_of_the_run_and_its_derivative_that_of_differences(foll
     followed.friction(inner)
 
 
-def test_over_the_period_no_orbit_turns_back(followed):
-    """Over a parameter the period locks to round trips; over the period the parameter's slope swings twofold within a transit."""
-    followed.friction(np.log([0.0349, 0.0489]))
-    rest = followed.anchor.coordinates[1:]
-    leading = [followed.walk(np.append(late, rest)).closed.parameter for late in np.arange(0.0, 2.1, 0.1)]
-    slopes = np.abs(np.diff(leading)) / 0.1
-    assert (np.diff(leading) * np.diff(leading)[0] > 0.0).all()
-    assert slopes.max() > 2.0 * slopes.min()
-
-
 def test_what_does_not_repeat_or_is_of_another_model_has_no_interval(tmp_path):
     times, friction = seen(0.0349, 1e-4, 5)
     settling = written(tmp_path / "settling.csv", HEADING, *seen(0.0340, 1e-4, 5, 1000.0))

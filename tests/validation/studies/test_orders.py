@@ -22,14 +22,7 @@ from validation.report.grid_verdicts import order_verdict
 from validation.studies import bifurcation as claims
 from validation.studies import orders
 from validation.studies.bifurcation.doubling import doubled
-from validation.studies.laboratory import (
-    _FITS,
-    _RUNS,
-    _cycle_without_tuning,
-    _fitted_to,
-    _program_verdicts,
-    _rise_time,
-)
+from validation.studies.laboratory import _FITS, _RUNS, _cycle_without_tuning, _fitted_to, _program_verdicts, _rise_time
 from validation.studies.snaking import sides
 
 
