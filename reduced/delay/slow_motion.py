@@ -10,7 +10,7 @@ stepped by collocation with a full impedance (`slipwave.step.impedance`) however
 values of T on a circle about s = 0 that encloses no resonance.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,20 +45,20 @@ class Transfer(NamedTuple):
     tops: Array
     radius: float
 
-
-def transfer_of(lines: Lines) -> Transfer:
-    """The coefficients of `lines` whose outer faces all have a spring or are rigid."""
-    angles = np.exp(2j * np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
-    radius = _LARGEST
-    while radius > _SMALLEST and _zeros(_responses(lines, radius * angles)[0]) > 1:
-        radius *= 0.7
-    s = _INSIDE * radius * angles
-    slip, stress, waves, tops = _responses(lines, s)
-    powers = s[:, None] ** -np.arange(-1.0, TERMS) / _POINTS
-    stress_row, wave_rows, top_rows = ((values / slip @ powers).real for values in (stress, waves, tops))
-    wave_rows[..., 0] = stress_row[0]  # at rest all lines have one stress; rounding of that would set off waves
-    top_rows[..., 0] = np.where(np.any(top_rows, axis=-1) & (np.arange(2) == LOAD), stress_row[0], 0.0)
-    return Transfer(stress_row, wave_rows, top_rows, _INSIDE * radius)
+    @classmethod
+    def of(cls, lines: Lines) -> Self:
+        """The coefficients of `lines` whose outer faces all have a spring or are rigid."""
+        angles = np.exp(2j * np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
+        radius = _LARGEST
+        while radius > _SMALLEST and _zeros(_responses(lines, radius * angles)[0]) > 1:
+            radius *= 0.7
+        s = _INSIDE * radius * angles
+        slip, stress, waves, tops = _responses(lines, s)
+        powers = s[:, None] ** -np.arange(-1.0, TERMS) / _POINTS
+        stress_row, wave_rows, top_rows = ((values / slip @ powers).real for values in (stress, waves, tops))
+        wave_rows[..., 0] = stress_row[0]  # at rest all lines have one stress; rounding of that would set off waves
+        top_rows[..., 0] = np.where(np.any(top_rows, axis=-1) & (np.arange(2) == LOAD), stress_row[0], 0.0)
+        return cls(stress_row, wave_rows, top_rows, _INSIDE * radius)
 
 
 def _zeros(values: Complex) -> int:
@@ -113,7 +113,7 @@ class SlowMotion:
 
     def __init__(self, scene: Scene, lines: Lines, stages: int, limits: Limits) -> None:
         self._scene, self._stages, self._limits = scene, stages, limits
-        self.transfer = transfer_of(lines)
+        self.transfer = Transfer.of(lines)
         self._matrices, self._rule, self._shape = rule_of(stages)
         self._basis, self._nodal = lagrange_basis(self._matrices.nodes), nodal_of(stages)
         self._with_start = lagrange_basis(np.append(0.0, self._matrices.nodes))

@@ -1,7 +1,6 @@
 """Z(s) and Y(s) of a scene, exact or reduced, by model name. s is on the friction clock, in 1/(L/V*)."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,31 +36,20 @@ def impedance(scene: Scene, s_friction_clock: object, model: str = "delay") -> C
     return q.value / p.value
 
 
-@dataclass(frozen=True)
-class Passivity:
-    """Result of the check: `worst` is the smallest Re Z/|Z|, found at `where` (1/transit); `unstable_poles` in 1/transit."""
-
-    passive: bool
-    worst: float
-    where: complex
-    unstable_poles: tuple[complex, ...]
-
-
-def check_passivity(scene: Scene, model: str = "delay") -> Passivity:
-    """Checks that Z is positive real: Re Z >= 0 on the imaginary axis up to 200 radians per transit and in the right half plane,
-    poles in the closed left half plane, and positive residues of poles on the axis. A reduction is also checked wherever its Re Z
-    may change sign (`Reduction.sign_frequencies`)."""
+def check_passivity(scene: Scene, model: str = "delay") -> tuple[bool, float, complex]:
+    """Whether Z is positive real, the smallest Re Z/|Z| and its place (1/transit): Re Z >= 0 on the imaginary axis up to 200
+    radians per transit and in the right half plane, poles in the closed left half plane, and positive residues of poles on the
+    axis. A reduction is also checked wherever its Re Z may change sign (`Reduction.sign_frequencies`)."""
     axis = np.concatenate([np.geomspace(1e-4, 1.0, 200), np.linspace(1.0, _HIGHEST, 4001)])
     s = np.concatenate([shift + 1j * axis for shift in (0.0, 1e-3, 0.1, 1.0, 10.0, 100.0)])
-    bad: tuple[complex, ...] = ()
+    bad = False
     if not is_exact(model):  # that is a chain of passive sections
         reduced = analysed(scene, model)
         s = np.append(s, 1j * np.maximum(reduced.sign_frequencies(), 1e-6))
         poles, residues = reduced.poles_and_residues()
         on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
-        wrong = (poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))
-        bad = tuple(complex(pole) for pole in poles[wrong])
+        bad = bool(np.any((poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))))
     p, q = (jet.value for jet in ratio_of(scene, model)(Jet.variable(s / scene.transit)))
     real = (q * p.conj()).real / (np.abs(q) * np.abs(p) + 1e-300)  # relative to |Z|
     lowest = int(np.argmin(real))
-    return Passivity(bool(real[lowest] >= -1e-9 and not bad), float(real[lowest]), complex(s[lowest]), bad)
+    return bool(real[lowest] >= -1e-9 and not bad), float(real[lowest]), complex(s[lowest])

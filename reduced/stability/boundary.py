@@ -26,7 +26,6 @@ _DIFFERENCE = 1e-6
 class Boundary:
     """One curve on which a pair of roots is neutral: values of the `first` and `second` parameter, and `omega` (1/(L/V*))."""
 
-    names: tuple[str, str]
     first: Array
     second: Array
     omega: Array
@@ -58,7 +57,7 @@ def boundary(
         if all(distances.min() > 2.0 * _STEP for distances in apart):
             curves.append(_trace(plane, start))
     points = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0])) for curve in curves]
-    return [Boundary(over, values[:, 0], values[:, 1], omega) for values, omega in points]
+    return [Boundary(values[:, 0], values[:, 1], omega) for values, omega in points]
 
 
 @dataclass(frozen=True)

@@ -56,7 +56,31 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
         return source
     name, data = load_tables(source)
     data = apply_overrides(data, overrides) if overrides else data
-    return assemble_scene(data, validate(data), name)
+    tables = validate(data)
+    run, start, interface = tables.run, tables.start, dict(tables.interface)
+    in_si = {key: interface[key] for key in keys.UNIT_KEYS if interface[key] is not None}
+    if in_si and len(in_si) < len(keys.UNIT_KEYS):
+        missing = next(key for key in keys.UNIT_KEYS if key not in in_si)
+        raise SceneError(f"interface.{missing}: missing; must be given with {' and '.join(sorted(in_si))} (all three or none)")
+    units = Units(**in_si) if in_si else None
+    law = LAWS[tables.interface.law].parameters
+    upper, lower = _in_machine(tables, _slabs(tables, units), units)
+    filled = {
+        key: {name: value for name, value in table if value is not None} | data.get(key, {})
+        for key, table in (("start", start), ("run", run))
+    }
+    return Scene(
+        name=tables.name or name,
+        law=law(**{key: in_scene(f"interface.{key}", interface[key], units, keys.VELOCITY) for key in law._fields}),
+        upper=upper,
+        lower=lower,
+        drive=_drive(tables.drive, units, upper.round_trip),
+        start=Start(StartKind(start.kind), _DEFAULT_SIZES[start.kind] if start.size is None else start.size),
+        until=None if run.until is None else in_scene("run.until", run.until, units, keys.UNTIL, upper.round_trip),
+        record=frozenset(run.record),
+        units=units,
+        written={"name": tables.name or name} | data | filled,
+    )
 
 
 def read_scene(source: SceneSource, **changes: Any) -> Scene:
@@ -157,35 +181,6 @@ def _per_area(key: str, name: str, given: float | Quantity, area: float | None) 
 
 
 _DEFAULT_SIZES = {"nudge": 0.5, "jump": 0.05, "orbit": 0.5}
-
-
-def assemble_scene(data: dict[str, Any], tables: keys.SceneTable, name: str) -> Scene:
-    """The scene of the raw tables `data`, which are `tables` once validated, called `name` if they give no name. Raises
-    SceneError for keys that do not fit together."""
-    run, start, interface = tables.run, tables.start, dict(tables.interface)
-    in_si = {key: interface[key] for key in keys.UNIT_KEYS if interface[key] is not None}
-    if in_si and len(in_si) < len(keys.UNIT_KEYS):
-        missing = next(key for key in keys.UNIT_KEYS if key not in in_si)
-        raise SceneError(f"interface.{missing}: missing; must be given with {' and '.join(sorted(in_si))} (all three or none)")
-    units = Units(**in_si) if in_si else None
-    law = LAWS[tables.interface.law].parameters
-    upper, lower = _in_machine(tables, _slabs(tables, units), units)
-    filled = {
-        key: {name: value for name, value in table if value is not None} | data.get(key, {})
-        for key, table in (("start", start), ("run", run))
-    }
-    return Scene(
-        name=tables.name or name,
-        law=law(**{key: in_scene(f"interface.{key}", interface[key], units, keys.VELOCITY) for key in law._fields}),
-        upper=upper,
-        lower=lower,
-        drive=_drive(tables.drive, units, upper.round_trip),
-        start=Start(StartKind(start.kind), _DEFAULT_SIZES[start.kind] if start.size is None else start.size),
-        until=None if run.until is None else in_scene("run.until", run.until, units, keys.UNTIL, upper.round_trip),
-        record=frozenset(run.record),
-        units=units,
-        written={"name": tables.name or name} | data | filled,
-    )
 
 
 def _slabs(tables: keys.SceneTable, units: Units | None) -> tuple[Slab, Slab]:

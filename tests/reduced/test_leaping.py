@@ -11,7 +11,7 @@ from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.multirevolution import Past, sum_rules
-from reduced.delay.slow_motion import transfer_of
+from reduced.delay.slow_motion import Transfer
 from reduced.delay.stroboscopic_kernel import sum_of_new, turns, weights_of_sum
 from reduced.delay.system import LeapingDelay, delay_system
 from reduced.delay.transmission_lines import lines_of
@@ -165,7 +165,7 @@ def test_the_transfer_to_slow_motion_is_the_impedance_of_the_slabs():
     """-Z(s) = c_(-1)/s + c_0 + c_1 s + .. on the transit clock, to the order of the terms left out."""
     for kind in KINDS:
         scene = sample(kind, HOLD)
-        found = transfer_of(lines_of(scene))
+        found = Transfer.of(lines_of(scene))
         s = 0.05 * found.radius * np.exp(0.7j)
         series = sum(term * s ** (k - 1) for k, term in enumerate(found.stress))
         assert series == pytest.approx(-impedance(scene, s / scene.transit), rel=1e-6), kind

@@ -245,7 +245,7 @@ def _taylor(paper: slipwave.Scene) -> Verdict:
     pole = max(TRUNCATION.poles_and_residues()[0], key=lambda value: (value.real, value.imag))
     known = cmath.sqrt(complex(-40.0, math.sqrt(320.0)))  # 1 + s^2/24 + s^4/1920 = 0
     growing = analyse(with_parameter(paper, "log10_r", -3.5), "taylor").unstable_roots
-    passive = check_passivity(paper, "taylor").passive
+    passive, *_ = check_passivity(paper, "taylor")
     return holding(
         TAYLOR,
         EXACT,
