@@ -82,32 +82,9 @@ def _word(words: tuple[str, ...], value: Any) -> int:
 
 
 @dataclass
-class Sizes:
-    """Size of parts, from the time of earlier ones; at the end parts become smaller, so that all workers end together."""
-
-    workers: int
-    points: float = 1.0
-    seconds_per_point: float = math.nan
-    _largest: int = 0
-
-    def learn(self, count: int, seconds: float) -> None:
-        """Take a finished part of `count` points into account, but only the largest so far: the first points of a process include
-        its start. The size grows at most eightfold at a time."""
-        if count < 0.5 * self._largest:
-            return
-        self._largest = max(self._largest, count)
-        self.seconds_per_point = max(seconds / count, 1e-6)
-        wanted = (SLOW_PART_SECONDS if self.seconds_per_point > 1.0 else PART_SECONDS) / self.seconds_per_point
-        self.points = min(max(1.0, wanted), 8.0 * self.points, _LARGEST)
-
-    def next(self, rest: int) -> int:
-        """Number of points of the next part, with `rest` points left."""
-        return int(min(rest, max(min(self.points, rest / (2 * self.workers)), self.points / 16.0, 1.0)))
-
-
-@dataclass
 class Engine:
-    """Runs parts of `plan` on executors made by `start`, with `workers` workers, and writes finished parts to the `store`."""
+    """Runs parts of `plan` on executors made by `start`, with `workers` workers, and writes finished parts to the `store`. Their
+    size follows from the time of earlier ones; at the end they become smaller, so that all workers end together."""
 
     plan: Plan
     store: Store
@@ -117,7 +94,8 @@ class Engine:
     alive: Callable[[], bool] = lambda: True
 
     def __post_init__(self) -> None:
-        self.sizes = Sizes(self.workers)
+        self.seconds_per_point = math.nan
+        self._size, self._largest = 1.0, 0  # points of a part, and of the largest one so far
         self._refusals = 0  # of parts, since the executor last took one
 
     def run(self, points: Indices) -> None:
@@ -159,7 +137,7 @@ class Engine:
                     broken = True
                     self._again(waiting, part, max(deaths, 1) + alone)
                     continue
-                self.sizes.learn(part.size, seconds)
+                self._learn(part.size, seconds)
                 self.store.write(part, columns)
                 self.report(part.size)
             if not self.alive():
@@ -171,9 +149,20 @@ class Engine:
         """Most parts in flight; one if a process was killed, to identify the part that kills."""
         return 1 if any(deaths for _, deaths in (waiting[0], *flying.values())) else IN_FLIGHT * self.workers
 
+    def _learn(self, count: int, seconds: float) -> None:
+        """Take a finished part of `count` points into account, but only the largest so far: the first points of a process include
+        its start. The size grows at most eightfold at a time."""
+        if count < 0.5 * self._largest:
+            return
+        self._largest = max(self._largest, count)
+        self.seconds_per_point = max(seconds / count, 1e-6)
+        wanted = (SLOW_PART_SECONDS if self.seconds_per_point > 1.0 else PART_SECONDS) / self.seconds_per_point
+        self._size = min(max(1.0, wanted), 8.0 * self._size, _LARGEST)
+
     def _next(self, waiting: deque[tuple[Indices, int]]) -> tuple[Indices, int]:
         rest, deaths = waiting.popleft()
-        count = rest.size if deaths else self.sizes.next(rest.size)
+        usual = max(min(self._size, rest.size / (2 * self.workers)), self._size / 16.0, 1.0)
+        count = rest.size if deaths else int(min(rest.size, usual))
         if rest.size > count:
             waiting.appendleft((rest[count:], deaths))
         return rest[:count], deaths

@@ -164,7 +164,7 @@ def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Done:
             """Show progress and refuse a sweep that would take too long."""
             done_now[0] += points
             report(done_now[0])
-            rest = (len(order) - done_now[0]) * engine.sizes.seconds_per_point / engine.workers
+            rest = (len(order) - done_now[0]) * engine.seconds_per_point / engine.workers
             if rest > where.most_seconds and not levels:
                 raise SceneError(f"the sweep would take about {rest / 3600.0:.0f} hours more; --yes computes it all the same")
 
