@@ -98,15 +98,9 @@ def _displaced(
     branch = simple.tangent[:-2]
     along = np.append(shape - (shape @ branch) / (branch @ branch) * branch, [0.0, 0.0])
     point = point_near(family, np.append(state, [period, closed.parameter]), along, metric)
-    if difference_of_halves(point) < _ALIKE * amplitude:
+    if difference_of_parts(point.closed, 2) < _ALIKE * amplitude:
         raise NumericsError(f"no orbit of twice the period was found near parameter = {closed.parameter:.10g}")
     return family, point
-
-
-def difference_of_halves(point: OrbitPoint) -> float:
-    """Largest difference of z and psi between the first and the second half of an orbit; 0 if that is a simple orbit run
-    twice."""
-    return difference_of_parts(point.closed.cycle, point.closed.flow.nodes, 2)
 
 
 def without_derivatives(point: OrbitPoint) -> State:

@@ -71,18 +71,19 @@ def amplitude(cycle: Cycle) -> float:
     return float(np.ptp(cycle.pieces.z))
 
 
-def difference_of_parts(cycle: Cycle, nodes: Array, parts: int) -> float:
-    """Largest difference of z and psi between the first and the second of `parts` equal parts of a closed cycle."""
-    basis, length = lagrange_basis(nodes), cycle.period / parts
+def difference_of_parts(closed: Closed, parts: int) -> float:
+    """Largest difference of z and psi between the first and the second of `parts` equal parts of a closed cycle: 0 if that is a
+    shorter one run several times."""
+    basis, length = lagrange_basis(closed.flow.nodes), closed.cycle.period / parts
     times = np.linspace(0.0, length, _SAMPLES, endpoint=False)[1:]
-    first, second = (np.array(values_at(cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, length))
+    first, second = (np.array(values_at(closed.cycle.pieces, basis, times + shift)[:2]) for shift in (0.0, length))
     return float(np.abs(second - first).max())
 
 
-def repeats_sooner(cycle: Cycle, nodes: Array, cycles: int) -> bool:
+def repeats_sooner(closed: Closed, cycles: int) -> bool:
     """Whether a closed cycle of `cycles` slip events repeats a shorter one."""
     divisors = [parts for parts in range(2, cycles + 1) if cycles % parts == 0]
-    return any(difference_of_parts(cycle, nodes, parts) < _SAME for parts in divisors)
+    return any(difference_of_parts(closed, parts) < _SAME for parts in divisors)
 
 
 @dataclass(frozen=True)

@@ -69,7 +69,7 @@ def test_figures_of_a_polynomial_motion():
 )
 def test_a_motion_that_repeats_after_a_third(cycles, sooner):
     cycle, nodes = motion([*[lambda t: np.sin(math.pi * t)] * 4], 6.0, pieces=60)
-    assert repeats_sooner(cycle, nodes, cycles) is sooner
+    assert repeats_sooner(SimpleNamespace(cycle=cycle, flow=SimpleNamespace(nodes=nodes)), cycles) is sooner
 
 
 def test_the_trivial_multiplier_is_split_off():
@@ -319,9 +319,9 @@ def test_an_orbit_of_two_cycles_is_found_beside_the_simple_one():
     closed = found("kelvin-voigt", -2.59).closed
     assert floquet(closed.monodromy)[0][0] < -1.2
     twice = close(closed.flow, closed.cycle.start, 2.0 * closed.cycle.period)
-    assert repeats_sooner(twice.cycle, closed.flow.nodes, 2)
+    assert repeats_sooner(twice, 2)
     for one, cycles in returns("kelvin-voigt", -2.59, near=158.0):
-        if not repeats_sooner(one.cycle, one.flow.nodes, cycles):
+        if not repeats_sooner(one, cycles):
             break
     assert cycles == 2
     assert one.cycle.period == pytest.approx(2.0 * closed.cycle.period, rel=1e-3)

@@ -11,7 +11,6 @@ from reduced.continuation.branch import Control, Step, follow_branch
 from reduced.continuation.point import FlowFamily, Metric, OrbitPoint
 from reduced.continuation.special import Special, critical
 from reduced.continuation.start import (
-    difference_of_halves,
     from_doubling,
     from_hopf,
     from_orbit,
@@ -22,7 +21,7 @@ from reduced.continuation.start import (
     without_derivatives,
 )
 from reduced.orbit.closing import Closed
-from reduced.orbit.periodic import amplitude
+from reduced.orbit.periodic import amplitude, difference_of_parts
 from reduced.stability.characteristic import characteristic
 from reduced.stability.onsets import ONSET_WIDTH, Onset, onsets
 from reduced.stability.spectrum import unstable_count
@@ -155,10 +154,11 @@ class FollowedBranch:
                 reason = str(error).replace("parameter =", f"{self.over.name} =")
                 self.notes.append(self._left(end.point.parameter, f": {reason}"))
                 return
-            if self.doubled and difference_of_halves(step.point) < min(_SAME, difference_of_halves(end.point)):
+            new, old = step.point.closed, end.point.closed
+            if self.doubled and difference_of_parts(new, 2) < min(_SAME, difference_of_parts(old, 2)):
                 self.notes.append("the branch ends at a period doubling, where both halves of its orbits become the same")
                 return
-            if amplitude(step.point.closed.cycle) < min(_SMALL, amplitude(end.point.closed.cycle)):  # nearly singular beyond
+            if amplitude(new.cycle) < min(_SMALL, amplitude(old.cycle)):  # nearly singular beyond
                 near = onsets(self.over.scene_at, *self.over.ends, one_port_of(self.model))
                 if near:
                     self.special.append(self._hopf(min(near, key=lambda onset: abs(onset.parameter - end.point.parameter))))

@@ -120,7 +120,7 @@ def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[
             failed = reason
             continue
         known = any(abs(one.cycle.period / other.cycle.period - 1.0) < _SAME for other in found)
-        if not known and not repeats_sooner(one.cycle, one.flow.nodes, guess.cycles):
+        if not known and not repeats_sooner(one, guess.cycles):
             found.append(one)
     if not found:
         raise failed

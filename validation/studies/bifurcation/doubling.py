@@ -6,8 +6,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from reduced.continuation.start import difference_of_halves
 from reduced.orbit import PeriodicOrbit, periodic_orbit
+from reduced.orbit.periodic import difference_of_parts
 from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
 from validation.measure import memo
 from validation.measure.over_r import Branch, scene_at
@@ -67,7 +67,7 @@ def bubble(low: float, high: float) -> Bubble:
     the difference of their halves vanishes linearly in r."""
     found = FollowedBranch(over_range(f"log10_r={low}:{high}", scene_at(AT)), ODE, _ROUGH, doubled=True)
     last = [end.point for end in ends_of(found, StopAt())][-_NEAREST:]
-    square = [difference_of_halves(point) ** 2 for point in last]
+    square = [difference_of_parts(point.closed, 2) ** 2 for point in last]
     ends = np.polyfit(square, [point.parameter for point in last], _NEAREST - 1)[-1]
     return found.special[0].value, ends, [(one.value, 0.5 * one.period) for one in found.points]
 
