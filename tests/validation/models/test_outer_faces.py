@@ -1,4 +1,4 @@
-"""Outer faces in every model: limits that must coincide, a machine against plain programs, and a kind that no model knows."""
+"""Outer faces in every model: limits that must coincide, no growth at the longest step, and a kind that no model knows."""
 
 import math
 from dataclasses import dataclass, replace
@@ -9,12 +9,8 @@ import pytest
 import slipwave
 from fullwave.lines.matrix import motion_matrix
 from fullwave.lines.runge_kutta import stability_polynomial
-from reduced.stability import leading_roots
-from reduced.stability.characteristic import characteristic
 from slipwave.scene.slab import GripFace, MachineFace, Termination
 from slipwave.solve import follow
-from tests.one_port_by_hand import leading_root
-from validation.measure.growth import measured_root, nudged
 from validation.models.build import build
 
 PAPER = slipwave.read("paper")
@@ -64,15 +60,6 @@ class Bolt:
 @pytest.mark.parametrize("model", SPRUNG)
 def test_every_model_takes_a_face_that_it_has_never_heard_of(model):
     assert values(end(model, of(Bolt()))) == values(end(model, of(MACHINE)))
-
-
-@pytest.mark.parametrize(("model", "cells"), [("delay", None), ("fd", 64), ("dg:5", 3)])
-@pytest.mark.parametrize("face", [MACHINE, MachineFace(0.5, 3.0, 3.0)])
-def test_a_nudge_grows_as_the_root_by_hand_says(model, cells, face):
-    scene = nudged(of(face), 1e-6)
-    wanted = leading_root(scene) * scene.transit
-    assert measured_root(build(model, scene, cells=cells)) == pytest.approx(wanted, rel=5e-4)
-    assert leading_roots(characteristic(scene))[0] * scene.transit == pytest.approx(wanted, rel=1e-10)
 
 
 @pytest.mark.parametrize("model", ["sbp:4", "fem:2", "dg:3"])

@@ -37,9 +37,7 @@ def exact():
     return measure(build("delay", GENTLE.scene, tolerance=1e-12), GENTLE)
 
 
-def test_two_delay_runs_differ_by_less_than_the_floor(exact):
-    other = measure(build("delay", GENTLE.scene, tolerance=1e-13), GENTLE)
-    assert max(errors(other, exact).values()) < GENTLE.floor
+def test_a_run_with_other_events_is_infinitely_far(exact):
     assert exact["period"].size == 10
     fewer = {name: values[1:] if name != "state" else values for name, values in exact.items()}
     assert (errors(fewer, exact)["period"], errors(fewer, exact)["state"]) == (np.inf, 0.0)

@@ -104,11 +104,11 @@ def test_of_a_scene_that_jumps_the_ledger_alone_is_judged(printed):
     assert "note: its start or its drive jumps: only the ledger is judged, no order is promised" in printed("verify", "jump")
 
 
-@pytest.mark.parametrize(("slope", "told"), [(1.01, "F_psi at z = "), (0.0, "F_psi at z = ")])
-def test_a_law_that_registration_refuses_is_a_row(file, capsys, slope, told):
+@pytest.mark.parametrize("slope", [1.01, 0.0])
+def test_a_law_that_registration_refuses_is_a_row(file, capsys, slope):
     file.write_text(LAW.format(slope=slope))
     assert main(["verify", "--law", str(file)]) == NUMERICS_FAILED
-    assert told in capsys.readouterr().out
+    assert "F_psi at z = " in capsys.readouterr().out
 
 
 @pytest.mark.slow
