@@ -8,8 +8,8 @@ outer face oscillates: a march needs as many steps as in an event. A leap splits
 
 What the split misses in a step, mainly the square of the rest, is measured: some steps are marched before the leap and compared
 with the prediction of both parts. This drift goes on in the leap at the same rate, carried along like the rest. Steps after the
-leap give the drift there; half its change, times the steps of the leap, corrects the memory (trapezoidal rule). A part of the
-correction is the estimated error.
+leap give the drift there, and the memory is corrected as if the drift had changed exponentially between. A part of the correction
+is the estimated error.
 """
 
 import math
@@ -42,7 +42,7 @@ _SETTLES = 500.0  # steps of an average, times the phase of the slowest resonanc
 _PAUSE, _LONGEST_PAUSE = 1024, 1 << 16  # transits marched before the next try to leap; doubled by a try that fails late
 _CHECKED = 8.0  # times the root of a leap's steps: steps that are marched before it and after it, to check it
 _CUTS, _LOOKS = 16, 65  # pieces of a leap or of its check; moments at which its extrema are looked for
-_CORRECTED = 0.2  # of a leap's correction: error that it leaves where the drift falls by a factor e in the leap
+_CORRECTED = 0.2  # of a leap's correction: error that it may leave
 _ORDER = 8.0  # with which the highest coefficient of a slow step grows
 _NEWTON = 1e-5  # of the tolerance: what Newton's method leaves adds up, to 3e-7 in 1e5 steps if it is 1e-9
 _RISING = 10.0  # times the tolerance: waves that pieces of a leap lack where v rises above V
@@ -212,7 +212,8 @@ class LeapingNetwork(StroboscopicNetwork):
         behind, friction = self._check(split, count), self._friction(slow, end, end)
         if behind is None:
             return None, _SHRINK
-        missed = 0.5 * steps * (behind.drift - later[:, 1])
+        sizes = (max(self._size(drift, friction.mu_z), 1e-300) for drift in (later[:, 1], behind.drift))
+        missed = _share_behind(*sizes) * steps * (behind.drift - later[:, 1])
         error = max(_CORRECTED * self._size(missed, friction.mu_z), spread)
         if error > self._allowed or (rises and behind.ripple > visible):
             return None, min(0.5, self._scale(slow, error))
@@ -345,3 +346,9 @@ class LeapingNetwork(StroboscopicNetwork):
 
 
 _gauss = cache(np.polynomial.legendre.leggauss)
+
+
+def _share_behind(first: float, last: float) -> float:
+    """Weight of the `last` value in the mean of what changes from the `first` to it exponentially; the other's is 1 minus it."""
+    fall = math.log(first / last)
+    return 0.5 + fall / 12.0 if abs(fall) < 0.01 else 1.0 / -math.expm1(-fall) - 1.0 / fall
