@@ -31,11 +31,11 @@ import numba
 import numpy as np
 from llvmlite.binding import add_symbol  # type: ignore[import-untyped]
 from numba.core.caching import NullCache
-from numba.core.compiler import CompileResult
 from numba.core.runtime._nrt_python import c_helpers
 from numba.core.serialize import dumps
 
 from slipwave.compiled.frozen import frozen_parts
+from slipwave.compiled.parts import rebuilt
 from slipwave.sources import cache_folder, digest_of, import_closure, inside
 
 STARTED = time.time()
@@ -97,7 +97,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
             return None
         try:
             kept, parts = pickle.loads(checked(packed, path.name))
-            compiled = CompileResult._rebuild(target_context, *parts) if kept == sig else None
+            compiled = rebuilt(target_context, parts) if kept == sig else None
         except Exception as error:  # a damaged file may raise anything; it is compiled again
             with contextlib.suppress(OSError):
                 path.unlink()
@@ -125,7 +125,7 @@ class DiskCache(NullCache):  # type: ignore[misc]
         sources, foreign = made_from
         name = f"{self._function.__module__}.{self._function.__qualname__}"
         facts = f"{name} {self._is_part} {sig} {codegen.magic_tuple()} {_VERSIONS} {_program(sources)} {foreign}"
-        return cache_folder() / f"{name}-{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
+        return cache_folder() / f"{name}-{'part-' * self._is_part}{hashlib.sha256(facts.encode()).hexdigest()[:24]}{_SUFFIX}"
 
 
 @cache

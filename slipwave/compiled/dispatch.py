@@ -11,12 +11,13 @@ from typing import Any, ParamSpec, Protocol, TypeVar, cast
 from numba.extending import overload
 
 from slipwave.compiled.cache import add_choices
+from slipwave.compiled.parts import PartCompiler
 
 Arguments = ParamSpec("Arguments")
 Answer = TypeVar("Answer", covariant=True)
 Version = TypeVar("Version", bound=Callable[..., Any])
 
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}}
+_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "no_cfunc_wrapper": True, "pipeline_class": PartCompiler}
 
 
 class ByClass(Protocol[Arguments, Answer]):

@@ -1,12 +1,14 @@
 """`njit` for all packages: numba with a disk cache that cannot go stale (`slipwave.compiled.cache`)."""
 
 from collections.abc import Callable
+from functools import update_wrapper
 from typing import Any, TypeVar, cast
 
 import numba
 from numba.types import unliteral
 
 from slipwave.compiled.cache import DiskCache
+from slipwave.compiled.parts import PartCompiler, WholeCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -25,21 +27,30 @@ def allocating(function: Function) -> Function:
 
 
 def _compiled(function: Function, counts: bool) -> Function:
-    """Two versions: one for calls from Python, and one for calls from compiled code, which needs no wrapper for Python.
+    """A part, for calls from compiled code, and around it a function for calls from Python (`slipwave.compiled.parts`).
 
-    No public option of numba leaves references uncounted (`_nrt`), keeps code in another cache (`_cache`), or gives compiled
-    callers another version, compiled once for a number and a constant of its type (`get_call_template`, `get_overload`).
+    No public option of numba leaves references uncounted (`_nrt`), keeps code in another cache (`_cache`), gives compiled callers
+    another version, compiled once for a number and a constant of its type (`get_call_template`, `get_overload`), or compiles
+    another function than the one that is called (`_get_implementation`).
     """
     dispatcher, part = (_dispatcher(function, counts, is_part) for is_part in (False, True))
+    dispatcher._compiler._get_implementation = lambda *_: _call_of(function, part)
     called = part.get_call_template
     dispatcher.get_call_template = lambda arguments, named: called([unliteral(one) for one in arguments], named)
     dispatcher.get_overload = part.get_overload
     return cast(Function, dispatcher)
 
 
+def _call_of(function: Callable[..., Any], part: Any) -> Callable[..., Any]:
+    """A function of the name and the arguments of `function` that calls the `part`. The names tell machine code apart."""
+    names = ", ".join(function.__code__.co_varnames[: function.__code__.co_argcount])
+    return update_wrapper(eval(f"lambda {names}: part({names})", {"part": part, "__name__": function.__module__}), function)
+
+
 def _dispatcher(function: Function, counts: bool, is_part: bool) -> Any:
     options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": is_part, "_nrt": counts}
-    dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True, **options)(function)
+    compiler = PartCompiler if is_part else WholeCompiler
+    dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True, pipeline_class=compiler, **options)(function)
     dispatcher._cache = DiskCache(function, is_part)
     return dispatcher
 

@@ -15,6 +15,7 @@ import pytest
 from slipwave import sources
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import inlined, njit
+from slipwave.compiled.parts import PartCompiler
 from slipwave.observe.swings import size_of
 from slipwave.sources import ROOT, SOLVER_PACKAGES, import_closure, program
 from tests.test_shape import FUNCTIONS, TREES
@@ -46,7 +47,8 @@ def ask(swing=SWING):
 
 
 def kept(folder):
-    (path,) = folder.iterdir()
+    """The file of the function that Python calls; that of its part is for compiled callers."""
+    (path,) = (path for path in folder.iterdir() if "-part-" not in path.name)
     return path
 
 
@@ -75,10 +77,18 @@ def test_a_change_of_any_byte_or_of_the_name_is_noticed(folder):
     assert ask() == (ANSWER, 0)
 
 
+def test_a_part_on_the_disk_is_not_compiled_again(folder, monkeypatch):
+    ask()
+    kept(folder).unlink()
+    monkeypatch.setattr(PartCompiler, "compile_extra", None)
+    assert ask() == (ANSWER, 0)
+
+
 def test_code_for_other_types_is_kept_apart(folder):
     swings = SWING, SWING.astype(np.float32)
     assert [ask(swing) for swing in swings] == [(ANSWER, 0)] * 2
-    assert len(list(folder.iterdir())) == 2
+    assert len(list(folder.glob("*-part-*"))) == 2
+    assert len(list(folder.iterdir())) == 4
     assert [ask(swing) for swing in swings] == [(ANSWER, 1)] * 2
 
 
