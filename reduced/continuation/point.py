@@ -1,5 +1,6 @@
 """A branch of periodic orbits: its flows, on one mesh, its points, and its refinement to a finer mesh."""
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -116,8 +117,9 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
     border /= np.abs(border).max(axis=1, keepdims=True)  # the metric's unit is not to make the matrix look singular
     matrix = np.vstack([np.column_stack([closed.monodromy - np.eye(size), closed.velocity, closed.drift]), border])
     try:
-        tangent = scipy.linalg.solve(matrix, np.append(np.zeros(size + 1), 1.0))
-    except np.linalg.LinAlgError:
+        with warnings.catch_warnings(action="error", category=scipy.linalg.LinAlgWarning):
+            tangent = scipy.linalg.solve(matrix, np.append(np.zeros(size + 1), 1.0))
+    except (np.linalg.LinAlgError, scipy.linalg.LinAlgWarning):
         raise NumericsError("the branch has no unique direction here") from None
     return tangent / metric.length(tangent)
 

@@ -36,6 +36,7 @@ _EMPHASIS = 4
 _FLOOR = 1e-7
 """Re Z/epsilon is kept above this on the grid of constraints, so that it stays above zero between the points."""
 
+_ON_A_POLE = 1e12  # value of a response: a pole lies on a frequency, within rounding
 _ROUNDS = 8
 
 
@@ -93,12 +94,12 @@ def _passive_coefficients(matrix: Array, right: Array, constraints: Array, floor
 
     With matrix = Q R and z = R x - Q^T right this is the least distance problem min |z|, G z >= h. Its solution follows from the
     residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError if no x satisfies
-    them, and for rows that are not finite.
+    them, and for rows on a pole.
     """
     from scipy.linalg import solve_triangular
     from scipy.optimize import nnls
 
-    if not (np.isfinite(matrix).all() and np.isfinite(constraints).all()):
+    if not (np.isfinite(matrix).all() and np.abs(constraints).max() < _ON_A_POLE):
         raise ArithmeticError("one is undamped, at a frequency that is fitted")
     scale = np.linalg.norm(matrix, axis=0)
     q, r = np.linalg.qr(matrix / scale)

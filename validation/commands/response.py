@@ -204,7 +204,7 @@ def _phase_lines(facts: Mapping[str, Any], scene: Scene) -> Iterator[str]:
         if np.isnan(values).any():
             continue
         most = (int(values.argmax()), int(values.argmin()))
-        rows.append([words, unit, *(text for k in most for text in (rounded(values[k], 4), rounded(facts["phase"][k], 3)))])
+        rows.append([words, unit, *(text for k in most for text in (rounded(values[k], 3), f"{facts['phase'][k]:.3f}"))])
     yield from aligned(["a short pulse of", "advance in", "largest", "at phase", "least", "at phase"], rows)
     yield "the time by which all later events come earlier, over the pulse's size times its length; phase 0: the slip event"
     yield ""
