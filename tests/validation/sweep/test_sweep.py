@@ -84,7 +84,7 @@ def test_a_point_does_not_depend_on_the_points_before_it():
     points = np.random.default_rng(7).permutation(what.size)[:12]
     together = compute(what, np.concatenate((points, points[::-1])))[0]
     for place, point in enumerate(points):
-        alike._mesh_of.cache_clear()
+        alike._transit_mesh.cache_clear()
         alike._read_at.cache_clear()
         alone = compute(replace(what), np.array([point]))[0]
         for name, value in alone.items():
