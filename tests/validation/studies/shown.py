@@ -183,7 +183,7 @@ PLACES = {
         Place("orders:_jump_errors", (displaced(0.1),)),
         Place("orders:_shared", (lambda common: ("one", *common),), unjudged=("fd", "sbp", "fem")),
         Place("orders:_figures", (only("period", scaled), only("stress_drop", scaled))),
-        Place("orders:_means_of", (first(lambda means: scaled(means, 0.02)),)),
+        Place("orders:_means_of", (first(lambda means: scaled(means, 0.04)),)),  # four standard errors are up to 3 %
         Place("orders:_march_errors", (lambda both: (1e-3 + both[0], both[1]), lambda both: (both[0], 1e-3 + both[1]))),
         Place("orders:error_of_motion", (lambda error: 100.0 * error,), few=True),
         Place("orders:_recorded_event", (lambda event: (event[0], scaled(event[1]), *event[2:]),)),
@@ -315,7 +315,8 @@ def quick(name):
             curves = [np.asarray(line.get_ydata(), dtype=float) for panel in panels for line in panel.get_lines()]
             assert any(panel.get_xlabel() or panel.texts for panel in panels), figure.name
             assert all(np.isfinite(curve).any() for curve in curves if curve.size), figure.name
-    assert list(green(study, tapes)) == []
+    stays = list(green(study, tapes))
+    assert stays == [], stays
     return result
 
 
