@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from slipwave.friction import respond, steady_state, unknown_of
-from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.solve import Solver
 
@@ -137,13 +136,6 @@ class News:
             log.info(text, *values)
 
 
-def error_without_echoes(scene: Scene) -> float:
-    """Largest relative change of v by one echo of a change of V, which quasidynamic leaves out: 2 Z v_z/F_z at the largest V."""
-    velocity = max(scene.drive.velocities)
-    slopes = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
-    return float(2.0 * scene.impedance * slopes[1] / slopes[3])
-
-
 class LongRunAdvice:
     """Progress of a run of `solver`, passed on to `report`; logs once, if the rest of the run is long, the cheaper model with
     its estimated error. `share`: that of the run that is done at a time (transits)."""
@@ -160,9 +152,11 @@ class LongRunAdvice:
         if left is None or math.sqrt(left[0] * left[1]) < LONG:
             return
         self._silent = True
+        scene, velocity = self._solver.scene, max(self._solver.scene.drive.velocities)
+        _, v_z, _, friction_z, *_ = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
         log.info(
             "%s of this run; --model quasidynamic is cheaper and leaves out the echoes of waves, each of which changes v by up "
             "to %.1g of itself (estimated; more where the motion stick-slips)",
             _in_words(left),
-            error_without_echoes(self._solver.scene),
+            2.0 * scene.impedance * v_z / friction_z,  # by one echo of a change of V
         )
