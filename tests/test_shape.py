@@ -21,7 +21,7 @@ OF_LIBRARIES = {
     "dispatcher._cache", "dispatcher.get_call_template", "dispatcher.get_overload", "dispatcher._compiler._get_implementation",
     "_brief.maxstring", "_brief.maxother", "_brief.maxlevel", "_brief.maxlist", "_brief.maxdict", "_brief.maxtuple",
     "node.body",
-    "sys.stdout", "sys.stderr", "sys.unraisablehook",
+    "sys.stdout", "sys.stderr", "sys.unraisablehook", "context.Process", "process._Popen",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
     "element.text", "element.tail",
     "call.__doc__", "call.__signature__", "call.__annotations__", "kind.__name__",

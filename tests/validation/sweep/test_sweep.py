@@ -7,6 +7,8 @@ import multiprocessing
 import os
 import resource
 import signal
+import subprocess
+import sys
 import time
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -185,13 +187,31 @@ def forked(monkeypatch):
     return copies
 
 
-@pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="this system cannot copy processes")
+copies_processes = pytest.mark.skipif("forkserver" not in multiprocessing.get_all_start_methods(), reason="spawns processes")
+
+
+@copies_processes
 def test_processes_of_all_sweeps_are_copies_of_one_other():
     parents = []
     for _ in range(2):
         with processes(1) as start:
             parents.append(start().submit(os.getppid).result())
     assert parents[0] == parents[1] != os.getpid()
+
+
+@copies_processes
+@pytest.mark.parametrize("is_typed", [False, True])
+def test_processes_do_not_run_the_script_of_a_sweep_again(tmp_path, is_typed):
+    script = """
+import slipwave as sw
+axes = {"log10_r": (-2.7, -2.6, 2)}
+found = sw.sweep("paper", vary=axes, models="block12", measure="stability", out="map", workers=2).summary
+print(found["done"], found["failed"])
+"""
+    (tmp_path / "script.py").write_text(script)
+    words, given = (["-"], script) if is_typed else (["script.py"], None)
+    done = subprocess.run([sys.executable, *words], cwd=tmp_path, input=given, text=True, capture_output=True, timeout=300)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "2 0\n", "")
 
 
 @pytest.fixture
