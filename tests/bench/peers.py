@@ -83,10 +83,14 @@ class Problem(NamedTuple):
     model: str
 
     @property
+    def until(self) -> float:
+        assert self.scene.until is not None
+        return self.scene.until
+
+    @property
     def times(self) -> Array:
         """The 20 times (transits) of comparison, none of them a knot."""
-        assert self.scene.until is not None
-        return self.scene.until * (np.arange(20) + 0.5) / 20.0
+        return self.until * (np.arange(20) + 0.5) / 20.0
 
     @property
     def modes(self) -> tuple[float, list[tuple[float, float, float]]]:
@@ -120,7 +124,7 @@ class Problem(NamedTuple):
         state = np.array([psi, ln_v, *([scene.steady_stress] if mass else []), *rest])
         if not mass:
             state[1] = _slid(numbers, ln_v, -numbers[4] * scene.start.jump_size)
-        ends, found, now = [*dict.fromkeys(one for one in drive.times if 0.0 < one < scene.until), scene.until], [], 0.0
+        ends, found, now = [*dict.fromkeys(one for one in drive.times if 0.0 < one < self.until), self.until], [], 0.0
         for end in ends:
             inside = self.times[(self.times > now) & (self.times < end)]
             states = integrate(numbers, state, np.array([now, *inside, end]))
@@ -133,10 +137,13 @@ class Problem(NamedTuple):
                 state[1] = _slid(numbers, state[1], numbers[6] * (numbers[0] - before))
         return np.concatenate(found)
 
+    def marched(self, tolerance: float) -> Work[Any]:
+        return lambda: partial(follow, build(self.model, self.scene, tolerance=tolerance), self.until)
+
     def ours(self, tolerance: float) -> tuple[Array, int]:
         solver = build(self.model, self.scene, tolerance=tolerance)
         history = HistoryObserver(self.scene.law, solver.nodes)
-        follow(solver, self.scene.until, [history])
+        follow(solver, self.until, [history])
         return history.at(self.times)[1:3].T, history.pieces().time.size
 
 
@@ -176,39 +183,27 @@ if numbalsoda:
     PEERS["numbalsoda DOP853"] = partial(_by_numbalsoda, "dop853"), tuple(10.0**-k for k in range(4, 14))
 
 
-class At(NamedTuple):
-    """A peer's time (ms), NaN if it fails, and its error: ours, or the smallest that it reaches."""
-
-    ms: float
-    error: float
-
-
-class Beside(NamedTuple):
-    """A problem at a tolerance: our error, steps and time (ms), and its peers' times at that error."""
-
-    problem: Problem
-    tolerance: float
-    error: float
-    steps: int
-    ms: float
-    peers: dict[str, At]
-
-
-def beside_peers(problem: Problem, rounds: int, tolerances: Sequence[float] = (1e-9, 1e-6)) -> Iterator[Beside]:
-    """Our marches and those of the peers with the errors around ours, in turn; medians over rounds."""
+def rows_of(problem: Problem, rounds: int, tolerances: Sequence[float] = (1e-9, 1e-6)) -> Iterator[list[str]]:
+    """A row for each of our tolerances: error, steps, time (ms), and each peer's time at that error with the ratio of ours to
+    it; all marches in turn, medians over rounds."""
     reference, _ = problem.ours(1e-12)
     ours = {one: problem.ours(one) for one in tolerances}
     errors = {one: max(float(np.abs(found - reference).max()), _LEAST) for one, (found, _) in ours.items()}
     tried = {name: dict(_tried(problem, *peer, reference, min(errors.values()))) for name, peer in PEERS.items()}
-    near = {(name, one) for name, found in tried.items() for error in errors.values() for one in _around(found, error)}
-    calls: dict[Any, Work[Any]] = {one: partial(_march, problem, one) for one in tolerances}
+    near = {(name, one) for name, found in tried.items() for error in errors.values() for one in around(found, error)}
+    calls: dict[Any, Work[Any]] = {one: problem.marched(one) for one in tolerances}
     calls |= {one: partial(partial, problem.solved, partial(PEERS[one[0]][0], one[1])) for one in near}
     works = {name: _repeated(call) for name, call in calls.items()}
     taken = in_turn({name: work for name, (work, _) in works.items()}, rounds)
     ms = {name: 1e3 * quartiles(each[name] for each in taken)[1] / count for name, (_, count) in works.items()}
     for one, error in errors.items():
-        beside = {name: _at(error, [(found[k], ms[name, k]) for k in _around(found, error)]) for name, found in tried.items()}
-        yield Beside(problem, one, error, ours[one][1], ms[one], beside)
+        cells = []
+        for name, found in tried.items():
+            time_at, reached = at_error(error, [(found[k], ms[name, k]) for k in around(found, error)])
+            least = f" at {reached:.0e}" if reached > error else ""
+            cells.append("-" if math.isnan(time_at) else f"{time_at:.3g} ({ms[one] / time_at:.2g}){least}")
+        what = f"{problem.scene.name}, {problem.until:.4g}", problem.model
+        yield [*what, f"{one:.0e}", f"{error:.0e}", str(ours[one][1]), f"{ms[one]:.3g}", *cells]
 
 
 def _tried(problem: Problem, integrate: Any, tolerances: Sequence[float], reference: Array, least: float) -> Iterator[Any]:
@@ -222,24 +217,20 @@ def _tried(problem: Problem, integrate: Any, tolerances: Sequence[float], refere
             return
 
 
-def _around(found: Mapping[float, float], error: float) -> list[float]:
+def around(found: Mapping[float, float], error: float) -> list[float]:
     """The coarsest tolerance that reaches the `error`, and the next coarser one; that with the smallest error if none does."""
     good = max((one for one in found if found[one] <= error), default=None)
-    return (
-        sorted(found, key=lambda one: found[one])[:1] if good is None else [good, *sorted(one for one in found if one > good)[:1]]
-    )
+    if good is None:
+        return sorted(found, key=lambda one: found[one])[:1]
+    return [good, *sorted(one for one in found if one > good)[:1]]
 
 
-def _at(error: float, known: Sequence[tuple[float, float]]) -> At:
-    """Time at an `error`, its logarithm interpolated over that of the error between two (error, time)."""
+def at_error(error: float, known: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Time at an `error` (NaN of a peer that fails) by its logarithm between two (error, time), and the error that is reached."""
     if len(known) < 2:
-        return At(known[0][1], max(known[0][0], error)) if known else At(math.nan, error)
+        return (known[0][1], max(known[0][0], error)) if known else (math.nan, error)
     (fine, slow), (coarse, fast) = known
-    return At(slow * (fast / slow) ** (math.log(error / fine) / math.log(coarse / fine)), error)
-
-
-def _march(problem: Problem, tolerance: float) -> Callable[[], Any]:
-    return partial(follow, build(problem.model, problem.scene, tolerance=tolerance), problem.scene.until)
+    return slow * (fast / slow) ** (math.log(error / fine) / math.log(coarse / fine)), error
 
 
 def _repeated(prepare: Work[Any]) -> tuple[Work[Any], int]:
@@ -282,21 +273,7 @@ def problems() -> list[Problem]:
 
 def table_of_peers(rounds: int, wanted: Sequence[Problem] | None = None) -> list[list[str]]:
     with _silenced():
-        rows = [row for problem in (problems() if wanted is None else wanted) for row in beside_peers(problem, rounds)]
-    return [_row(one) for one in rows]
-
-
-def _row(one: Beside) -> list[str]:
-    scene, model = one.problem
-    figures = f"{one.tolerance:.0e}", f"{one.error:.0e}", str(one.steps), f"{one.ms:.3g}"
-    return [f"{scene.name}, {scene.until:.4g}", model, *figures, *(_cell(one, peer) for peer in one.peers.values())]
-
-
-def _cell(one: Beside, peer: At) -> str:
-    """Its time, and in brackets how many times as long we take; its error if it is larger than ours."""
-    if math.isnan(peer.ms):
-        return "-"
-    return f"{peer.ms:.3g} ({one.ms / peer.ms:.2g})" + (f" at {peer.error:.0e}" if peer.error > one.error else "")
+        return [row for problem in (problems() if wanted is None else wanted) for row in rows_of(problem, rounds)]
 
 
 PEER_HEADS = ["scene, transits", "model", "tolerance", "error", "steps", "ms", *PEERS]

@@ -10,9 +10,8 @@ import numpy as np
 import pytest
 
 import slipwave as sw
-from tests.bench.__main__ import Setting, full_waves, main, run_program
-from tests.bench.peers import HELD, PEERS, At, Problem, _around, _at, table_of_peers
-from tests.bench.through_python import Timed, table_of_times
+from tests.bench.__main__ import Setting, Timed, full_waves, main, run_program, table_of_times
+from tests.bench.peers import HELD, PEERS, Problem, around, at_error, table_of_peers
 from validation.models import stopwatch
 from validation.models.timing import alternating, in_turn, quartiles
 
@@ -109,10 +108,10 @@ def test_peers_integrate_the_equations_that_the_reductions_march(scene, model):
 def test_times_are_compared_at_the_same_error():
     """Half-way between the errors of two tolerances in logarithms; a peer that stays above the error says at which it stands."""
     found = {1e-4: 1e-3, 1e-6: 1e-5, 1e-8: 1e-7}
-    assert [_around(found, error) for error in (1e-6, 1e-5, 1e-2, 1e-9)] == [[1e-8, 1e-6], [1e-6, 1e-4], [1e-4], [1e-8]]
-    assert _at(1e-6, [(1e-7, 8.0), (1e-5, 2.0)]) == pytest.approx(At(4.0, 1e-6))
-    assert _at(1e-9, [(1e-7, 8.0)]) == At(8.0, 1e-7)
-    assert _at(1e-2, [(1e-3, 8.0)]) == At(8.0, 1e-2)
+    assert [around(found, error) for error in (1e-6, 1e-5, 1e-2, 1e-9)] == [[1e-8, 1e-6], [1e-6, 1e-4], [1e-4], [1e-8]]
+    assert at_error(1e-6, [(1e-7, 8.0), (1e-5, 2.0)]) == pytest.approx((4.0, 1e-6))
+    assert at_error(1e-9, [(1e-7, 8.0)]) == (8.0, 1e-7)
+    assert at_error(1e-2, [(1e-3, 8.0)]) == (8.0, 1e-2)
 
 
 def test_there_is_a_row_for_each_problem_and_tolerance(monkeypatch):
