@@ -8,9 +8,20 @@ import pytest
 from reduced.stability.critical import critical_round_trip
 from slipwave.observe.events import Events
 from slipwave.observe.statistics import margin_of_mean
-from tests.verification.stated_errors import measured
-from tests.verification.stated_errors.held import SLABS, Held, coverage_of, random_scene
-from tests.verification.stated_errors.record import KINDS, SUMMARY, agree, chosen, computation, known_computations, summary
+from tests.verification.stated_errors import (
+    KINDS,
+    SLABS,
+    SUMMARY,
+    Held,
+    agree,
+    chosen,
+    computation,
+    coverage_of,
+    held_means,
+    known_computations,
+    random_scene,
+    summary,
+)
 
 
 def test_coverage_by_hand():
@@ -61,7 +72,7 @@ def test_what_is_not_what_is_recorded_is_told():
 def test_a_mean_is_held_against_that_of_later_cycles():
     """Means 2 of 8 cycles and 4 of the next 24: half as large, and as far as 0.5/sqrt(1 + 8/24) from an exact one."""
     column = np.concatenate([np.tile([1.0, 3.0], 4), np.full(24, 4.0)])
-    period = measured.held_means(Events(*[column] * 6), 8)[0]
+    period = held_means(Events(*[column] * 6), 8)[0]
     assert period == ("period", pytest.approx(margin_of_mean(column[:8]) / 4.0), pytest.approx(0.5 * np.sqrt(0.75)))
 
 

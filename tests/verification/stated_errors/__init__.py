@@ -1,1 +1,0 @@
-"""Coverage of the errors that this program states: how often they contain the truth."""
