@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -22,6 +23,11 @@ from validation.models.orbit_start import first_event
 FIGURES = ("period", "stress_drop", "v_max", "v_min")
 FACE = {"kind": "machine", "stiffness": "2e8 Pa/m", "impedance": "14 Pa s/m", "mass": "13 kg/m2"}
 MACHINE = {f"slab.face.{key}": value for key, value in FACE.items()}
+
+
+@cache
+def orbit(scene, model="delay", near_period=None):
+    return sw.orbit(scene, model=model, near_period=near_period, tol=1e-9)
 
 
 def differences(result, key, value, unit="", step=1e-5):
@@ -55,12 +61,13 @@ LONG = [
 def test_derivatives_are_those_of_differences_of_orbits(scene, model, figures):
     """By all keys. The worst is 9e-7 on one processor, 2.5e-6 on another: rounding. A grid of unlike slabs has none by a round
     trip, with which its number of cells jumps. A constant added to friction moves nothing."""
-    result = sw.orbit(scene, model=model, tol=1e-9, set=MACHINE if scene == "paper-si" else {})
-    without = {key for key, known in result.response["keys"].items() if "reason" in known}
+    result = sw.orbit(scene, model=model, tol=1e-9, set=MACHINE) if scene == "paper-si" else orbit(scene, model)
+    response = result.response
+    without = {key for key, known in response["keys"].items() if "reason" in known}
     assert without == ({"upper.r", "lower.r"} if (scene, model) == ("unlike", "dg:3") else set())
     names = FIGURES[:figures]
-    for key, known in result.response["keys"].items():
-        found = np.array([result.response[name].get(key) for name in names])
+    for key, known in response["keys"].items():
+        found = np.array([response[name].get(key) for name in names])
         if key == "interface.a_star":
             assert found / [result.facts[name] for name in names] == pytest.approx(np.zeros(figures), abs=1e-7)
         elif key not in without:
@@ -69,15 +76,16 @@ def test_derivatives_are_those_of_differences_of_orbits(scene, model, figures):
             rel = 2e-5 if (key, model) == ("slab.face.impedance", "dg:3") else 5e-6
             assert found == pytest.approx(expected, rel=rel), key
     if scene == "paper-si":
-        assert result.response["keys"]["slab.face.mass"]["unit"] == "kg/m2"
+        assert response["keys"]["slab.face.mass"]["unit"] == "kg/m2"
 
 
 def test_derivatives_in_si_scale_as_the_units_do():
     """Only V/V* and the length of a slab in L enter: so T scales with L and H together, stress with sigma and G."""
-    result = sw.orbit("paper-si", tol=1e-9)
+    result = orbit("paper-si")
+
+    known = result.response
 
     def effect(name, *keys):
-        known = result.response
         return sum(known["keys"][key]["value"] * known["si"][name][key] for key in keys) / result.facts["si"][name]
 
     lengths = ("interface.memory_length", "slab.thickness")
@@ -103,11 +111,12 @@ def test_the_end_of_a_range_is_one_sided(scene, key, end, inwards):
         return np.array([known[name] for name in FIGURES])
 
     slope = (4.0 * figures(1) - 3.0 * figures(0) - figures(2)) / (2.0 * inwards)
-    assert [result.response[name][key] for name in FIGURES] == pytest.approx(slope, rel=1e-4)
+    response = result.response
+    assert [response[name][key] for name in FIGURES] == pytest.approx(slope, rel=1e-4)
 
 
 def test_a_fold_has_no_response():
-    closed = sw.orbit("paper", model="modal:2", tol=1e-6).found.found.closed
+    closed = orbit("paper", "modal:2").found.found.closed
     folded = replace(closed, monodromy=np.eye(closed.cycle.start.size))
     with pytest.raises(NumericsError, match="another multiplier is 1"):
         Responding(folded)
@@ -127,7 +136,7 @@ def shift(closed, push, periods=20):
 @pytest.mark.parametrize("which", [0, 1], ids=["stress", "drive"])
 def test_a_pulse_shifts_all_later_events_by_the_phase_response(model, which):
     """At ten phases, 20 periods later: two pulses of opposite signs that move the orbit by at most 1e-6 of its period."""
-    closed = sw.orbit("paper", model=model, tol=1e-9).found.found.closed
+    closed = orbit("paper", model).found.found.closed
     phase = Responding(closed).phase
     largest = np.abs(phase.samples[2][which]).max()
     for first in np.linspace(2, closed.cycle.pieces.time.size - 3, 10).astype(int):
@@ -188,7 +197,7 @@ def test_pulses_of_stress_in_equations_written_here():
 def test_integrals_are_derivatives_of_the_period(scene, model):
     """Constant extra stress moves nothing, unless a face leaks; a constant extra velocity moves T as `drive.velocity` does, with
     which the dead load on a face that leaks changes by that of steady sliding. The last orbit is unstable."""
-    result = sw.orbit(scene, model=model, near_period=79.09 if scene == "paper-2.59" else None, tol=1e-9)
+    result = orbit(scene, model, 79.09 if scene == "paper-2.59" else None)
     assert result.facts["stable"] is (scene != "paper-2.59")
     _, weights, (stress, drive) = result._responding.phase.samples
     by_stress, by_drive = float((weights * stress).sum()), float((weights * drive).sum())
@@ -226,7 +235,7 @@ def locked_period(result, harmonic, depth, longer, cycles=40, knots=32):
 @pytest.mark.parametrize("harmonic", [1, 2, 3, 4, 5])
 def test_the_locking_range_is_that_of_runs(harmonic):
     """The distance of the longest and shortest period that a drive can impose at a depth of 1e-3, and each at 2e-4."""
-    result = sw.orbit("paper", model="modal:2", tol=1e-9)
+    result = orbit("paper", "modal:2")
     half = result.found.scene.velocity * result._responding.phase.harmonics(harmonic)[1, -1]
     longest, shortest = (locked_period(result, harmonic, 1e-3, side) for side in (1.0, -1.0))
     assert longest - shortest == pytest.approx(2e-3 * half, rel=0.05)
@@ -235,8 +244,8 @@ def test_the_locking_range_is_that_of_runs(harmonic):
 
 
 def test_harmonics_and_diffusion_are_integrals_of_the_curve():
-    result = sw.orbit("paper", tol=1e-9, response=True)
-    known, phase, period = result.summary["response"]["phase"], result._responding.phase, result.period
+    result = orbit("paper")
+    known, phase, period = result.response["phase"], result._responding.phase, result.period
     times = np.linspace(0.0, period, 200001)[:-1]
     stress, drive = phase.at(times)
     assert known["diffusion"]["stress"] == pytest.approx(0.5 * (stress**2).mean(), rel=1e-6)
@@ -249,7 +258,7 @@ def test_harmonics_and_diffusion_are_integrals_of_the_curve():
 
 
 def test_what_is_beyond_first_order_grows_as_the_square(monkeypatch):
-    responding = Responding(sw.orbit("paper", model="modal:2", tol=1e-9).found.found.closed)
+    responding = Responding(orbit("paper", "modal:2").found.found.closed)
     limits = responding.first_order_up_to()
     monkeypatch.setattr("reduced.orbit.response._PUSHED", 3e-5)
     assert responding.first_order_up_to() == pytest.approx(limits, rel=0.05)
@@ -277,13 +286,8 @@ def test_the_command_says_draws_and_stores_the_phase_response(capsys, tmp_path):
 
 def test_only_what_is_fitted_has_no_response_to_the_drive_and_a_plain_orbit_none_at_all():
     """`fitted` has the exact modes of plain slabs; behind grips the stress that the drive causes is fitted only if it changes."""
-    drives = [
-        sw.orbit("paper", model=model, tol=1e-6, response=True).summary["response"]["phase"]["drive"]
-        for model in ("fitted:1", "modal:1")
-    ]
+    drives = [sw.orbit("paper", model=model, tol=1e-6).response["phase"]["drive"] for model in ("fitted:1", "modal:1")]
     assert drives[0] == pytest.approx(drives[1], rel=1e-7)
-    result = sw.orbit("grip", model="fitted:4", tol=1e-6, response=True)
-    assert set(result.summary["response"]["phase"]["drive"]) == {None}
-    assert None not in result.summary["response"]["phase"]["stress"]
-    assert len(result.summary["response"]["phase"]["stress"]) < 500
+    phase = sw.orbit("grip", model="fitted:4", tol=1e-6).response["phase"]
+    assert (set(phase["drive"]), None in phase["stress"], len(phase["stress"]) < 500) == ({None}, False, True)
     assert "response" not in sw.orbit("paper", model="modal:0", tol=1e-6).summary
