@@ -222,5 +222,5 @@ def _news(table: ModelTable) -> str:
         return ""
     times = f"~{{{' to '.join(dict.fromkeys(f'{cost:.2g}' for cost in (min(costs), max(costs))))}}} times as long"
     if min(costs) * AS_CHEAP >= 1.0:
-        return f" and costs as little as any ODE that is right to {100 * GOOD:g} % (they take {times})"
+        return f" and costs as little as any ODE that is right to {100 * GOOD:g} % (those take {times})"
     return f"; ODEs that are right to {100 * GOOD:g} % take {times}"
