@@ -141,7 +141,6 @@ PAIRS = {
         f"{FIELDS} --until 110 --checkpoint e.npz --checkpoint-every 7 && {FIELDS} --until 150 --checkpoint e.npz",
     ),
     "run, of a file": Pair(RUN, f"{RUN} --out first.nc && run first.nc"),
-    "orbit, own units": Pair(ORBIT.replace("SI", "own"), SI),
     "orbit, texts": Pair(f"{ORBIT} --near-period 3", TEXTS | {"period 3": "period '82.8 ms'"}),
     "orbit, other V*": Pair(ORBIT, PACE, PACED),
     "orbit, exchanged": Pair(
@@ -152,7 +151,6 @@ PAIRS = {
     "stability, texts": Pair("stability machine-SI.toml", {"SI": "texts"}),
     "stability, other V*": Pair("stability plain-SI.toml", {"SI": "paced"}, PACED),
     "stability, exchanged": Pair("stability unlike-SI.toml", {"SI": "exchanged"}, EXCHANGED),
-    "branch, own units": Pair(BRANCH.replace("slab.thickness=30:40", "V=4000:5000").replace("SI", "own"), SI),
     "branch, texts": Pair(BRANCH, {"SI": "texts", "30:40": "'3000 cm:40 m'"}),
     "branch, other V*": Pair(BRANCH, {"SI": "paced"}, PACED),
     "branch, in two parts": Pair(BRANCH, f"{BRANCH.replace('points 4', 'points 2')} --out b.nc && {BRANCH} --resume b.nc"),
@@ -161,7 +159,6 @@ PAIRS = {
     "curve, other V*": Pair(CURVE, {"SI": "paced", "100:120": "25:30"}, PACED, 1e-7),
     "curve, in two parts": Pair(CURVE, f"{CURVE.replace('points 3', 'points 2')} --out c.nc && {CURVE} --resume c.nc"),
     "curve, of a file": Pair(CURVE, f"{CURVE} --out first.nc && curve first.nc", slow=True),
-    "compare, own units": Pair(BOTH.replace("SI", "own"), SI),
     "compare, texts": Pair(BOTH, TEXTS | {"until 200": "until 5.52s"}),
     "compare, other V*": Pair(BOTH, PACE, PACED),
     "compare, one model alone": Pair(BOTH, {"delay,": ""}, ROW),
