@@ -326,11 +326,11 @@ def test_a_curve_of_folds_ends_at_a_cusp(answer):
 def test_where_special_points_end():
     """Behind these grips two folds meet at an impedance of 203.3271, from wherever a curve begins; the Hopf point goes on."""
     scene = sw.read("paper", ["face.kind=grip", "face.stiffness=20", "face.impedance=230"])
-    result = sw.branch(scene, "log10_r=-2.69:-2.68", ends="face.impedance=210,205,200", tol=1e-4)
+    result = sw.branch(scene, "log10_r=-2.69:-2.68", ends="face.impedance=205,200", tol=1e-4)
     ends = result.summary["ends"]
     kinds = [[special["type"] for special in row["special"]] for row in ends["values"]]
-    assert (ends["parameter"], [row["face.impedance"] for row in ends["values"]]) == ("face.impedance", [210.0, 205.0, 200.0])
-    assert kinds == [["HB", "LP", "LP"], ["HB", "LP", "LP"], ["HB"]]
+    assert (ends["parameter"], [row["face.impedance"] for row in ends["values"]]) == ("face.impedance", [205.0, 200.0])
+    assert kinds == [["HB", "LP", "LP"], ["HB"]]
     assert ends["values"][0]["special"] == result.summary["special"]
     fold, hopf = ends["extremes"]["LP"], ends["extremes"]["HB"]
     assert (fold["face.impedance"], fold["log10_r"]) == (pytest.approx(203.32709, abs=1e-4), pytest.approx(-2.68318631, abs=1e-7))

@@ -32,7 +32,7 @@ from validation.studies.which_model import ORBITS, SHOWN
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
 ROOMS = ("slipwave", "reduced", "fullwave", "validation")
-LONG = ("first-sample.md",)
+LONG = ("first-sample.md", "unlike-slabs.md", "what-moves-a-cycle.md")
 
 
 def steps(page):

@@ -201,9 +201,9 @@ PAIRS = {
     ),
     "sweep, one model alone": Pair(f"{SWEEP} --models delay,block8 --out a", {"delay,": "", "--out a": "--out b"}, SECOND),
     "map, texts": Pair(MAP, AXES | {" a &&": " b &&", "map a": "map b"}, UNITS),
-    "map, gathered": Pair(MAP, {"map a": "sweep a --gather && map a/sweep.nc"}),
+    "map, gathered": Pair(f"{MAP} --plain", {"map a": "sweep a --gather && map a/sweep.nc"}),
     "map, differences of exchanged models": Pair(
-        f"{MAP} --against block8".replace("delay", "block12"),
+        f"{MAP} --plain --against block8".replace("delay", "block12"),
         {"block12,block8": "block8,block12", " a &&": " b &&", "map a": "map b"},
     ),
     "fit, units of headings": Pair(STEPS, {"steps.csv": "steps-units.csv"}, (), 1e-6),
