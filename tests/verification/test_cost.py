@@ -64,10 +64,10 @@ def peak(model, cells, transits):
 
 @EVERY
 def test_memory_does_not_grow_with_the_run(model):
-    """Keeping its samples would take ten times what is allowed. Least of two runs: objects of the interpreter come and go."""
+    """Keeping its samples would take ten times what is allowed. Least of three runs: objects of the interpreter come and go."""
     solver = build(model, PAPER, cells=GRIDS[model], time=explicit_time(model))
-    samples = 4 * 8 * 400.0 / solver.step
-    short, long = (min(peak(model, GRIDS[model], transits) for _ in range(2)) for transits in (200.0, 600.0))
+    samples = 4 * 8 * 800.0 / solver.step
+    short, long = (min(peak(model, GRIDS[model], transits) for _ in range(3)) for transits in (400.0, 1200.0))
     assert long - short < 0.1 * samples
 
 
