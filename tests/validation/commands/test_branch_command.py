@@ -323,6 +323,7 @@ def test_a_curve_of_folds_ends_at_a_cusp(answer):
     assert places == pytest.approx([cusp["log10_r"]] * 2, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_where_special_points_end():
     """Behind these grips two folds meet at an impedance of 203.3271, from wherever a curve begins; the Hopf point goes on."""
     scene = sw.read("paper", ["face.kind=grip", "face.stiffness=20", "face.impedance=230"])
