@@ -267,7 +267,6 @@ MEASURE = "def f(scene): return {'twice': 2.0 * scene.law.a}"
 OWN_LAW = ("--law", "law.py", "--set", "interface.law=cutoff")
 SAME = ("--law", "laws.py", "--set", "interface.law=my-ageing")
 BRANCH = ("paper", *SAME, "--model", "block8", "--tol", "1e-4", "--over", "r=1e-3:5e-3", "--most-points")
-CURVE = ("--of", "LP", "--and", "V=100:120")
 FIT = ("fit", "velocity-steps", *OWN_LAW, "--set", "slab.thickness='20 cm'", "--free", "a", "--data", "steps.csv")
 MEMBER = ("--family", "mine.py", "--model", "mine:3", "--cells", "4", "--checkpoint", "kept.npz", "--checkpoint-every", "2")
 KEPT = {
@@ -286,12 +285,6 @@ KEPT = {
     "branch": (
         ["branch", *BRANCH, "2", "--out", "kept.nc"],
         ["branch", *BRANCH, "3", "--resume", "kept.nc"],
-        "without --resume",
-        "law laws.py",
-    ),
-    "curve": (
-        ["curve", *BRANCH, "2", *CURVE, "--out", "kept.nc"],
-        ["curve", *BRANCH, "3", *CURVE, "--resume", "kept.nc"],
         "without --resume",
         "law laws.py",
     ),
@@ -355,9 +348,7 @@ def test_a_digest_is_that_of_the_user_s_text_as_it_was_loaded_with_what_it_impor
 END = "import sys\n"
 EXITS = {
     "law": (["verify", "--law", "user.py"], "sys.exit(0)"),
-    "law, run": (["run", "paper", "--law", "user.py"], "raise SystemExit"),
     "family": (["verify", "--family", "user.py"], "sys.exit(3)"),
-    "family, run": (["compare", "paper", "--models", "delay,block8", "--family", "user.py"], "exit()"),
     "measure": (["sweep", "paper", "--vary", "V=50,100", "--measure", "user:f", "--out", "map"], "sys.exit(0)"),
     "function of a measure": (
         ["sweep", "paper", "--vary", "V=50,100", "--measure", "user:f", "--workers", "1", "--out", "map"],
