@@ -418,10 +418,10 @@ class GridSlabs:
         return Port(
             np.ldexp(longest, -np.arange(LEVELS)),
             np.zeros(LEVELS, dtype=np.bool_),
-            np.empty((LEVELS, s, s)),
-            np.empty((LEVELS, s)),
+            np.zeros((LEVELS, s, s)),
+            np.zeros((LEVELS, s)),
             line_aligned(LEVELS, n, s),
-            np.empty((LEVELS, s, s)),
+            np.zeros((LEVELS, s, s)),
             line_aligned(LEVELS, rows, n),
             scene.velocity,
             scene.drive.is_constant,
