@@ -200,8 +200,8 @@ def test_advice_and_sentences_follow_the_table():
     }
     use, avoid = table.sentences
     assert use == (
-        "Use `delay`: it is exact and costs as little as any ODE that is right to 1 % (those take ~{1.2} times as long); where an "
-        "ODE is needed, `modal:8` (off by at most 1 · 10^{−4} where orbits repeat), `modal:1` up to 1.05 r_{c}."
+        "Use `delay`: it is exact and costs as little as any ODE that is right to 1 % (those take ~{1.2} times as long); where "
+        "an ODE is needed, `modal:8` (off by at most 1 · 10^{−4} where orbits repeat), `modal:1` up to 1.05 r_{c}."
     )
     assert avoid.startswith("Avoid `kelvin-voigt` (T −3.0 to −20 %), `quasidynamic` (slides steadily up to 1.05 r_{c}, then")
     assert "ODEs that are right to 1 % take ~{0.5} times as long" in a_table(cost=0.5).sentences[0]
