@@ -77,7 +77,7 @@ def _slope(u: Any, v: Any, _: Any) -> Any:
     return u.grad[0] * v
 
 
-def assemble_layer(cells: int, degree: int) -> tuple[Array, Array, Any]:
+def _assemble_layer(cells: int, degree: int) -> tuple[Array, Array, Any]:
     """Depths of the nodes (n,), sorted, the diagonal of M (n,) and Q (sparse, n by n) of a layer of length 1."""
     mesh = skfem.MeshLine(np.linspace(0.0, 1.0, cells + 1))
     points, weights = gauss_lobatto(degree)
@@ -106,7 +106,7 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
 @cache
 def _courant_limit(degree: int, cells: int) -> float:
     """Longest stable dt/h (h the length of an element in travel time) of a layer of `cells`."""
-    _, mass, slope = assemble_layer(cells, degree)
+    _, mass, slope = _assemble_layer(cells, degree)
     inverse = np.diag(1.0 / mass)
     spectrum = line_spectrum(inverse @ slope.toarray(), inverse[:, 0])
     return MARGIN * longest_step(spectrum, method_for(ELEMENTS, degree)) * cells
@@ -119,7 +119,7 @@ class FiniteElement(MethodOfLines):
 
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
         """As `MethodOfLines`."""
-        layers = [assemble_layer(section.cells, self.number) for section in sections]
+        layers = [_assemble_layer(section.cells, self.number) for section in sections]
         first = np.cumsum([0] + [depth.size for depth, _, _ in layers])
         half = padded_half(int(first[-1]))
         blocks, slopes = [], []

@@ -55,23 +55,18 @@ def _central_coefficients(order: int) -> Array:
     return np.concatenate((np.linalg.solve(offsets[None, :] ** powers[:, None].astype(float), known), np.zeros(3 - half)))
 
 
-def closure_rows(order: int) -> int:
-    """Number of nodes at each end whose rows differ from those of the interior."""
-    return 1 if order == 2 else order + 1
-
-
 @cache
-def boundary_closure(order: int) -> tuple[Array, Array]:
+def _boundary_closure(order: int) -> tuple[Array, Array]:
     """(H, D) near an end, h = 1: norm (rows, rows) of the end nodes, and their rows of D, shape (rows, rows + order/2)."""
-    rows = closure_rows(order)
+    rows = 1 if order == 2 else order + 1
     upper = np.triu_indices(rows)
     alone = (upper[0] > 0) | (upper[1] == 0)
     of_norm, of_skew = (upper[0][alone], upper[1][alone]), np.triu_indices(rows, 1)
-    exact = [_condition(order, of_norm, of_skew, degree) for degree in range(order)]
+    exact = [_condition(order, rows, of_norm, of_skew, degree) for degree in range(order)]
     matrix, known = (np.concatenate(parts) for parts in zip(*exact, strict=True))
     solution, _, rank, _ = np.linalg.lstsq(matrix, known, rcond=_DEPENDENT)
     free = np.linalg.svd(matrix)[2][rank:].T
-    beyond, wanted = _condition(order, of_norm, of_skew, order)
+    beyond, wanted = _condition(order, rows, of_norm, of_skew, order)
     solution = solution + free @ np.linalg.lstsq(beyond @ free, wanted - beyond @ solution, rcond=None)[0]
     norm, skew = np.zeros((rows, rows)), np.zeros((rows, rows))
     count = of_norm[0].size
@@ -94,11 +89,10 @@ def _known_part(order: int, rows: int) -> Array:
     return part
 
 
-def _condition(order: int, of_norm: _Pairs, of_skew: _Pairs, degree: int) -> tuple[Array, Array]:
+def _condition(order: int, rows: int, of_norm: _Pairs, of_skew: _Pairs, degree: int) -> tuple[Array, Array]:
     """The linear system, one row per end node, that makes D exact for a polynomial of `degree`; columns: entries of H, then of Q.
 
     It uses Legendre polynomials over these nodes; powers of x would be equivalent but twenty times more sensitive to rounding."""
-    rows = closure_rows(order)
     points = np.arange(rows + order // 2, dtype=float)
     polynomial = Legendre.basis(degree, domain=[points[0], points[-1]])
     values, slopes = polynomial(points), polynomial.deriv()(points)
@@ -126,9 +120,9 @@ class _Differences(NamedTuple):
     half: int
 
 
-def difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
-    """(D, H) on [0, 1] with `cells` cells, both (nodes, nodes), D full and H sparse. For tests and step limits."""
-    _, closure = boundary_closure(order)
+def _difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
+    """(D, H) on [0, 1] with `cells` cells, both (nodes, nodes), D full and H sparse, for step limits."""
+    _, closure = _boundary_closure(order)
     central = _central_coefficients(order)
     nodes, (rows, columns) = cells + 1, closure.shape
     matrix = np.zeros((nodes, nodes))
@@ -142,7 +136,7 @@ def difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
 
 def _difference_norm(order: int, cells: int) -> Any:
     """H at h = 1: sparse (nodes, nodes), the identity except for a block at each end."""
-    norm, _ = boundary_closure(order)
+    norm, _ = _boundary_closure(order)
     inside = scipy.sparse.eye_array(cells + 1 - 2 * norm.shape[0])
     return scipy.sparse.block_diag((norm, inside, norm[::-1, ::-1]), format="csr")
 
@@ -178,7 +172,7 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
 @cache
 def _courant_limit(order: int, cells: int) -> float:
     """Longest stable dt/h of a layer of `cells`."""
-    matrix, norm = difference_matrix(order, cells)
+    matrix, norm = _difference_matrix(order, cells)
     lift = np.zeros(norm.shape[0])
     lift[0] = 1.0 / norm[0, 0]
     return MARGIN * longest_step(line_spectrum(matrix, lift), method_for(BY_PARTS, order)) * cells
@@ -192,11 +186,11 @@ class SummationByParts(MethodOfLines):
     @property
     def fewest(self) -> int:
         """As `MethodOfLines`: with fewer the rows of both ends would overlap."""
-        return 2 * closure_rows(self.number) + self.number // 2 - 1
+        return sum(_boundary_closure(self.number)[1].shape) - 1
 
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
         """As `MethodOfLines`."""
-        norm, closure = boundary_closure(self.number)
+        norm, closure = _boundary_closure(self.number)
         first = np.cumsum([0] + [section.cells + 1 for section in sections])
         half = padded_half(int(first[-1]))
         blocks = []

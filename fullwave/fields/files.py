@@ -7,7 +7,7 @@ in the lower. Every file is written whole or not at all.
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,15 +19,12 @@ from slipwave.files import whole_or_absent
 from slipwave.observe.pieces import Array
 from slipwave.scene.units import IN_SI
 
-if TYPE_CHECKING:
-    import meshio
-
 
 def write_field(path: Path, field: Field) -> None:
     """Write `field` as .nc, .vtu or .xdmf. Raises SceneError for any other name or if the file cannot be written."""
     writers: dict[str, Callable[[Path, Field], None]] = {
         ".nc": lambda path, field: field.dataset().to_netcdf(path, engine="netcdf4"),
-        ".vtu": lambda path, field: sheet(field).write(path, file_format="vtu"),
+        ".vtu": _write_sheet,
         ".xdmf": _write_series,
     }
     if path.suffix not in writers:
@@ -50,9 +47,9 @@ def profile(field: Field) -> tuple[Array, Array, Array]:
     return position, np.hstack((velocity[:, ::-1], upper.velocity)), np.hstack((stress[:, ::-1], upper.stress))
 
 
-def sheet(field: Field) -> "meshio.Mesh":
-    """The space-time sheet: quadrilaterals over (time in transits, position), with velocity and stress at the points, for a scene
-    with units in SI too.
+def _write_sheet(path: Path, field: Field) -> None:
+    """Write the space-time sheet: quadrilaterals over (time in transits, position), with velocity and stress at the points, for a
+    scene with units in SI too.
 
     Cells of zero height (at the interface and at element boundaries) are left out, so slip appears as a sharp cut.
     """
@@ -67,7 +64,8 @@ def sheet(field: Field) -> "meshio.Mesh":
     corner = (np.arange(moments - 1)[:, None] * depths + thick).ravel()
     quads = np.column_stack((corner, corner + depths, corner + depths + 1, corner + 1))
     values = {"velocity": velocity.ravel(), "stress": stress.ravel()}
-    return meshio.Mesh(points, [("quad", quads)], point_data=values | _in_si(field, time=points[:, 0], **values))
+    mesh = meshio.Mesh(points, [("quad", quads)], point_data=values | _in_si(field, time=points[:, 0], **values))
+    mesh.write(path, file_format="vtu")
 
 
 def _in_si(field: Field, **values: Array) -> dict[str, Array]:

@@ -101,7 +101,7 @@ def _low_frequency(slab: Slab) -> tuple[float, float, float]:
     return first, second, third
 
 
-def spring_damping_mass(scene: Scene) -> tuple[float, float, float]:
+def _spring_damping_mass(scene: Scene) -> tuple[float, float, float]:
     """(spring, damping, mass) of Z/epsilon = spring/s + damping + mass s + ... of an elastic pair, transit clock; (1, 0, 1/12)
     for the plain one. They are those of the pair's quasi-static motion, and so never negative."""
     first, second, third = np.add(_low_frequency(scene.upper), _low_frequency(scene.lower))
@@ -157,20 +157,20 @@ def quasidynamic(scene: Scene, name: str) -> Reduction:
 
 def block12(scene: Scene, name: str) -> Reduction:
     """Spring and mass of Z at low frequency; damping too, if there are dashpots on the faces."""
-    spring, damping, mass = spring_damping_mass(scene)
+    spring, damping, mass = _spring_damping_mass(scene)
     return Reduction(name, mass=mass, damping=damping, spring=spring)
 
 
 def block8(scene: Scene, name: str) -> Reduction:
     """The paper's truncation with the larger mass."""
-    spring, _, mass = spring_damping_mass(scene)
+    spring, _, mass = _spring_damping_mass(scene)
     return Reduction(name, mass=1.5 * mass, spring=spring)
 
 
 def modal(scene: Scene, name: str) -> Reduction:
     """The lowest modes of the pair with its interface locked; the low-frequency mass of all other modes is kept."""
     count = mode_count(name)
-    spring, _, mass = spring_damping_mass(scene)
+    spring, _, mass = _spring_damping_mass(scene)
     frequencies, residues = _locked_modes(scene, count)
     remainder = mass - sum(residue / omega**2 for residue, omega in zip(residues, frequencies, strict=True))
     reduced = Reduction(name, mass=remainder, frequencies=frequencies, residues=residues, spring=spring)
@@ -183,7 +183,7 @@ def kelvin_voigt(scene: Scene, name: str) -> Reduction:
     """Both slabs' Z_i = (2 eps_i/(s r_i))(1 + x_i/8)/(1 + x_i/24), x_i = (s r_i)^2, in series (11): two pole pairs, or one
     if the round trips are equal. Poles in X = s^2 (transit clock) from sum_i k_i (1 + rho_i X/24)(1 + rho_j X/8) = 0. A free
     slab passes the velocity of its drive on with the factor 1/(1 + x_i/8), as in (41)."""
-    spring, _, _ = spring_damping_mass(scene)
+    spring, _, _ = _spring_damping_mass(scene)
     rho = (scene.lower.round_trip / scene.transit) ** 2
     upper, lower = 0.5, 0.5 * scene.lower.round_trip * scene.upper.epsilon / (scene.transit * scene.lower.epsilon)
     if math.isclose(rho, 1.0, rel_tol=1e-12):

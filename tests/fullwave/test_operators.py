@@ -5,18 +5,18 @@ import math
 import numpy as np
 import pytest
 
-from fullwave.finite_element import assemble_layer
+from fullwave.finite_element import _assemble_layer
 from fullwave.lines.runge_kutta import CLASSICAL, combine_stages, method_of
 from fullwave.lines.scheme_limit import longest_decay_step, longest_step
-from fullwave.summation_by_parts import boundary_closure, closure_rows, difference_matrix
+from fullwave.summation_by_parts import _boundary_closure, _difference_matrix
 
 
 @pytest.mark.parametrize("order", [2, 4, 6])
 def test_differences_are_exact_to_their_order(order):
     """x^k for k < order everywhere (order 2: k <= 1), for k <= order inside."""
-    matrix, _ = difference_matrix(order, 24)
+    matrix, _ = _difference_matrix(order, 24)
     x = np.linspace(0.0, 1.0, 25)
-    rows = closure_rows(order)
+    rows = _boundary_closure(order)[0].shape[0]
     for k in range(order + 1):
         error = np.abs(matrix @ x**k - k * x ** max(k - 1, 0))
         assert error[rows:-rows].max() < 1e-11
@@ -28,7 +28,7 @@ def test_differences_are_exact_to_their_order(order):
 
 @pytest.mark.parametrize("order", [2, 4, 6])
 def test_differences_sum_by_parts(order):
-    matrix, norm = difference_matrix(order, 30)
+    matrix, norm = _difference_matrix(order, 30)
     q = norm @ matrix
     ends = np.zeros_like(q)
     ends[0, 0], ends[-1, -1] = -1.0, 1.0
@@ -43,12 +43,12 @@ def test_differences_sum_by_parts(order):
 @pytest.mark.parametrize(("order", "first"), [(4, 2839 / 13230), (6, 1581317 / 11215260)])
 def test_free_entries_of_the_norm_are_those_of_least_residual(order, first):
     """The first one, as rational arithmetic gives it."""
-    assert boundary_closure(order)[0][0, 0] == pytest.approx(first, abs=1e-10)
+    assert _boundary_closure(order)[0][0, 0] == pytest.approx(first, abs=1e-10)
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3, 7, 12])
 def test_elements_sum_by_parts(degree):
-    depth, mass, slope = assemble_layer(3, degree)
+    depth, mass, slope = _assemble_layer(3, degree)
     assert (np.diff(depth) > 0.0).all()
     ends = np.zeros(slope.shape)
     ends[0, 0], ends[-1, -1] = -1.0, 1.0

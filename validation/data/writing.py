@@ -15,7 +15,7 @@ MOST_LINES = 100_000
 """Lines of a record, 15 MB, unless samples are chosen."""
 
 
-def as_record(parts: Iterable[Mapping[str, Array]], scene: Scene) -> Iterator[dict[str, Array]]:
+def _as_record(parts: Iterable[Mapping[str, Array]], scene: Scene) -> Iterator[dict[str, Array]]:
     """The interface's history in its own units (`slipwave.observe.history.named_columns`, a part at a time) as columns of
     MEASURED, in SI if the scene is. Load-point displacement and slip are counted from the first sample on; slip is the load
     point's displacement minus the elastic one, from y' = stiffness (V - v)."""
@@ -37,7 +37,7 @@ def write_series(path: Path, parts: Iterable[Mapping[str, Array]], scene: Scene,
     seen = 0
     with whole_or_absent(path) as temporary, open(temporary, "w", newline="", encoding="utf-8") as stream:
         table = csv.writer(stream)
-        for number, columns in enumerate(as_record(parts, scene)):
+        for number, columns in enumerate(_as_record(parts, scene)):
             if number == 0:
                 units = {name: MEASURED[name].own if scene.units is None else MEASURED[name].unit for name in columns}
                 table.writerow(f"{name} [{unit}]" if unit else name for name, unit in units.items())

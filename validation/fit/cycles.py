@@ -60,7 +60,7 @@ class MeanCycle(NamedTuple):
     early: int
 
 
-def dated_events(name: str, times: Array, friction: Array) -> SlipEvents:
+def _dated_events(name: str, times: Array, friction: Array) -> SlipEvents:
     """The slip events of a record. Raises SceneError for fewer than three."""
     events = slip_events(times, friction)
     if (count := events.date.size) < 3:
@@ -75,7 +75,7 @@ def dated_events(name: str, times: Array, friction: Array) -> SlipEvents:
 def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
     """The mean cycle of a record, without unsettled first cycles and without a significant drift from cycle to cycle. Raises
     SceneError for fewer than three slip events."""
-    noise, events = noise_of(times, friction), dated_events(name, times, friction)
+    noise, events = noise_of(times, friction), _dated_events(name, times, friction)
     early = _unsettled(np.diff(events.date), _date_errors(times, friction, events, noise))
     events = SlipEvents._make(column[early:] for column in events)
     dates, periods = events.date, np.diff(events.date)
@@ -306,7 +306,7 @@ class FoldedRecord(NamedTuple):
 def folded(name: str, times: Array, friction: Array, transit: float) -> FoldedRecord:
     """The samples of whole cycles away from events, sorted by phase. Raises SceneError for a record whose cycles are not
     equal."""
-    dates = dated_events(name, times, friction).date
+    dates = _dated_events(name, times, friction).date
     count = np.arange(dates.size)
     period, first = np.polyfit(count, dates, 1)
     astray, step = float(np.std(dates - first - period * count)), float(np.median(np.diff(times)))

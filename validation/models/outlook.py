@@ -83,7 +83,7 @@ def outlook(scene: Scene, model: str) -> _Outlook:
     slopes = friction_slopes(final.law, velocity)
     found = spectrum(final, model)
     onset = 2.0 * math.pi / (slopes.omega_c if slopes.weakening else slopes.healing)
-    released = stress_released(final) if slopes.weakening else 0.0
+    released = _stress_released(final) if slopes.weakening else 0.0
     loading = final.stiffness * velocity
     return _Outlook(
         stable=found.stable,
@@ -92,7 +92,7 @@ def outlook(scene: Scene, model: str) -> _Outlook:
     )
 
 
-def stress_released(scene: Scene) -> float:
+def _stress_released(scene: Scene) -> float:
     """Stress drop D (normal stress) of a scene with a constant drive and weakening friction; infinite without loading."""
     weakening = -scene.velocity * friction_slopes(scene.law, scene.velocity).steady
     loading = scene.stiffness * scene.velocity / scene.transit  # per L/V*

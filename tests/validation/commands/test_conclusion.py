@@ -17,10 +17,9 @@ from slipwave.solve import follow
 from tests.validation.records import written
 from validation.commands.cli import INPUT_WRONG, main
 from validation.commands.comparison import conclusion, differences, nothing
-from validation.data.events import measured_motion, noise_of
+from validation.data.events import measured_motion, noise_of, slip_events
 from validation.data.series import Series
-from validation.data.writing import as_record
-from validation.fit.cycles import dated_events
+from validation.data.writing import _as_record
 from validation.fit.records import experiment_of
 from validation.models.build import build
 
@@ -122,7 +121,7 @@ def slips():
     """A run with slip events as a record, its cycles, and its scene."""
     result = sw.run(NAME, "quasidynamic", until=UNTIL, rate="400kHz")
     assert result.records.history
-    parts = [*as_record(result.records.history.parts(), result.done.solver.scene)]
+    parts = [*_as_record(result.records.history.parts(), result.done.solver.scene)]
     columns = {key: np.concatenate([part[key] for part in parts]) for key in parts[0]}
     return Series("run.csv", columns), result.done.events, result.done.solver.scene
 
@@ -178,7 +177,7 @@ def test_compare_and_fit_date_a_record_alike(slips):
         replace(cell, columns=cell.columns | {"friction": rings}),
     ):
         compared, own, cycle = measured_motion(one, scene), one.of(scene), experiment_of(one, scene).cycle
-        np.testing.assert_array_equal(dated_events("cell", own["time"], own["friction"]).date, compared.dates)
+        np.testing.assert_array_equal(slip_events(own["time"], own["friction"]).date, compared.dates)
         assert compared.dates.size == cycles.time.size + 1
         assert compared.events.period[1:] == pytest.approx(cycles.period[1:], rel=5e-3)
         assert cycle
