@@ -39,7 +39,7 @@ def pursue(
 ) -> tuple[End | None, str, bool]:
     """Fill an empty `found`, from its beginning or from a file to `resume`, within the limits; write `file`, if given, after each
     point. The end from which it continues, or None; the reason of an early end, or empty; whether the user stopped it. Raises
-    SceneError as `read_followed` and `write_followed` do."""
+    SceneError if a file cannot be written, and for a file to resume that cannot be read or has other `facts`."""
     end, failed, stopped = None, "", False
     try:
         for end in ends_of(found, limits, resume):
@@ -57,7 +57,7 @@ def pursue(
 def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:
     """Fill `found` with progress, yielding its end after each point. Raises NumericsError where it cannot be followed."""
     try:
-        end: End = found.begin() if resume is None else read_followed(resume, found)
+        end: End = found.begin() if resume is None else _read_followed(resume, found)
         if end is not None:
             yield end
             with progress(f"{found.over.base.name}, {found.model}, points of the {found.what}", limits.points) as report:
@@ -92,11 +92,11 @@ def read_branch(path: Path, option: str) -> FollowedBranch:
     over = over_range(text, scenes_with(read(stored.tables), names_of(text), given.get("set", {})), option)
     doubled, tolerance = given.get("switch") == "PD", float(given.get("tol") or BRANCH_TOLERANCE)
     found = FollowedBranch(over, stored.model, tolerance, given.get("cells"), doubled)
-    read_followed(path, found, option)
+    _read_followed(path, found, option)
     return found
 
 
-def read_followed(path: Path, found: Followed, option: str = "--resume") -> End:
+def _read_followed(path: Path, found: Followed, option: str = "--resume") -> End:
     """Fill an empty `found` from the file, without notes on its end; returns its end. The tolerance may differ: the mesh is
     refined at the next point if necessary. Raises SceneError if the file cannot be read, or has other `facts`."""
     from netCDF4 import Dataset

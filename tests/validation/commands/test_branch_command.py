@@ -21,7 +21,7 @@ from validation.commands.cli import INTERRUPTED
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
 from validation.models.ends import SpecialEnds
-from validation.models.followed import ends_of, read_followed
+from validation.models.followed import ends_of, read_branch
 from validation.models.parameter import over_range
 from validation.models.points import StopAt
 from validation.references.onset import onset_of
@@ -80,8 +80,7 @@ def test_it_passes_through_known_orbits_and_its_file_holds_it(whole):
 
 
 def test_pieces_of_one_stability_meet_at_special_points(whole):
-    found = FollowedBranch(over_range(RANGE, "paper"), "kelvin-voigt", 1e-4)
-    read_followed(whole[1], found)
+    found = read_branch(whole[1], "--branch")
     for panel, name in zip(
         BranchResult(found, BranchOptions(), 0.0).chart().panels, ("period", "stress_drop", "elastic_stress_drop"), strict=True
     ):
