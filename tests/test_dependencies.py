@@ -167,3 +167,12 @@ def test_the_step_hands_the_words_over_and_ends_with_the_commands_status(step, t
 def test_lines_and_quotes_of_the_words_are_those_of_a_shell_and_nothing_in_them_is_run(step, words, wanted):
     done = step('printf "%s\\n" "$@"', words)
     assert (done.returncode, done.stdout.splitlines()) == (0, wanted), done.stderr
+
+
+def test_what_is_installed_is_locked_and_two_jobs_have_two_artifacts():
+    assert '--requirement "$GITHUB_ACTION_PATH/requirements.lock"' in SCRIPTS["install"]
+    upload = next(step for step in STEPS if step.get("uses", "").startswith("actions/upload-artifact"))
+    assert "github.job" in upload["with"]["name"]
+    assert "strategy.job-index" in upload["with"]["name"]
+    assert all(line.startswith("${{ inputs.working-directory }}/") for line in upload["with"]["path"].splitlines())
+    assert {step["name"] for step in STEPS if "working-directory" in step} == {"verify", "report"}

@@ -77,6 +77,18 @@ def refused(path, fresh):
     return said
 
 
+FACTS = ("[]", "{}", '{"format": 3}', '{"format": [2]}', "[" * 100_000, "")
+
+
+def test_facts_that_are_none(tmp_path):
+    path, arrays, fresh = prepared(tmp_path, "fd")
+    for facts in FACTS:
+        np.savez(path, **arrays | {"facts": np.array(facts)})
+        refused(path, fresh)
+    np.savez(path, **{name: array for name, array in arrays.items() if name != "facts"})
+    assert "not a checkpoint, or damaged" in refused(path, fresh)
+
+
 @pytest.mark.parametrize("kind", ["fd", "dg"])
 @pytest.mark.parametrize("damage", ["array flipped", "byte flipped", "cut"])
 def test_a_damaged_file_is_refused(tmp_path, kind, damage):

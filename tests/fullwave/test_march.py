@@ -29,6 +29,15 @@ FINE = {
     "fem": (FiniteElement, {"number": 7, "cells": 6}),
     "sbp": (SummationByParts, {"number": 6, "cells": 96}),
 }
+SMOOTH = [name for name in SCENES if name not in ("everything", "stiff-grip")]
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_families_agree_on_every_scene(name):
+    finals = {family: follow(kind(SCENES[name], **options), 20.0) for family, (kind, options) in FINE.items()}
+    for family in ("fem", "sbp"):
+        assert finals[family].psi == pytest.approx(finals["dg"].psi, abs=1e-12)  # measured: 5e-14
+        assert finals[family].mu == pytest.approx(finals["dg"].mu, abs=3e-12)  # 1.4e-13
 
 
 @pytest.mark.parametrize(
@@ -153,6 +162,18 @@ def test_the_other_slab_counts_too():
     for kind in (SummationByParts, DiscontinuousGalerkin):
         with pytest.raises(SceneError, match=r"cells = 10000: would take .* GB"):
             kind(unlike, cells=10_000)
+
+
+def test_memory_that_is_not_there_is_one_line(monkeypatch):
+    def full(*arguments):
+        raise MemoryError
+
+    monkeypatch.setattr(fullwave.lines.march, "assemble", full)
+    with pytest.raises(SceneError, match="cells = 9: not enough memory on this machine"):
+        DiscontinuousGalerkin(PAPER, cells=9)
+    monkeypatch.setattr(fullwave.finite_difference, "steady_side", full)
+    with pytest.raises(SceneError, match="cells = 9: not enough memory on this machine"):
+        Leapfrog(PAPER, cells=9)
 
 
 @pytest.mark.parametrize(

@@ -188,6 +188,13 @@ def test_a_count_that_no_event_explains_ends_the_branch():
         branch(family, at(family, oscillator, 0.3), lambda q: q.parameter < 0.7, control=control)
 
 
+def test_a_branch_that_is_lost_says_where():
+    """Steps of 0.3 and more cannot follow the turn at the fold; they begin at p = -0.21."""
+    family, control = family_of(SUBCRITICAL), Control(0.6, shortest=0.3)
+    with pytest.raises(NumericsError, match=r"cannot be followed beyond parameter = -0\.21, period 5\.764"):
+        branch(family, at(family, SUBCRITICAL, 0.3, -1.0), lambda q: q.parameter < 0.9, control=control)
+
+
 def test_a_vertical_branch_says_what_to_do_instead():
     """With g = s 1e-10 all orbits lie at p = 0; periods shrink so fast with s that no step of 0.3 is straight enough."""
     vertical = Oscillator(lambda s: 1e-10 * s, lambda s: 1e-10, 5.0)
@@ -326,3 +333,13 @@ def test_where_a_curve_turns_and_returns():
     below = next(k for k in range(20) if points[k].parameters[1] < 0.0)
     back = crossing(plane, trail[below - 1], trail[below], 0.0, 1e-8)
     assert back.parameters == (pytest.approx(0.7, abs=1e-8), pytest.approx(0.0, abs=1e-8))
+
+
+def test_a_curve_that_ends_says_where():
+    """Beyond q = 0.1 the pair does not exist."""
+
+    def ended(q):
+        return circle(0.0) if q < 0.1 else SUPERCRITICAL._replace(beside=lambda p: -0.1)
+
+    with pytest.raises(NumericsError, match=r"cannot be followed beyond the parameters 0\.3, 0\.(1|099\d*): "):
+        curve("NS", ended, 0.2, (0.0, 1.0), 40)

@@ -109,6 +109,25 @@ def test_steps_that_follow_breaks_let_no_noise_grow():
     assert found.steps <= 8.0
 
 
+@pytest.mark.parametrize(
+    ("name", "one_way"), [("yardstick", [0.5]), ("unlike", [0.5, 1.0]), ("unlike-irrational", [0.5, 0.5**0.5])]
+)
+def test_break_points_are_the_arrivals_of_the_jump_and_no_others(name, one_way):
+    """From the interface into every slab, from its outer face back; what arrives together counts once."""
+    solver = DelayBreaks(read(name, ['start.kind="jump"', "start.size=0.05"]))
+    follow(solver, 6.0)
+    at_interface, arrivals = [0.0], set()
+    while at_interface:
+        time = at_interface.pop()
+        for travel in one_way if time < 6.0 - 1e-9 else []:
+            outer, back = round(time + travel, 9), round(time + 2.0 * travel, 9)
+            arrivals.add(outer)
+            if outer < 6.0 - 1e-9 and back not in arrivals:
+                arrivals.add(back)
+                at_interface.append(back)
+    assert solver.break_points == len(arrivals)
+
+
 def test_more_break_points_than_can_be_stored_are_refused(monkeypatch):
     """At once: a march that went on would read waves of the wrong step."""
     monkeypatch.setattr("reduced.delay.break_points._RING", 20)

@@ -324,6 +324,12 @@ def test_waves_that_last_are_not_shown_by_long_pieces():
     assert np.diff(seen.samples()[0]).max() < 1.0
 
 
+def test_a_jump_of_the_drive_within_a_step_is_met_by_its_end():
+    scene = dataclasses.replace(slipwave.read("machine"), drive=Drive((0.0, 20.3, 20.3), (100.0, 100.0, 130.0)))
+    ours, theirs = LeapingNetwork(scene, 1e-9), DelayBreaks(scene, 1e-9)
+    assert follow(ours, 60.0).psi == pytest.approx(follow(theirs, 60.0).psi, abs=1e-8)
+
+
 @pytest.mark.parametrize("stop", [9_000.0, 9_001.0, 31_000.0, 31_001.0, 33_000.0, 60_000.0])
 def test_a_run_resumed_after_a_leap_is_the_same_to_the_last_bit(stop, tmp_path):
     """Of each march; also where breaks were followed before, and beyond."""

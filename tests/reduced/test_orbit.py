@@ -239,6 +239,36 @@ def test_residuals_at_rounding_are_accepted():
                 equations.solved([1.5])
 
 
+def only_at_the_guess(u):
+    if u[0] != 2.0:
+        raise NumericsError("it runs away")
+    return u
+
+
+@pytest.mark.filterwarnings("ignore:Diagonal number")
+@pytest.mark.parametrize(
+    ("residual", "derivative", "guess", "message"),
+    [
+        (
+            lambda u: u * u + 1.0,
+            lambda u: np.diag(2.0 * u),
+            [1.3],
+            r"no convergence in 25 iterations: a residual of 1\.?\d* is left",
+        ),
+        (
+            lambda u: u.sum() * np.r_[1, 2] - 1,
+            lambda u: np.array([[1.0, 1], [2, 2]]),
+            [3.0, 1.0],
+            "the linearised equations are sing",
+        ),
+        (only_at_the_guess, lambda u: np.eye(1), [2.0], "no motion can be computed along Newton's step"),
+    ],
+)
+def test_no_solution(residual, derivative, guess, message):
+    with pytest.raises(NumericsError, match=message):
+        Equations(residual, derivative).solved(guess)
+
+
 def scene_at(log10_r):
     return read("paper", {"slab.log10_r": log10_r})
 

@@ -315,6 +315,28 @@ def test_the_scene_read_again_at_its_critical_values_is_neutral(tables):
         assert abs(leading(thick)) < 1e-8
 
 
+def test_a_thicker_slab_keeps_its_machine():
+    """What the scene would be if it were read with that thickness: the machine is given per area, in SI."""
+    thick = thickened(slipwave.read(MACHINE), 3.0).upper
+    again = slipwave.read(MACHINE, [f"slab.thickness={0.6!r}"]).upper
+    assert thick.round_trip == pytest.approx(again.round_trip, rel=1e-12)
+    for name in ("stiffness", "impedance", "mass"):
+        assert getattr(thick.face, name) == pytest.approx(getattr(again.face, name), rel=1e-12)
+
+
+def test_no_units_no_thickness_and_no_weakening():
+    paper = slipwave.read("paper")
+    assert stability_in_si(paper, analyse(paper)) is None
+    bare = slipwave.read(GRANITE, {"slab": {"epsilon": 1.8e-6, "r": 6e-4}})
+    found = stability_in_si(bare, analyse(bare))
+    assert math.isnan(found.thickness)
+    assert math.isnan(found.critical_thickness)
+    strengthening = slipwave.read(MACHINE, ["interface.b=0.005"])
+    values = stability_in_si(strengthening, analyse(strengthening))
+    assert math.isnan(values.critical_thickness)
+    assert math.isnan(values.critical_normal_stress)
+
+
 HELD = {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0}
 FAST = GRANITE | {"slab": GRANITE["slab"] | {"thickness": 1.0, "face": HELD}}
 

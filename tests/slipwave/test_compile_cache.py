@@ -17,7 +17,7 @@ from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import inlined, njit
 from slipwave.compiled.parts import PartCompiler
 from slipwave.observe.swings import size_of
-from slipwave.sources import ROOT, SOLVER_PACKAGES, program
+from slipwave.sources import ROOT, SOLVER_PACKAGES, import_closure, program
 from tests.test_shape import FUNCTIONS, TREES
 
 SWING = np.array([1.0, 2.0, 3.5])
@@ -277,6 +277,22 @@ def test_a_division_by_zero_is_a_number_and_no_exception():
     assert quotient(1.0, 0.0) == math.inf
     assert math.isnan(quotient(0.0, 0.0))
     assert inlined(lambda x, y: x / y)(1.0, 0.0) == math.inf
+
+
+def closure(file, packages=True):
+    return {path.relative_to(ROOT).as_posix() for path in import_closure([ROOT / file], packages)}
+
+
+def test_imports_are_followed_through_modules_packages_and_functions():
+    found = closure("slipwave/friction/interface.py", packages=False)
+    assert {
+        "slipwave/friction/interface.py",
+        "slipwave/compiled/functions.py",
+        "slipwave/friction/__init__.py",
+        "slipwave/friction/slip.py",
+    } <= found
+    assert "slipwave/friction/check.py" in found  # imported within `register`
+    assert not found & {"slipwave/__init__.py", "slipwave/input/source.py", "slipwave/scene/scene.py"}
 
 
 @pytest.mark.parametrize(

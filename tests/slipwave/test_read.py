@@ -9,7 +9,7 @@ import pytest
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.quantity import looks_measured, quantity
-from slipwave.input.source import gallery_names
+from slipwave.input.source import gallery_names, gallery_titles
 from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, StandardLinearViscosity
@@ -17,6 +17,13 @@ from tests.granite import GRANITE as BARE
 
 INTERFACE = {"law": "ageing", "a_star": 0.369, "a": 0.0349, "b": 0.0489}
 PLAIN = {"interface": INTERFACE, "slab": {"epsilon": 2.8e-5, "r": 0.002}, "drive": {"velocity": 100}}
+
+
+def test_every_scene_of_the_gallery_reads_and_has_a_title():
+    assert {"paper", "paper-si", "paper-2.6", "paper-2.3", "rock", "yardstick"} <= set(gallery_names())
+    for name, title in gallery_titles().items():
+        assert slipwave.read(name).name == name
+        assert 10 < len(title) < 120
 
 
 def test_the_paper_scene_is_the_papers():

@@ -1,6 +1,7 @@
 """How often stated errors hold the truth: the kinds, the record of many computations, and what the report says of it."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from reduced.stability.critical import critical_round_trip
 from slipwave.observe.events import Events
 from slipwave.observe.statistics import margin_of_mean
+from tests.verification import stated_errors
 from tests.verification.stated_errors import (
     KINDS,
     SLABS,
@@ -22,6 +24,7 @@ from tests.verification.stated_errors import (
     random_scene,
     summary,
 )
+from validation.models.orbits import find_orbit
 
 
 def test_coverage_by_hand():
@@ -69,11 +72,41 @@ def test_what_is_not_what_is_recorded_is_told():
     assert not agree([], known)
 
 
+def test_a_record_goes_on_where_it_was_interrupted(tmp_path, monkeypatch):
+    path, asked = tmp_path / "record.json", []
+
+    def compute(kind, number):
+        asked.append((kind, number))
+        if len(asked) == 4:
+            raise KeyboardInterrupt
+        return [Held("period", 1e-8 * number, 1e-9)]
+
+    monkeypatch.setattr(stated_errors, "computation", compute)
+    monkeypatch.setattr(stated_errors, "_AT_ONCE", 1)
+    monkeypatch.setattr(stated_errors, "KINDS", {kind: KINDS[kind]._replace(recorded=3) for kind in ("orbits", "means")})
+    with pytest.raises(KeyboardInterrupt):
+        stated_errors.make_record(stated_errors.KINDS, path)
+    stated_errors.make_record(stated_errors.KINDS, path)
+    assert asked == [("orbits", 0), ("orbits", 1), ("orbits", 2), ("means", 0), ("means", 0), ("means", 1), ("means", 2)]
+    assert known_computations(path)["means"][2] == [Held("period", 2e-8, 1e-9)]
+
+
 def test_a_mean_is_held_against_that_of_later_cycles():
     """Means 2 of 8 cycles and 4 of the next 24: half as large, and as far as 0.5/sqrt(1 + 8/24) from an exact one."""
     column = np.concatenate([np.tile([1.0, 3.0], 4), np.full(24, 4.0)])
     period = held_means(Events(*[column] * 6), 8)[0]
     assert period == ("period", pytest.approx(margin_of_mean(column[:8]) / 4.0), pytest.approx(0.5 * np.sqrt(0.75)))
+
+
+def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh():
+    """The error of an orbit to 1e-4 against a mesh three times finer is that against Newton's method to 1e-11."""
+    scene = random_scene("alike", "delay", np.random.default_rng(4))
+    drawn = SimpleNamespace(random=lambda: 0.9, uniform=lambda *limits: -4.0)
+    coarse, fine = (find_orbit("delay", scene, tolerance).found.orbit.values() for tolerance in (1e-4, 1e-11))
+    held = stated_errors.of_orbit("delay", scene, drawn)
+    assert max(one.error for one in held) > 1e-9
+    for one in held:
+        assert one.error == pytest.approx(abs(coarse[one.figure] / fine[one.figure] - 1.0), rel=0.05, abs=2e-12)
 
 
 def test_a_layered_slab_is_not_taken_for_resolved_by_its_coarsest_grid():

@@ -200,6 +200,18 @@ def test_the_svg_has_ids_of_its_own_and_is_the_same_twice(tmp_path):
     assert re.findall(r">(time|a &amp; b &lt;)<", first) == ["time", "a &amp; b &lt;"]
 
 
+def test_hatches_of_cells_are_in_the_svg(tmp_path):
+    look = Look(kind="cells", colors={"no": "#ffffff", "two": "#c44e52"}, hatches={"two": "////"})
+    traces = [Trace("", [0.0, 1.0], [0.0, 1.0], look, value=[[0, 1], [1, 0]])]
+    render(Chart([Panel("", Scale(), Scale(), traces)], 2.0, legend="outside upper left"), tmp_path / "a", "a")
+    svg = (tmp_path / "a.svg").read_text()
+    hatches = re.findall(r"<pattern[^>]* id=\"([^\"]*)\"", svg)
+    filled = re.findall(r"fill:url\(#([^)]*)\)", svg)
+    assert filled
+    assert set(filled) <= set(hatches)
+    assert '<rect x="0" y="0" width="73" height="73" style="fill:var(--cc44e52,#c44e52)"' in svg
+
+
 @pytest.mark.parametrize("color", ["#111111", BLUE, "#e69f00", "#56b4e9", "#b9b9b9"])
 def test_lines_are_clear_by_day_and_by_night(color):
     day = Look(color).ink

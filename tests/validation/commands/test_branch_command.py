@@ -18,6 +18,7 @@ from reduced.stability.critical import critical_round_trip
 from tests.copies import interrupted
 from validation.commands.branch import BranchOptions, BranchResult
 from validation.commands.cli import INTERRUPTED
+from validation.models import followed
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
 from validation.models.ends import SpecialEnds
@@ -191,6 +192,24 @@ def test_an_onset_at_the_edge_of_the_range_begins_a_branch(beyond):
     assert (found.special[0].kind, found.special[0].value) == ("HB", pytest.approx(onset, abs=1e-10))
 
 
+def test_a_range_may_have_units(printed):
+    """As the key itself; a bare velocity is in V*. Listed values that differ are printed so, and periods in seconds beside."""
+    over = over_range("slab.thickness=31 mm:34 mm", "paper-si")
+    assert (over.first, over.last, over.written(0.032)) == (0.031, 0.034, "0.032 m")
+    assert over.scene_at(0.032) == sw.read("paper-si", {"slab.thickness": 0.032})
+    fast = over_range("drive.velocity=0.1 mm/s:0.2 mm/s", "paper-si")
+    assert (fast.name, fast.first, fast.last) == ("V", pytest.approx(100.0), pytest.approx(200.0))
+    assert fast.scene_at(150.0).velocity == 150.0
+    words = ["paper-si", "--model", "kelvin-voigt", "--tol", "1e-4", "--most-points", "2"]
+    printed = printed("branch", *words, "--over", "slab.thickness=31 mm:34 mm").splitlines()
+    special, first, second = (line.split() for line in (printed[-7], printed[-4], printed[-3]))
+    assert special[:2] == ["HB", "Hopf"]
+    assert float(special[2]) == pytest.approx(0.03357797353158276 * 10 ** (2.68 - 2.69954994745), rel=1e-9)
+    assert first[0] != second[0]
+    transit = over.scene_at(float(first[0])).transit * sw.read("paper-si").units.time
+    assert float(first[2]) == pytest.approx(float(first[1]) * transit, rel=1e-6)
+
+
 def test_a_branch_ends_at_its_longest_period(answer):
     short = answer("branch", *COARSE, "--longest-period", "51")
     assert short["points"][-2]["period"] < 51.0 < short["points"][-1]["period"]
@@ -233,6 +252,9 @@ def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, refused, name):
     assert "x.nc': is no file of a branch, or damaged: its contents have changed since it was written" in refused(
         "branch", *COARSE, "--resume", str(path)
     )
+
+
+FIRST, SECOND = (over_range(text, "paper") for text in (RANGE, "V=100:120"))
 
 
 def test_a_curve_ends_at_the_edge_of_its_ranges():
@@ -351,3 +373,31 @@ def test_a_hopf_point_ends_where_its_curve_turns():
     best = minimize_scalar(lambda one: -critical_round_trip(over.scene_at(one))[0], bracket=(2.3, 2.5, 2.7), tol=1e-6)
     assert (found.extreme, found.first) == (pytest.approx(math.log10(-best.fun), abs=1e-8), pytest.approx(best.x, abs=1e-3))
     assert (found.points, found.reason) == (("HB1",), "")
+
+
+OTHER = over_range(RANGE, sw.read("paper", {"interface.a": 0.03491}))
+
+
+@pytest.mark.parametrize(
+    ("kind", "fact", "changes"),
+    [
+        ("branch", "scene", {"over": OTHER}),
+        ("branch", "model", {"model": "modal:1"}),
+        ("branch", "cells", {"cells": 9}),
+        ("branch", "sources", {}),
+        ("curve", "type", {"kind": "NS"}),
+        ("curve", "rectangle", {"over": over_range("log10_r=-2.72:-2.69", "paper")}),
+    ],
+)
+def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, kind, fact, changes):
+    path = tmp_path / "x.nc"
+    own = Curve("LP", FIRST, SECOND, "delay", 1e-6) if kind == "curve" else FollowedBranch(FIRST, "kelvin-voigt", 1e-4)
+    monkeypatch.setattr(type(own), "saved", lambda *parts: {})
+    followed.write_followed(path, own, None, False, {})
+    same = own if kind == "curve" else replace(own, over=over_range("log10_r=-2.71:-2.6", "paper"))
+    with pytest.raises(sw.SceneError, match=f"is no file of a {kind}, or damaged"):  # no points, but the same facts
+        read_followed(path, same)
+    if fact == "sources":
+        monkeypatch.setattr(f"validation.models.{kind}.source_digest", lambda: "of another version")
+    with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
+        read_followed(path, replace(own, **changes))

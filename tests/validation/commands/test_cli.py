@@ -15,6 +15,7 @@ import xarray
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import load_tables
+from tests.copies import in_a_copy
 from validation.commands.cli import COMMANDS, INPUT_WRONG, NUMERICS_FAILED, command_called, main, one_value_each
 from validation.commands.options import options_of
 from validation.models.build import build
@@ -135,6 +136,12 @@ def test_every_command_has_examples_that_it_accepts(printed):
             command_called(name).make_context(name, line[2:])
 
 
+def test_what_is_wrong_in_a_file_is_told_whole(tmp_path, refused):
+    (tmp_path / "mine.toml").write_text("[slab]\nepsilon = 1e-5\ndensity 2700 kg/m3\n")
+    told = "Expected '=' after a key in a key/value pair (at line 3, column 9)"
+    assert refused("show", str(tmp_path / "mine.toml")).endswith(f"must be a TOML file; {told}")
+
+
 PAPER = (Path(slipwave.__file__).parent / "gallery" / "paper.toml").read_bytes()
 
 
@@ -147,6 +154,27 @@ def test_a_name_that_is_not_printable_is_refused(key, name, tmp_path, refused):
     assert err.startswith(f"slipwave: {key} = ")
     assert "must be a text of 1 to 200 printable characters" in err
     assert err.isprintable()
+
+
+@pytest.mark.parametrize("name", [b"\xff\xfe \x1b[31mred", "grün".encode()])
+def test_a_files_own_name_is_spelt_out(name, tmp_path):
+    path = os.fsencode(tmp_path) + b"/" + name + b".toml"
+    with open(path, "wb") as file:
+        file.write(PAPER)
+    read = slipwave.read(os.fsdecode(path)).name
+    assert read.isprintable()
+    read.encode("utf-8")
+
+    def run():
+        sys.stdout.reconfigure(encoding="ascii")
+        sys.stderr.reconfigure(encoding="ascii")
+        return main(["run", os.fsdecode(path), "--until", "20", "--out", str(tmp_path / "x.nc")])
+
+    done = in_a_copy(run)
+    assert done.returncode == 0, done.stderr
+    assert "\x1b" not in done.stdout + done.stderr
+    assert done.stdout.splitlines()[0].startswith("scene ")
+    assert (tmp_path / "x.nc").exists()
 
 
 @pytest.mark.parametrize(

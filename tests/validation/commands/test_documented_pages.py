@@ -25,9 +25,10 @@ from slipwave.observe.verdict import REPEATING, Kind
 from slipwave.sources import ROOT
 from tests.validation.answer import PAGES as ANSWERED
 from tests.validation.answer import block_of, read_table, with_block
-from validation.commands.cli import main
+from validation.commands.cli import COMMANDS, command_called, main
 from validation.models.by_name import FAMILIES
 from validation.studies.which_model import ORBITS, SHOWN
+from validation.sweep.map_figures import SIZES
 
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 FILE = re.compile(r"Write `([^`]+)`:\s*$")
@@ -99,6 +100,20 @@ def test_the_machine_of_a_data_sheet_is_that_of_the_gallery():
 
 MARKED = re.compile(r"([\w.+-]+)<!--(.+?)-->")
 WORDS = {"eight": 8.0, "sixteen": 16.0}
+NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
+HELP = {
+    "run --fields": "validation.models.recording.FIELD_WINDOW",
+    "run --checkpoint-every": "validation.models.recording._EVERY",
+    "orbit --tol": "validation.commands.orbit.ORBIT_TOLERANCE",
+    "branch --tol": "validation.commands.branch.BRANCH_TOLERANCE",
+    "branch --most-points": "validation.commands.branch.BRANCH_POINTS",
+    "curve --tol": "validation.commands.branch.BRANCH_TOLERANCE",
+    "curve --most-points": "validation.commands.curve.CURVE_POINTS",
+    "sweep --refine": "2.0",
+    "sweep --until": "validation.sweep.measures.TRANSITS",
+}
+RANGES = {"--cfl": {0.0, 1.0}, "--size": set(SIZES.values())}
+"""Several numbers; the ends of --cfl are refused or taken in `tests/fullwave`."""
 
 
 def value(expression):
@@ -122,6 +137,17 @@ MARKED_PAGES = sorted(page for page in (ROOT / "docs").glob("*.md") if MARKED.se
 def test_numbers_of_a_page_are_those_of_the_program(page):
     marked = MARKED.findall(page.read_text(encoding="utf-8"))
     assert [(text, name) for text, name in marked if number(text) != pytest.approx(value(name), rel=1e-12)] == []
+
+
+def test_numbers_of_help_texts_are_those_of_the_program():
+    commands = {name: command_called(name) for name in COMMANDS}
+    told = {}
+    for name, command in commands.items():
+        for option in command.params:
+            found = {float(text) for text in NUMBER.findall(option.help or "")}
+            if found and found != RANGES.get(option.opts[0]):
+                told[f"{name} {option.opts[0]}"] = found
+    assert told == {key: {value(name)} for key, name in HELP.items()}
 
 
 PAGE = (Path(__file__).parents[3] / "docs" / "what-a-run-says.md").read_text(encoding="utf-8")

@@ -64,6 +64,13 @@ def test_a_program_is_left_in_silence(capsys, monkeypatch):
     assert capsys.readouterr() == ("", "")
 
 
+def test_a_result_shows_its_figures():
+    found = sw.run("paper", "kelvin-voigt", until=200, **FAST)
+    assert "<RunResult: scene = paper, model = kelvin-voigt, until = 200, events = 50, " in repr(found)
+    assert "period.mean = 3.93112" in repr(found)
+    assert "<tr><th>period.mean</th><td>3.93112</td></tr>" in found._repr_html_()
+
+
 @pytest.fixture(scope="module")
 def turning():
     """From a Hopf point through two folds: 2.703 is passed once before and twice between them."""

@@ -68,6 +68,14 @@ def test_commands_say_what_faces_do(answer, printed):
     assert f"# slabs: {line.format(omega, told[0]['reflection'])}" in printed("show", "grip").splitlines()
 
 
+def test_rates_are_told_in_si_too(answer, printed):
+    """A block of rock, L/V* = 10 s, between grips."""
+    slab = {"density": "2.7 g/cm3", "shear_modulus": "30 GPa", "thickness": "10 m", "face": GRIP}
+    changes = UNITS | {"slab." + key: value for key, value in slab.items()} | {"drive.velocity": "1 um/s"}
+    (face,) = slipwave.stability("rock", **changes).faces
+    assert (face.omega / face.omega_per_s, face.spring_rate / face.spring_rate_per_s) == pytest.approx((10.0, 10.0), rel=1e-13)
+
+
 def test_where_friction_strengthens_only_fast_waves_are_judged():
     (face,) = slipwave.run("grip", until=5.0, **{"interface.b": 0.02}).faces
     assert (face.omega, face.reflection, face.fast_reflection) == (None, None, pytest.approx(0.5))

@@ -19,7 +19,7 @@ from validation.models import progress as module
 from validation.models.build import build
 from validation.models.cycle import watch
 from validation.models.outlook import amplified_rounding, outlook
-from validation.models.progress import Remaining, progress, share_of_run
+from validation.models.progress import LongRunAdvice, Remaining, progress, share_of_run
 from validation.models.run import simulate
 
 
@@ -93,6 +93,22 @@ def test_it_is_that_of_the_velocity_with_which_the_drive_ends():
     assert outlook(ramp, "delay") == outlook(slipwave.read("paper", ["drive.velocity=2000"]), "delay")
     hold = outlook(slipwave.read("paper", ["drive.velocity=[[0, 100], [10, 0]]"]), "delay")
     assert (hold.stable, hold.rate, hold.period) == (None, 0.0, math.inf)
+
+
+@pytest.mark.parametrize(
+    ("model", "seconds", "says"), [("delay", 7.0, True), ("delay", 0.5, False), ("quasidynamic", 7.0, False)]
+)
+def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
+    """A tenth of the run has taken so many seconds; what came before it, as compilation, does not count."""
+    clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
+    monkeypatch.setattr("validation.models.progress.LONG", 60.0)
+    monkeypatch.setattr("validation.models.progress.time.monotonic", lambda: next(clock))
+    advice = LongRunAdvice(build(model, slipwave.read("paper")), lambda done: done / 110.0, lambda done: None)
+    with caplog.at_level(logging.INFO, logger="slipwave"):
+        for done in (10.0, 20.0, 90.0):
+            advice(done)
+    told = [record.getMessage() for record in caplog.records]
+    assert [("63 s left" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
 
 
 def test_a_continued_run_is_predicted_from_where_it_goes_on():

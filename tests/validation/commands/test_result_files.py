@@ -1,8 +1,11 @@
 """Results as Datasets and netCDF files: values, units, stages of protocols, and that they can be computed again."""
 
 import csv
+import io
 import json
+import math
 import tomllib
+from contextlib import closing
 from pathlib import Path
 
 import numpy as np
@@ -27,6 +30,27 @@ WORDS = ("--set", "drive.velocity=2000", "slab.thickness=0.0335")
 def again(answer):
     """The JSON of a command but for its run time."""
     return lambda *words: {key: value for key, value in answer(*words).items() if key != "wall_s"}
+
+
+def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path):
+    result = sw.run("paper-si", "kelvin-voigt", until=200, interface=True, **SHORT)
+    data, scene = result.dataset, result.done.solver.scene
+    assert scene.units is not None
+    half = data["event_time"] >= 100.0
+    assert float(data["period"][half].mean()) == result.summary["period"]["mean"]
+    transit = scene.transit * 9e-7 / 1e-6  # in L / V*
+    sizes = {"period_s": transit, "stress_drop_Pa": 1000.0, "v_max_m_per_s": 1e-6, "event_time_s": transit}
+    for (name, size), plain in zip(sizes.items(), ("period", "stress_drop", "v_max", "event_time"), strict=True):
+        np.testing.assert_allclose(data[name], data[plain] * size, rtol=1e-14)
+        assert (data[plain].attrs["si_factor"], data[plain].attrs["units"]) == (pytest.approx(size, rel=1e-14), "1")
+    assert {data[name].attrs["units"] for name in sizes} == {"s", "Pa", "m s-1"}
+    assert set(data.coords) == {"time", "time_s", "event_time", "event_time_s"}
+    assert float(data["time_s"][-1]) == pytest.approx(200.0 * transit, rel=1e-12)
+    assert float(data["interface_psi"][-1]) == result.summary["final"]["psi"]
+    result.to_netcdf(tmp_path / "run.nc")
+    with xarray.open_dataset(tmp_path / "run.nc") as stored:
+        xarray.testing.assert_identical(stored.drop_attrs(), data.drop_attrs())
+        assert {name: stored[name].attrs for name in stored.variables} == {name: data[name].attrs for name in data.variables}
 
 
 def test_what_is_given_goes_before_what_the_file_holds(tmp_path):
@@ -155,6 +179,34 @@ def test_a_file_that_holds_no_scene_is_refused(content, tmp_path):
         sw.run(tmp_path / "y.nc")
 
 
+@pytest.mark.parametrize("value", [None, 3, "", "garbage", "3"])
+def test_a_file_with_a_damaged_attribute_is_refused_in_one_line(tmp_path, refused, value):
+    """A model is a word, so that only its absence can be told; any word is a model's or a command's name that is unknown."""
+    import netCDF4
+
+    path = tmp_path / "x.nc"
+    sw.run("paper", "block8", until=2).to_netcdf(path)
+    for name in ("command", "model", "scene_toml", "options"):
+        damaged = tmp_path / f"{name}.nc"
+        damaged.write_bytes(path.read_bytes())
+        with netCDF4.Dataset(damaged, "a") as file:
+            file.delncattr(name) if value is None else file.setncattr(name, value)
+        err = refused("run", str(damaged), "--until", "2")
+        if value in (None, 3):
+            assert (
+                f"holds no scene that can be computed again: its attribute {name} is {'no text' if value else 'missing'}" in err
+            )
+
+
+SCENE = {
+    "slab.thickness": "10 m",
+    "drive.velocity": [["0 s", "1 um/s"], ["40 s", "1 um/s"], ["40 s", "3 um/s"], ["90 s", "3 um/s"], ["90 s", "0 um/s"]],
+    "run.until": "100 s",
+    "slab.shear_modulus": "150 GPa",
+}
+"""A stiff block whose transits are long, so that few have to be computed."""
+
+
 @pytest.mark.parametrize(("name", "options"), [("paper", []), ("paper-si", ["--set", "drive.velocity=2000"])])
 def test_slip_events_as_csv(name, options, tmp_path):
     path = tmp_path / "events.csv"
@@ -169,6 +221,26 @@ def test_slip_events_as_csv(name, options, tmp_path):
     assert len(rows) == len(events.time) > 1
     first = [values[0] * sizes[k] for values, k in zip(events, columns.values(), strict=True)]
     assert [float(word) for word in rows[0]] == pytest.approx(first, rel=1e-14)
+
+
+def test_the_figure_is_friction_against_time_and_slip():
+    with closing(slipwave.run("velocity-steps", "quasidynamic", interface=True, **SCENE)) as result:
+        above, below = result.plot().axes
+    time, friction = above.lines[-1].get_data()
+    slip, again = below.lines[-1].get_data()
+    assert (float(time[-1]), float(friction[0])) == (pytest.approx(100.0, abs=0.1), pytest.approx(0.6, abs=1e-9))
+    assert (again[0], again.max()) == (friction[0], friction.max())
+    assert again[-1] == pytest.approx(friction[-1], abs=1e-4)
+    above.figure.savefig(io.BytesIO())  # second axes take their limits when they are drawn
+    for axes in (above, below):
+        (pascals,) = axes.child_axes
+        assert pascals.get_ylabel() == "friction stress / MPa"
+        assert pascals.get_ylim() == pytest.approx([5.0 * limit for limit in axes.get_ylim()], rel=1e-12)
+    assert [line.get_xdata()[0] for line in above.lines[:-2]] == pytest.approx([40.0, 90.0], abs=0.01)
+    unloaded = 1e6 * 0.005 * math.log(3.0) * 5e6 / 7.5e9  # um by which the weaker interface lets the blocks unload
+    slipped = 40.0 + 150.0 + unloaded
+    assert [line.get_xdata()[0] for line in below.lines[:-2]] == pytest.approx([40.0, slipped], abs=0.05)  # 0.007 measured
+    assert slipped < float(slip[-1]) < slipped + 20.0  # in the hold friction relaxes
 
 
 def test_a_stage_shorter_than_a_step_leaves_the_others(answer, printed):

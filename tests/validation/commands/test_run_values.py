@@ -4,6 +4,7 @@ import io
 import itertools
 import json
 import math
+import re
 from contextlib import redirect_stdout
 from functools import partial
 from types import SimpleNamespace
@@ -15,7 +16,11 @@ import xarray
 import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
 from validation.commands.cli import main
+from validation.commands.curve import CurveOptions, CurveResult
 from validation.models.by_name import families
+from validation.models.curve import Curve
+from validation.models.parameter import Over, Variation
+from validation.models.points import CurvePoint
 
 UNTIL = 4000.0
 THICKNESS = 0.0805
@@ -54,6 +59,23 @@ def test_statistics_are_those_of_the_second_half(told):
     assert result["v_min"] == pytest.approx(min(data["v_min"].values[late]), rel=1e-14)
 
 
+def test_the_recorded_motion_obeys_the_equations(told):
+    """psi' = r (e^-psi - v) and y' = eps (V - v) between neighbouring samples; the friction law at every one."""
+    _, data = told
+    time, rate, psi, y, mu = (
+        data[name].values
+        for name in ("time", "interface_slip_rate", "interface_psi", "interface_elastic_stress", "interface_stress")
+    )
+    np.testing.assert_allclose(mu, 0.369 + 0.0349 * np.log(rate) + 0.0489 * psi, rtol=1e-9)
+    slow = (np.abs(np.diff(np.log(rate))) < 0.02) & (time[1:] > 15.0) & (np.diff(time) > 1e-6)
+    middle = 0.5 * (rate[1:] + rate[:-1])
+    healing = TRANSIT * (np.exp(-0.5 * (psi[1:] + psi[:-1])) - middle)
+    assert slow.sum() > 5000
+    for found, wanted in ((np.diff(psi), healing), (np.diff(y), 2.8e-5 * (100.0 - middle))):
+        misfit = found[slow] / np.diff(time)[slow] - wanted[slow]
+        assert np.abs(misfit).max() < 2e-3 * np.abs(wanted[slow]).max()
+
+
 def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
     """|T/T_reference - 1| of each setting, of one cheap family and the delay system; runs made again here."""
     chosen = [family for family in families() if family.name in ("delay", "fd")]
@@ -71,6 +93,49 @@ def test_bench_errors_are_those_of_the_runs_it_timed(answer, monkeypatch):
         assert row["failures"] == 0
     errors = [row["error"]["period"] for row in found["models"] if row["model"] == "fd"]
     assert errors[0] / errors[-1] > 10.0
+
+
+PAPER = sw.read("paper")
+
+
+def table(lines, heading):
+    """The rows below the line that begins with these words; cells are two blanks or more apart."""
+    (end,) = [k for k, line in enumerate(lines) if line.split()[: len(heading[0].split())] == heading[0].split()]
+    assert re.split(r"\s{2,}", lines[end].strip()) == heading
+    cells = [re.split(r"\s{2,}", line.strip()) for line in lines[end + 1 : lines.index("", end)]]
+    return [dict(zip(heading, row, strict=True)) for row in cells]
+
+
+RANGES = tuple(
+    Over(name, first=first, last=last, scenes=Variation(PAPER))
+    for name, first, last in (("log10_r", -2.8, -2.6), ("V", 90.0, 120.0))
+)
+
+
+def values(axes):
+    return [(np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist()) for line in axes.get_lines()]
+
+
+def test_the_ranges_of_the_motion_are_drawn_in_both_units():
+    found = sw.run("paper-si", "block8", until=100, interface=True, **{"drive.velocity": 2000})
+    above, below = found.plot().axes
+    data = found.dataset
+    assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == (
+        "friction stress / normal stress",
+        "slip rate / V*",
+        "time / transits",
+    )
+    assert [one.get_xlabel() + one.get_ylabel() for one in above.child_axes] == ["time / s", "friction stress / Pa"]
+    for axes, name in ((above, "interface_stress"), (below, "interface_slip_rate")):
+        (time, low), (_, high) = values(axes)
+        assert (time[-1], low[-1], high[-1]) == (100.0, data[name].values[-1], data[name].values[-1])
+        assert (min(low), max(high)) == (data[name].values.min(), data[name].values.max())
+        assert np.interp(data["time"].values, time, low) == pytest.approx(data[name].values, rel=0.1)
+    above.figure.savefig(io.BytesIO())  # second axes take their limits when they are drawn
+    transit = 9e-7 / 1e-6 * found.done.solver.scene.transit
+    sizes = (above.child_axes[0].get_xlim, above.get_xlim, transit), (above.child_axes[1].get_ylim, above.get_ylim, 1000.0)
+    for second, own, size in (*sizes, (below.child_axes[0].get_ylim, below.get_ylim, 1e-6)):
+        assert second() == pytest.approx([limit * size for limit in own()], rel=1e-12)
 
 
 def assert_table(found, rows):
@@ -95,6 +160,32 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare():
     assert_table(found, rows)
 
 
+def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch):
+    chosen = [family for family in families() if family.name in ("block8", "kelvin-voigt", "delay")]
+    monkeypatch.setattr("validation.commands.bench.honouring", lambda _: chosen)
+    found = sw.bench("paper", until=200, **{"drive.velocity": 2000})
+    rows = found.summary["models"]
+    assert_table(found, rows)
+    wanted = {
+        model: (
+            [row["wall_s"] for row in rows if row["model"] == model],
+            [row["error"]["period"] for row in rows if row["model"] == model],
+        )
+        for model in ("block8", "kelvin-voigt", "delay")
+    }
+    axes = found.plot().axes[0]
+    assert dict(zip([line.get_label() for line in axes.get_lines()], values(axes), strict=True)) == wanted
+    assert all(row["error"]["period"] != row["error"]["stress_drop"] for row in rows)
+    heading = ["model", "setting", "wall s", "quartiles", "error T", "error drop"]
+    told = [[*(row[name] for name in TIMES), *(row["error"][name] for name in ("period", "stress_drop"))] for row in rows]
+    shown = table("\n".join(found.lines(found.summary)).splitlines(), heading)
+    cells = [" ".join(row[name] for name in heading[2:]).replace(" to ", " ").split() for row in shown]
+    assert [[float(cell) for cell in row] for row in cells] == [pytest.approx(one, rel=5e-3) for one in told]
+
+
+TIMES = ("wall_s", "wall_low_s", "wall_high_s")
+
+
 def test_bench_times_all_runs_in_turn_and_gives_medians_with_quartiles(monkeypatch):
     """Runs take 1, 2, 4, ... s by a clock of their own; a round that takes longer than is worth repeating is the last."""
     chosen = [family for family in families() if family.name in ("block8", "delay")]
@@ -108,3 +199,24 @@ def test_bench_times_all_runs_in_turn_and_gives_medians_with_quartiles(monkeypat
         assert [row["wall_s"] for row in rows] == [np.median(one) for one in taken]
         assert [row["wall_low_s"] for row in rows] == [np.quantile(one, 0.25) for one in taken]
         assert [row["wall_high_s"] for row in rows] == [np.quantile(one, 0.75) for one in taken]
+
+
+def orbits(count):
+    """Parameter, period, both drops and extreme rates, all different."""
+    rows = np.array([[-2.7, 50.0, 0.1, 0.2, 900.0, 20.0]]) * (1.0 + 0.01 * np.arange(count)[:, None])
+    return [tuple(row) for row in rows.tolist()]
+
+
+def test_a_curve_has_both_parameters_and_the_period_in_their_places():
+    points = [CurvePoint(row[0], 100.0 + k, *row[1:], 1e-9, 1, 0, 0.6, 0.8, "NS") for k, row in enumerate(orbits(3))]
+    found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), CurveOptions(), 1.0)
+    first, second, period = ([getattr(point, name) for point in points] for name in ("first", "second", "period"))
+    left, right = found.plot().axes
+    assert (values(left), values(right)) == ([(first, second)], [(period, second)])
+    assert (left.get_xlabel(), left.get_ylabel()) == (r"round trip $\log_{10}$ r", "velocity of the drive V / V*")
+    rows = table(
+        "\n".join(found.lines({})).splitlines(), ["log10_r", "V", "period", "stress drop", "bracket", "kind", "multiplier"]
+    )
+    assert list(rows[1].values()) == ["-2.727", "101", "50.5", "0.101", "1e-09", "NS", "0.600000 +- 0.800000 i"]
+    for name, wanted in (("log10_r", first), ("V", second), ("period", period), ("multiplier_im", [0.8] * 3)):
+        assert found.dataset[name].values.tolist() == wanted

@@ -9,6 +9,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input.assemble import read
 from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
+from validation.commands.fit import _chart, _values_in_words
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver, solved
 from validation.fit.least_squares import Best, intervals, minimise
@@ -315,3 +316,23 @@ def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free():
     shift = np.array([0.0, 1e-3])
     difference = (heavy.friction(inner + shift)[0] - heavy.friction(inner - shift)[0]) / 2e-3
     assert by[1] == pytest.approx(difference, rel=1e-3)
+
+
+def test_a_figure_says_the_values_and_shows_holds_over_time():
+    times, friction = np.array([0.0, 1.0, 2.0]), np.array([0.6, 0.61, 0.6])
+    held, moving = (Drive((0.0, 1.0, 1.0, 2.0), (1e-6, 1e-6, after, after)) for after in (0.0, 2e-6))
+    records = [Experiment(f"/x/{k}.csv", times, friction, one.travel(times), one) for k, one in enumerate((held, moving))]
+    rows = {
+        "interface.a": {"value": 0.0100113, "low": 0.0099561, "high": 0.0100665, "unit": "", "determined": True},
+        "interface.memory_length": {"value": 9.959e-6, "low": 9.899e-6, "high": 1.0019e-5, "unit": "m", "determined": True},
+        "level": {"value": -0.25, "low": -9.0, "high": 9.0, "unit": "", "determined": False},
+    }
+    told = ["$a$ = 0.010011 ± 0.000055", "$L$ = (9.959 ± 0.060) μm", "level = -0.25, not determined   (95 %)"]
+    assert _values_in_words(rows).split(",   ") == told
+    above, beside, below, last = _chart(records, [friction - 0.001] * 2, "quasidynamic", rows, True).panels
+    assert [panel.x.label for panel in (below, last)] == ["time / s", "displacement of the load point / μm"]
+    assert [panel.name for panel in (above, beside)] == ["0.csv", "1.csv"]
+    measured, fitted = (trace.columns for trace in beside.traces)
+    np.testing.assert_allclose([measured["y"], fitted["y"]], [friction, friction - 0.001])
+    np.testing.assert_allclose(fitted["x"], [0.0, 1.0, 3.0])
+    np.testing.assert_allclose(list(below.traces[0].columns.values()), [times, [0.001] * 3])

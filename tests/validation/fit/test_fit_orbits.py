@@ -10,6 +10,7 @@ from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
 from validation.fit.cycles import FoldedRecord, disturbed, folded
 from validation.fit.forward import OfSolver
+from validation.fit.least_squares import Best
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import Variants, begun, schedule_of
 from validation.models.parameter import Variation
@@ -102,3 +103,12 @@ def test_a_search_without_an_answer_ends_and_says_where_it_is(scene, work, line,
     with caplog.at_level("INFO", "slipwave"), pytest.raises(NumericsError, match=f"the search ends {line}.*quasidynamic"):
         sw.fit(scene, "delay", data=[file], free=["a", "b"], settings=AWAY)
     assert scene == "unlike" or any("orbits closed or tried" in line for line in caplog.messages)
+
+
+def test_a_fit_says_how_far_it_is(monkeypatch, caplog):
+    monkeypatch.setattr("validation.models.progress._LINE_INTERVAL", 0.0)
+    best = Best(np.zeros(1))
+    with caplog.at_level("INFO", "slipwave"):
+        best.see(np.zeros(1), np.full(9, 3.0))
+        best.see(np.zeros(1), np.full(9, 5.0))
+    assert caplog.messages[-1] == "fit: 2 evaluations, the best residual is 3 times the noise"

@@ -84,6 +84,22 @@ def test_a_load_point_in_whole_steps_of_its_gauge_and_its_velocity_give_the_same
         assert any("3 velocities" in note for note in found.notes)
 
 
+def test_a_window_leaves_out_what_the_model_does_not_say(tmp_path):
+    steps = [(0.0, 1e-6), (80.0, 1e-5), (140.0, 1e-6)]
+    times = np.arange(0.0, 200.0, 0.1)
+    friction = np.minimum(slider(times, steps), 0.02 * times**1.2) + 3e-4 * np.random.default_rng(7).standard_normal(times.size)
+    path = written(
+        tmp_path / "run-in.csv", "time_s,friction,displacement_um", times + 500.0, friction, 1e6 * travelled(times, steps)
+    )
+    found = sw.fit(SAMPLE, data=[path], free=[*FREE, "level"], window="560s:12min")
+    assert_held(found, TRUTH, 0.1)
+    assert found.summary["determined"]["level"]  # to 1e-5, though it is 0
+    assert found.summary["data"][0]["samples"] == 1400
+    for window, told in (("1:2:3", "must be BEGIN:END"), ("9e2:", "holds 0 samples")):
+        with pytest.raises(SceneError, match=told):
+            sw.fit(SAMPLE, data=[path], free=FREE, window=window)
+
+
 @pytest.mark.parametrize("far", [{"memory_length": "300 um"}, {"a": 0.02, "b": 0.01}, {"slab.face.stiffness": "20 GPa/m"}])
 def test_stick_slip_is_fitted_from_values_that_slide_steadily(far, tmp_path):
     times = np.arange(0.0, 400.0, 0.1)

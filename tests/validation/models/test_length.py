@@ -223,6 +223,20 @@ def test_a_billion_samples_are_refused_before_the_run_where_their_number_is_know
     assert re.search(f'"interface" would have {samples} samples, {why}', said)
 
 
+@pytest.mark.usefixtures("boundless")
+def test_too_many_samples_are_refused_after_a_hundredth_of_the_run_where_steps_adapt(tmp_path, monkeypatch):
+    """2000 samples a transit, 1e6 are too many: 499 transits may be recorded, 501 not."""
+    monkeypatch.setattr("validation.models.history_file._MOST", 1e6)
+    kept, refused = (HistoryFile(PAPER.law, NODES, tmp_path / f"{until}", until) for until in (499.0, 501.0))
+    for first in range(5):
+        kept.scan(pieces(first))
+        refused.scan(pieces(first))
+    kept.scan(pieces(5))
+    with pytest.raises(SceneError, match=r"would have 1e\+06 samples, more than 1e\+06; .* --every N"):
+        refused.scan(pieces(5))
+    kept.close(), refused.close()
+
+
 @pytest.mark.parametrize("block", [997, 50_000])
 def test_the_file_of_a_run_holds_the_solvers_own_samples(tmp_path, capsys, monkeypatch, block):
     monkeypatch.setattr("validation.models.history_file._BLOCK", block)

@@ -12,6 +12,7 @@ import slipwave
 import slipwave as sw
 from fullwave.adapt import difference_of, probe
 from slipwave.errors import SceneError
+from slipwave.family import features_of
 from slipwave.input.source import read_stored
 from slipwave.packages import own_file
 from slipwave.solve import follow
@@ -20,6 +21,13 @@ from validation.models.build import build, build_all, prepare
 from validation.models.by_name import FAMILIES, GRIDS, families, honouring, resolve
 from validation.models.cycle import watch
 from validation.models.own import load_families, own_files
+
+HAVE = {"paper": "", "ramp": "", "slip-law": "", "unlike": "unlike", "unlike-irrational": "unlike", "grip": "grip"}
+HAVE |= {"machine": "grip mass", "reflection": "reflection", "layered": "layers", "viscous": "kelvin-voigt"}
+
+
+def test_features():
+    assert {name: features_of(slipwave.read(name)) for name in HAVE} == {name: {*words.split()} for name, words in HAVE.items()}
 
 
 @pytest.mark.parametrize("family", families(), ids=lambda family: family.name)

@@ -20,7 +20,8 @@ from tests.field_window import record_field
 from tests.granite import GRANITE
 from tests.orbit_by_hand import SUBCRITICAL, FlowByHand
 from validation.commands.cli import INPUT_WRONG, main
-from validation.measure.memo import own_orbit
+from validation.measure.cycle import one_cycle
+from validation.measure.memo import cycle_of, own_orbit
 from validation.measure.order_fit import fit_order, shortfall
 from validation.models import at_scene
 from validation.models.build import build
@@ -104,6 +105,20 @@ def test_the_elastic_stress_of_an_orbit_is_that_of_a_settled_run(model):
         follow(solver, begin + 80.0, [history])
         extremes.append([bound(history.columns()["elastic_stress"]) for bound in (np.min, np.max)])
     assert extremes[1] == pytest.approx(extremes[0], abs=1e-5)
+
+
+@pytest.mark.parametrize("model", ["delay", "kelvin-voigt"])
+def test_the_cycle_of_an_orbit_is_that_of_a_settled_run(model):
+    scene = slipwave.read("paper")
+    found = cycle_of(own_orbit(model, scene, 1e-8).closed, before=3.0, after=2.0)
+    run = one_cycle(settle(build(model, scene, tolerance=1e-9), tolerance=1e-7), before=3.0, after=2.0)
+    assert found.period == pytest.approx(run.period, rel=1e-6)
+    assert [found.time.min(), found.time.max()] == pytest.approx([-3.0, found.period + 2.0], abs=0.05)
+    assert np.diff(found.time).min() > 0.0
+    calm = (run.time > 3.0) & (run.time < 60.0)
+    assert np.interp(run.time[calm], found.time, found.stress) == pytest.approx(run.stress[calm], abs=1e-4)
+    at_event = [np.interp(0.0, cycle.time, cycle.slip_rate) / cycle.slip_rate.max() for cycle in (found, run)]
+    assert at_event == pytest.approx([0.5, 0.5], abs=0.05)
 
 
 KNOWN_PERIOD = 73.4721449443

@@ -122,6 +122,20 @@ def test_a_fold_has_no_response():
         Responding(folded)
 
 
+def test_the_table_shows_effects_of_1_percent_largest_first(capsys):
+    assert main(["orbit", "paper", "--tol", "1e-6", "--response"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = next(k for k, line in enumerate(lines) if line.startswith("effect in % of"))
+    rows = [line for line in lines[first + 1 :] if "1 %" in line]
+    keys = [row.split()[0] for row in rows]
+    assert keys == ["interface.b", "interface.a", "r", "slab.epsilon", "drive.velocity", "interface.a_star"]
+    assert main(["orbit", "paper", "--tol", "1e-6", "--response", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["response"]["keys"]["slab.log10_r"] == {"value": -2.68, "unit": ""}
+    effect = facts["response"]["period_time"]["slab.log10_r"] / math.log(10.0) / facts["period_time"]
+    assert rows[2].split()[5] == f"{effect:.4g}"
+
+
 def shift(closed, push, periods=20):
     """How much earlier (transits) the motion comes, `periods` later, after a `push`."""
     flow, cycle = closed.flow, closed.cycle
@@ -206,6 +220,29 @@ def test_integrals_are_derivatives_of_the_period(scene, model):
         assert by_stress == pytest.approx(0.0, abs=1e-9 * float((weights * np.abs(stress)).sum()))
     slope = friction_slopes(read.law, read.velocity).steady
     assert by_drive + slope * by_stress == pytest.approx(-result.response["period"]["drive.velocity"], rel=1e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("model", ["modal:2", "delay"])
+def test_two_steps_of_the_drive_shift_all_later_events_of_a_run(model):
+    """V raised or lowered by a thousandth for T/50 at ten phases: half the difference of the dates fifteen cycles later."""
+    result = sw.orbit("paper", model=model, tol=1e-10)
+    scene, period, phase = result.found.scene, result.period, result._responding.phase
+    event = first_event(result.found.found.closed)
+    settled = sw.run(scene, model=model, until=42.0 * period, tol=1e-11).dataset["event_time"].values[-2]
+    x, weights = np.polynomial.legendre.leggauss(16)
+    for share in np.linspace(0.04, 0.94, 10):
+        begin, length, change = float(settled + share * period), period / 50.0, 1e-3 * scene.velocity
+
+        def date(change, begin=begin, end=begin + length):
+            here = scene.velocity
+            knots = [[0.0, here], [begin, here], [begin, here + change], [end, here + change], [end, here]]
+            run = sw.run(scene, model=model, until=58.0 * period, tol=1e-11, set={"drive.velocity": knots})
+            return run.dataset["event_time"].values[-1]
+
+        times = event + share * period + 0.5 * length * (x + 1.0)
+        expected = change * 0.5 * length * weights @ phase.at(times)[1]
+        assert 0.5 * (date(-change) - date(change)) == pytest.approx(expected, rel=1e-4, abs=1e-7), share
 
 
 def locked_period(result, harmonic, depth, longer, cycles=40, knots=32):

@@ -169,6 +169,18 @@ def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path, capsys):
     assert 0.5 < first < 2.0  # rounding grows by 35 nepers a transit: the first event comes at ln(10^16)/35
 
 
+def test_compare_prints_every_row_and_ends_with_status_3(tmp_path, capsys):
+    out = tmp_path / "both.png"
+    words = ["compare", "paper", *COARSE, "--models", "sbp:2,fd", "--cells", "64", "--out", str(out), "--json"]
+    assert main(words) == NUMERICS_FAILED
+    text, err = capsys.readouterr()
+    rows = {row["model"]: row for row in json.loads(text)["models"]}
+    assert rows["fd"]["failures"] > 0
+    assert rows["fd"]["error"] == {"period": None, "stress_drop": None}
+    assert "the first at t = " in rows["fd"]["failed"]
+    assert rows["fd"]["failed"] in err
+
+
 def test_an_interruption_that_a_library_loses_is_heard_all_the_same(tmp_path):
     done = interrupted_within_a_callback(["run", "paper", "--until", "400000"], 100.0, tmp_path)
     assert done.returncode == INTERRUPTED

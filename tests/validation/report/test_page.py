@@ -98,6 +98,16 @@ def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
     assert '<i style="width:20%">' in html
 
 
+def test_a_claim_of_several_cases_is_told_once(tmp_path):
+    told = [("B holds", "at 1"), ("A holds", "at 1"), ("B holds", "at 2")]
+    html = page_of(tmp_path, stored("energy", *(verdict(title=title, remark=remark) for title, remark in told)))
+    assert '<tr class="claim" id="energy.b-holds">' in html
+    assert '<tr id="energy.b-holds.exact-at-2">' in html
+    rows = [row[1:4] for row in rows_of(html, "verdicts energy")[1:]]
+    shared = ["B holds", "exact", "below 0.5"]
+    assert rows == [shared, ["at 1", "", ""], ["at 2", "", ""], ["A holdsat 1", "exact", "below 0.5"]]
+
+
 def test_every_address_within_the_page_leads_somewhere(tmp_path):
     html = page_of(
         tmp_path,
@@ -120,6 +130,19 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
     assert '<td class="n wrong first" colspan="2"><a href="#models.paper.quasidynamic.-2.7">slides steadily</a></td>' in html
     assert rows_of(html, "error of the stress drop, paper")[3][2] == "+5.0 ± 0.2\u00a0%"
     assert rows_of(html, "onset of stick-slip, paper")[1:] == [["delay", "−2.690000", "exact"], ["quasidynamic", "–", "–"]]
+
+
+def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
+    html = page_of(tmp_path, stored("which-model", verdict(remark="`quasidynamic`"), model_tables=(models(),)))
+    last = rows_of(html, "every cell of the table paper")[-1]
+    assert last[:5] == [
+        "−2.5",
+        "periodic, 140 cycles",
+        "slipwave run paper --set slab.log10_r=-2.5 --model quasidynamic --until 2e+04",
+        "43.2",
+        "1.0\u202f·\u202f10−3",
+    ]
+    assert rows_of(html, "every cell of the table paper")[5] == ["quasidynamic ✓ "]
 
 
 def test_a_reason_with_numbers_is_checked_by_a_verdict_or_said_not_to_be(tmp_path):

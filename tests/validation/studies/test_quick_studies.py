@@ -192,6 +192,18 @@ def test_a_key_follows_the_files_that_a_study_reads(fake, tmp_path):
     assert len(keys) == 4
 
 
+def test_a_key_follows_the_scenes_that_a_program_names(fake):
+    module = fake.add("first")
+    before = store.study_key(module, False)
+    module.SCENES = ("rock",)
+    declared = store.study_key(module, False)
+    module.SCENES = ()
+    fake.edit(module, "\nnamed = 'rock'")
+    names = [path.stem for path in store.sources_of(module) if path.suffix == ".toml"]
+    assert names == ["rock"]
+    assert declared != before
+
+
 def test_every_claim_of_the_paper_is_settled_or_said_to_be_left_out():
     result = held("claims")
     settled = {verdict.claim.split()[0] for verdict in result.verdicts}

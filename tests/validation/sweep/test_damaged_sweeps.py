@@ -191,6 +191,26 @@ def test_no_folder_says_what_is_imported(tmp_path, imported, monkeypatch, refuse
     assert (tmp_path / "seen").exists()
 
 
+def test_a_sweep_begun_by_another_process_just_now_goes_on(tmp_path):
+    class Late(Store):
+        """Looks for a manifest at first, and another process writes it then."""
+
+        looked = False
+
+        @property
+        def manifest(self):
+            if not self.looked:
+                self.looked = True
+                Store(self.folder).begin({"axes": [1]})
+                return None
+            return super().manifest
+
+    assert Late(tmp_path / "new").begin({"axes": [1]}) is None
+    with pytest.raises(SceneError, match="holds another sweep"):
+        Late(tmp_path / "other").begin({"axes": [2]})
+    assert Store(tmp_path / "other").manifest == {"axes": [1]}
+
+
 def begun(folder, number, **how):
     store = Store(folder)
     store.begin({"axes": [number]}, **how)
@@ -235,6 +255,27 @@ def test_two_that_begin_anew_at_once_are_one(tmp_path):
     Late(tmp_path).begin({"axes": [1]}, anew=True)
     (tmp_path / "manifest.json").unlink()
     assert Store(tmp_path).manifest is None
+
+
+def test_a_worker_killed_as_it_starts_costs_nothing(tmp_path, monkeypatch):
+    made = []
+
+    class Pool(Here):
+        """The first one is broken before it has taken anything."""
+
+        _processes = None
+
+        def __init__(self, *_):
+            made.append(self)
+
+        def submit(self, function, /, *given, **named):
+            if made[0] is self:
+                raise BrokenProcessPool
+            return super().submit(function, *given, **named)
+
+    monkeypatch.setattr("validation.sweep.executors.ProcessPoolExecutor", Pool)
+    assert (computed(plan((3, 2)), tmp_path, executor=None, workers=1)["status"].values == 0).all()
+    assert len(made) == 2
 
 
 def test_parts_of_a_broken_pool_are_computed_one_by_one(tmp_path, monkeypatch):

@@ -3,6 +3,7 @@
 import itertools
 import json
 import struct
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -294,3 +295,12 @@ def test_one_axis_shows_figures_and_regimes_and_one_point_its_run():
     row = [line.split() for line in point.lines(point.summary)][-1]
     assert row[:3] == ["kelvin-voigt", "2000", "periodic"]
     assert float(row[3]) == pytest.approx(float(point.dataset["period"].values[0]), rel=1e-6)
+
+
+def test_a_size_keeps_the_figure_in_one_column_or_two():
+    chart = Chart([Panel(str(k), Scale(), Scale(), []) for k in range(3)], 3.6, 3, 12.0)
+    single, double = in_print(chart, "single"), in_print(chart, "double")
+    assert (single.columns, double.columns) == (1, 2)
+    assert single.height == pytest.approx(3.0 * 3.6 * (8.5 / 2.54) / 4.0)
+    assert double.height == pytest.approx(2.0 * 3.6 * (8.5 / 2.54) / 4.0)
+    assert replace(double, height=1.0).is_exact
