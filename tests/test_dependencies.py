@@ -11,11 +11,12 @@ from importlib.metadata import distribution, packages_distributions
 import pytest
 import yaml
 from packaging.requirements import Requirement
+from typer.main import get_command
 
 from slipwave.extras import EXTRAS, OF_THE_REPORT
 from slipwave.sources import ROOT
 from tests.test_shape import FILES, ROOMS, TREES
-from validation.commands.cli import COMMANDS, command_called
+from validation.commands.cli import COMMANDS, app
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXTRA = PROJECT["project"]["optional-dependencies"]
@@ -120,7 +121,7 @@ def test_the_action_names_commands_and_options_that_exist():
     assert [name for name, _ in said] == ["verify", "report"]
     for name, words in said:
         assert name in COMMANDS
-        known = {flag for one in command_called(name).params for flag in one.opts}
+        known = {flag for one in get_command(app).get_command(None, name).params for flag in one.opts}
         assert set(re.findall(r"--[\w-]+", words)) <= known
     assert all(step["shell"] == "bash" for step in STEPS if "run" in step)
     flows = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in (ROOT / ".github/workflows").glob("*.yml")]

@@ -16,11 +16,11 @@ from llvmlite.binding import get_host_cpu_name
 from slipwave.files import whole_or_absent
 from slipwave.observe.statistics import Estimate
 from validation.measure.in_words import able, motion_at, scene_of
-from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, motions, special_points
+from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, branch_points, first_point, motions, special_points
 from validation.measure.regimes import FIGURES, Regime
 from validation.report.compared import JUDGED
 from validation.studies import asymmetry, reflection, which_model
-from validation.studies.which_model.judged import paper_at
+from validation.studies.which_model.motions import paper_at, regime_at, regime_in
 
 _FIRST, _LONGER, _MOST = 20000.0, 1.2, 16.0
 PAPER, SCENES, MANY = 2e-3, 5e-3, 1e-2
@@ -49,10 +49,10 @@ def wanted() -> Iterator[tuple[str, str, Callable[[float], Regime], float, bool]
     """Model, scene, motion and width of every motion that studies ask the record for; whether one that repeats is kept."""
     for log10_r in which_model.BEYOND:
         for model in which_model.EVERY:
-            yield model, paper_at(log10_r), partial(which_model.regime_at, model, log10_r), PAPER, False
+            yield model, paper_at(log10_r), partial(regime_at, model, log10_r), PAPER, False
     for place in which_model.places_of():
         for model in which_model.IN_SCENES:
-            yield model, place[0].settings, partial(which_model.regime_in, model, place), SCENES, False
+            yield model, place.settings, partial(regime_in, model, place.settings), SCENES, False
     for pair in asymmetry.PAIRS:
         for model in asymmetry.MODELS:
             yield model, pair.settings, partial(motion_at, model, pair.settings), MANY, True
@@ -66,10 +66,10 @@ def wanted() -> Iterator[tuple[str, str, Callable[[float], Regime], float, bool]
 
 def points_wanted() -> Iterator[tuple[str, Callable[[], list[KnownPoint]]]]:
     """Scene and options of every branch whose special points studies ask the record for, and these."""
-    for pair in asymmetry.pairs_at(asymmetry.LOG10_R[0]):
-        yield pair.settings, lambda pair=pair: [asymmetry.fold_of(pair)]
+    for pair in asymmetry.FOLLOWED:
+        yield pair.settings, lambda pair=pair: [first_point("LP", pair.settings)]
     for face in reflection.BRANCHES:
-        yield face.settings(), lambda face=face: reflection.branch_points(face)
+        yield face.settings(), partial(branch_points, face.settings(), reflection.RANGE, **reflection.WHOLE)
 
 
 def make_record() -> None:

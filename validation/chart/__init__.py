@@ -1,7 +1,7 @@
 """Charts are data: panels of named traces, with what was computed, units, errors, looks and limits.
 
-`validation.chart.draw` draws one with matplotlib, `table` writes and reads its CSV file, `words` says it in words, and `render`
-writes all files of one. Labels name the quantity and its unit; formulas in them stand between $.
+`validation.chart.draw` draws one with matplotlib, `table` writes its CSV file and reads it again (`read_chart`), `words` says it
+in words, and `render` writes all files of one. Labels name the quantity and its unit; formulas in them stand between $.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

@@ -21,7 +21,7 @@ LEAST_CONTRAST = 3.0
 """Least contrast ratio of a line with the background (WCAG 1.4.11)."""
 
 
-def contrast(one: str, other: str) -> float:
+def _contrast(one: str, other: str) -> float:
     """Contrast ratio of two colours, 1 to 21 (WCAG)."""
 
     def luminance(color: str) -> float:
@@ -39,16 +39,16 @@ def by_night(color: str) -> str:
     hue, light, depth = colorsys.rgb_to_hls(*_channels(color))
     least, low = _channels(DARK_PAPER)[0], 1.0 - light
     turned = _hex(colorsys.hls_to_rgb(hue, least + low * (0.93 - least), depth))
-    return legible(turned, DARK_PAPER) if contrast(color, PAPER) >= LEAST_CONTRAST else turned
+    return legible(turned, DARK_PAPER) if _contrast(color, PAPER) >= LEAST_CONTRAST else turned
 
 
 def legible(color: str, paper: str = PAPER) -> str:
     """The nearest colour of the same hue with enough contrast: darker on white, lighter on dark paper."""
     hue, light, depth = colorsys.rgb_to_hls(*_channels(color))
-    end = 0.0 if contrast(paper, "#000000") > contrast(paper, "#ffffff") else 1.0
+    end = 0.0 if _contrast(paper, "#000000") > _contrast(paper, "#ffffff") else 1.0
     for k in range(101):
         shade = _hex(colorsys.hls_to_rgb(hue, light + (end - light) * k / 100.0, depth)) if k else color
-        if contrast(shade, paper) >= LEAST_CONTRAST:
+        if _contrast(shade, paper) >= LEAST_CONTRAST:
             return shade
     return color
 

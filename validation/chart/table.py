@@ -60,8 +60,8 @@ def panel_facts(chart: Chart) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "x_label": plain_label(panel.x.label),
-            "y_label": plain_label(panel.y.label),
+            "x_label": _plain_label(panel.x.label),
+            "y_label": _plain_label(panel.y.label),
             "scales": [panel.x.kind, panel.y.kind],
             "limits": [list(panel.x.ends), list(panel.y.ends)],
             "colors": [trace.look.ink for trace in panel.traces if trace.columns["x"].size],
@@ -124,7 +124,7 @@ def _look_from_words(words: str, color: str) -> Look:
     return Look(color, dashes, marker, kind=kinds[0] if kinds else "line")
 
 
-def plain_label(text: str) -> str:
+def _plain_label(text: str) -> str:
     r"""A label without the markup of formulas: "$\log_{10} r$" as "log10 r"."""
     return " ".join(re.sub(r"\$([^$]*)\$", lambda found: _plain_formula(found[1]), text).split())
 
@@ -148,6 +148,6 @@ def _greek(name: str) -> str:
 def _numbered(names: Iterable[str]) -> Iterator[str]:
     """Plain names, numbered where several are the same."""
     seen = Counter[str]()
-    for name in map(plain_label, names):
+    for name in map(_plain_label, names):
         seen[name] += 1
         yield name + (f" ({seen[name]})" if seen[name] > 1 else "")

@@ -82,10 +82,14 @@ def _sentences(curves: Sequence[_Curve], fact: dict[str, Any]) -> Iterator[str]:
     rising = [one for one in curves if one.value is None and one.x.size > 1 and np.all(np.diff(one.x) > 0.0)]
     functions = [one for one in rising if np.isfinite(one.y).all()][:_COMPARED]
     for one, other in combinations(functions, 2):
-        crossings = meetings(one.x, one.y, other.x, other.y)
-        if crossings.size:
-            times = "once" if crossings.size == 1 else f"{crossings.size} times, first"
-            yield f"{one.name} and {other.name} cross {times} at x = {crossings[0]:.4g}."
+        every = np.unique(np.concatenate([one.x, other.x]))
+        every = every[(every >= max(one.x[0], other.x[0])) & (every <= min(one.x[-1], other.x[-1]))]
+        apart = np.interp(every, one.x, one.y) - np.interp(every, other.x, other.y)
+        k = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
+        if k.size:
+            times, n = "once" if k.size == 1 else f"{k.size} times, first", k[0]
+            first = every[n] - apart[n] * (every[n + 1] - every[n]) / (apart[n + 1] - apart[n])
+            yield f"{one.name} and {other.name} cross {times} at x = {first:.4g}."
     yield from _ends(functions)
 
 
@@ -95,12 +99,3 @@ def _ends(functions: Sequence[_Curve]) -> Iterator[str]:
         last = [(float(np.interp(end, one.x, one.y)), one.name) for one in functions if one.x[0] < end]
         if len(last) > 1:
             yield f"At x = {end:.4g} {max(last)[1]} is highest ({max(last)[0]:.4g}), {min(last)[1]} lowest ({min(last)[0]:.4g})."
-
-
-def meetings(x: Array, y: Array, others: Array, values: Array) -> Array:
-    """x at which two curves over rising x, `y` and `values` at `others`, cross, by straight lines."""
-    every = np.unique(np.concatenate([x, others]))
-    every = every[(every >= max(x[0], others[0])) & (every <= min(x[-1], others[-1]))]
-    apart = np.interp(every, x, y) - np.interp(every, others, values)
-    k = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
-    return np.asarray(every[k] - apart[k] * (every[k + 1] - every[k]) / (apart[k + 1] - apart[k]))

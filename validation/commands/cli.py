@@ -60,37 +60,51 @@ class _Commands(TyperGroup):
         self.commands: Any = dict.fromkeys(COMMANDS)
 
     def get_command(self, context: Any, name: str) -> Any:
-        """The command of this name."""
-        return command_called(name) if name in COMMANDS else None
+        """The command of this name, ready to parse its words."""
+        if name not in COMMANDS:
+            return None
+        from validation.commands import other_commands
+
+        details, examples = "", other_commands.EXAMPLES.get(name, ())
+        function: Callable[..., None]
+        if name == "report":
+            function = other_commands.of_proof(name)
+        elif name in other_commands.WITHOUT_SCENE:
+            function = other_commands.WITHOUT_SCENE[name]
+        else:
+            from validation.commands.command_line import command_line, on_a_scene
+            from validation.commands.options import SceneOptions
+
+            if name == "show":
+                function = on_a_scene(SceneOptions, other_commands.print_scene)
+            else:
+                function, details, examples = command_line(name)
+        alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+        shown = "\n".join(f"  {line}" for line in examples)
+        alone.command(name, help="\n\n".join(filter(None, [COMMANDS[name], details])), epilog=f"\b\nExamples:\n{shown}")(function)
+        return typer.main.get_command(alone)
+
+    def parse_args(self, context: Any, args: list[str]) -> list[str]:
+        """Take `--set a=1 b=2` and `--only x y` as one option per value; `--set a -1` and `--set a= -1` as `--set a=-1`."""
+        words: list[str] = []
+        option = ""
+        for word in args:
+            if option == "--set" and words[-1] != option and _is_negative(word) and words[-1].partition("=")[2] == "":
+                words[-1] = f"{words[-1].rstrip('=')}={word}"
+                continue
+            if option and words[-1] != option and not word.startswith("-") and _SPREAD[option](word):
+                words.append(option)
+            elif word in _SPREAD:
+                option = word
+            elif option and words[-1] != option:
+                option = ""
+            words.append(word)
+        return super().parse_args(context, words)
 
     def format_commands(self, context: Any, formatter: Any) -> None:
         """All commands with what they do."""
         with formatter.section("Commands"):
             formatter.write_dl(list(COMMANDS.items()))
-
-
-def command_called(name: str) -> Any:
-    """The command of this name, ready to parse its words."""
-    from validation.commands import other_commands
-
-    details, examples = "", other_commands.EXAMPLES.get(name, ())
-    function: Callable[..., None]
-    if name == "report":
-        function = other_commands.of_proof(name)
-    elif name in other_commands.WITHOUT_SCENE:
-        function = other_commands.WITHOUT_SCENE[name]
-    else:
-        from validation.commands.command_line import command_line, on_a_scene
-        from validation.commands.options import SceneOptions
-
-        if name == "show":
-            function = on_a_scene(SceneOptions, other_commands.print_scene)
-        else:
-            function, details, examples = command_line(name)
-    alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
-    shown = "\n".join(f"  {line}" for line in examples)
-    alone.command(name, help="\n\n".join(filter(None, [COMMANDS[name], details])), epilog=f"\b\nExamples:\n{shown}")(function)
-    return typer.main.get_command(alone)
 
 
 app = typer.Typer(
@@ -131,7 +145,7 @@ _ON_STDERR = _OnStderr()
 def main(arguments: list[str] | None = None) -> int:
     """Run the command given by `arguments` (default: the process's own) and return the exit status."""
     _prepare_streams()
-    words = one_value_each(sys.argv[1:] if arguments is None else arguments)
+    words = sys.argv[1:] if arguments is None else arguments
     if arguments is None and words[:1] == ["sweep"]:
         from validation.sweep.workers import start_early  # imported here to keep the start of other commands fast
 
@@ -168,24 +182,6 @@ def main(arguments: list[str] | None = None) -> int:
     if status == INTERRUPTED:  # typer catches the KeyboardInterrupt of a command
         return _say("interrupted", INTERRUPTED)
     return status if isinstance(status, int) else 0
-
-
-def one_value_each(words: list[str]) -> list[str]:
-    """`--set a=1 b=2` and `--only x y` as one option per value; `--set a -1` and `--set a= -1` as `--set a=-1`."""
-    result: list[str] = []
-    option = ""
-    for word in words:
-        if option == "--set" and result[-1] != option and _is_negative(word) and result[-1].partition("=")[2] == "":
-            result[-1] = f"{result[-1].rstrip('=')}={word}"
-            continue
-        if option and result[-1] != option and not word.startswith("-") and _SPREAD[option](word):
-            result.append(option)
-        elif word in _SPREAD:
-            option = word
-        elif option and result[-1] != option:
-            option = ""
-        result.append(word)
-    return result
 
 
 def _is_negative(word: str) -> bool:

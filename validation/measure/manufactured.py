@@ -98,12 +98,21 @@ def _driven(drive, time, within):  # type: ignore[no-untyped-def]
 class _GivenDrive(Drive):
     """The V(t) that causes a given `motion`: smooth, so that it needs as many terms in a step as the motion."""
 
-    motion: _GivenMotion | None = None
+    motion: _GivenMotion
     terms: ClassVar[int] = 8
 
     is_constant = cached_property(lambda self: False)
     knots = cached_property(lambda self: ())
     compiled = cached_property(lambda self: self.motion)
+
+    def exact(self, scene: Scene, times: Array) -> Array:
+        """z, psi and mu at `times` (transits); shape (times, 3)."""
+        found = []
+        for time in times.tolist():
+            psi, _ = _state(self.motion, time)
+            v, mu = _rate_and_stress(self.motion, time)
+            found.append((math.log(scene.velocity + v), scene.steady_psi + psi, scene.steady_stress + mu))
+        return np.array(found)
 
 
 def given_scene(unlike: bool) -> Scene:
@@ -118,18 +127,6 @@ def given_scene(unlike: bool) -> Scene:
     return replace(scene, drive=_GivenDrive((0.0,), (1.0,), motion), until=UNTIL)
 
 
-def exact_motion(scene: Scene, times: Array) -> Array:
-    """z, psi and mu at `times` (transits); shape (times, 3)."""
-    assert isinstance(scene.drive, _GivenDrive)
-    assert scene.drive.motion is not None
-    found = []
-    for time in times.tolist():
-        psi, _ = _state(scene.drive.motion, time)
-        v, mu = _rate_and_stress(scene.drive.motion, time)
-        found.append((math.log(scene.velocity + v), scene.steady_psi + psi, scene.steady_stress + mu))
-    return np.array(found)
-
-
 def error_of_motion(model: str, scene: Scene, cells: int, **options: Any) -> float:
     """Root mean square, over the time from `BEGIN`, of the differences of z, psi and mu from the exact ones, each relative to its
     range; at the nodes of the pieces, so that interpolation does not enter. `options`: as those of `validation.models.build`."""
@@ -138,7 +135,8 @@ def error_of_motion(model: str, scene: Scene, cells: int, **options: Any) -> flo
     follow(solver, UNTIL, [history], leaps=False)
     pieces = history.pieces().part(history.pieces().time > BEGIN)
     times = (pieces.time[:, None] + pieces.length[:, None] * solver.nodes).ravel()
-    truth = exact_motion(solver.scene, times)
+    assert isinstance(scene.drive, _GivenDrive)
+    truth = scene.drive.exact(solver.scene, times)
     ours = np.stack([pieces.z.ravel(), pieces.psi.ravel(), pieces.mu.ravel()], axis=1)
     squares = (((ours - truth) / np.ptp(truth, axis=0)) ** 2).mean(axis=1)
     return float(np.sqrt(np.average(squares, weights=np.repeat(pieces.length, solver.nodes.size))))

@@ -1,7 +1,8 @@
-"""Measurements of a model on a scene, shared by studies: its own orbit and its settled run. Each is computed once per process and
-cached by model, digest of the scene and settings.
+"""Measurements of a model on a scene, shared by studies: its onset, its own orbit, its settled run. Each is computed once per
+process and cached by model, digest of the scene and settings.
 """
 
+import math
 from collections.abc import Callable
 from functools import wraps
 from inspect import signature
@@ -11,10 +12,13 @@ import numpy as np
 
 from reduced.orbit import PeriodicOrbit
 from reduced.orbit.closing import Closed
+from reduced.stability import critical_round_trip
+from slipwave.errors import NumericsError
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import lagrange_basis
 from slipwave.scene import Scene
 from validation.models.build import build
+from validation.models.by_name import one_port_of
 from validation.models.cycle import OneCycle, cut
 from validation.models.orbit_start import first_event
 from validation.models.orbits import find_orbit
@@ -49,6 +53,16 @@ def own_orbit(model: str, scene: Scene, tolerance: float = 1e-10, cells: int | N
     """The orbit of `model` that its run from the start of `scene` comes near to, by Newton's method, with relative errors of the
     figures below `tolerance`. Raises NumericsError if there is none."""
     return find_orbit(model, scene, tolerance, cells).found
+
+
+@kept
+def critical_r(model: str, scene: Scene) -> float:
+    """The upper slab's r from which on steady sliding is unstable, both slabs scaled together; NaN if there is none. For a full
+    wave that of its equations, independent of the grid."""
+    try:
+        return critical_round_trip(scene, one_port_of(model))[0]
+    except NumericsError:
+        return math.nan
 
 
 @kept

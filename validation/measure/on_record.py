@@ -3,12 +3,16 @@ of branches over log10 r. Studies read them and compute a few again. Digits of i
 beside them."""
 
 import csv
+import math
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import slipwave as sw
 from slipwave.observe.statistics import Estimate
+from validation.measure.in_words import scene_of
+from validation.measure.memo import critical_r
 from validation.measure.regimes import FIGURES, Regime
 from validation.references import published
 
@@ -42,6 +46,18 @@ def special_points() -> dict[str, tuple[KnownPoint, ...]]:
         point = KnownPoint(row["kind"], float(row["log10_r"]), float(row["period"]))
         found[row["scene"]] = (*found.get(row["scene"], ()), point)
     return found
+
+
+def branch_points(words: str, ends: tuple[float, float], **options: Any) -> list[KnownPoint]:
+    """The special points of the delay system's branch between two log10 r, with `options` of `slipwave.branch`."""
+    found = sw.branch(scene_of(words), {"log10_r": ends}, model="delay", **options).summary["special"]
+    return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in found]
+
+
+def first_point(kind: str, words: str) -> KnownPoint:
+    """The first special point of a kind on this branch, near the onset: a fold is the least r with cycles there."""
+    onset = math.log10(critical_r("delay", scene_of(words)))
+    return branch_points(words, (onset - 0.02, onset + 0.02), stop_at=kind, tol=1e-9)[-1]
 
 
 def _rows(path: Path) -> Iterator[dict[str, str]]:

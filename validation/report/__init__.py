@@ -13,13 +13,14 @@ Texts may hold the small markup of `validation.report.text`: x_{sub}, 10^{-9}, *
 
 import math
 import re
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar, Protocol, TypeVar
 
 from validation.report.model_table import ModelTable
 from validation.report.text import *  # noqa: F403
-from validation.report.text import Cell
+from validation.report.text import Cell, bare
 from validation.report.verdict import *  # noqa: F403
 from validation.report.verdict import RECORDED, ROUNDING, RUN_TIMES, Outcome, Real, Verdict
 
@@ -75,6 +76,20 @@ class Table:
     """Where the table is as CSV, from the folder of this file."""
 
     __pydantic_config__: ClassVar = RECORDED
+
+    @property
+    def sheet(self) -> Iterator[Iterable[Cell]]:
+        """Its rows as in the file, the headings first: numbers with all their digits, words without markup. No two columns have
+        the same heading: a repeated one is prefixed by the last unique one."""
+        named = [bare(f"{column.title} [{column.unit}]" if column.unit else column.title) for column in self.columns]
+        often, seen, owner, headings = Counter(named), Counter[str](), "", list[str]()
+        for name in named:
+            owner = name if often[name] == 1 else owner
+            unique = name if often[name] == 1 or not owner else f"{owner}: {name}"
+            seen[unique] += 1
+            headings.append(unique if seen[unique] == 1 else f"{unique} {seen[unique]}")
+        yield headings
+        yield from ([bare(cell) if isinstance(cell, str) else cell for cell in row] for row in self.rows)
 
 
 _COLUMN = re.compile(r"(?P<title>.*?)(?: \[(?P<unit>[^]]*)\])?(?: (?P<format>\.\d+[efg%]))?")

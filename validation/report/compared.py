@@ -12,15 +12,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from reduced.stability import critical_round_trip
-from slipwave.errors import NumericsError
 from slipwave.family import Exact
 from slipwave.observe.statistics import Estimate
 from slipwave.scene import Scene
 from validation.measure.costs import march_times
-from validation.measure.memo import kept
+from validation.measure.memo import critical_r
 from validation.measure.regimes import UNKNOWN, Regime
-from validation.models.by_name import family_of, one_port_of
+from validation.models.by_name import family_of
 from validation.report.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.report.text import minus, plain
 
@@ -82,16 +80,6 @@ def against(ours: Estimate, exact: Estimate | None) -> Compared:
         return Compared(ours.value, None, own)
     ratio = ours.value / exact.value
     return Compared(ours.value, ratio - 1.0, ratio * math.hypot(own, exact.error / exact.value))
-
-
-@kept
-def critical_r(model: str, scene: Scene) -> float:
-    """The upper slab's r from which on steady sliding is unstable, both slabs scaled together; NaN if there is none. For a full
-    wave that of its equations, independent of the grid."""
-    try:
-        return critical_round_trip(scene, one_port_of(model))[0]
-    except NumericsError:
-        return math.nan
 
 
 def onset(model: str, scene: Scene) -> Compared | None:

@@ -4,13 +4,12 @@ import csv
 import html
 import io
 import re
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree as xml
 
 from slipwave.files import whole_or_absent
-from validation.report import Cell, Column, Outcome
+from validation.report import Cell, Outcome
 from validation.report.baseline import line_of, reason
 from validation.report.record import NAME, Change, Record, Word, text_of
 from validation.report.text import bare
@@ -24,7 +23,7 @@ _LETTER = 6.6  # width of a letter of the badge
 def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) -> None:
     """Write every accompanying file of out/index.html, each whole or not at all. `red`: words of changes that make a report red;
     an empty `patch` removes an old one."""
-    texts = {table.csv: csv_of(table.columns, table.rows) for table in report.tables}
+    texts = {table.csv: _text_of_rows(table.sheet) for table in report.tables}
     for table, records in ((one.csv, [*one.table.records()]) for one in report.model_tables):
         texts[table] = _text_of_rows([*records[:1], *(record.values() for record in records)])
     texts |= {"junit.xml": _junit_of(report, red), "badge.svg": _badge_of(report, red), NAME: text_of(report)}
@@ -39,27 +38,10 @@ def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) ->
             temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
-def csv_of(columns: Iterable[Column], rows: Iterable[Iterable[Cell]]) -> str:
-    """A table as CSV: numbers with all their digits, words without markup, an empty cell where nothing is; no two columns have
-    the same heading."""
-    return _text_of_rows([_headings(columns), *([bare(cell) if isinstance(cell, str) else cell for cell in row] for row in rows)])
-
-
 def _text_of_rows(rows: Iterable[Iterable[Cell]]) -> str:
     stream = io.StringIO()
     csv.writer(stream, lineterminator="\n").writerows(rows)
     return stream.getvalue()
-
-
-def _headings(columns: Iterable[Column]) -> Iterator[str]:
-    """Yield headings; a repeated heading is prefixed by the last unique one."""
-    named = [bare(f"{column.title} [{column.unit}]" if column.unit else column.title) for column in columns]
-    often, seen, owner = Counter(named), Counter[str](), ""
-    for name in named:
-        owner = name if often[name] == 1 else owner
-        unique = name if often[name] == 1 or not owner else f"{owner}: {name}"
-        seen[unique] += 1
-        yield unique if seen[unique] == 1 else f"{unique} {seen[unique]}"
 
 
 def _junit_of(report: Record, red: tuple[Word, ...]) -> str:

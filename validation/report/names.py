@@ -7,23 +7,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from validation.report import Evidence, Outcome, StudyResult, Verdict
+from validation.report import Evidence, Outcome, Verdict
 from validation.report.text import bare
 
 _WORDS = 8
 """Number of words of a claim in its name."""
-
-
-def with_ids(study: str, result: StudyResult) -> StudyResult:
-    """The result of a study with the `id` of each part; the verdicts on a claim together (`by_claim`)."""
-    return replace(
-        result,
-        verdicts=by_claim(study, result.verdicts),
-        tables=tuple(
-            replace(one, id=f"{study}.{one.name}", study=study, csv=f"data/{study}/table-{one.name}.csv") for one in result.tables
-        ),  # a figure of the same name has its data in the same folder
-        numbers={name: replace(one, id=f"{study}.{name}", study=study, name=name) for name, one in result.numbers.items()},
-    )
 
 
 def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:

@@ -1,51 +1,27 @@
-"""Results on disk: one folder per study, whole or absent, named by a key of everything that could change it: the files from which
-it is computed, and the packages that these import."""
+"""Results on disk: one folder per study, whole or absent, named by a key of everything that could change it."""
 
-import ast
 import hashlib
 import json
 import os
-import platform
-import re
 import shutil
-from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
-from functools import cache
-from importlib import metadata
 from pathlib import Path
 from typing import Any, ClassVar
 
 from pydantic import TypeAdapter
 
-import slipwave
-import validation
 from slipwave.files import is_running
-from slipwave.sources import ROOT, import_closure, imported_names, program
-from validation.chart import render as rendering
+from slipwave.sources import program
 from validation.chart.render import SUFFIXES, render
-from validation.models import by_name
 from validation.report import RECORDED, Study, StudyResult
-from validation.report.names import with_ids
+from validation.report.names import by_claim
+from validation.report.sources import packages_of, sources_of
 
 _FORMAT = 6
 _PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}
 """The stored parts of a result, with their types."""
 _OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
-
-
-_PACKAGE = Path(validation.__file__).parent
-_GALLERY = _PACKAGE.parent / "slipwave" / "gallery"
-_MODELS = Path(by_name.__file__)
-_DRAWN_BY = Path(rendering.__file__)
-"""The file that renders every study's figures."""
-_SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in by_name.FAMILIES]
-"""Files that `models.by_name` imports by name: only its facts mention them, no import statement does."""
-
-_PUBLIC = {name: _PACKAGE.joinpath(*place.split(".")).with_suffix(".py") for name, place in slipwave._PLACES.items()}
-"""Files of the public functions, which `slipwave` imports by name too."""
-
-_READ = (".py", ".toml", ".json", ".csv")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,8 +68,13 @@ class Stored:
 
 
 def study_key(study: Study, quick: bool) -> str:
-    """Hash of all that the study's result depends on and of its settings."""
-    return hashlib.sha256(f"{_FORMAT} {quick} {_sources_digest(study)}".encode()).hexdigest()[:16]
+    """Hash of all that the study's result depends on and of its settings; comments and docstrings of programs are left out."""
+    files = sources_of(study)
+    digest = hashlib.sha256(f"{_FORMAT} {quick} {' '.join(packages_of(files))}".encode())
+    for path in files:
+        digest.update(path.name.encode())
+        digest.update(program(path).encode() if path.suffix == ".py" else path.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def stored_result(folder: Path, study: Study, key: str) -> Stored | None:
@@ -148,7 +129,16 @@ def _remove(folder: Path) -> None:
 
 def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
     record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds}
-    whole = with_ids(study.NAME, result)
+    own: dict[str, Any] = {"study": study.NAME}
+    whole = replace(
+        result,
+        verdicts=by_claim(study.NAME, result.verdicts),
+        tables=tuple(
+            replace(one, id=f"{study.NAME}.{one.name}", csv=f"data/{study.NAME}/table-{one.name}.csv", **own)
+            for one in result.tables
+        ),  # a figure of the same name has its data in the same folder
+        numbers={name: replace(one, id=f"{study.NAME}.{name}", name=name, **own) for name, one in result.numbers.items()},
+    )
     parts = {name: getattr(whole, name) for name in _PARTS}
     plain: dict[str, Any] = json.loads(json.dumps(record | parts, default=_plain))
     return plain
@@ -172,64 +162,3 @@ def _stored(study: Study, record: dict[str, Any]) -> Stored:
         ]
     )
     return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures, key=record["key"])
-
-
-def _sources_digest(study: Study) -> str:
-    """Digest of all that the study's result depends on; comments and docstrings of programs are left out."""
-    files = sources_of(study)
-    digest = hashlib.sha256(" ".join(packages_of(files)).encode())
-    for path in files:
-        digest.update(path.name.encode())
-        digest.update(program(path).encode() if path.suffix == ".py" else path.read_bytes())
-    return digest.hexdigest()
-
-
-def sources_of(study: Study) -> list[Path]:
-    """The study's own file and its optional `FILES` (folders stand for their contents), all that these import from our packages
-    or call of its public functions, the data of this package, and the gallery's scenes named in `SCENES` or in any of these
-    programs of this package.
-
-    A package's `__init__.py` counts where the package itself is imported: `validation.report.text` does not need all that the
-    report's own entrance imports."""
-    read = list(_read(getattr(study, "FILES", ())))
-    own = Path(str(getattr(study, "__file__", __file__)))
-    starts = [own, _DRAWN_BY, *(path for path in read if path.suffix == ".py")]
-    programs = import_closure(starts, packages=False)
-    starts += [_PUBLIC[name] for path in programs if path.is_relative_to(_PACKAGE) or path == own for name in _called(path)]
-    programs = import_closure(starts, packages=False)
-    if _MODELS in programs:
-        programs = import_closure([*starts, *_SOLVERS], packages=False)
-    words = set(study.SCENES).union(*(_words(path) for path in programs if path.is_relative_to(_PACKAGE) or path == own))
-    scenes = [path for path in sorted(_GALLERY.glob("*.toml")) if path.stem in words]
-    return [*programs, *(path for path in read if path.suffix != ".py"), *sorted(_PACKAGE.rglob("*.json")), *scenes]
-
-
-def packages_of(files: Iterable[Path]) -> list[str]:
-    """Python and the installed packages that `files` import, with their versions."""
-    names = {name.partition(".")[0] for path in files if path.suffix == ".py" for name in imported_names(path)}
-    found = {package for name in names for package in _packages().get(name, ()) if package != "slipwave"}
-    return [f"python {platform.python_version()}", *(f"{package} {metadata.version(package)}" for package in sorted(found))]
-
-
-@cache
-def _packages() -> dict[str, list[str]]:
-    return dict(metadata.packages_distributions())
-
-
-@cache
-def _words(path: Path) -> frozenset[str]:
-    """Strings in a program, as this process first read it."""
-    tree = ast.walk(ast.parse(path.read_bytes()))
-    return frozenset(node.value for node in tree if isinstance(node, ast.Constant) and isinstance(node.value, str))
-
-
-@cache
-def _called(path: Path) -> frozenset[str]:
-    """The public functions that a program calls as attributes of `slipwave`, as `sw.run`."""
-    return frozenset(_PUBLIC).intersection(re.findall(r"\b(?:sw|slipwave)\.(\w+)\(", path.read_text(encoding="utf-8")))
-
-
-def _read(paths: Iterable[Path]) -> Iterator[Path]:
-    for path in paths:
-        found = path.rglob("*") if path.is_dir() else [path]
-        yield from sorted(file for file in found if file.suffix in _READ and file.is_file())

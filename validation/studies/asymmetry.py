@@ -18,7 +18,8 @@ from typing import NamedTuple
 import slipwave as sw
 from validation.chart import DASHED, DOTTED, INK, Chart, Look, Panel, Scale, Trace
 from validation.measure.in_words import command_words, motion_at, scene_of, state_at
-from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
+from validation.measure.memo import critical_r
+from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, first_point, on_record, special_points
 from validation.measure.regimes import UNDECIDED, Regime
 from validation.references import others
 from validation.report import (
@@ -40,7 +41,7 @@ from validation.report import (
     stated,
     table,
 )
-from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
+from validation.report.compared import EXACT_MODEL, relative_costs
 from validation.report.everywhere import first_good, first_in_words, motion_cells, recorded_table, repeated, summary
 from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign, foreign_answer
 from validation.report.model_table import ModelColumn
@@ -89,13 +90,11 @@ class _Pair(NamedTuple):
         return minus(f"q = {self.impedances:g}, p = {self.round_trips:.4g}, log_{{10}} r = {self.log10_r:g}")
 
 
-def pairs_at(log10_r: float) -> list[_Pair]:
-    """Every pair once: at equal round trips the ratio of impedances changes nothing."""
-    return [_Pair(q, p, log10_r) for q in IMPEDANCES for p in ROUND_TRIPS if p > 1.0 or q == 1.0]
-
-
 LOG10_R = (-2.68, -2.6)
-PAIRS = tuple(pair for log10_r in LOG10_R for pair in pairs_at(log10_r))
+PAIRS = tuple(_Pair(q, p, log10_r) for log10_r in LOG10_R for q in IMPEDANCES for p in ROUND_TRIPS if p > 1.0 or q == 1.0)
+"""Every pair once: at equal round trips the ratio of impedances changes nothing."""
+FOLLOWED = tuple(pair for pair in PAIRS if pair.log10_r == LOG10_R[0])
+"""Those whose first fold is on record."""
 MODELS = (EXACT_MODEL, "modal:8", "modal:4", "modal:2", "kelvin-voigt", "block8", "block12", "quasidynamic")
 UNTIL = 600.0
 TOLERANCE = 1e-11
@@ -134,7 +133,7 @@ def run(budget: Budget) -> StudyResult:
     budget.report(0.4)
     alike, *two = map(_period_as_two, IMPEDANCES)
     exact = {pair: on_record(EXACT_MODEL, pair.settings) or Regime(UNDECIDED) for pair in PAIRS}
-    ends = {pair: _end_of(pair) for pair in pairs_at(LOG10_R[0])}
+    ends = {pair: _end_of(pair) for pair in FOLLOWED}
     budget.report(0.6)
     timed = [one for one in MODELS if one != "quasidynamic"]
     costs = relative_costs(timed, {}, scene_of(_COSTED.settings), budget.plan(quick=3, full=5))
@@ -184,25 +183,11 @@ def _period_as_two(impedances: float) -> float:
     return float(sw.orbit(scene, EXACT_MODEL, tol=TOLERANCE).summary["period"])
 
 
-def fold_of(pair: _Pair) -> KnownPoint:
-    """The first fold of the pair's branch: the least r with cycles near the onset."""
-    return _first_point("LP", pair.settings)
-
-
 def _torus_of(reflection: float) -> KnownPoint:
     """The first torus point of _TORN behind faces that reflect this share of each wave."""
     face = {"kind": "reflection", "coefficient": reflection}
     faces = {f"{slab}.face.{key}": value for slab in ("upper", "lower") for key, value in face.items()}
-    return _first_point("NS", command_words(_TORN.settings, faces))
-
-
-def _first_point(kind: str, words: str) -> KnownPoint:
-    """The first special point of a kind on the branch."""
-    scene = scene_of(words)
-    onset = math.log10(critical_r(EXACT_MODEL, scene))
-    found = sw.branch(scene, {"log10_r": (onset - 0.02, onset + 0.02)}, model=EXACT_MODEL, stop_at=kind, tol=1e-9)
-    last = found.summary["special"][-1]
-    return KnownPoint(last["type"], last["log10_r"], last["period"])
+    return first_point("NS", command_words(_TORN.settings, faces))
 
 
 def _end_of(pair: _Pair) -> tuple[float, float]:
@@ -226,7 +211,7 @@ def _answers(
         if pair.log10_r == LOG10_R[0] and motion.figures
     }
     least = min(near, key=near.__getitem__)
-    first = ends[pairs_at(LOG10_R[0])[0]]
+    first = ends[FOLLOWED[0]]
     lower = max(first[0] - onset for onset, _ in ends.values())
     width = [onset - fold for onset, fold in ends.values()]
     return (
@@ -272,7 +257,7 @@ def _foreign() -> Verdicts:
 
 def _folds_again(ends: Mapping[_Pair, tuple[float, float]]) -> Verdict:
     pairs = _Pair(3.0, 2.0, LOG10_R[0]), _Pair(10.0, math.sqrt(2.0), LOG10_R[0])
-    off = max(abs(fold_of(pair).log10_r - math.log10(pair.clock) - ends[pair][1]) for pair in pairs)
+    off = max(abs(first_point("LP", pair.settings).log10_r - math.log10(pair.clock) - ends[pair][1]) for pair in pairs)
     return claim("Folds on record of pairs are found again", SELF, off, ROUNDING, f"log_{{10}} r of {len(pairs)} pairs")
 
 

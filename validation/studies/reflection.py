@@ -10,7 +10,8 @@ from validation.chart import BLUE, DASHED, INK, Chart, Look, Panel, Scale, Trace
 from validation.chart.colors import PAPER, REGIMES
 from validation.chart.looks import NAMES
 from validation.measure.in_words import command_words, motion_at, scene_of, state_at
-from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, on_record, special_points
+from validation.measure.memo import critical_r
+from validation.measure.on_record import MOTIONS, SPECIAL_POINTS, KnownPoint, branch_points, on_record, special_points
 from validation.measure.regimes import STEADY, UNDECIDED, Regime
 from validation.references import others
 from validation.report import (
@@ -33,7 +34,7 @@ from validation.report import (
     stated,
     table,
 )
-from validation.report.compared import EXACT_MODEL, critical_r, relative_costs
+from validation.report.compared import EXACT_MODEL, relative_costs
 from validation.report.everywhere import first_good, first_in_words, motion_cells, recorded_table, repeated, summary
 from validation.report.known import NO_OTHERS, OTHERS_AT, as_foreign, foreign_answer
 from validation.report.model_table import ModelColumn
@@ -54,6 +55,7 @@ RANGE = (-2.8, -2.3)
 """log10 r of the branches."""
 FAR = 115.0
 """Period (transits) up to which they are followed."""
+WHOLE = {"longest_period": FAR, "most_points": 6000}
 UNTIL = 900.0
 
 
@@ -152,12 +154,6 @@ def _column(face: _LeakyFace, log10_r: float, over: float = math.nan, group: str
 def _face_onset(face: _LeakyFace) -> float:
     """The r at which steady sliding loses its stability by a Hopf point; NaN if there is none."""
     return critical_r(EXACT_MODEL, scene_of(face.settings()))
-
-
-def branch_points(face: _LeakyFace) -> list[KnownPoint]:
-    """The special points of the branch over RANGE."""
-    found = sw.branch(scene_of(face.settings()), {"log10_r": RANGE}, model=EXACT_MODEL, longest_period=FAR, most_points=6000)
-    return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in found.summary["special"]]
 
 
 TorusEnd: TypeAlias = tuple[float, float, float, bool]
@@ -304,7 +300,7 @@ _ASIDE = 1e-3
 def _points_again(known: Mapping[_LeakyFace, Sequence[KnownPoint]]) -> Verdict:
     title = "Special points on record behind a face are found again"
     face = _LeakyFace("bare", True, 0.95)
-    pairs = zip(branch_points(face), known[face], strict=True)
+    pairs = zip(branch_points(face.settings(), RANGE, **WHOLE), known[face], strict=True)
     off = max((abs(ours.log10_r - old.log10_r) for ours, old in pairs), default=math.nan)
     return claim(title, SELF, off, ROUNDING, f"{face.title}: log_{{10}} r of {len(known[face])} points")
 

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from fake_studies import answered
 from fake_studies import draw as drawing_of
+from matplotlib.colors import to_rgb
 from PIL import Image
+from scipy.interpolate import CubicSpline
 
 from validation.chart import (
     BLUE,
@@ -30,13 +32,13 @@ from validation.chart import (
     with_gaps,
     with_limits,
 )
-from validation.chart.colors import DARK_PAPER, PAPER, by_night, contrast
+from validation.chart.colors import DARK_PAPER, PAPER, by_night
 from validation.chart.draw import draw
 from validation.chart.render import render
 from validation.chart.svg import colors_of
-from validation.chart.table import curves_csv, panel_facts, plain_label, read_chart
+from validation.chart.table import curves_csv, panel_facts, read_chart, trace_names
 from validation.chart.thin import CELLS, MOST, staying, with_fewer
-from validation.chart.words import described, meetings
+from validation.chart.words import described
 from validation.report import Figure
 from validation.report.build import make_report
 
@@ -100,8 +102,8 @@ def test_the_file_holds_what_was_computed():
     for _, name, look, *numbers in rows[1:]:
         found.setdefault((name, look), []).append([float(word or "nan") for word in numbers])
     for panel in CHART.panels:
-        for trace in (one for one in panel.traces if one.name):
-            (mine,) = (np.array(numbers) for (name, _), numbers in found.items() if name == plain_label(trace.name))
+        for own, trace in (pair for pair in zip(trace_names(panel), panel.traces, strict=True) if pair[1].name):
+            (mine,) = (np.array(numbers) for (name, _), numbers in found.items() if name == own)
             for column, name in enumerate(("x", "y", "y_error", "value")):
                 expected = trace.columns.get(name, np.full(len(mine), np.nan))
                 np.testing.assert_allclose(mine[:, column], expected, rtol=1e-7, atol=1e-15, err_msg=trace.name)
@@ -171,9 +173,8 @@ def test_words_are_the_numbers_that_were_computed():
     assert title.startswith(
         "stress μ over time: 7 curves in 4 panels; largest 1.3 at x = 4 (ramp Δμ); least −1 at x = 1.571 (wave)"
     )
-    places = meetings(X, np.sin(3.0 * X), X, 0.5 * X - 0.7)
-    np.testing.assert_allclose(np.sin(3.0 * places), 0.5 * places - 0.7, atol=1e-4)
-    assert f"wave and ramp Δμ cross {places.size} times, first at x = {places[0]:.4g}." in words
+    apart = CubicSpline(X, np.sin(3.0 * X) - (0.5 * X - 0.7)).roots(extrapolate=False)
+    assert f"wave and ramp Δμ cross {apart.size} times, first at x = {apart[0]:.4g}." in words
     assert "At x = 4 ramp Δμ is highest (1.3), wave lowest (−0.5366)." in words
     assert "shades: V over r; x from 0 to 1, y from 1 to 2, logarithmic in y. T (cells)" not in words
     assert "log10 r" in words
@@ -214,6 +215,16 @@ def test_hatches_of_cells_are_in_the_svg(tmp_path):
 
 @pytest.mark.parametrize("color", ["#111111", BLUE, "#e69f00", "#56b4e9", "#b9b9b9"])
 def test_lines_are_clear_by_day_and_by_night(color):
+    """By the contrast ratio of WCAG 2.1, of the relative luminance of sRGB."""
+
+    def luminance(color):
+        linear = [x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in to_rgb(color)]
+        return float(np.dot([0.2126, 0.7152, 0.0722], linear))
+
+    def contrast(one, other):
+        low, high = sorted([luminance(one), luminance(other)])
+        return (high + 0.05) / (low + 0.05)
+
     day = Look(color).ink
     assert contrast(day, PAPER) >= 3.0
     assert contrast(by_night(day), DARK_PAPER) >= 3.0

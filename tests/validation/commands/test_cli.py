@@ -11,12 +11,13 @@ from typing import get_args
 
 import pytest
 import xarray
+from typer.main import get_command
 
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.input.source import load_tables
 from tests.copies import in_a_copy
-from validation.commands.cli import COMMANDS, INPUT_WRONG, NUMERICS_FAILED, command_called, main, one_value_each
+from validation.commands.cli import COMMANDS, INPUT_WRONG, NUMERICS_FAILED, app, main
 from validation.commands.options import options_of
 from validation.models.build import build
 
@@ -100,13 +101,19 @@ def test_fields_that_a_scene_records_go_into_the_run_file(tmp_path, printed, ref
     ("given", "read"),
     [
         ("run --set a=1 p", "run --set a=1 p"),
-        ("--set", "--set"),
+        ("run --set", "run --set"),
         ("run p --set a= -1 --json", "run p --set a=-1 --json"),
         ("run p --set a -1 b=-2.5e-3 --json", "run p --set a=-1 --set b=-2.5e-3 --json"),
     ],
 )
 def test_options_take_several_values_which_may_be_negative(given, read):
-    assert one_value_each(given.split()) == read.split()
+    assert words_of(given.split()) == read.split()
+
+
+def words_of(given):
+    """The words of a command line as the command gets them."""
+    context = get_command(app).make_context("slipwave", given)
+    return [*context._protected_args, *context.args]
 
 
 @pytest.mark.parametrize(
@@ -130,10 +137,10 @@ def test_every_command_has_examples_that_it_accepts(printed):
     assert "Usage" in printed()
     for name in COMMANDS:
         shown = printed(name, "--help").partition("Examples:\n")[2].split("\n")
-        lines = [one_value_each(shlex.split(line.partition(" > ")[0])) for line in shown if line.strip()]
+        lines = [shlex.split(line.partition(" > ")[0]) for line in shown if line.strip()]
         assert {tuple(line[:2]) for line in lines} == {("slipwave", name)}
         for line in lines:
-            command_called(name).make_context(name, line[2:])
+            get_command(app).get_command(None, name).make_context(name, words_of(line[1:])[1:])
 
 
 def test_what_is_wrong_in_a_file_is_told_whole(tmp_path, refused):

@@ -20,7 +20,7 @@ from slipwave.errors import SceneError
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
 from validation.report.model_table import Compared, ModelCell
-from validation.report.names import with_ids
+from validation.report.names import by_claim
 from validation.report.text import number
 
 
@@ -68,7 +68,10 @@ def test_stored_result_comes_back_as_it_was(fake, tmp_path):
     saved = store.store_result(tmp_path, module, "key", given, 1.5)
     read = store.stored_result(tmp_path, module, "key")
     assert repr(read.result) == repr(saved.result)
-    assert repr(read.result) == repr(with_ids("first", replace(given, figures=())))
+    tables = [replace(one, id=f"first.{one.name}", study="first", csv=f"data/first/table-{one.name}.csv") for one in given.tables]
+    numbers = {name: replace(one, id=f"first.{name}", study="first", name=name) for name, one in given.numbers.items()}
+    named = {"verdicts": by_claim("first", given.verdicts), "tables": tuple(tables), "numbers": numbers}
+    assert repr(read.result) == repr(replace(given, figures=(), **named))
     assert (read.fresh, saved.fresh) == (False, True)
     assert store.stored_result(tmp_path, module, "another key") is None
 

@@ -24,7 +24,7 @@ from validation.models import stopwatch
 from validation.report import Budget, Evidence, Outcome, Verdict
 from validation.report.names import by_claim
 from validation.report.registered import study_called
-from validation.report.store import sources_of
+from validation.report.sources import sources_of
 
 Change = Callable[[Any], Any]
 
@@ -217,6 +217,7 @@ PLACES = {
         Place("which_model:_costs_at"),
         Place("which_model:onset"),
         Place("which_model:regime_at", (DISPLACED,)),
+        Place("which_model.judged:regime_at", (DISPLACED,)),
         Place("which_model.periods:branches_of"),
         Place("which_model.periods:_periods_at", S, unjudged=("kelvin-voigt",)),  # known at an r of the full report
         Place("which_model.laws:measure_onsets", (each(part("error")),)),
@@ -238,8 +239,7 @@ PLACES = {
         Place("asymmetry:state_at", S, 2),
         Place("asymmetry:_period_as_two", S),
         Place("asymmetry:motion_at", (DISPLACED,)),
-        Place("asymmetry:fold_of", (part("log10_r"),)),
-        Place("asymmetry:_torus_of", (part("log10_r"),)),
+        Place("asymmetry:first_point", (part("log10_r"),)),
         Place("asymmetry:relative_costs"),
     ),
     "bifurcation": (

@@ -12,7 +12,7 @@ import slipwave
 from fullwave.families import GALERKIN
 from reduced.delay.alike import Delay
 from validation.measure.grid_ladders import GENTLE, LADDERS, ROUGH, STEEP, in_space
-from validation.measure.manufactured import RATIO, error_of_motion, exact_motion, given_scene
+from validation.measure.manufactured import RATIO, error_of_motion, given_scene
 from validation.measure.orders import QUANTITIES, Climb, climb, delay_reference, errors, measure
 from validation.measure.over_r import RANGE, branch_of, unaccounted
 from validation.models.build import build
@@ -89,7 +89,7 @@ def test_the_given_motion_solves_wave_equation_friction_and_ageing(unlike):
     """The slabs' own velocities from the drive by MODEL.md section 3, marched by hand: S = [mu - eps w](t - k) + 2 eps V/2."""
     scene, step = given_scene(unlike), 0.01
     times = np.arange(-500, 1200) * step  # steady sliding until the pulse
-    motion = exact_motion(scene, times)
+    motion = scene.drive.exact(scene, times)
     z, psi, mu = motion.T
     own = []
     for slab, trips in ((scene.upper, 1), (scene.lower, RATIO if unlike else 1)):

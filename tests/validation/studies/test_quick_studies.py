@@ -15,8 +15,9 @@ import slipwave
 from slipwave.sources import ROOT, import_closure, program
 from tests.validation.answer import read_table
 from validation.commands.cli import main
-from validation.report import Budget, Outcome, store
-from validation.report.compared import EXACT_MODEL, critical_r
+from validation.measure.memo import critical_r
+from validation.report import Budget, Outcome, sources, store
+from validation.report.compared import EXACT_MODEL
 from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict
 from validation.report.registered import STUDIES as ALL_STUDIES
 from validation.report.registered import study_called
@@ -152,7 +153,7 @@ def test_a_key_follows_each_file_of_each_room_that_the_study_uses(monkeypatch, p
 @pytest.mark.parametrize("name", ALL_STUDIES)
 def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
     study = study_called(name)
-    files = set(store.sources_of(study))
+    files = set(sources.sources_of(study))
     assert set(import_closure([Path(study.__file__)], packages=False)) <= files
     assert set((ROOT / "validation").rglob("*.json")) <= files
     assert {ROOT / "slipwave" / "gallery" / f"{scene}.toml" for scene in study.SCENES} <= files
@@ -162,7 +163,7 @@ def test_all_that_a_study_imports_and_all_data_are_in_its_key(name):
     ("name", "called"), [("orders", "orbit run"), ("bifurcation", "branch curve orbit"), ("laboratory", "fit")]
 )
 def test_the_public_functions_that_a_study_calls_are_in_its_key(name, called):
-    files = set(store.sources_of(study_called(name)))
+    files = set(sources.sources_of(study_called(name)))
     assert {ROOT / "validation" / "commands" / f"{one}.py" for one in called.split()} <= files
     assert ROOT / "validation" / "commands" / "bench.py" not in files
 
@@ -171,12 +172,12 @@ def test_a_key_follows_every_package_python_the_settings_and_the_format(monkeypa
     study = study_called("claims")
     before = store.study_key(study, False)
     assert before == store.study_key(study, False) != store.study_key(study, True)
-    packages = [line.split()[0] for line in store.packages_of(store.sources_of(study))[1:]]
+    packages = [line.split()[0] for line in sources.packages_of(sources.sources_of(study))[1:]]
     assert {"numpy", "scipy", "numba", "llvmlite", "scikit-fem", "pydantic", "matplotlib"} <= set(packages)
     true, changed = metadata.version, []
     for package in packages:
-        changed.append((store.metadata, "version", lambda name, package=package: "0" if name == package else true(name)))
-    for change in (*changed, (store.platform, "python_version", lambda: "3.0.0"), (store, "_FORMAT", 0)):
+        changed.append((sources.metadata, "version", lambda name, package=package: "0" if name == package else true(name)))
+    for change in (*changed, (sources.platform, "python_version", lambda: "3.0.0"), (store, "_FORMAT", 0)):
         with monkeypatch.context() as patch:
             patch.setattr(*change)
             assert store.study_key(study, False) != before, change
@@ -312,14 +313,15 @@ def test_ten_printed_commands_repeat_their_figures(capsys):
 
 @pytest.mark.parametrize("name", ["unlike", "grip", "rock"])
 def test_the_settings_of_a_place_make_its_scene(name):
-    """Both slabs scaled together, 1.1 times the onset; the column names the options that repeat it."""
-    column, scene = study.place(name, 1.1)
+    """Both slabs scaled together, 1.1 times the onset; the column names the options that make it."""
+    column, own = study.place(name, 1.1), slipwave.read(name)
     first, *options = [word for word in column.settings.split() if word != "--set"]
-    again = slipwave.read(first, options)
-    for slab, other in zip(again.slabs, scene.slabs, strict=True):
-        assert (slab.round_trip, slab.epsilon) == pytest.approx((other.round_trip, other.epsilon), rel=1e-5)
-    assert again.start == scene.start
-    assert scene.transit == pytest.approx(1.1 * critical_r(EXACT_MODEL, again), rel=1e-4)
+    scene = slipwave.read(first, options)
+    factor = scene.transit / own.transit
+    for slab, other in zip(scene.slabs, own.slabs, strict=True):
+        assert (slab.round_trip, slab.epsilon) == pytest.approx((factor * other.round_trip, other.epsilon), rel=1e-5)
+    assert scene.start.size == 0.5
+    assert scene.transit == pytest.approx(1.1 * critical_r(EXACT_MODEL, scene), rel=1e-4)
     assert 10.0**column.log10_r == pytest.approx(scene.transit)
 
 

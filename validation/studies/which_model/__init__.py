@@ -3,17 +3,15 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import product
-from typing import TypeAlias
 
 import numpy as np
 
 import slipwave
 from validation.chart import WIDTH, Chart, Panel, Scale, Trace
 from validation.chart.looks import model_marks
-from validation.measure.in_words import able
+from validation.measure.memo import critical_r
 from validation.measure.on_record import on_record
 from validation.measure.over_r import scene_at
-from validation.measure.regimes import UNTRIED, Regime, regime_of
 from validation.report import (
     Budget,
     Cell,
@@ -29,10 +27,11 @@ from validation.report import (
     stated,
 )
 from validation.report import table as tabled
-from validation.report.compared import EXACT_MODEL, GOOD, compared_table, critical_r, onset, relative_costs
+from validation.report.compared import EXACT_MODEL, GOOD, compared_table, onset, relative_costs
 from validation.report.model_table import ModelColumn, ModelRow, ModelTable
 from validation.studies.which_model import judged, laws, periods
-from validation.studies.which_model.judged import WAVE, ByModel, paper_at
+from validation.studies.which_model.judged import ByModel
+from validation.studies.which_model.motions import CELLS, TOLERANCE, WAVE, paper_at, regime_at, regime_in
 
 ELSEWHERE = {
     "unlike": "slabs that differ, the lower one with twice the round trip and three times the impedance",
@@ -45,8 +44,6 @@ ELSEWHERE = {
 """Scene of the gallery -> its description."""
 OVER_ONSET = (1.02, 1.25)
 """r over the onset of the exact system, both slabs scaled together."""
-_IN_PLACE_OF = {"fitted:4": "modal:4"}
-"""A rational fit -> the model whose modes it would find, where that can compute the scene."""
 _NONE = 1e-3  # a bias that is not mentioned
 _NUDGE = 0.5  # of ψ: a small one grows for thousands of transits near the onset; from 2 the ODE runs away under the slip law
 
@@ -60,15 +57,9 @@ ORBITS = ("modal:8", "modal:4", "modal:2", "modal:1", "kelvin-voigt", "block8", 
 EVERY = (EXACT_MODEL, WAVE, *ORBITS, "quasidynamic", "quasistatic")
 IN_SCENES = (*EVERY[:6], "fitted:4", *EVERY[6:])
 """The rows of the table of the paper's scene; that of the others has a rational fit besides."""
-CELLS = 3
-"""Cells per slab of the full wave, propagated exactly in time: its orbit is accurate to ten digits."""
 SHOWN = (-2.69, -2.68, -2.66)
 """log10 r at which the exact system's orbit is stable; the second one is the paper's."""
-TOLERANCE = 1e-9
 BEYOND = (-2.65, -2.6, -2.55, -2.5, -2.4, -2.3)
-Place: TypeAlias = tuple[ModelColumn, slipwave.Scene]
-"""A column and its scene."""
-_SETTLED, _IN_SCENES = 4000.0, 7000.0  # transits of a run to a stable orbit
 _COSTED = (-2.68, -2.5)
 _LEAST = 1e-13  # the smallest error that is drawn
 
@@ -103,7 +94,7 @@ def run(budget: Budget) -> StudyResult:
         tables=(_bias_table(others),),
         verdicts=(
             *_verdicts(table, others, regimes, there),
-            *judged.record_verdicts(regime_at),
+            *judged.record_verdicts(),
             *periods.period_verdicts(seen),
             *laws.law_verdicts(onsets, cycles),
         ),
@@ -129,13 +120,13 @@ _RESTS_ON = (
 _CARRIES = ("P3 ", "P4 ", "P7 ", "P12 ")
 
 
-def place(name: str, over_onset: float) -> Place:
-    """A scene with both slabs scaled together to r = `over_onset` times the onset of the exact system, and its column."""
+def place(name: str, over_onset: float) -> ModelColumn:
+    """The column of a scene with both slabs scaled together to r = `over_onset` times the onset of the exact system."""
     own = slipwave.read(name)
     factor = over_onset * critical_r(EXACT_MODEL, own) / own.transit
     settings = [*_settings(own, factor), f"start.size={_NUDGE:g}"]
     scene, words = slipwave.read(name, settings), " ".join(f"--set {one}" for one in settings)
-    return ModelColumn(name, math.log10(scene.transit), over_onset, f"r = {over_onset:.2f} r_{{c}}", f"{name} {words}"), scene
+    return ModelColumn(name, math.log10(scene.transit), over_onset, f"r = {over_onset:.2f} r_{{c}}", f"{name} {words}")
 
 
 def _settings(own: slipwave.Scene, factor: float) -> list[str]:
@@ -146,18 +137,13 @@ def _settings(own: slipwave.Scene, factor: float) -> list[str]:
     return [f"{key}.r={factor * slab.round_trip:.7g}" for key, slab in slabs.items()]
 
 
-def places_of(names: Iterable[str] = tuple(ELSEWHERE)) -> list[Place]:
-    """Columns and scenes of the table, by r over the onset."""
+def places_of(names: Iterable[str] = tuple(ELSEWHERE)) -> list[ModelColumn]:
+    """Columns of the table of scenes, by r over the onset."""
     return [place(name, over_onset) for over_onset, name in product(OVER_ONSET, names)]
 
 
 def _title(log10_r: float) -> str:
     return places([log10_r], ".2f")
-
-
-def regime_at(model: str, log10_r: float, until: float = _SETTLED, cells: int = CELLS) -> Regime:
-    """The regime of a run of the model to `until` (transits); stable orbits by Newton's method."""
-    return regime_of(model, scene_at(log10_r), until, cells if model == WAVE else None, TOLERANCE)
 
 
 def _the_table(regimes: ByModel, costs: Mapping[str, Mapping[str, float]]) -> ModelTable:
@@ -189,34 +175,26 @@ def _costs_at(log10_r: float, rounds: int) -> dict[str, float]:
     return relative_costs([model for model in EVERY if model != "quasistatic"], {WAVE: CELLS}, scene_at(log10_r), rounds)
 
 
-def regime_in(model: str, place: Place, until: float = _IN_SCENES, cells: int = CELLS) -> Regime:
-    """As `regime_at`, in another scene; UNTRIED where the model cannot compute it, or another one can whose place it takes."""
-    scene = place[1]
-    if not able(model, scene) or able(_IN_PLACE_OF.get(model, ""), scene):
-        return Regime(UNTRIED)
-    return regime_of(model, scene, until, cells if model == WAVE else None, TOLERANCE)
-
-
-def _in_scenes(others: Sequence[Place], budget: Budget) -> ModelTable:
+def _in_scenes(others: Sequence[ModelColumn], budget: Budget) -> ModelTable:
     """The same models in other scenes."""
     regimes = {
-        model: [on_record(model, place[0].settings) or regime_in(model, place) for place in others]
+        model: [on_record(model, one.settings) or regime_in(model, one.settings) for one in others]
         for model in budget.each(IN_SCENES, 0.7, 0.4)
     }
-    words = "; ".join(f"`{name}`: {what}" for name, what in ELSEWHERE.items() if any(name == one.title for one, _ in others))
+    words = "; ".join(f"`{name}`: {what}" for name, what in ELSEWHERE.items() if any(name == one.title for one in others))
     caption = (
         f"Errors at r over the onset r_{{c}} of the exact system, by runs from a nudge of {_NUDGE:g}, with advice by the rule of "
         f"the first table, in other scenes ({words}); –: not for this scene."
     )
-    return compared_table("scenes", caption, "scene", [column for column, _ in others], regimes, {}, {})
+    return compared_table("scenes", caption, "scene", others, regimes, {}, {})
 
 
-def _verdicts(paper: ModelTable, elsewhere: ModelTable, regimes: ByModel, others: Sequence[Place]) -> Verdicts:
+def _verdicts(paper: ModelTable, elsewhere: ModelTable, regimes: ByModel, others: Sequence[ModelColumn]) -> Verdicts:
     """All verdicts on both tables."""
     grid = [*regimes[WAVE]]
     coarse = (
         (paper, lambda column: regime_at(WAVE, grid[column], cells=CELLS - 1), TOLERANCE),
-        (elsewhere, lambda column: regime_in(WAVE, others[column], cells=CELLS - 1), TOLERANCE),
+        (elsewhere, lambda column: regime_in(WAVE, others[column].settings, cells=CELLS - 1), TOLERANCE),
     )
     for table, on_coarse, run_error in coarse:
         yield from judged.regime_verdicts(table)

@@ -7,14 +7,15 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 
 import slipwave
+from validation.measure.memo import critical_r
 from validation.measure.on_record import motions
 from validation.measure.regimes import AWAY, STEADY, TOLERANCE, UNKNOWN, UNTRIED, Regime
 from validation.report import EXACT, PAPER, SELF, WITNESS, Outcome, Verdict, Verdicts, claim, every, holding, places, plain
-from validation.report.compared import AS_CHEAP, EXACT_MODEL, GOOD, JUDGED, costs_of_good_reductions, critical_r, is_good
+from validation.report.compared import AS_CHEAP, EXACT_MODEL, GOOD, JUDGED, costs_of_good_reductions, is_good
 from validation.report.known import ERRORS, error_after, error_of
 from validation.report.model_table import ModelCell, ModelColumn, ModelRow, ModelTable
+from validation.studies.which_model.motions import WAVE, paper_at, regime_at
 
-WAVE = "dg:7"
 ADVISED = ("modal:8", "modal:4", "fitted:4")
 _AVOIDED = ("kelvin-voigt", "block8", "block12", "quasidynamic", "quasistatic")
 _LADDER = ("modal:1", "modal:2", "modal:4", "modal:8")
@@ -171,18 +172,13 @@ def scene_verdicts(table: ModelTable) -> Verdicts:
     yield every(title, WITNESS, len(wrong), len(where), fine or "by the rule of the first table", "are wrong at some r")
 
 
-def paper_at(log10_r: float) -> str:
-    """The words that give the paper's scene at an r in a command."""
-    return f"paper --set slab.log10_r={log10_r:g}"
-
-
-def record_verdicts(again: Callable[[str, float, float], Regime]) -> Verdicts:
-    """Whether the present code, `again` (model, log10 r, transits), has the means on record."""
+def record_verdicts() -> Verdicts:
+    """Whether the present code has the means on record."""
     places_of = {paper_at(x): x for x in _AGAIN}
     repeated = []
     for model, x, one in ((model, places_of[scene], one) for (model, scene), one in motions().items() if scene in places_of):
         torus = one.words == "torus"
-        now = again(model, x, float(one.command.split()[2]) if torus else _SHORT)
+        now = regime_at(model, x, float(one.command.split()[2]) if torus else _SHORT)
         pairs = [(now.figures[symbol], one.figures[symbol]) for symbol in JUDGED if symbol in now.figures]
         off = max((abs(new.value - old.value) / (old.value if torus else new.error) for new, old in pairs), default=math.nan)
         if torus:
