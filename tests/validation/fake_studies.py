@@ -14,7 +14,6 @@ from validation.report import (
     Number,
     Omission,
     Outcome,
-    StudyAnswer,
     StudyResult,
     Verdict,
     registered,
@@ -30,7 +29,13 @@ def draw(height=1):
 
 def answered(text="", verdicts=(), **parts):
     claims = dict.fromkeys(verdict.claim for verdict in verdicts)
-    return StudyResult((StudyAnswer(text, tuple(claims)),), verdicts=tuple(verdicts), **parts)
+    return StudyResult(
+        {
+            text: tuple(claims),
+        },
+        verdicts=tuple(verdicts),
+        **parts,
+    )
 
 
 def result():

@@ -16,7 +16,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Protocol, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias, TypeVar
 
 from validation.report.model_table import ModelTable
 from validation.report.text import *  # noqa: F403
@@ -163,13 +163,9 @@ class Omission:
     claims: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class StudyAnswer:
-    """A sentence or two that answer a study's question, true if no verdict fails that they rest on. `rests_on`: beginnings of the
-    claims of these verdicts, of the same study."""
-
-    text: str
-    rests_on: tuple[str, ...] = ()
+Answers: TypeAlias = dict[str, tuple[str, ...]]
+"""Sentences that answer a study's question -> what each rests on: beginnings of claims of the same study's verdicts. An answer is
+true if none of these fails."""
 
 
 @dataclass(frozen=True)
@@ -178,7 +174,7 @@ class StudyResult:
     several values of a parameter (`validation.report.model_table`). Raises ValueError for an answer that rests on no verdict,
     though there are verdicts, or on a claim that none has; and for a verdict that no answer cites."""
 
-    answers: tuple[StudyAnswer, ...]
+    answers: Answers
     tables: tuple[Table, ...] = ()
     figures: tuple[Figure, ...] = ()
     verdicts: tuple[Verdict, ...] = ()
@@ -189,30 +185,30 @@ class StudyResult:
 
     def __post_init__(self) -> None:
         claims = dict.fromkeys(verdict.claim for verdict in self.verdicts)
-        for answer in self.answers if claims else ():
-            unknown = [name for name in answer.rests_on if not any(title.startswith(name) for title in claims)]
-            if unknown or not answer.rests_on:
-                raise ValueError(f"the answer {answer.text!r} rests on {unknown or 'nothing'}; the claims are {[*claims]}")
-        beginnings = tuple(name for answer in self.answers for name in answer.rests_on)
+        for answer, rests_on in self.answers.items() if claims else ():
+            unknown = [name for name in rests_on if not any(title.startswith(name) for title in claims)]
+            if unknown or not rests_on:
+                raise ValueError(f"the answer {answer!r} rests on {unknown or 'nothing'}; the claims are {[*claims]}")
+        beginnings = tuple(name for rests_on in self.answers.values() for name in rests_on)
         if uncited := [name for name in claims if not name.startswith(beginnings)]:
             raise ValueError(f"no answer cites {uncited}")
 
-    def proofs(self, answer: StudyAnswer) -> tuple[Verdict, ...]:
+    def proofs(self, answer: str) -> tuple[Verdict, ...]:
         """The verdicts that the answer rests on."""
-        return tuple(verdict for verdict in self.verdicts if verdict.claim.startswith(answer.rests_on))
+        return tuple(verdict for verdict in self.verdicts if verdict.claim.startswith(self.answers[answer]))
 
-    def conclusion_of(self, answer: StudyAnswer) -> str:
+    def conclusion_of(self, answer: str) -> str:
         """The answer, or the claims that fail of those that it rests on."""
         proofs = [case for verdict in self.proofs(answer) for case in verdict.rows]
         failed = [case.claim for case in proofs if case.outcome is Outcome.FAIL]
         if not failed:
-            return answer.text
+            return answer
         return f"Not shown: {len(failed)} of {len(proofs)} checks fail ({'; '.join(dict.fromkeys(failed))})."
 
     @property
     def headline(self) -> str:
         """The first answer, or the claims that fail."""
-        return self.conclusion_of(self.answers[0])
+        return self.conclusion_of(next(iter(self.answers)))
 
     @property
     def conclusion(self) -> str:
@@ -230,4 +226,4 @@ class Study(Protocol):
     SECONDS: tuple[float, float]
 
     def run(self, budget: Budget) -> StudyResult:
-        """StudyAnswer the question within the budget."""
+        """Answer the question within the budget."""

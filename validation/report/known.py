@@ -16,10 +16,10 @@ from validation.references.published import half_digit, reference_orbit
 from validation.report import (
     PAPER,
     PROGRAM,
+    Answers,
     Evidence,
     Number,
     Omission,
-    StudyAnswer,
     Verdict,
     Verdicts,
     claim,
@@ -86,12 +86,12 @@ OTHERS_AT = (8.0, 20.0, 40.0, 100.0)
 NO_OTHERS = () if others.FILES else (Omission("Results of another program", "They lie in a checkout, not in a wheel."),)
 
 
-def foreign_answer(witness: str, title: str, second: tuple[str, ...] = ()) -> StudyAnswer:
+def foreign_answer(witness: str, title: str, second: tuple[str, ...] = ()) -> Answers:
     """With what the exact solution agrees: the `witness`, by the claim that begins with `title`, and if a checkout has their
     results another program and, by claims that begin with `second`, the benchmark's second one."""
     also = ", its orbits and special points with the second program of the benchmark" if second else ""
     foreign = (f" and with {others.SEM2DPACK}{also}", ("Another program", *second)) if others.FILES else ("", ())
-    return StudyAnswer(f"The exact solution agrees with {witness}{foreign[0]}.", (title, *foreign[1]))
+    return {f"The exact solution agrees with {witness}{foreign[0]}.": (title, *foreign[1])}
 
 
 def as_foreign(title: str, psi: Mapping[str, Mapping[float, float]]) -> Verdict:

@@ -30,7 +30,7 @@ def ask(studies: Sequence[Stored], changed: str) -> Iterator[dict[str, Any]]:
         mine = [study for study in own if STUDIES.get(study.name, "trust") == name]
         done = [(study, study.result) for study in mine if not study.error]
         said = [result.headline for _, result in done if not result.model_tables]  # the sentences of tables stand above all
-        rests_on = [(study, result.proofs(result.answers[0])) for study, result in done if result.answers]
+        rests_on = [(study, result.proofs(next(iter(result.answers)))) for study, result in done if result.answers]
         if name == "paper":
             judged = [(study, [v for v in study.result.verdicts if v.evidence is Evidence.PAPER]) for study in studies]
             said = _of_paper([v for _, some in judged for v in some]) + said

@@ -61,7 +61,7 @@ class Stored:
     question: str
     wall_seconds: float
     fresh: bool
-    result: StudyResult = field(default_factory=lambda: StudyResult(()))
+    result: StudyResult = field(default_factory=lambda: StudyResult({}))
     pictures: tuple[Picture, ...] = ()
     error: str = ""
     key: str = ""

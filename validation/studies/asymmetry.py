@@ -26,10 +26,10 @@ from validation.report import (
     ROUNDING,
     SELF,
     WITNESS,
+    Answers,
     Budget,
     Figure,
     Number,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdict,
@@ -202,9 +202,7 @@ def _number(motion: Regime, pair: _Pair) -> Number:
     return stated(period.value * pair.clock, max(period.error, 1e-9 * period.value) * pair.clock)
 
 
-def _answers(
-    exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]], alike: float, of_models: str
-) -> tuple[StudyAnswer, ...]:
+def _answers(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]], alike: float, of_models: str) -> Answers:
     near = {
         pair: motion.figures["T"].value * pair.clock
         for pair, motion in exact.items()
@@ -214,26 +212,23 @@ def _answers(
     first = ends[FOLLOWED[0]]
     lower = max(first[0] - onset for onset, _ in ends.values())
     width = [onset - fold for onset, fold in ends.values()]
-    return (
-        StudyAnswer(
+    return {
+        (
             "With rigid faces and equal round trips the interface cannot tell slabs of any impedances from alike ones of "
             f"ε = 2 Z, 1/Z = 1/ε_{{1}} + 1/ε_{{2}}: T = {alike:.9f} at q = {places(IMPEDANCES[:-1])} and "
-            f"{IMPEDANCES[-1]:g}. Where round trips differ, {of_models}",
-            ("Slabs of equal round trips", _FIRST, "Motions of pairs"),
-        ),
-        StudyAnswer(
+            f"{IMPEDANCES[-1]:g}. Where round trips differ, {of_models}"
+        ): ("Slabs of equal round trips", _FIRST, "Motions of pairs"),
+        (
             "What counts is the ratio p of round trips, and with it that of impedances, q: at one Z and one stiffness T falls "
             f"from {alike:.1f} to {near[least]:.1f} transits of the alike slabs at q = {least.impedances:g}, "
-            f"p = {least.round_trips:g}, and log_{{10}} r = {places(LOG10_R[:1])}.",
-            ("Motions of pairs",),
-        ),
-        StudyAnswer(
+            f"p = {least.round_trips:g}, and log_{{10}} r = {places(LOG10_R[:1])}."
+        ): ("Motions of pairs",),
+        (
             f"Stick-slip begins at nearly the same r: the onset lies lower by at most {lower:.4f} in log_{{10}} r, and cycles "
-            f"go on {min(width):.4f} to {max(width):.4f} below it.",
-            ("Folds on record",),
-        ),
-        foreign_answer("full waves", "Unlike slabs: ψ", ("Orbits of pairs", "Onsets, folds")),
-    )
+            f"go on {min(width):.4f} to {max(width):.4f} below it."
+        ): ("Folds on record",),
+        **foreign_answer("full waves", "Unlike slabs: ψ", ("Orbits of pairs", "Onsets, folds")),
+    }
 
 
 def _one_pair(alike: float, two: list[float]) -> Verdict:

@@ -13,7 +13,6 @@ from validation.report import (
     Evidence,
     Number,
     Omission,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdict,
@@ -39,7 +38,12 @@ def run(budget: Budget) -> StudyResult:
     """Show the records of `make faults` and of the coverage of stated errors, each of which takes longer than a report."""
     if not (FAULTS.is_file() and COVERAGE.is_file()):
         what, why = "Planted faults, and how often stated errors hold the truth.", "Their records are in a checkout only."
-        return StudyResult(answers=(StudyAnswer("Not answered in this report."),), omissions=(Omission(what, why),))
+        return StudyResult(
+            answers={
+                "Not answered in this report.": (),
+            },
+            omissions=(Omission(what, why),),
+        )
     faults: list[dict[str, Any]] = json.loads(FAULTS.read_text(encoding="utf-8"))["faults"]
     kinds: dict[str, dict[str, Any]] = json.loads(COVERAGE.read_text(encoding="utf-8"))
     shares, held, verdicts = _stated_errors(kinds)
@@ -51,7 +55,9 @@ def run(budget: Budget) -> StudyResult:
         f"least: {worst})."
     )
     return StudyResult(
-        answers=(StudyAnswer(answer, ("Planted faults", "Stated errors")),),
+        answers={
+            answer: ("Planted faults", "Stated errors"),
+        },
         tables=(_of_faults(faults), held),
         verdicts=(*_caught(faults), *verdicts),
         notes=("`make faults` plants them again, one at a time, in a copy of the checkout.",),

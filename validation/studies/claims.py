@@ -18,12 +18,12 @@ from validation.report import (
     ASYMPTOTIC,
     EXACT,
     PAPER,
+    Answers,
     Budget,
     Figure,
     Number,
     Omission,
     Outcome,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdict,
@@ -113,21 +113,22 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _answers(verdicts: tuple[Verdict, ...]) -> tuple[StudyAnswer, ...]:
+def _answers(verdicts: tuple[Verdict, ...]) -> Answers:
     held, findings = (sum(verdict.outcome is kind for verdict in verdicts) for kind in (Outcome.PASS, Outcome.FINDING))
     paper = sw.read("paper")
-    return (
-        StudyAnswer(
+    return {
+        (
             f"On onset, periods, ripples and irregular cycles {held} of {len(verdicts)} checks hold and {findings} qualify a "
-            "claim.",
-            (*(f"P{n} " for n in (*range(1, 8), 11, 12, 13)), "Periods are those of other programs"),
-        ),
-        StudyAnswer(
+            "claim."
+        ): (*(f"P{n} " for n in (*range(1, 8), 11, 12, 13)), "Periods are those of other programs"),
+        (
             "Two numbers govern the slabs, the impedance ratio ε and the round trip r, beside the drive V and friction: the "
-            f"paper’s scene lies {100 * (paper.transit / _onset_at(100.0)['delay'] - 1.0):.1f} % beyond the onset of stick-slip.",
-            ("SI input and (ε, r) input", "Table 1’s paper material"),
+            f"paper’s scene lies {100 * (paper.transit / _onset_at(100.0)['delay'] - 1.0):.1f} % beyond the onset of stick-slip."
+        ): (
+            "SI input and (ε, r) input",
+            "Table 1’s paper material",
         ),
-    )
+    }
 
 
 def _groups(scenes: list[sw.Scene]) -> Table:

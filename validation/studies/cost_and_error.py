@@ -17,7 +17,6 @@ from validation.report import (
     WITNESS,
     Budget,
     Figure,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdict,
@@ -82,7 +81,9 @@ def run(budget: Budget) -> StudyResult:
         for setting, cycle, times in zip(settings, cycles, _times_of(settings, budget.plan(quick=2, full=5)), strict=True)
     ]
     return StudyResult(
-        answers=(StudyAnswer(_answer(points), ("The finest setting", "The exact and the explicit")),),
+        answers={
+            _answer(points): ("The finest setting", "The exact and the explicit"),
+        },
         figures=(Figure("cost", _CAPTION, lambda: _work_precision(points), lead=True, timed=True),),
         tables=(_table(points),),
         verdicts=(*_finest_verdicts(points), _marches(points)),

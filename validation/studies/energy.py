@@ -10,7 +10,7 @@ import slipwave as sw
 from validation.chart import Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import style_of
 from validation.measure.order_fit import Fit, fit_order
-from validation.report import EXACT, Budget, Cell, Figure, StudyAnswer, StudyResult, Verdicts, claim, plain, stated, table
+from validation.report import EXACT, Budget, Cell, Figure, StudyResult, Verdicts, claim, plain, stated, table
 from validation.report.known import of_order, rounding
 
 NAME = "energy"
@@ -54,7 +54,9 @@ def run(budget: Budget) -> StudyResult:
     shares = {scene: [ledger.get(name, 0.0) / ledger["input"] for name in _SINKS] for scene, ledger in ledgers.items()}
     rows: list[list[Cell]] = [[scene, *(100.0 * share for share in found)] for scene, found in shares.items()]
     return StudyResult(
-        answers=(StudyAnswer(answer(residuals["fd"], orders, shares), (CONSERVES, SQUARED, CLOSES)),),
+        answers={
+            answer(residuals["fd"], orders, shares): (CONSERVES, SQUARED, CLOSES),
+        },
         figures=(Figure("closure", _CLOSURE, lambda: _closure(residuals)),),
         tables=(table("shares", _SHARES, " | ".join(["scene", *(f"{name} [% of input] .4g" for name in _SINKS)]), rows),),
         verdicts=tuple(_balance_verdicts(ladders["fd"], orders, high)),

@@ -17,7 +17,6 @@ from validation.report import (
     Budget,
     Figure,
     Omission,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdicts,
@@ -50,7 +49,9 @@ def run(budget: Budget) -> StudyResult:
     orbits, cycles = {model: orbit for model, (orbit, _) in runs.items()}, {model: cycle for model, (_, cycle) in runs.items()}
     errors = {model: _off(orbits, model, "period") for model in orbits}
     return StudyResult(
-        answers=(StudyAnswer(_answer(errors), ("Orbits", "The full wave")),),
+        answers={
+            _answer(errors): ("Orbits", "The full wave"),
+        },
         figures=(
             Figure("overlay", _OVERLAY, lambda: _overlay(cycles), lead=True),
             Figure("ode-orbit", _ODE_ORBIT, lambda: _ode_orbit(cycles), paper="Fig 4", carries=("P3 ", "P5 "), zoom=True),

@@ -26,7 +26,6 @@ from validation.report import (
     Budget,
     Figure,
     Number,
-    StudyAnswer,
     StudyResult,
     Verdict,
     Verdicts,
@@ -78,10 +77,10 @@ def run(budget: Budget) -> StudyResult:
     slopes = friction_slopes(paper.law, paper.velocity)
     error = critical["kelvin-voigt"] / critical["delay"] - 1.0
     return StudyResult(
-        answers=(
-            StudyAnswer(answer(velocity, error), (CLOSED, TRACED, SECOND, THIN, CROSSED)),
-            StudyAnswer("A further term of the paper’s expansion makes an ODE that grows where sliding is stable.", (TAYLOR,)),
-        ),
+        answers={
+            answer(velocity, error): (CLOSED, TRACED, SECOND, THIN, CROSSED),
+            "A further term of the paper’s expansion makes an ODE that grows where sliding is stable.": (TAYLOR,),
+        },
         figures=(
             Figure("critical-r", _FIG_2, lambda: _critical_curves(velocity, critical), paper="Fig 2", carries=("P1 ", "P2 ")),
             Figure("planes", _FIG_3, lambda: _boundaries_in_plane(traced, slopes, paper), paper="Fig 3", carries=("Fig 3",)),

@@ -30,7 +30,6 @@ from validation.report import (
     Evidence,
     Figure,
     Number,
-    StudyAnswer,
     StudyResult,
     Verdict,
     Verdicts,
@@ -68,19 +67,17 @@ def run(budget: Budget) -> StudyResult:
     finest = ", ".join(f"{plain(max([*found.values()][-1].values()), '.0e')} (`{model}`)" for model, _, found in orbits)
     moved = plain(min(found[-1] for found in motions.values()), ".0e")
     return StudyResult(
-        answers=(
-            StudyAnswer(
+        answers={
+            (
                 "Four kinds of full wave, which share no module of a solver with it, converge to the delay system at their "
                 "orders in every output; period and stress drop of their own orbits are those of the delay system within "
-                f"{finest}.",
-                (ORDER, _JUMP, _INDEPENDENT, _APPROACHES, _AGREES, _MEANS),
-            ),
-            StudyAnswer(
+                f"{finest}."
+            ): (ORDER, _JUMP, _INDEPENDENT, _APPROACHES, _AGREES, _MEANS),
+            (
                 f"They make an exact motion with waves, friction and state to {moved} of its range; the two marches of a grid "
-                "agree, and waves cross the slabs unchanged.",
-                (_MADE, _STEPS, _MARCHES, _KEEPS, _STRAIGHT, _ENDED),
-            ),
-        ),
+                "agree, and waves cross the slabs unchanged."
+            ): (_MADE, _STEPS, _MARCHES, _KEEPS, _STRAIGHT, _ENDED),
+        },
         figures=(
             Figure("space", _SPACE, lambda: _errors_chart(map(_space_errors, climbs))),
             Figure(

@@ -19,9 +19,9 @@ from validation.report import (
     ROUNDING,
     SELF,
     WITNESS,
+    Answers,
     Budget,
     Figure,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdict,
@@ -228,7 +228,7 @@ def _answers(
     regimes: Mapping[tuple[_LeakyFace, float], Regime],
     torus: Mapping[str, TorusEnd],
     of_models: str,
-) -> tuple[StudyAnswer, ...]:
+) -> Answers:
     bare, one = _LeakyFace("bare", True, 0.0).edge, _LeakyFace("bare", False, 0.0).edge
     ends = [f"R = {1.0 - leak:.6f} ± {plain(error, '.0e')} behind {_KINDS[kind]}" for kind, (_, leak, error, _) in torus.items()]
     wild = [(face.kind, face.reflection) for (face, _), motion in regimes.items() if motion.words == "irregular"]
@@ -237,22 +237,24 @@ def _answers(
         f"irregular motion down to {_down_to([R for other, R in wild if other == kind], _ROWS)}"
         for kind, name in _KINDS.items()
     ]
-    return (
-        StudyAnswer(
+    return {
+        (
             "What faces lose ends the torus early and stick-slip late: the first torus of the branch ends at "
             f"{', at '.join(ends)}. "
-            f"Up to log_{{10}} r = {places(RANGE[1:])} and T = {FAR:g}, {'; '.join(seen)}.",
-            ("The first torus", "Special points", "Motions behind faces"),
+            f"Up to log_{{10}} r = {places(RANGE[1:])} and T = {FAR:g}, {'; '.join(seen)}."
+        ): (
+            "The first torus",
+            "Special points",
+            "Motions behind faces",
         ),
-        StudyAnswer(
+        (
             "Grips, which keep the load, keep stick-slip at every R tried; bare faces, which leak it, move its onset to larger r "
             f"and end it at R = {bare:.3f} (on one slab {one:.3f}), where steady sliding is unstable at every r and the "
-            "interface locks.",
-            ("Stick-slip behind bare faces",),
-        ),
-        StudyAnswer(of_models, (_FIRST, "Motions behind faces")),
-        foreign_answer("the full wave", "Slabs behind"),
-    )
+            "interface locks."
+        ): ("Stick-slip behind bare faces",),
+        of_models: (_FIRST, "Motions behind faces"),
+        **foreign_answer("the full wave", "Slabs behind"),
+    }
 
 
 def _last(known: Mapping[_LeakyFace, Sequence[KnownPoint]], kind: str, point: str) -> str:

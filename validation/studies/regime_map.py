@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import slipwave
-from validation.report import WITNESS, Budget, Figure, Number, StudyAnswer, StudyResult, Verdict, every, places, stated
+from validation.report import WITNESS, Budget, Figure, Number, StudyResult, Verdict, every, places, stated
 
 NAME = "regime-map"
 QUESTION = "Where does each model have the wrong regime?"
@@ -28,7 +28,9 @@ def run(budget: Budget) -> StudyResult:
     nearest = sorted(rows, key=lambda row: float(row["other_regime_percent"]))
     areas = ", ".join(f"`{row['model']}` in {row['other_regime_percent']:.2g} %" for row in nearest)
     return StudyResult(
-        answers=(StudyAnswer(f"Of the plane of r and V another regime than the exact one have {areas}.", ("Regimes of runs",)),),
+        answers={
+            f"Of the plane of r and V another regime than the exact one have {areas}.": ("Regimes of runs",),
+        },
         figures=(
             Figure("regimes", _REGIMES, regimes.chart),
             Figure("differences", _DIFFERENCES, lambda: slipwave.map(swept, against=_REFERENCE, show="other_regime").chart()),

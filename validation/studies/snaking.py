@@ -33,10 +33,10 @@ from validation.report import (
     PROGRAM,
     SELF,
     WITNESS,
+    Answers,
     Budget,
     Cell,
     Figure,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdict,
@@ -113,23 +113,19 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _answers(branch: Branch, most: int) -> tuple[StudyAnswer, ...]:
+def _answers(branch: Branch, most: int) -> Answers:
     torus, last = branch.of_kind("NS")[0].point, branch.points[-1].closed.cycle.period
-    return (
-        StudyAnswer(
+    return {
+        (
             f"The exact system has up to {most} orbits at one r. Its branch folds back and forth, with "
             f"{len(_fold_pairs(branch))} pairs of folds up to T = {last:.1f} transits; where two of its orbits are "
-            "stable, the start decides.",
-            ("Special points depend", "Folds come in pairs", "Two stable orbits coexist"),
-        ),
-        StudyAnswer(
-            minus(
-                f"Its orbits are stable up to a torus point at log_{{10}} r = {torus.parameter:.7f}, except between the folds of "
-                "a pair; beyond it they are stable in short windows only."
-            ),
-            ("Before the first torus point", "Beyond the first torus point", "On both sides", "A run on the torus"),
-        ),
-    )
+            "stable, the start decides."
+        ): ("Special points depend", "Folds come in pairs", "Two stable orbits coexist"),
+        minus(
+            f"Its orbits are stable up to a torus point at log_{{10}} r = {torus.parameter:.7f}, except between the folds of "
+            "a pair; beyond it they are stable in short windows only."
+        ): ("Before the first torus point", "Beyond the first torus point", "On both sides", "A run on the torus"),
+    }
 
 
 _SNAKE = (

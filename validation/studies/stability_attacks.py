@@ -22,7 +22,7 @@ from validation.measure.limits import (
     state_reach,
     stops_beyond,
 )
-from validation.report import WITNESS, Budget, StudyAnswer, StudyResult, Verdict, claim, every
+from validation.report import WITNESS, Budget, StudyResult, Verdict, claim, every
 from validation.report.compared import GOOD
 from validation.report.grid_verdicts import limit_verdict, medium_verdict, noise_verdict, state_verdict, stop_verdict
 
@@ -93,7 +93,9 @@ def run(budget: Budget) -> StudyResult:
         *(noise_verdict(model, locked_noise(model, transits), transits) for model in budget.each(CELLS, 1.0, 0.8)),
     )
     return StudyResult(
-        answers=(StudyAnswer(answer(steps, attacks), tuple(dict.fromkeys(one.claim for one in verdicts))),),
+        answers={
+            answer(steps, attacks): tuple(dict.fromkeys(one.claim for one in verdicts)),
+        },
         verdicts=verdicts,
         notes=_NOTES,
     )

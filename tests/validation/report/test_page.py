@@ -8,7 +8,7 @@ from fake_studies import answered
 import slipwave
 from slipwave.observe.statistics import Estimate
 from validation.measure.regimes import AWAY, STEADY, UNDECIDED, UNTRIED, Regime
-from validation.report import Evidence, Omission, Outcome, StudyAnswer, StudyResult, Verdict
+from validation.report import Evidence, Omission, Outcome, StudyResult, Verdict
 from validation.report.compared import compared_table, onset
 from validation.report.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.report.names import by_claim
@@ -72,7 +72,7 @@ def test_every_study_answers_one_question():
 
 
 def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
-    answers = StudyAnswer("It folds.", ("A holds",)), StudyAnswer("It doubles.", ("B",))
+    answers = {"It folds.": ("A holds",), "It doubles.": ("B",)}
     sound = stored("bifurcation", verdict(), verdict(title="B holds"), answers=answers)
     broken = stored("snaking", verdict(Outcome.FAIL), answers=answers[:1])
     stopped = Stored("onset", "?", 1.0, True, error="it died")

@@ -162,11 +162,11 @@ TOGETHER = """
     while len(list(HERE.glob("*.begun"))) < 2:
         time.sleep(0.01)
     (HERE / f"{NAME}.done").touch()
-    return StudyResult((StudyAnswer(str(os.getpid())),))
+    return StudyResult({str(os.getpid()): ()})
 """
 ALONE = """
     done = sorted(path.stem for path in HERE.glob("*.done"))
-    return StudyResult((StudyAnswer(f"{os.getpid()} after {', '.join(done)}"),))
+    return StudyResult({f"{os.getpid()} after {', '.join(done)}": ()})
 """
 PATIENCE = 600.0
 """Seconds after which a test gives up; no outcome depends on it."""
@@ -223,7 +223,7 @@ if __name__ == "__main__":
 ENDLESS = """
     import fcntl, subprocess, time
     if (HERE / "freed").exists():
-        return StudyResult((StudyAnswer("at last"),))
+        return StudyResult({"at last": ()})
     lock = open(HERE / "lock", "w")
     fcntl.flock(lock, fcntl.LOCK_EX)
     with subprocess.Popen(["sleep", "100000"], pass_fds=(lock.fileno(),)):
@@ -252,7 +252,7 @@ def is_free(path):
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGKILL])
 def test_ctrl_c_ends_all_processes_and_the_report_resumes(fake, tmp_path, end):
     """With one line, and all that was done is kept. Nor does anything survive the report's own violent death."""
-    fake.write("quick", 'return StudyResult((StudyAnswer("done"),))')
+    fake.write("quick", 'return StudyResult({"done": ()})')
     fake.write("endless", ENDLESS)
     program = tmp_path / "program.py"
     program.write_text(PROGRAM)

@@ -13,7 +13,6 @@ from validation.report import (
     WITNESS,
     Evidence,
     Outcome,
-    StudyAnswer,
     StudyResult,
     Verdict,
     at_least,
@@ -93,16 +92,23 @@ def test_the_cases_of_a_claim_are_one_verdict_as_bad_as_the_worst():
 def test_every_verdict_is_cited_and_what_is_cited_is_there():
     held = [claim(f"{name} holds", Evidence.EXACT, 0.1, 1.0, "dg:4") for name in "AAB"]
     broken = claim("B holds", Evidence.EXACT, 2.0, 1.0)
-    both = StudyAnswer("A does.", ("A holds",)), StudyAnswer("B does.", ("B",))
+    both = {"A does.": ("A holds",), "B does.": ("B",)}
     found = StudyResult(both, verdicts=by_claim("a", [*held, broken]))
     assert [len(found.proofs(one)) for one in both] == [1, 1]
     assert found.conclusion == "A does. Not shown: 1 of 2 checks fail (B holds)."
-    wrong = [(both[:1], "no answer cites ['B holds']"), ((*both, StudyAnswer("C does.", ("C",))), "rests on ['C']"),
-             ((*both, StudyAnswer("D does.")), "rests on nothing")]  # fmt: skip
+    wrong = [({"A does.": ("A holds",)}, "no answer cites ['B holds']"), (both | {"C does.": ("C",)}, "rests on ['C']"),
+             (both | {"D does.": ()}, "rests on nothing")]  # fmt: skip
     for answers, told in wrong:
         with pytest.raises(ValueError, match=re.escape(told)):
             StudyResult(answers, verdicts=tuple(held))
-    assert StudyResult((StudyAnswer("Not answered."),)).conclusion == "Not answered."
+    assert (
+        StudyResult(
+            {
+                "Not answered.": (),
+            }
+        ).conclusion
+        == "Not answered."
+    )
 
 
 def test_no_study_answers_yes_beside_a_red_light():

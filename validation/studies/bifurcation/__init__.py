@@ -19,12 +19,12 @@ from validation.report import (
     PROGRAM,
     ROUNDING,
     WITNESS,
+    Answers,
     Budget,
     Cell,
     Figure,
     Number,
     Omission,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdict,
@@ -103,25 +103,19 @@ def run(budget: Budget) -> StudyResult:
     )
 
 
-def _answers(delay: Branch, ode: Branch) -> tuple[StudyAnswer, ...]:
+def _answers(delay: Branch, ode: Branch) -> Answers:
     torus, first, second = delay.of_kind("NS")[0], *ode.of_kind("PD")[:2]
-    return (
-        StudyAnswer(
-            minus(
-                "Both are born at a mildly subcritical Hopf point and become stable at a fold. From there on they differ: the "
-                f"orbit of the exact system loses stability to a torus at log_{{10}} r = {torus.point.parameter:.7f} on a branch "
-                f"that folds back and forth, that of the ODE by period doubling at {first.point.parameter:.7f}."
-            ),
-            ("Special points", "Along every branch", "The full wave’s own orbits", "P8 ", "Only the products", "P14 "),
-        ),
-        StudyAnswer(
-            minus(
-                f"From there to {second.point.parameter:.7f} the ODE’s simple orbit is unstable, and beside it lies a stable one "
-                "of twice the period, born at one end and gone at the other."
-            ),
-            ("P9 ", "P10 ", "The orbit of T = 79.09", "A direct run settles on the doubled orbit"),
-        ),
-    )
+    return {
+        minus(
+            "Both are born at a mildly subcritical Hopf point and become stable at a fold. From there on they differ: the "
+            f"orbit of the exact system loses stability to a torus at log_{{10}} r = {torus.point.parameter:.7f} on a branch "
+            f"that folds back and forth, that of the ODE by period doubling at {first.point.parameter:.7f}."
+        ): ("Special points", "Along every branch", "The full wave’s own orbits", "P8 ", "Only the products", "P14 "),
+        minus(
+            f"From there to {second.point.parameter:.7f} the ODE’s simple orbit is unstable, and beside it lies a stable one "
+            "of twice the period, born at one end and gone at the other."
+        ): ("P9 ", "P10 ", "The orbit of T = 79.09", "A direct run settles on the doubled orbit"),
+    }
 
 
 def _numbers(branches: Iterable[Branch], orbits: Doubled) -> dict[str, Number]:

@@ -17,7 +17,6 @@ from validation.report import (
     Cell,
     Figure,
     Number,
-    StudyAnswer,
     StudyResult,
     Table,
     Verdicts,
@@ -80,12 +79,12 @@ def run(budget: Budget) -> StudyResult:
     scales = budget.plan(quick=(2.0, laws.HALF), full=(2.0, 1.0, laws.HALF, 0.25, 0.125))
     cycles = [laws.measure_cycle(scene_at(SHOWN[1]), scale) for scale in budget.each(scales, begin=0.85)]
     return StudyResult(
-        answers=(
-            StudyAnswer(" ".join(table.sentences), _RESTS_ON),
-            StudyAnswer(_scene_answer(others), ("The ODEs that", "No model that")),
-            StudyAnswer(periods.period_answer(seen), ("P7 ", "Periods over r")),
-            StudyAnswer(laws.law_answer(onsets, cycles), ("A reduction’s", "The paper’s ODE tends")),
-        ),
+        answers={
+            " ".join(table.sentences): _RESTS_ON,
+            _scene_answer(others): ("The ODEs that", "No model that"),
+            periods.period_answer(seen): ("P7 ", "Periods over r"),
+            laws.law_answer(onsets, cycles): ("A reduction’s", "The paper’s ODE tends"),
+        },
         figures=(
             Figure("cost-error", _COST_ERROR, lambda: _cost_and_error(table), timed=True),
             Figure("over-r", periods.CAPTION, lambda: periods.over_r(found, seen), paper="Fig 8", carries=_CARRIES, zoom=True),
