@@ -62,7 +62,7 @@ OTHERS = (
 COMMANDS = (*(f"run {words} --out {name}.nc" for name, words in RUNS.items()), *OTHERS)
 _NUMBER = re.compile(r"-?\b\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?\b")
 _MASKED = re.compile(
-    r"digest \w+|\bslipwave \d\S*|^.*\d%.*\n|<dc:date>.*?</dc:date>|/tmp/\S+|^# (?:history|date|commit) = .*|commit \w+",
+    r"digest \w+|\bslipwave \d\S*|^.*\d%.*\n|<dc:date>.*?</dc:date>|/tmp/\S+|^# (?:history|date|commit) = .*|commit \S+",
     re.MULTILINE,
 )
 """What differs by right: digests of scenes and sources, commits, versions, progress, dates, temporary places."""

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar
 
@@ -29,14 +29,12 @@ _ROUNDS, _ENOUGH = 3, 10.0
 """Rounds in which all runs are timed, and the seconds in all after which there is no further one."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class _BenchOptions(RunsOptions):
     """Options of `slipwave.bench`."""
 
     EXAMPLES: ClassVar = ("slipwave bench paper --until 1000",)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class BenchResult(Comparison):
     """The `runs` of the scene, each with its numerical setting and its wall times (s) in all rounds; the reference is the delay
     system at a tight tolerance."""

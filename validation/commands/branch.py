@@ -5,7 +5,7 @@ import time
 from abc import abstractmethod
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import groupby, pairwise
 from pathlib import Path
@@ -64,7 +64,6 @@ def points_option(default: int) -> Any:
     return option(f"stop after so many points (default {default})", stored=True, least=1, must="be at least 1")
 
 
-@dataclass(frozen=True, kw_only=True)
 class FollowedOptions(ModelOptions):
     """Options of `slipwave.branch` and `slipwave.curve`."""
 
@@ -91,7 +90,6 @@ class FollowedOptions(ModelOptions):
         return provenance(found.what, found.over.base, found.model, self.stored) | {"parameter": found.over.name}
 
 
-@dataclass(frozen=True, kw_only=True)
 class BranchOptions(FollowedOptions):
     """Options of `slipwave.branch`."""
 
@@ -143,7 +141,6 @@ class BranchOptions(FollowedOptions):
         return StopAt(self.longest_period or StopAt().period, self.most_points or BRANCH_POINTS, self.stop_at or "")
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class FollowedResult(Result):
     """The branch or curve `found`, the options of the call, run time (s), and the `end` from which it can be continued, if
     any."""
@@ -212,7 +209,6 @@ class FollowedResult(Result):
         return [rounded(getattr(row, name), digits) for row in rows]
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class BranchResult(FollowedResult):
     """A branch, and where its special points end as a second parameter changes, if asked."""
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -33,7 +33,6 @@ _ON_TOP = Look(dashes=(0, (4, 2)), width=0.9)
 """Line style of the reference: covered curves remain visible between the dashes."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class CompareOptions(RecordOptions, NumericalOptions, RunsOptions):
     """Options of `slipwave.compare`."""
 
@@ -56,7 +55,6 @@ class CompareOptions(RecordOptions, NumericalOptions, RunsOptions):
     )
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class CompareResult(Comparison):
     """The `runs` of the models on the scene and the last complete cycle of each, None where it has none; the reference is delay
     if it is among them, else the first."""

@@ -3,7 +3,6 @@
 import math
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar, TypeAlias
 
@@ -127,7 +126,6 @@ def _share(value: float, margin: float | None) -> str:
     return f"{100.0 * value:.2g}{bar} %"
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class Comparison(Result):
     """Runs of the `scene`, which are compared with the `reference`: rows by `DIMENSION`."""
 

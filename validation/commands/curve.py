@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -38,7 +38,6 @@ _LISTED = 24  # points in the table
 _NEEDED = {"of": ("--of", "LP"), "over": ("--over", "log10_r=-2.72:-2.68"), "along": ("--and", "V=100:120")}
 
 
-@dataclass(frozen=True, kw_only=True)
 class CurveOptions(FollowedOptions):
     """Options of `slipwave.curve`."""
 
@@ -79,7 +78,6 @@ class CurveOptions(FollowedOptions):
         return names_of(self.over, self.along)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class CurveResult(FollowedResult):
     """A curve of special points."""
 
@@ -136,8 +134,11 @@ class CurveResult(FollowedResult):
         return self._table(f"{found.kind} {SPECIAL_KINDS[found.kind]}, {len(found.points)} points", columns)
 
 
+_UNCHANGED = CurveOptions()
+
+
 @command
-def curve(source: "SceneSource | None" = None, options: CurveOptions = CurveOptions()) -> CurveResult:
+def curve(source: "SceneSource | None" = None, options: CurveOptions = _UNCHANGED) -> CurveResult:
     """Follow the first special point of the kind `of` (HB, LP, PD, NS) on the branch of orbits in two parameters, or a `point` of
     the branch `start`.
 

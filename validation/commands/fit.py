@@ -4,7 +4,7 @@ import hashlib
 import math
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
@@ -58,7 +58,6 @@ _LADDER = ("quasistatic", _CHEAP, "block12", _BLOCK, "delay")
 _NO_BLOCK = {"kelvin-voigt", "standard-linear", "reflection"}
 
 
-@dataclass(frozen=True, kw_only=True)
 class _FitOptions(RecordOptions, ModelOptions):
     """Options of `slipwave.fit`."""
 
@@ -103,7 +102,6 @@ class _FitOptions(RecordOptions, ModelOptions):
         return tuple(word.partition("=")[0].strip() for word in self.words)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class FitResult(Result):
     """The best values of a `problem` so far."""
 

@@ -1,7 +1,7 @@
 """`slipwave.map`: figures of a sweep: regimes with theoretical boundaries, figures, and differences of models."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -24,7 +24,6 @@ from validation.sweep.sweep import stored_plan
 _COMPARED = ("period", "stress_drop")
 
 
-@dataclass(frozen=True, kw_only=True)
 class _MapOptions(SceneOptions):
     """Options of `slipwave.map`."""
 
@@ -45,7 +44,6 @@ class _MapOptions(SceneOptions):
     plain: bool = option("without the boundary on which steady sliding loses its stability", False)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class MapResult(Result):
     """A gathered sweep `data`, `differences` of its models from one of them, and the `boundaries` over it; `notes` on what is not
     drawn; `title` and `size` of the figure."""

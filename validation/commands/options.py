@@ -22,6 +22,7 @@ from typing import (
     Literal,
     Self,
     TypeVar,
+    dataclass_transform,
     get_args,
     get_origin,
     get_type_hints,
@@ -114,8 +115,15 @@ _STEPS = dict.fromkeys(
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class SceneOptions:
+@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
+class _Declared:
+    """Makes each class of options a frozen dataclass of keywords."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, kw_only=True)(cls)
+
+
+class SceneOptions(_Declared):
     """Options of every command on a scene. `EXAMPLES` and `DETAILS` are for its help on the command line."""
 
     EXAMPLES: ClassVar[tuple[str, ...]] = ()
@@ -223,7 +231,6 @@ class SceneOptions:
         return {key: value for key, value in self._pairs if key in variables or is_expression(value, variables)}
 
 
-@dataclass(frozen=True, kw_only=True)
 class ModelOptions(SceneOptions):
     """Options of every command that computes with a model."""
 
@@ -252,7 +259,6 @@ class ModelOptions(SceneOptions):
         return again.with_expressions(found["set"] or {})
 
 
-@dataclass(frozen=True, kw_only=True)
 class RunsOptions(SceneOptions):
     """Options of every command that runs models."""
 
@@ -264,7 +270,6 @@ class RunsOptions(SceneOptions):
     most_seconds: float = option("run it even if it is expected to take more than a day", DAY, flag="--yes", stands_for=math.inf)
 
 
-@dataclass(frozen=True, kw_only=True)
 class NumericalOptions(SceneOptions):
     """Numerical options of a model: cells, step and march of a full wave, and the relative error."""
 
@@ -288,7 +293,6 @@ class NumericalOptions(SceneOptions):
         return Options(cells=self.cells, cfl=self.cfl, tolerance=self.tol, time=self.time)
 
 
-@dataclass(frozen=True, kw_only=True)
 class RecordOptions(SceneOptions):
     """Options for reading a measured record."""
 

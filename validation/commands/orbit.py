@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -46,7 +46,6 @@ _SHOWN = 6  # multipliers in the table
 _ROUNDING = 1e-12  # those below are noise
 
 
-@dataclass(frozen=True, kw_only=True)
 class _OrbitOptions(ModelOptions):
     """Options of `slipwave.orbit`."""
 
@@ -72,7 +71,6 @@ class _OrbitOptions(ModelOptions):
         return not (self.tol or self.near_period or self.others or self.cells or self.settings or self.set or self.changes)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class OrbitResult(Result):
     """The orbit that was `found`, the options of the call, and run time in seconds."""
 

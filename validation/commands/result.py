@@ -6,9 +6,9 @@ import html
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
 
 from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
@@ -102,16 +102,23 @@ class Output(NamedTuple):
         return self.flag.removeprefix("--").replace("-", "_")
 
 
-@dataclass(frozen=True, repr=False, eq=False, kw_only=True)
-class Result(ABC):
+@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
+class _Computed:
+    """Makes each class of results a frozen dataclass."""
+
+    def __init_subclass__(cls) -> None:
+        dataclass(frozen=True, repr=False, eq=False)(cls)
+
+
+class Result(_Computed, ABC):
     """A result of a command: its JSON as a dictionary and its keys as attributes, an `xarray.Dataset`, a figure, a netCDF file.
 
     `failed`: what failed, or empty; `stopped`: whether the user stopped the work. The result then holds what was computed
     before."""
 
     OUTPUTS: ClassVar[tuple[Output, ...]] = ()
-    failed: str = ""
-    stopped: bool = False
+    failed: str = field(default="", kw_only=True)
+    stopped: bool = field(default=False, kw_only=True)
 
     @property
     @abstractmethod
@@ -164,7 +171,7 @@ class Result(ABC):
         """Write the figure as .png, .pdf or .svg. Raises SceneError if the file cannot be written."""
         save_chart(path, self.chart)
 
-    def close(self) -> None:  # noqa: B027
+    def close(self) -> None:
         """Remove temporary files."""
 
     def __getattr__(self, name: str) -> Any:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -54,7 +54,6 @@ _TOO_COARSE = 1e-2
 """Estimated error of the default grid above which the user is advised to choose one."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
     """Options of `slipwave.run`."""
 
@@ -102,7 +101,6 @@ class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
     lyapunov: bool = option("largest Lyapunov exponent (second, perturbed run)", False)
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class RunResult(Result):
     """The run `done` and its `records`. `choice`: the grid chosen for a full wave; `notes` on the numbers; `options` of the call;
     `exponent`: the largest Lyapunov exponent of the motion after the run, if requested."""

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -39,7 +39,6 @@ _POINTS, _CYCLES, _BELOW = 1000, 1.4, 30.0
 """Points of a curve; its end, in cycles per transit, and its beginning, below the frequency at which faces are judged."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class _StabilityOptions(SceneOptions):
     """Options of `slipwave.stability`."""
 
@@ -53,7 +52,6 @@ class _StabilityOptions(SceneOptions):
     )
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class StabilityResult(Result):
     """The stability `found` of steady sliding of the `scene`."""
 

@@ -9,7 +9,6 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import FunctionType
@@ -40,7 +39,6 @@ GATHERED = "sweep.nc"
 """The file that `--gather` writes into the folder of a sweep."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class _SweepOptions(RunsOptions):
     """Options of `slipwave.sweep`."""
 
@@ -89,7 +87,6 @@ class _SweepOptions(RunsOptions):
         return (*(axis.name for axis in _axes(self.vary)), *dict.fromkeys(key for row in rows for key in row))
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class SweepResult(Result):
     """The present state of a sweep: the finished part of a `plan` in its `store`, the `audit` of a refined one (`refine`), the
     time of this call (s) and the points `computed` in it; with `dry` the `expected` time only."""

@@ -3,7 +3,7 @@
 import re
 import xml.etree.ElementTree as xml
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -30,7 +30,6 @@ _ROWS = 16  # about so many, for the bar
 _COUNTED = {"missed": Outcome.FAIL, "not_decided": Outcome.OPEN}
 
 
-@dataclass(frozen=True, kw_only=True)
 class VerifyOptions(ModelOptions):
     """Options of `slipwave.verify`."""
 
@@ -54,7 +53,6 @@ class VerifyOptions(ModelOptions):
 _UNCHANGED = VerifyOptions()
 
 
-@dataclass(frozen=True, repr=False, eq=False)
 class VerifyResult(Result):
     """The `rows` on a `subject`."""
 
