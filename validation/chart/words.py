@@ -2,34 +2,31 @@
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from slipwave.observe.pieces import Array
-from validation.chart import Chart, Panel
+from validation.chart import Chart, Panel, Trace
 from validation.chart.table import look_in_words, panel_facts, trace_names
 
 _COMPARED = 8  # curves of which each pair is looked at for crossings
 _LISTED = 12  # curves that are described one by one
 
 
-class _Curve(NamedTuple):
-    name: str
-    look: str
-    x: Array
-    y: Array
-    value: Array | None
+def _values(trace: Trace) -> Array:
+    columns = trace.columns
+    return columns.get("value", columns["y"])
 
-    @property
-    def values(self) -> Array:
-        return self.y if self.value is None else self.value
 
-    def at(self, largest: bool) -> str:
-        """Its largest or least value, and where that is."""
-        k = int(np.nanargmax(self.values) if largest else np.nanargmin(self.values))
-        return f"{self.values[k]:.4g} at x = {self.x[k]:.4g}" + (f", y = {self.y[k]:.4g}" if self.value is not None else "")
+def _at(trace: Trace, largest: bool) -> str:
+    """Its largest or least value, and where that is."""
+    columns, values = trace.columns, _values(trace)
+    k = int(np.nanargmax(values) if largest else np.nanargmin(values))
+    above = "" if trace.value is None else f", y = {columns['y'][k]:.4g}"
+    return f"{values[k]:.4g} at x = {columns['x'][k]:.4g}{above}"
 
 
 def described(chart: Chart) -> tuple[str, str]:
@@ -40,11 +37,11 @@ def described(chart: Chart) -> tuple[str, str]:
     count, where = sum(map(len, every)), f" in {len(every)} panels" if len(every) > 1 else ""
     parts = [f"{_axes(facts[0])}: {count} {'curve' if count == 1 else 'curves'}{where}"]
     if every[0]:
-        high = max(every[0], key=lambda one: float(np.nanmax(one.values)))
-        low = min(every[0], key=lambda one: float(np.nanmin(one.values)))
+        high = max(every[0], key=lambda one: float(np.nanmax(_values(one))))
+        low = min(every[0], key=lambda one: float(np.nanmin(_values(one))))
         for word, one in (("largest", high), ("least", low)):
             name = f" ({one.name})" if one.name != facts[0]["name"] and one.value is None else ""
-            parts.append(f"{word} {one.at(one is high and word == 'largest')}{name}")
+            parts.append(f"{word} {_at(one, one is high and word == 'largest')}{name}")
     sentences = (sentence for curves, fact in zip(every, facts, strict=True) for sentence in _sentences(curves, fact))
     return _signed("; ".join(parts)) + ".", _signed(" ".join(sentences))
 
@@ -59,43 +56,36 @@ def _axes(fact: dict[str, Any]) -> str:
     return f"{above} over {fact['x_label']}" if fact["x_label"] else above
 
 
-def _described(panel: Panel) -> list[_Curve]:
-    """Trace with finite values, without guides, areas and texts."""
-    curves = []
-    for name, trace in zip(trace_names(panel), panel.traces, strict=True):
-        columns = trace.columns
-        one = _Curve(name, look_in_words(trace.look), columns["x"], columns["y"], columns.get("value"))
-        curves += [one] if trace.is_said and np.isfinite(one.values).any() else []
-    return curves
+def _described(panel: Panel) -> list[Trace]:
+    """Traces with finite values, under their names in the file, without guides, areas and texts."""
+    named = (replace(trace, name=name) for name, trace in zip(trace_names(panel), panel.traces, strict=True))
+    return [trace for trace in named if trace.is_said and np.isfinite(_values(trace)).any()]
 
 
-def _sentences(curves: Sequence[_Curve], fact: dict[str, Any]) -> Iterator[str]:
+def _sentences(curves: Sequence[Trace], fact: dict[str, Any]) -> Iterator[str]:
     (left, right), (low, high) = fact["limits"]
     logarithmic = [label for label, scale in zip(("x", "y"), fact["scales"], strict=True) if scale == "log"]
     scales = f", logarithmic in {' and '.join(logarithmic)}" if logarithmic else ""
     yield f"{fact['name']}: {_axes(fact)}; x from {left:.4g} to {right:.4g}, y from {low:.4g} to {high:.4g}{scales}."
     for one in curves[:_LISTED]:
-        style = "" if one.look.startswith(("solid", "cells")) else f" ({one.look.split()[0]})"
-        yield f"{one.name}{style}: {one.x.size} points, largest {one.at(True)}, least {one.at(False)}."
+        look = look_in_words(one.look)
+        style = "" if look.startswith(("solid", "cells")) else f" ({look.split()[0]})"
+        yield f"{one.name}{style}: {_values(one).size} points, largest {_at(one, True)}, least {_at(one, False)}."
     if len(curves) > _LISTED:
         yield f"And {len(curves) - _LISTED} more."
-    rising = [one for one in curves if one.value is None and one.x.size > 1 and np.all(np.diff(one.x) > 0.0)]
-    functions = [one for one in rising if np.isfinite(one.y).all()][:_COMPARED]
-    for one, other in combinations(functions, 2):
-        every = np.unique(np.concatenate([one.x, other.x]))
-        every = every[(every >= max(one.x[0], other.x[0])) & (every <= min(one.x[-1], other.x[-1]))]
-        apart = np.interp(every, one.x, one.y) - np.interp(every, other.x, other.y)
+    every = [(one.name, one.columns["x"], one.columns["y"]) for one in curves if one.value is None]
+    rising = [one for one in every if one[1].size > 1 and np.all(np.diff(one[1]) > 0.0)]
+    functions = [one for one in rising if np.isfinite(one[2]).all()][:_COMPARED]
+    for (name, x, y), (other, others, values) in combinations(functions, 2):
+        both = np.unique(np.concatenate([x, others]))
+        both = both[(both >= max(x[0], others[0])) & (both <= min(x[-1], others[-1]))]
+        apart = np.interp(both, x, y) - np.interp(both, others, values)
         k = np.flatnonzero(apart[:-1] * apart[1:] < 0.0)
         if k.size:
             times, n = "once" if k.size == 1 else f"{k.size} times, first", k[0]
-            first = every[n] - apart[n] * (every[n + 1] - every[n]) / (apart[n + 1] - apart[n])
-            yield f"{one.name} and {other.name} cross {times} at x = {first:.4g}."
-    yield from _ends(functions)
-
-
-def _ends(functions: Sequence[_Curve]) -> Iterator[str]:
-    if len(functions) > 1:
-        end = min(float(one.x[-1]) for one in functions)
-        last = [(float(np.interp(end, one.x, one.y)), one.name) for one in functions if one.x[0] < end]
-        if len(last) > 1:
-            yield f"At x = {end:.4g} {max(last)[1]} is highest ({max(last)[0]:.4g}), {min(last)[1]} lowest ({min(last)[0]:.4g})."
+            first = both[n] - apart[n] * (both[n + 1] - both[n]) / (apart[n + 1] - apart[n])
+            yield f"{name} and {other} cross {times} at x = {first:.4g}."
+    end = min((float(x[-1]) for _, x, _ in functions), default=0.0)
+    last = [(float(np.interp(end, x, y)), name) for name, x, y in functions if x[0] < end]
+    if len(last) > 1:
+        yield f"At x = {end:.4g} {max(last)[1]} is highest ({max(last)[0]:.4g}), {min(last)[1]} lowest ({min(last)[0]:.4g})."

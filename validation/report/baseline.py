@@ -140,16 +140,10 @@ def red_lines(report: Record, red: tuple[Word, ...]) -> list[str]:
     for study in report.studies:
         lines += [f"{study.name}: failed: {study.error}"] if study.error else []
         cases = [case for verdict in report.verdicts if verdict.study == study.name for case in verdict.rows]
-        lines += [f"{study.name}: {reason(case)}" for case in cases if case.outcome is Outcome.FAIL]
+        lines += [f"{study.name}: {case.line}" for case in cases if case.outcome is Outcome.FAIL]
         changes = sorted(report.changes.of(*red), key=lambda change: red.index(change.word))
         lines += [line_of(change) for change in changes if change.study == study.name]
     return [" ".join(bare(line).split()) for line in lines]
-
-
-def reason(verdict: Verdict) -> str:
-    """A verdict in one line: what was expected and what was found."""
-    remark = f" ({verdict.remark})" if verdict.remark else ""
-    return f"{verdict.claim}: expected {verdict.expected}, found {verdict.ours}{remark}"
 
 
 def line_of(change: Change) -> str:

@@ -10,7 +10,7 @@ from xml.etree import ElementTree as xml
 
 from slipwave.files import whole_or_absent
 from validation.report import Cell, Outcome
-from validation.report.baseline import line_of, reason
+from validation.report.baseline import line_of
 from validation.report.record import NAME, Change, Record, Word, text_of
 from validation.report.text import bare
 
@@ -53,7 +53,7 @@ def _junit_of(report: Record, red: tuple[Word, ...]) -> str:
             xml.SubElement(_case(suite, study.name, "ends"), "error", message=_legal(study.error))
         for row in (row for verdict in report.verdicts if verdict.study == study.name for row in verdict.rows):
             case = _case(suite, study.name, row.id.removeprefix(f"{study.name}."))
-            said = _legal(reason(row))
+            said = _legal(row.line)
             if row.outcome is Outcome.FAIL:
                 xml.SubElement(case, "failure", message=said)
             xml.SubElement(case, "system-out").text = f"{row.outcome}: {said}"

@@ -99,6 +99,11 @@ class Verdict:
         return self.cases or (self,)
 
     @property
+    def line(self) -> str:
+        """What was expected and what was found, in one line."""
+        return f"{self.claim}: expected {self.expected}, found {self.ours}{f' ({self.remark})' if self.remark else ''}"
+
+    @property
     def timed(self) -> bool:
         """Whether a run time was judged (by its unit)."""
         return self.unit in RUN_TIMES

@@ -92,7 +92,7 @@ class VerifyResult(Result):
         suite = xml.Element("testsuite", name=f"slipwave verify {self.subject}", tests=str(len(self.rows)), failures=failures)
         for row in self.rows:
             case = xml.SubElement(suite, "testcase", classname="slipwave.verify", name=row.id)
-            said = f"{bare(row.claim)}: expected {bare(row.expected)}, found {bare(row.ours)} ({bare(row.remark)})"
+            said = bare(row.line)
             if row.outcome is Outcome.FAIL:
                 xml.SubElement(case, "failure", message=said)
             xml.SubElement(case, "system-out").text = said
