@@ -74,7 +74,7 @@ def test_every_study_answers_one_question():
 def test_a_question_is_answered_by_its_studies_and_by_none_that_fails(tmp_path):
     answers = {"It folds.": ("A holds",), "It doubles.": ("B",)}
     sound = stored("bifurcation", verdict(), verdict(title="B holds"), answers=answers)
-    broken = stored("snaking", verdict(Outcome.FAIL), answers=answers[:1])
+    broken = stored("snaking", verdict(Outcome.FAIL), answers={"It folds.": ("A holds",)})
     stopped = Stored("onset", "?", 1.0, True, error="it died")
     asked = {one["name"]: one for one in ask([broken, sound, stopped], "Nothing.")}
     failed = "Not shown: 1 of 1 checks fail (A holds)."
