@@ -396,8 +396,8 @@ def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, kind, fac
     followed.write_followed(path, own, None, False, {})
     same = own if kind == "curve" else replace(own, over=over_range("log10_r=-2.71:-2.6", "paper"))
     with pytest.raises(sw.SceneError, match=f"is no file of a {kind}, or damaged"):  # no points, but the same facts
-        next(followed.ends_of(same, StopAt(), path))
+        next(ends_of(same, StopAt(), path))
     if fact == "sources":
         monkeypatch.setattr(f"validation.models.{kind}.source_digest", lambda: "of another version")
     with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
-        next(followed.ends_of(replace(own, **changes), StopAt(), path))
+        next(ends_of(replace(own, **changes), StopAt(), path))
