@@ -99,8 +99,8 @@ def to_tolerance(
                 raise
             outlook = f"; {refusal}"
             break
-        now = probe(solver)
-        last, difference = difference, difference_of(before, now)
+        now = _probe(solver)
+        last, difference = difference, _difference_of(before, now)
         gain = last / difference if 0.0 < difference < math.inf else math.inf
         estimate = difference / min(1.0, max(gain - 1.0, _LEAST_GAIN))
         if credited <= _IRREGULAR or last < math.inf:
@@ -145,8 +145,8 @@ def judge_grid(cells: int, judged: FieldSolver, other: FieldSolver) -> Choice:
     margin for the pre-asymptotic range and the error of their common steps, exceeds the error. The estimate is infinite if the
     probes differ in their cycles.
     """
-    theirs, ours = probe(other), probe(judged)
-    estimate = _MARGIN * difference_of(theirs, ours) + _STEPS_ERROR * judged.settings.get("resolution", 0.0)
+    theirs, ours = _probe(other), _probe(judged)
+    estimate = _MARGIN * _difference_of(theirs, ours) + _STEPS_ERROR * judged.settings.get("resolution", 0.0)
     return Choice(cells, judged.step, ours[0] if ours else "final state", estimate, (), math.isnan(judged.transits_per_piece))
 
 
@@ -178,7 +178,7 @@ def _kinked(scene: Scene) -> bool:
     return not scene.drive.is_constant and scene.drive.times[-1] > 0.0
 
 
-def probe(solver: Solver) -> Probed | None:
+def _probe(solver: Solver) -> Probed | None:
     """The result of a probe with a fresh `solver`; None if the grid is too coarse to march."""
     events = EventObserver(solver.scene, solver.nodes)
     require_time(solver, _probed_until(solver.scene))
@@ -192,7 +192,7 @@ def probe(solver: Solver) -> Probed | None:
     return "final state", np.array([final.ln_v if final.v > 0.0 else final.mu, final.psi])
 
 
-def difference_of(before: Probed | None, now: Probed | None) -> float:
+def _difference_of(before: Probed | None, now: Probed | None) -> float:
     """Largest relative difference of two probes, infinite unless both have the same cycles."""
     if before is None or now is None or before[0] != now[0] or before[1].size != now[1].size:
         return math.inf

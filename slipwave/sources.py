@@ -50,7 +50,7 @@ def import_closure(starts: Iterable[Path], packages: bool = True) -> list[Path]:
     while to_read:
         path = to_read.pop()
         closure.add(path)
-        to_read |= imported_files(path, packages) - closure
+        to_read |= _imported_files(path, packages) - closure
     return sorted(closure)
 
 
@@ -141,7 +141,7 @@ def _parsed(content: bytes) -> _Read:
 
 
 @cache
-def imported_files(path: Path, packages: bool) -> set[Path]:
+def _imported_files(path: Path, packages: bool) -> set[Path]:
     """Files imported by `path`."""
     return {file for name in imported_names(path) for file in _files(name, packages)}
 

@@ -18,7 +18,7 @@ class Call(NamedTuple):
 
 def count_calls(monkeypatch):
     calls = []
-    march, leapfrog = fullwave.lines.explicit.march_lines, fullwave.finite_difference.march_leapfrog
+    march, leapfrog = fullwave.lines.explicit._march_lines, fullwave.finite_difference.march_leapfrog
 
     def counted_march(*arguments):
         begin, end, values = arguments[4:7]
@@ -32,6 +32,6 @@ def count_calls(monkeypatch):
         calls.append(Call(steps, sum(medium.velocity.size + medium.stress.size for medium in media)))
         return leapfrog(*arguments)
 
-    monkeypatch.setattr(fullwave.lines.explicit, "march_lines", counted_march)
+    monkeypatch.setattr(fullwave.lines.explicit, "_march_lines", counted_march)
     monkeypatch.setattr(fullwave.finite_difference, "march_leapfrog", counted_leapfrog)
     return calls

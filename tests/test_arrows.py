@@ -34,7 +34,7 @@ def arrows(root):
     return [
         (path.relative_to(root).as_posix(), other.relative_to(root).as_posix())
         for path in files
-        for other in sources.imported_files(path, False) - {path}
+        for other in sources._imported_files(path, False) - {path}
     ]
 
 

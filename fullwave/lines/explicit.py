@@ -140,7 +140,7 @@ def _rates_of(system: System, time: float, state: Array, rates: Array, at: int, 
 
 
 @njit
-def march_lines(
+def _march_lines(
     system: System,
     method: RungeKutta,
     step: float,
@@ -261,7 +261,7 @@ class ExplicitMarch:
         """March the `steps` of `pieces`, in parts so that the run can be interrupted; returns the state's fastest relaxation."""
         fastest = 0.0
         for begin in range(0, steps + 1, self._stride):
-            failures, failed, relaxation = march_lines(
+            failures, failed, relaxation = _march_lines(
                 self._system,
                 self._scaled,
                 self.step,

@@ -80,7 +80,7 @@ class Walk(NamedTuple):
 
 
 @allocating
-def weights_at(number: Array, at: float) -> Array:
+def _weights_at(number: Array, at: float) -> Array:
     """Weights (p,) that give, `at` a number, the polynomial through values at other numbers (p,)."""
     weights, span = np.empty(number.size), number[-1] - number[0]
     for i in range(number.size):
@@ -93,17 +93,17 @@ def weights_at(number: Array, at: float) -> Array:
 
 
 @allocating
-def weights_of_sum(number: Array, first: float, nodes: Array, weights: Array) -> Array:
+def _weights_of_sum(number: Array, first: float, nodes: Array, weights: Array) -> Array:
     """Weights (p,) that give the sum of that polynomial from `first` on, by the rule of the sum."""
     total = np.zeros(number.size)
     for k in range(nodes.size):
         if weights[k] > 0.0:
-            total += weights[k] * weights_at(number, first + nodes[k])
+            total += weights[k] * _weights_at(number, first + nodes[k])
     return total
 
 
 @allocating
-def sum_of_new(number: Array, first: float, nodes: Array, weights: Array) -> float:
+def _sum_of_new(number: Array, first: float, nodes: Array, weights: Array) -> float:
     """The sum of the polynomial that is 1 at the last of `number` (p,) and 0 at the others."""
     total = 0.0
     for k in range(nodes.size):
@@ -122,10 +122,10 @@ def turns(number: Array, highest: Array) -> NDArray[np.intp]:
     inside = int(number[-1]) - first
     chosen = np.zeros(inside, dtype=np.bool_)
     if inside and rising.any():
-        turned = rising & (np.dot(weights_at(number, number[-1] - 1.0), highest) > highest[-1])
+        turned = rising & (np.dot(_weights_at(number, number[-1] - 1.0), highest) > highest[-1])
         best, at = np.full(turned.size, -np.inf), np.zeros(turned.size, dtype=np.int64)
         for i in range(inside if turned.any() else 0):
-            values = np.dot(weights_at(number, float(first + i)), highest)
+            values = np.dot(_weights_at(number, float(first + i)), highest)
             for q in range(values.size):
                 if values[q] > best[q]:
                     best[q], at[q] = values[q], i
@@ -196,7 +196,7 @@ def _marched(
 @allocating
 def _ahead(block: StickBlock, walk: Walk, reach: int) -> Array:
     """The memory (n,) after `reach` more blocks, by the polynomial through past changes."""
-    weights = weights_of_sum(walk.number[1:], float(walk.counts[NEXT]), block.nodes[reach], block.weights[reach])
+    weights = _weights_of_sum(walk.number[1:], float(walk.counts[NEXT]), block.nodes[reach], block.weights[reach])
     return carried(block, walk.now + np.dot(weights, walk.change[1:]), reach)
 
 
@@ -254,8 +254,8 @@ def walk_on(nodes: Nodes, march: LineMarch, block: StickBlock, task: WalkTask, w
         number[-1] = last
         _put(walk.number[1:], number)
         if good and known:
-            missed = change - np.dot(weights_at(number[:-1], number[-1]), past)
-            missed *= sum_of_new(number[1:], float(first), block.nodes[reach], block.weights[reach])
+            missed = change - np.dot(_weights_at(number[:-1], number[-1]), past)
+            missed *= _sum_of_new(number[1:], float(first), block.nodes[reach], block.weights[reach])
             error = _CORRECTED * size_of_change(
                 block.stress, missed, respond(march.physics.law, z[-1, -1], march.memory.now[PSI])[3]
             )

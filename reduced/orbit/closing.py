@@ -47,7 +47,7 @@ class Evaluated(NamedTuple, Generic[_Motion]):
         return float(np.abs(self.residual).max())
 
 
-def solve_by_newton(
+def _solve_by_newton(
     evaluate: Callable[[Array], Evaluated[_Motion]],
     derivative: Callable[[Evaluated[_Motion]], Array],
     guess: Array,
@@ -201,7 +201,7 @@ def close_family(
     equations = _Equations(flow_at, guess, parameter, weights, along / max(float(np.abs(along).max()), 1e-300))
     known = None if neighbour is None else equations.bordered(neighbour.monodromy, neighbour.velocity, neighbour.drift)
     try:
-        at, matrix, iterations = solve_by_newton(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
+        at, matrix, iterations = _solve_by_newton(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
     except NumericsError as reason:
         raise NumericsError(
             f"{flow.model}: no periodic orbit found near a period of {period:.6g} transits: {reason} (scene {flow.scene.name!r}, "

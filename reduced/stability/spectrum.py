@@ -108,7 +108,7 @@ def _count_zeros(function: Function, corners: Complex, anchors: tuple[complex, .
     return round(float(np.angle(jet.value[1:] / jet.value[:-1]).sum()) / (2.0 * np.pi * half))
 
 
-def polish(function: Function, starts: Complex) -> Complex:
+def _polish(function: Function, starts: Complex) -> Complex:
     """Newton's method from all starts; nan where it does not converge to rounding."""
     s = np.array(starts, dtype=np.complex128)
     step = np.full(s.shape, np.inf, dtype=np.complex128)
@@ -121,7 +121,7 @@ def polish(function: Function, starts: Complex) -> Complex:
     return np.where(converged & np.isfinite(s), s, np.nan)
 
 
-def zeros_in(
+def _zeros_in(
     function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...] = (), depth: int = 0
 ) -> Complex:
     """All `expected` zeros in the _rectangle with corners `low` (left, below) and `high`, each once; for at most a few dozen
@@ -134,14 +134,14 @@ def zeros_in(
         return np.empty(0, dtype=np.complex128)
     if expected <= _FEW:
         re, im = np.linspace(low.real, high.real, 7), np.linspace(low.imag, high.imag, 9)
-        zeros = _distinct(polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
+        zeros = _distinct(_polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
         inside = zeros[(low.real < zeros.real) & (zeros.real < high.real) & (low.imag < zeros.imag) & (zeros.imag < high.imag)]
         if inside.size == expected:
             return inside
     if depth > _DEEPEST:
         raise NumericsError(f"stability: {expected} roots near s = {0.5 * (low + high):.6g} are too close to be distinguished")
     halves = _halves(function, low, high, expected, anchors)
-    return np.concatenate([zeros_in(function, *half, count, anchors, depth + 1) for half, count in halves])
+    return np.concatenate([_zeros_in(function, *half, count, anchors, depth + 1) for half, count in halves])
 
 
 def _halves(
@@ -278,7 +278,7 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
     >= 0 are returned. Their number is certified."""
     if problem.reduction is not None:
         starts = np.concatenate([problem.eigenvalues(), _fan(problem)])  # rounding of fast ones swamps slow ones
-        roots, exact = polish(problem.jet, starts), np.abs(problem.imbalance(starts)) < _SMALL
+        roots, exact = _polish(problem.jet, starts), np.abs(problem.imbalance(starts)) < _SMALL
         return _upper(np.where(np.isfinite(roots), roots, np.where(exact, starts, np.nan)))
     unit, wall = 1.0 / problem.longest, 0.9 * problem.leftmost
     centre, radius = problem.slopes.growing
@@ -301,7 +301,7 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
     offset = _OFF_AXIS * _neutral_rate(problem)
     edge, jet = _resolved(problem.jet, np.array([complex(offset), complex(offset, top)]), problem.anchors)
     for starts in (_few_starts, _many_starts):
-        roots = _upper(polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value))))
+        roots = _upper(_polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value))))
         roots = roots[(roots.imag < top) & (roots.real > corner.real) & (roots.real < right)]
         cut = _cut(problem, roots, corner.real, most)
         roots = roots[roots.real > cut]
@@ -309,7 +309,7 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
         count = _count_zeros(problem.jet, upper, problem.anchors)
         if count == _number(roots):
             return roots
-    return _upper(zeros_in(problem.jet, complex(cut, -top), complex(right, top), count, problem.anchors))
+    return _upper(_zeros_in(problem.jet, complex(cut, -top), complex(right, top), count, problem.anchors))
 
 
 def _few_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:
@@ -357,4 +357,4 @@ def _cut(problem: Characteristic, roots: Complex, deepest: float, most: int) -> 
 
 def follow_root(problem: Characteristic, start: complex) -> complex:
     """The root to which Newton's method converges from `start`; nan if it does not converge."""
-    return complex(polish(problem.jet, np.array([start]))[0])
+    return complex(_polish(problem.jet, np.array([start]))[0])

@@ -14,7 +14,6 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -27,52 +26,8 @@ from slipwave.solve.solver import Resumable, Solver
 from slipwave.sources import source_digest
 
 FORMAT = 3
-NO_FILES: Mapping[str, str] = MappingProxyType({})
-"""The user's files of a run that needs none."""
-
 _LONGEST_VALUE = 60  # characters of a fact in a message
 _Arrays: TypeAlias = dict[str, NDArray[Any]]
-
-
-def save_checkpoint(
-    path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None, files: Mapping[str, str] = NO_FILES
-) -> None:
-    """Write the present state of the run to `path`; `files`: digests of the user's files that it depends on. Raises SceneError if
-    the file cannot be written."""
-    parts = _parts(solver, observers).items()
-    arrays = {prefix + name: array for prefix, part in parts for name, array in part.state().items()}
-    facts = _facts(solver, files) | {"time": solver.time, "observers": sorted(observers or {})}
-    text = json.dumps(facts | {"contents": _digest(facts, arrays)})
-    with whole_or_absent(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, allow_pickle=False, facts=np.array(text), **arrays)
-
-
-def load_checkpoint(
-    path: Path, solver: Solver, observers: Mapping[str, Resumable] | None = None, files: Mapping[str, str] = NO_FILES
-) -> None:
-    """Restore the state of `solver` and `observers` from `path`.
-
-    Raises SceneError, one line naming the file, if it is not a checkpoint, damaged or inconsistent, or if it belongs to another
-    scene, model, setting, version of the solvers or of the user's files, or set of observers. `solver` and `observers` must not
-    be used after that.
-    """
-    facts, arrays = _read(path)
-    wanted = json.loads(json.dumps(_facts(solver, files) | {"observers": sorted(observers or {})}))
-    for key, value in wanted.items():
-        if facts[key] != value:
-            raise SceneError(f"checkpoint {str(path)!r}: {_difference(key, facts[key], value, path)}")
-    try:
-        for prefix, part in _parts(solver, observers).items():
-            saved = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
-            _require_layout(saved, part.state())
-            part.restore(saved)
-    except (SceneError, ValueError, LookupError, TypeError, OverflowError) as error:
-        reason = str(error).removeprefix("checkpoint: ")
-        raise SceneError(f"checkpoint {str(path)!r}: inconsistent: {reason}") from None
-
-
-def _parts(solver: Solver, observers: Mapping[str, Resumable] | None) -> dict[str, Resumable]:
-    return {"solver/": solver, **{f"observer/{label}/": observer for label, observer in (observers or {}).items()}}
 
 
 def saved_time(path: Path) -> float:
@@ -81,7 +36,8 @@ def saved_time(path: Path) -> float:
 
 
 class Checkpoints:
-    """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every` transits."""
+    """Marks of a run to `until` (transits): saves `solver` and `observers` to `path` every `every` transits. `files`: digests of
+    the user's files that the run depends on."""
 
     def __init__(
         self,
@@ -90,10 +46,13 @@ class Checkpoints:
         path: Path,
         until: float,
         every: float,
-        files: Mapping[str, str] = NO_FILES,
+        files: Mapping[str, str] | None = None,
     ) -> None:
         self.until = until
-        self._solver, self._observers, self._path, self._every, self._files = solver, observers, path, every, files
+        self._solver, self._path, self._every = solver, path, every
+        named = {f"observer/{label}/": observer for label, observer in observers.items()}
+        self._parts: dict[str, Resumable] = {"solver/": solver, **named}
+        self._observers, self._files = sorted(observers), dict(files or {})
         self._schedule()
 
     @property
@@ -104,30 +63,54 @@ class Checkpoints:
     def act(self) -> None:
         """As `Mark`. At the end of the run nothing is saved; the mark stays due for a run that continues."""
         if self._solver.time < self.until - SAME:
-            save_checkpoint(self._path, self._solver, self._observers, self._files)
+            self.save()
             self._schedule()
 
+    def save(self) -> None:
+        """Write the present state of the run to `path`. Raises SceneError if the file cannot be written."""
+        arrays = {prefix + name: array for prefix, part in self._parts.items() for name, array in part.state().items()}
+        facts = self._facts() | {"time": self._solver.time}
+        text = json.dumps(facts | {"contents": _digest(facts, arrays)})
+        with whole_or_absent(self._path) as temporary, temporary.open("wb") as file:
+            np.savez(file, allow_pickle=False, facts=np.array(text), **arrays)
+
     def resume(self) -> None:
-        """Restore the run from `path`. Raises SceneError as `load_checkpoint` does, and if that run has reached `until`."""
-        load_checkpoint(self._path, self._solver, self._observers, self._files)
+        """Restore the run from `path`.
+
+        Raises SceneError, one line naming the file, if it is not a checkpoint, damaged or inconsistent, if it belongs to another
+        scene, model, setting, version of the solvers or of the user's files, or set of observers, and if that run has reached
+        `until`. Solver and observers must not be used after that.
+        """
+        facts, arrays = _read(self._path)
+        for key, value in json.loads(json.dumps(self._facts())).items():
+            if facts[key] != value:
+                raise SceneError(f"checkpoint {str(self._path)!r}: {_difference(key, facts[key], value, self._path)}")
+        try:
+            for prefix, part in self._parts.items():
+                saved = {name.removeprefix(prefix): array for name, array in arrays.items() if name.startswith(prefix)}
+                _require_layout(saved, part.state())
+                part.restore(saved)
+        except (SceneError, ValueError, LookupError, TypeError, OverflowError) as error:
+            reason = str(error).removeprefix("checkpoint: ")
+            raise SceneError(f"checkpoint {str(self._path)!r}: inconsistent: {reason}") from None
         if self._solver.time >= self.until - SAME:
             raise SceneError(f"until = {self.until:g}: checkpoint {str(self._path)!r} is already at t = {self._solver.time:g}")
         self._schedule()
 
+    def _facts(self) -> dict[str, Any]:
+        """Facts in which a checkpoint and the run that continues from it must agree; the first difference is reported."""
+        return {
+            "format": FORMAT,
+            "scene": dataclasses.replace(self._solver.scene, until=0.0).digest,
+            "model": self._solver.model,
+            "settings": self._solver.settings,
+            "sources": source_digest(),
+            "files": self._files,
+            "observers": self._observers,
+        }
+
     def _schedule(self) -> None:
         self._due: float = self._every * (math.floor(self._solver.time / self._every + 1e-9) + 1)
-
-
-def _facts(solver: Solver, files: Mapping[str, str]) -> dict[str, Any]:
-    """Facts in which a checkpoint and the run that continues from it must agree; the first difference is reported."""
-    return {
-        "format": FORMAT,
-        "scene": dataclasses.replace(solver.scene, until=0.0).digest,
-        "model": solver.model,
-        "settings": solver.settings,
-        "sources": source_digest(),
-        "files": dict(files),
-    }
 
 
 def _difference(key: str, saved: Any, wanted: Any, path: Path) -> str:

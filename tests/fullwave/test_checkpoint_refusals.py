@@ -14,7 +14,7 @@ from fullwave.summation_by_parts import SummationByParts
 from slipwave.errors import SceneError
 from slipwave.observe import EventObserver, HistoryObserver
 from slipwave.solve import checkpoint, follow
-from slipwave.solve.checkpoint import Checkpoints, load_checkpoint, save_checkpoint
+from slipwave.solve.checkpoint import Checkpoints
 
 FAST = slipwave.read("paper", ["drive.velocity=1e6"])  # friction's state limits the step: it says nothing of the cells
 KINDS = {
@@ -27,30 +27,34 @@ OTHERS = [(kind, option) for kind in KINDS for option in ("cells", "cfl", "numbe
 OTHER = {"cells": 26, "cfl": 0.5, "number": 6}
 
 
+def kept(path, solver, observers=None):
+    return Checkpoints(solver, observers or {}, path, np.inf, 10.0)
+
+
 @pytest.mark.parametrize(("kind", "option"), [o for o in OTHERS if o[1] in KINDS[o[0]][1] or o[1] in ("cfl", "cells")])
 def test_every_other_setting_is_refused(tmp_path, kind, option):
     make, options = KINDS[kind]
-    save_checkpoint(tmp_path / "run.npz", make(FAST, **options))
+    kept(tmp_path / "run.npz", make(FAST, **options)).save()
     with pytest.raises(SceneError, match=r"run.npz': (settings differ|model is)"):
-        load_checkpoint(tmp_path / "run.npz", make(FAST, **options | {option: OTHER[option]}))
+        kept(tmp_path / "run.npz", make(FAST, **options | {option: OTHER[option]})).resume()
 
 
 def test_sources_are_told_apart(tmp_path, monkeypatch):
-    save_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
+    kept(tmp_path / "run.npz", FiniteElement(FAST)).save()
     monkeypatch.setattr(checkpoint, "source_digest", lambda: "0123")
     with pytest.raises(SceneError, match="another version of the solvers"):
-        load_checkpoint(tmp_path / "run.npz", FiniteElement(FAST))
+        kept(tmp_path / "run.npz", FiniteElement(FAST)).resume()
 
 
 def test_a_checkpoint_belongs_to_the_physics_of_one_scene(tmp_path):
     """Its digest is; the length of the run, its name and what it records may differ."""
     path = tmp_path / "run.npz"
-    save_checkpoint(path, Leapfrog(PAPER, 16, 0.9))
+    kept(path, Leapfrog(PAPER, 16, 0.9)).save()
     longer = dataclasses.replace(PAPER, until=9999.0, name="again", record=frozenset({"fields"}))
-    load_checkpoint(path, Leapfrog(longer, 16, 0.9))
+    kept(path, Leapfrog(longer, 16, 0.9)).resume()
     other = dataclasses.replace(PAPER, law=PAPER.law._replace(b=0.05))
     with pytest.raises(SceneError, match=r"npz': scene is '[0-9a-f]{12}'; this run needs '[0-9a-f]{12}'"):
-        load_checkpoint(path, Leapfrog(other, 16, 0.9))
+        kept(path, Leapfrog(other, 16, 0.9)).resume()
 
 
 def prepared(tmp_path, kind, chosen=PAPER):
@@ -60,7 +64,7 @@ def prepared(tmp_path, kind, chosen=PAPER):
     observers = [{"e": EventObserver(chosen, one.nodes), "h": HistoryObserver(chosen.law, one.nodes)} for one in solvers]
     follow(solvers[0], 60.0, list(observers[0].values()))
     path = tmp_path / f"{kind}.npz"
-    save_checkpoint(path, solvers[0], observers[0])
+    kept(path, solvers[0], observers[0]).save()
     return path, contents(path), (solvers[1], observers[1])
 
 
@@ -71,7 +75,7 @@ def contents(path):
 
 def refused(path, fresh):
     with pytest.raises(SceneError) as caught:
-        load_checkpoint(path, *fresh)
+        kept(path, *fresh).resume()
     said = str(caught.value)
     assert (path.name in said, "\n" in said, "pickle" in said) == (True, False, False)
     return said
@@ -93,7 +97,7 @@ def test_facts_that_are_none(tmp_path):
 @pytest.mark.parametrize("damage", ["array flipped", "byte flipped", "cut"])
 def test_a_damaged_file_is_refused(tmp_path, kind, damage):
     path, whole, fresh = prepared(tmp_path, kind, SCENES["unlike"])
-    load_checkpoint(path, *fresh)
+    kept(path, *fresh).resume()
     good = bytearray(path.read_bytes())
     if damage == "array flipped":
         name = max(whole, key=lambda name: whole[name].nbytes)

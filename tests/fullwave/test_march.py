@@ -263,6 +263,6 @@ def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credit
         def __init__(self, scene, cells):
             self.cells = cells
 
-    monkeypatch.setattr("fullwave.adapt.probe", lambda solver: ("cycles", np.array([values[solver.cells]])))
+    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: ("cycles", np.array([values[solver.cells]])))
     _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, credited)
     assert (choice.cells, choice.error_estimate) == (cells, pytest.approx(estimate, rel=2e-2))

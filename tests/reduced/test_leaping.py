@@ -12,7 +12,7 @@ from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.multirevolution import Past, sum_rules
 from reduced.delay.slow_motion import Transfer
-from reduced.delay.stroboscopic_kernel import sum_of_new, turns, weights_of_sum
+from reduced.delay.stroboscopic_kernel import _sum_of_new, _weights_of_sum, turns
 from reduced.delay.system import LeapingDelay, delay_system
 from reduced.delay.transmission_lines import lines_of
 from reduced.impedance.models import impedance
@@ -440,7 +440,7 @@ def test_compiled_leaps_are_those_in_plain_numpy(distance):
     first, last = 31.0, 31.0 + distance
     later = past.then(last, new, random.random(4))
     rule = [table[distance] for table in sum_rules(ORDER)]
-    assert weights_of_sum(number, first, *rule) @ past.change == pytest.approx(past.total(first, last), rel=1e-12)
-    change = sum_of_new(later.number, first, *rule) * (new - past._rows(np.array([last]))[0] @ past.change)
+    assert _weights_of_sum(number, first, *rule) @ past.change == pytest.approx(past.total(first, last), rel=1e-12)
+    change = _sum_of_new(later.number, first, *rule) * (new - past._rows(np.array([last]))[0] @ past.change)
     assert change == pytest.approx(past.error(first, last, new), rel=1e-12)
     assert turns(later.number, later.highest).tolist() == later.peaks(number[-1], last)

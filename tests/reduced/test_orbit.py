@@ -17,7 +17,7 @@ from reduced.impedance import reduction_of
 from reduced.ode.slabs import STAGES, ReducedModel, ReducedSlabs
 from reduced.orbit import periodic_orbit
 from reduced.orbit.approach import approach, guesses
-from reduced.orbit.closing import Evaluated, close, solve_by_newton
+from reduced.orbit.closing import Evaluated, _solve_by_newton, close
 from reduced.orbit.multipliers import floquet, multipliers
 from reduced.orbit.periodic import amplitude, figures_of, repeats_sooner
 from reduced.stability.onsets import _bracket, onsets
@@ -204,7 +204,7 @@ class Equations:
         return self._derivative(at.unknowns)
 
     def solved(self, guess, tolerance=1e-13, near=1e-7, first=None):
-        return solve_by_newton(self.evaluate, self.derivative, np.array(guess), tolerance, near, first)
+        return _solve_by_newton(self.evaluate, self.derivative, np.array(guess), tolerance, near, first)
 
 
 def test_steps_are_shortened_until_they_help_and_a_neighbour_that_misleads_is_not_followed():

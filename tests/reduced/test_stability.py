@@ -23,7 +23,7 @@ from reduced.stability import (
     unstable_count,
 )
 from reduced.stability.analyse import stability_in_si, thickened
-from reduced.stability.spectrum import polish, zeros_in
+from reduced.stability.spectrum import _polish, _zeros_in
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import respond, steady_state, unknown_of
 from slipwave.friction.ageing import Ageing, AgeingRegularised
@@ -163,7 +163,7 @@ def test_fast_roots_pile_up_at_the_essential_abscissa(name):
     phases = np.linspace(0.0, 4.0 * np.pi, 60)[None, :] + 1e5
     shifts = np.linspace(0.5, 1.5, 5)[:, None]
     starts = (abscissa * shifts + 1j * phases / scene.transit).ravel()
-    found = polish(problem.jet, starts)
+    found = _polish(problem.jet, starts)
     found = found[np.isfinite(found)]
     found = found[~problem.idle(found) & (found.imag > 9e4 / scene.transit)]
     assert found.real.max() == pytest.approx(abscissa, rel=2e-3)
@@ -220,13 +220,13 @@ def polynomial(*zeros):
 @pytest.mark.parametrize("apart", [1.0, 1e-3, 1e-6])
 def test_all_zeros_are_found_each_once(apart):
     true = np.array([0.3 + 0.2j, 0.3 + apart + 0.2j, 1.7 - 0.6j, *(0.1 * k + 0.9j for k in range(1, 9))])
-    found = zeros_in(polynomial(*true), -1.0 - 1.0j, 2.0 + 1.5j, true.size)
+    found = _zeros_in(polynomial(*true), -1.0 - 1.0j, 2.0 + 1.5j, true.size)
     assert np.sort_complex(found) == pytest.approx(np.sort_complex(true), abs=1e-9)
 
 
 def test_a_double_zero_is_refused():
     with pytest.raises(NumericsError, match=r"2 roots near s = 0.3\+0.19999\dj are too close to be distinguished"):
-        zeros_in(polynomial(0.3 + 0.2j, 0.3 + 0.2j), -1.0 - 1.0j, 2.0 + 1.5j, 2)
+        _zeros_in(polynomial(0.3 + 0.2j, 0.3 + 0.2j), -1.0 - 1.0j, 2.0 + 1.5j, 2)
 
 
 LAYERS = [{"fraction": 0.25, "impedance": 1.0}, {"fraction": 0.75, "impedance": 1.3205112733541364}]
@@ -255,7 +255,7 @@ def test_no_root_of_many_starts_lies_right_of_the_list_and_of_where_roots_accumu
     scene = slipwave.read_scene("unlike", **WEAK, **thickness, **impedances)
     found, problem = analyse(scene), characteristic(scene)
     heights, depths = np.linspace(0.1, 200.0, 1500), np.array([0.0, -0.01, -0.1])
-    roots = polish(problem.jet, (depths[:, None] + 1j * heights).ravel() / scene.transit)
+    roots = _polish(problem.jet, (depths[:, None] + 1j * heights).ravel() / scene.transit)
     roots = roots[np.isfinite(roots)]
     roots = roots[~problem.idle(roots)]
     assert roots.size > 100

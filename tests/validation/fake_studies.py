@@ -82,7 +82,7 @@ class Fake:
         """Put `text` at the end of a study's file, as a later process would find it."""
         with open(module.__file__, "a") as source:
             source.write(text)
-        read_once = (slipwave.sources._read, slipwave.sources.imported_files, sources._words, sources._called)
+        read_once = (slipwave.sources._read, slipwave.sources._imported_files, sources._words, sources._called)
         for function in read_once:  # by each process
             function.cache_clear()
 

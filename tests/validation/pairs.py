@@ -9,7 +9,7 @@ import numpy as np
 
 from slipwave import read
 from slipwave.solve import FieldSolver, State
-from slipwave.solve.checkpoint import load_checkpoint, save_checkpoint
+from slipwave.solve.checkpoint import Checkpoints
 from validation.commands.run import RunResult
 from validation.models.build import prepare
 from validation.models.by_name import family_of
@@ -189,10 +189,10 @@ def play(solver, until, folder=None, dates=(), chunk=math.inf, resume=None):
     parts = {"events": records.watch, "envelope": records.envelope}
     if records.protocol is not None:
         parts["protocol"] = records.protocol
-    saving = At(dates, lambda: save_checkpoint(folder / f"{len(saving.dates)}.npz", solver, parts))
+    saving = At(dates, lambda: Checkpoints(solver, parts, folder / f"{len(saving.dates)}.npz", math.inf, 1.0).save())
     marks = [At(np.arange(chunk, until, chunk) if math.isfinite(chunk) else ()), saving]
     if resume is not None:
-        load_checkpoint(resume, solver, parts)
+        Checkpoints(solver, parts, resume, math.inf, 1.0).resume()
     done = simulate(solver, until, records.observers, watch=records.watch, marks=marks)
     assert not done.failed
     summary = RunResult(done, records, None, [], {}).summary

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 import slipwave
-from fullwave.adapt import difference_of, probe
+from fullwave.adapt import _difference_of, _probe
 from reduced.orbit.closing import close
 from reduced.orbit.periodic import figures_of
 from reduced.parameters import scaled
@@ -160,7 +160,7 @@ def chosen_grid(random: np.random.Generator) -> list[Held]:
     known, scene = _grid_scene(model, random)
     built = prepare(model, scene, tolerance=_GRIDS[model] * 10.0 ** random.uniform(-0.5, 0.5))
     assert built.choice is not None
-    return [Held("cycles", built.choice.error_estimate, difference_of(probe(_exact(known, scene)), probe(built.solver)))]
+    return [Held("cycles", built.choice.error_estimate, _difference_of(_probe(_exact(known, scene)), _probe(built.solver)))]
 
 
 def default_grid(random: np.random.Generator) -> list[Held]:
@@ -172,7 +172,7 @@ def default_grid(random: np.random.Generator) -> list[Held]:
     assert choice is not None
     if not math.isfinite(choice.error_estimate):
         return []
-    return [Held("cycles", choice.error_estimate, difference_of(probe(_exact(known, scene)), probe(solver)))]
+    return [Held("cycles", choice.error_estimate, _difference_of(_probe(_exact(known, scene)), _probe(solver)))]
 
 
 def steps(random: np.random.Generator) -> list[Held]:

@@ -248,7 +248,7 @@ def intervals(problem: Problem, solution: Solution) -> Intervals:
     n, m = solution.slopes.shape
     degrees = max(n - m, 1)
     noise = math.sqrt(solution.cost / degrees)
-    together = correlated_samples(solution.residual)
+    together = _correlated_samples(solution.residual)
     lengths = np.linalg.norm(solution.slopes, axis=0)
     scaled = solution.slopes / np.where(lengths > 0.0, lengths, 1.0)
     _, values, directions = np.linalg.svd(scaled, full_matrices=False)
@@ -272,7 +272,7 @@ def intervals(problem: Problem, solution: Solution) -> Intervals:
     return Intervals(low, high, known, correlation, noise, together, tuple(dict.fromkeys(singular)), covariance, rise)
 
 
-def correlated_samples(residual: Array) -> float:
+def _correlated_samples(residual: Array) -> float:
     """Number of neighbouring samples that fluctuate together: 1 + 2 times the sum of the autocorrelations that are significant
     against white noise, for which it is 1."""
     n = residual.size

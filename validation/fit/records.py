@@ -95,7 +95,7 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
     times, friction = times[inside], friction[inside]
     if known.is_constant:
         try:
-            return stick_slip(series.source, times, friction, known, notes)
+            return _stick_slip(series.source, times, friction, known, notes)
         except SceneError as error:
             unread = "".join(f"; {note}" for note in series.notes if note.startswith(UNREAD))
             raise SceneError(f"{error}{unread}") from None
@@ -148,7 +148,7 @@ def _inside(series: Series, scene: Scene, window: str | None) -> slice:
     return slice(first, last)
 
 
-def stick_slip(name: str, times: Array, friction: Array, schedule: Drive, notes: list[str]) -> Experiment:
+def _stick_slip(name: str, times: Array, friction: Array, schedule: Drive, notes: list[str]) -> Experiment:
     """The mean cycle of a record at one velocity. Raises SceneError if it has no slip events."""
     cycle = mean_cycle(name, times, friction)
     values, errors = (np.append(a, b) for a, b in ((cycle.period, cycle.friction), (cycle.period_error, cycle.friction_error)))

@@ -233,7 +233,7 @@ def _scale(data: Dataset, coordinate: DataArray) -> Scale:
     label = _parameter_of(coordinate).label
     if coordinate.values.dtype.kind not in "iuf":
         return Scale(label, kind, ends, ticks={float(at): str(word) for at, word in enumerate(coordinate.values)})
-    return Scale(label, kind, ends, second=other_side(data, coordinate))
+    return Scale(label, kind, ends, second=_other_side(data, coordinate))
 
 
 def _is_logarithmic(values: Any) -> bool:
@@ -277,7 +277,7 @@ def _strip(models: Sequence[Dataset], name: str, along: Scale) -> Panel:
     return Panel("", along, side, [Trace("regime", _positions(models[0][name]), [*ticks], look, value=values)])
 
 
-def other_side(data: Dataset, coordinate: DataArray) -> Second | None:
+def _other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     """The other scale of this axis of a sweep; None for a scene without units, and for a key that is no velocity or thickness."""
     own = _parameter_of(coordinate)
     key = own.name
@@ -314,7 +314,7 @@ class _Side(NamedTuple):
 def _side(data: Dataset, axis: str) -> _Side | None:
     """None for an axis that is no such parameter, as a density. Thickness is a round trip, a velocity in SI one in V*."""
     values, key = np.asarray(data[axis].values, dtype=float), _parameter_of(data[axis]).name
-    name, factor, other = SHORT.get(key, key), 1.0, other_side(data, data[axis])
+    name, factor, other = SHORT.get(key, key), 1.0, _other_side(data, data[axis])
     if key.startswith("slab.face.") and "normal_stress" not in data.attrs["scene_toml"]:
         name = _FACES.get(key.removeprefix("slab.face."), key)
     if other is not None and other.label in _PLAIN:  # the axis is in SI

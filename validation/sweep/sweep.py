@@ -65,7 +65,7 @@ def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], meas
     return plan
 
 
-def manifest_of(plan: Plan) -> dict[str, Any]:
+def _manifest_of(plan: Plan) -> dict[str, Any]:
     """The plan and the programs, ours and the user's, with which a folder must agree to be continued."""
     program = _versions() | {"code": source_digest()}
     source = {"scene_toml": to_toml(plan.base)}
@@ -147,7 +147,7 @@ def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) ->
     for name in plan.models:
         parse(name)
     with _engine(plan, store, where) as engine:
-        store.begin(manifest_of(plan), anew)
+        store.begin(_manifest_of(plan), anew)
         return _complete(plan, store, where, engine)
 
 

@@ -10,12 +10,13 @@ from slipwave.input.assemble import read
 from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
 from validation.commands.fit import _chart, _values_in_words
+from validation.data.series import Series
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver, solved
 from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Variants, begun, schedule_of
 from validation.fit.problem import problem_of
-from validation.fit.records import Experiment, stick_slip
+from validation.fit.records import Experiment, experiment_of
 from validation.models.parameter import Variation
 
 Made = OfReduction | OfSolver | CycleOfReduction
@@ -170,7 +171,7 @@ def test_errors_of_dates_are_in_the_interval_of_the_period_and_common_to_frictio
         tooth = 10.0 if every == 0.25 else 9.5 + random.random()
         turns = (times - tooth * random.random()) / tooth % 1.0
         friction = 0.1 * turns * (1.2 - 0.2 * turns) + 1e-4 * random.standard_normal(times.size)
-        one = stick_slip("saw", times, friction, Drive((0.0,), (1e-6,)), [])
+        one = experiment_of(Series("saw", {"time": times, "friction": friction}), sw.read(STICKING))
         at = one.cycle.phases
         tell = one.weighed(np.column_stack([one.friction - np.append(tooth, 0.1 * at * (1.2 - 0.2 * at)), one.together]))
         ways = [way / np.linalg.norm(way) for way in tell.T[1:3]]

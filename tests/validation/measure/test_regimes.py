@@ -8,7 +8,7 @@ import slipwave
 from slipwave.observe.events import Events
 from slipwave.observe.statistics import autocorrelations, margin_of_mean, summarise
 from tests.granite import GRANITE
-from validation.fit.least_squares import correlated_samples
+from validation.fit.least_squares import _correlated_samples
 from validation.measure.over_r import scene_at
 from validation.measure.regimes import AWAY, STEADY, regime_of
 
@@ -48,7 +48,7 @@ def test_samples_of_a_fit_fluctuate_together_as_cycles_of_a_run_do():
     values = [sequence(0.8, 4000, seed) - 5.0 for seed in range(20)]
     by_lag = [float(values[0][lag:] @ values[0][:-lag] / (values[0] @ values[0])) for lag in (1, 2, 7)]
     assert autocorrelations(values[0])[[0, 1, 2, 7]] == pytest.approx([1.0, *by_lag], rel=1e-10)
-    assert np.mean([correlated_samples(one) for one in values]) == pytest.approx(9.0, rel=0.1)
+    assert np.mean([_correlated_samples(one) for one in values]) == pytest.approx(9.0, rel=0.1)
     by_means = [(0.5 * margin_of_mean(one) / 1.2) ** 2 * one.size / np.var(one) for one in values]
     assert np.mean(by_means) == pytest.approx(9.0, rel=0.25)
 

@@ -10,7 +10,7 @@ import pytest
 
 import slipwave
 import slipwave as sw
-from fullwave.adapt import difference_of, probe
+from fullwave.adapt import _difference_of, _probe
 from slipwave.errors import SceneError
 from slipwave.family import features_of
 from slipwave.input.source import read_stored
@@ -228,7 +228,7 @@ def test_a_grid_that_cannot_be_coarser_is_judged_by_a_finer_one():
     layers = [{"fraction": 0.5, "impedance": 1.0}, {"fraction": 0.5, "impedance": 1.5}]
     layered = sw.read("paper", {"drive.velocity": 2000, "run.until": 15.0, "slab.layers": layers})
     grid = sw.run(layered, "sbp:6").summary["grid"]
-    error = difference_of(probe(build("sbp:6", layered, cells=128)), probe(build("sbp:6", layered)))
+    error = _difference_of(_probe(build("sbp:6", layered, cells=128)), _probe(build("sbp:6", layered)))
     assert grid["quantity"] == "cycles"
     assert 1e-8 < error < grid["error_estimate"] < 5.0 * error
 

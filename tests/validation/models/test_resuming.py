@@ -41,7 +41,7 @@ def uninterrupted():
     return outcome(TO_KILL)
 
 
-@pytest.mark.parametrize("place", [(explicit, "march_lines", 9), (explicit, "march_lines", 14), (os, "replace", 5)])
+@pytest.mark.parametrize("place", [(explicit, "_march_lines", 9), (explicit, "_march_lines", 14), (os, "replace", 5)])
 def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, place):
     """Killed on its way into compiled code, or as a checkpoint was to take the place of the one before."""
     file = tmp_path / "run.npz"

@@ -26,12 +26,12 @@ from validation.commands.map import _difference, _difference_rows
 from validation.models.parameter import Variation
 from validation.sweep.engine import Engine, compute
 from validation.sweep.executors import processes
-from validation.sweep.map_figures import chart_of_sweep, other_side
+from validation.sweep.map_figures import _other_side, chart_of_sweep
 from validation.sweep.measures import VERDICTS
 from validation.sweep.plan import axis_of
 from validation.sweep.refine import refine
 from validation.sweep.store import Store
-from validation.sweep.sweep import Where, manifest_of, perform_sweep, plan_of
+from validation.sweep.sweep import Where, _manifest_of, perform_sweep, plan_of
 
 DISC = "tests.validation.sweep_measures:disc"
 
@@ -148,7 +148,7 @@ def test_refinement_does_not_depend_on_what_is_there(tmp_path):
     what = plan((33, 33), refine=3)
     found = computed(what, tmp_path / "one")
     store = Store(tmp_path / "two")
-    store.begin(manifest_of(what))
+    store.begin(_manifest_of(what))
     Engine(what, store, Here, 1).run(what.order[100:300])  # points of all levels, of which some are not needed
     again = computed(what, tmp_path / "two")
     needed = found["status"].values == 0
@@ -314,16 +314,16 @@ def test_the_other_side_of_an_axis_has_the_other_units():
     rock = sw.read("rock")
     data = xarray.Dataset(attrs={"scene_toml": sw.show("rock")})
     axis = lambda key, first, unit="1": xarray.DataArray([first], attrs={"long_name": key, "units": unit}, name="axis")  # noqa: E731
-    thick, fast = other_side(data, axis("slab.thickness", 42.0, "cm")), other_side(data, axis("V", 1e4))
+    thick, fast = _other_side(data, axis("slab.thickness", 42.0, "cm")), _other_side(data, axis("V", 1e4))
     assert thick is not None
     assert fast is not None
     assert 21.0 * thick.factor == pytest.approx(rock.transit, rel=1e-12)
     assert (fast.label, 1e4 * fast.factor) == ("V / (m/s)", pytest.approx(0.01, rel=1e-12))
-    power = other_side(data, axis("log10_r", -2.0))
+    power = _other_side(data, axis("log10_r", -2.0))
     assert power is not None
     assert power.is_power
     assert power.factor == pytest.approx(rock.units.time if rock.units else 0.0, rel=1e-12)
-    assert other_side(data, axis("a", 0.01)) is None
+    assert _other_side(data, axis("a", 0.01)) is None
 
 
 def test_another_sweep_in_the_folder_is_refused(tmp_path, refused):
