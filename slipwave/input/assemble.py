@@ -1,12 +1,17 @@
-"""Reads a scene: validates its tables, combines keys that depend on each other and converts SI (15) to a frozen `Scene`.
+"""Reads a scene, from the gallery, a TOML file or a dictionary: validates its tables, combines keys that depend on each other and
+converts SI (15) to a frozen `Scene`. Data only; nothing is executed.
 
-Values that were given with a unit are converted to the units of the scene (`in_scene`).
+Values that were given with a unit are converted to the units of the scene (`in_scene`). A scene is also given by the tables that
+it was read from: written as TOML, or read again with changes.
 """
 
+import copy
 import math
+import numbers
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -17,14 +22,14 @@ import slipwave.input.schema as keys
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
 from slipwave.input.complaint import complaint
-from slipwave.input.overrides import apply_overrides
+from slipwave.input.overrides import apply_overrides, parse_toml
 from slipwave.input.quantity import KINDS, Quantity, looks_measured, quantity
 from slipwave.input.schema import Numbers, allowed_in
-from slipwave.input.source import load_tables
-from slipwave.input.wording import shorten
+from slipwave.input.stored import read_stored
+from slipwave.input.wording import nearest, one_line, sentence, shorten
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubt
 from slipwave.scene.drive import Drive, Start, StartKind
+from slipwave.scene.scene import doubt
 from slipwave.scene.slab import (
     FACES,
     VISCOSITIES,
@@ -41,8 +46,102 @@ from slipwave.scene.units import Units
 SceneSource: TypeAlias = str | Path | Mapping[str, Any] | Scene
 """A gallery name, the path of a TOML file, a dictionary of the same shape, or a scene that was read before."""
 
+LARGEST_FILE = 1_000_000
+"""Bytes; a longer file is not a scene."""
+
+_GALLERY = Path(__file__).resolve().parent.parent / "gallery"
 _PER_AREA = {"N/m": "Pa/m", "N s/m": "Pa s/m", "kg": "kg/m2"}
 _LARGEST_RATIO = 1e9
+
+
+@cache
+def gallery_names() -> tuple[str, ...]:
+    """Names of the gallery's scenes, sorted."""
+    return tuple(sorted(path.stem for path in _GALLERY.glob("*.toml")))
+
+
+@cache
+def _of_gallery(name: str) -> dict[str, Any]:
+    """The tables of a scene of the gallery, cached; not to be changed."""
+    return _parse(_GALLERY / f"{name}.toml")
+
+
+def gallery_titles() -> dict[str, str]:
+    """Name and one-line title of every scene of the gallery."""
+    return {name: str(_of_gallery(name).get("title", "")) for name in gallery_names()}
+
+
+def is_stored(source: object) -> bool:
+    """Whether `source` is the path of a file of results."""
+    return isinstance(source, str | Path) and Path(source).suffix == ".nc"
+
+
+def load_tables(source: SceneSource) -> tuple[str, dict[str, Any]]:
+    """(default name, raw tables) of a gallery name, the path of a file, a dictionary or a scene (copied).
+
+    Raises SceneError when there is no such scene or the file is not a TOML text under 1 MB with keys of 20 parts at most.
+    """
+    if isinstance(source, Scene):
+        return tables_of(source)
+    if isinstance(source, Mapping):
+        return "scene", copy.deepcopy(dict(source))
+    if not isinstance(source, str | Path):
+        raise SceneError(f"SCENE = {shorten(source)}: must be a gallery name, the path of a TOML file, or a dictionary")
+    if isinstance(source, str) and source in gallery_names():
+        return source, copy.deepcopy(_of_gallery(source))
+    return one_line(Path(source).stem), read_stored(source).tables if is_stored(source) else _parse(Path(source))
+
+
+def _parse(path: Path) -> dict[str, Any]:
+    """The tables of a TOML file. Raises SceneError if it cannot be read, whatever the reason."""
+    try:
+        return parse_toml(_content(path).decode("utf-8-sig").replace("\r\n", "\n"))
+    except SceneError:
+        raise
+    except UnicodeDecodeError as error:
+        reason = f"must be a TOML file in UTF-8; byte {error.start} is not"
+    except RecursionError:
+        reason = "nested too deeply to be a scene file"
+    except OSError as error:
+        reason = f"cannot be read: {error.strerror or error}"
+    except ValueError as error:  # TOMLDecodeError, and integers with too many digits
+        reason = f"must be a TOML file; {sentence(str(error))}"
+    raise SceneError(f"SCENE = {shorten(str(path))}: {reason}")
+
+
+def _content(path: Path) -> bytes:
+    """The bytes of a file. Raises SceneError if there is no such file or it is too long, OSError if it cannot be read."""
+    try:
+        if not path.is_file():
+            raise SceneError(f"SCENE = {shorten(str(path))}: {_why_not_a_file(path)}")
+    except ValueError as error:
+        if isinstance(error, SceneError):
+            raise
+        # the path holds a character that none may have
+        raise SceneError(f"SCENE = {shorten(str(path))}: cannot be read: {error}") from None
+    with path.open("rb") as stream:
+        content = stream.read(LARGEST_FILE + 1)
+    if len(content) > LARGEST_FILE:
+        problem = f"longer than {LARGEST_FILE // 1_000_000} MB; a scene file is a short TOML text"
+        raise SceneError(f"SCENE = {shorten(str(path))}: {problem}")
+    return content
+
+
+def _why_not_a_file(path: Path) -> str:
+    if path.exists():
+        return f"must be a TOML file or a gallery name; this is {'a folder' if path.is_dir() else 'not a regular file'}"
+    what, known = f"neither a file nor one of the gallery: {', '.join(gallery_names())}", list(gallery_names())
+    if path.suffix or len(path.parts) > 1:
+        what, known = "no such file", [str(other) for other in path.parent.glob("*.toml")]
+    guess = path.stem if path.stem in gallery_names() else nearest(str(path), known)
+    return f'{what}; did you mean "{guess}"?' if guess else what
+
+
+def tables_of(scene: Scene) -> tuple[str, dict[str, Any]]:
+    """(name, tables) of a scene. Raises SceneError if it was not read: `dataclasses.replace` drops the tables."""
+    if scene.tables is None:
+        raise SceneError(f"scene {scene.name!r}: was made in Python, not read, so its keys cannot be changed or written")
+    return scene.name, copy.deepcopy(dict(scene.tables))
 
 
 def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Scene:
@@ -303,3 +402,26 @@ def _drive(table: keys.DriveTable, units: Units | None, transit: float) -> Drive
         given_times = f"{key}: times = {shorten(times)} (transits of the upper slab)"
         raise SceneError(f"{given_times}: must be rising; the same time twice is a step")
     return Drive(tuple(times), tuple(velocities))
+
+
+def to_toml(scene: Scene) -> str:
+    """The scene as TOML: reading it gives the same scene. Raises SceneError for a scene that was not read, and for values that
+    TOML does not have."""
+    import tomli_w
+
+    name, tables = tables_of(scene)
+    try:
+        return tomli_w.dumps(_plain(tables))
+    except TypeError as error:
+        raise SceneError(f"scene {name!r}: cannot be written as TOML: {error}") from None
+
+
+def _plain(value: Any) -> Any:
+    """`value` with numbers and lists of other libraries replaced by those of Python."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items() if item is not None}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, bool | int | str):
+        return value
+    return float(value) if isinstance(value, numbers.Real) else value

@@ -7,6 +7,7 @@ its own. A new `kind` of face or viscosity first empties its table.
 
 import copy
 import re
+import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any, cast, get_args
 
@@ -15,7 +16,6 @@ from pydantic import BaseModel
 from slipwave.errors import SceneError
 from slipwave.input.quantity import looks_measured
 from slipwave.input.schema import InterfaceTable, SceneTable, scene_keys, tables_in
-from slipwave.input.source import parse_toml
 from slipwave.input.wording import key_text, listed, shorten
 
 _SYMBOLS = {"V": "velocity"}
@@ -25,6 +25,18 @@ _SAME_QUANTITY = {"r", "log10_r", "thickness"}
 _BARE_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
 _FRESH_TABLES = ("face", "viscosity")
+
+
+_KEY_PART = r"""(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*"""
+_DEEP_KEY = re.compile(rf"(?<![\w-]){_KEY_PART}(?:\.[ \t]*{_KEY_PART}){{20}}")
+"""A dotted key of more than 20 parts: tomllib needs a time that grows with their square. Keys of a scene have at most four."""
+
+
+def parse_toml(text: str) -> dict[str, Any]:
+    """Tables of a TOML text. Raises ValueError if the text is not TOML, RecursionError if it is nested too deeply for a scene."""
+    if _DEEP_KEY.search(text):
+        raise RecursionError
+    return tomllib.loads(text)
 
 
 def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:

@@ -292,7 +292,7 @@ def test_imports_are_followed_through_modules_packages_and_functions():
         "slipwave/friction/slip.py",
     } <= found
     assert "slipwave/friction/check.py" in found  # imported within `register`
-    assert not found & {"slipwave/__init__.py", "slipwave/input/source.py", "slipwave/scene/scene.py"}
+    assert not found & {"slipwave/__init__.py", "slipwave/input/assemble.py", "slipwave/scene/scene.py"}
 
 
 @pytest.mark.parametrize(

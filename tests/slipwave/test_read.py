@@ -8,10 +8,10 @@ import pytest
 
 import slipwave
 from slipwave.errors import SceneError
+from slipwave.input.assemble import gallery_names, gallery_titles
 from slipwave.input.quantity import looks_measured, quantity
-from slipwave.input.source import gallery_names, gallery_titles
-from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import Drive, Start, StartKind
+from slipwave.scene.scene import doubts
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, Layer, ReflectingFace, RigidFace, StandardLinearViscosity
 from tests.granite import GRANITE as BARE
 

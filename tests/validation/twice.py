@@ -14,7 +14,7 @@ import xarray
 
 import slipwave as sw
 from slipwave.errors import SceneError
-from slipwave.input.source import to_toml
+from slipwave.input.assemble import to_toml
 from slipwave.scene.drive import Drive
 from tests.granite import GRANITE
 from tests.validation.pairs import KNOTS, LENGTH, NAMES, PACE, SIGMA, R, scene_of, slab

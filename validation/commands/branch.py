@@ -18,7 +18,7 @@ from slipwave.files import FIGURES
 from slipwave.input.assemble import SceneSource
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
+from slipwave.scene.scene import doubts
 from validation.chart import BLUE, GREY, INK, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
 from validation.chart.looks import NAMES
 from validation.commands.options import ModelOptions, announced, command, option

@@ -15,7 +15,7 @@ import typer
 import slipwave
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of, require_writable
-from slipwave.input.source import gallery_names
+from slipwave.input.assemble import gallery_names
 from slipwave.packages import ended
 from validation.commands.options import Option, SceneOptions, options_of
 from validation.commands.result import Output, Result

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, TypeAlias
 from slipwave.family import Exact
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
+from slipwave.scene.scene import doubts
 from validation.commands.result import Result, finite, rounded
 from validation.commands.wording import longer_in_words
 from validation.data.datasets import Dataset

@@ -17,8 +17,8 @@ from slipwave.extras import require
 from slipwave.family import features_of
 from slipwave.files import FIGURES, content_of
 from slipwave.friction.law import name_of
-from slipwave.input.assemble import SceneSource
-from slipwave.input.source import is_stored, read_stored
+from slipwave.input.assemble import SceneSource, is_stored
+from slipwave.input.stored import read_stored
 from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene

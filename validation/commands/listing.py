@@ -1,7 +1,6 @@
 """`slipwave.scenes`, `slipwave.models` and `slipwave.show`: the scenes of the gallery, the models, and a scene as TOML."""
 
-from slipwave.input.assemble import SceneSource
-from slipwave.input.source import gallery_titles, to_toml
+from slipwave.input.assemble import SceneSource, gallery_titles, to_toml
 from validation.commands.options import SceneOptions, command
 from validation.models.by_name import families, honouring
 

@@ -32,12 +32,12 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.own import load_laws
-from slipwave.input.assemble import SceneSource, read, read_scene
-from slipwave.input.source import is_stored, read_stored, recall
+from slipwave.input.assemble import SceneSource, is_stored, read, read_scene
+from slipwave.input.stored import read_stored, recall
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.packages import ended
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
+from slipwave.scene.scene import doubts
 from slipwave.solve.follow import DAY
 from validation.commands.result import PointOfBranch, Result, Stopped
 from validation.models.by_name import FAMILIES, GRIDS, Options
@@ -193,8 +193,8 @@ class SceneOptions(_Declared):
     def scenes_of(self, source: SceneSource, until: float | str | None = None) -> "Variation":
         """The scenes of a call over what is `varied`: settings that name a variable, and those in the table of a kind or law that
         is varied, are set at each of its values."""
+        from slipwave.input.assemble import load_tables
         from slipwave.input.overrides import full_key, toml_value
-        from slipwave.input.source import load_tables
         from validation.models.parameter import Variation, is_expression, scenes_with, variables_of
 
         variables = variables_of(self.varied, self._pairs)

@@ -22,7 +22,7 @@ from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
+from slipwave.scene.scene import doubts
 from validation.chart import Chart
 from validation.commands.branch import tolerance_option
 from validation.commands.figures import motion_chart

@@ -25,7 +25,7 @@ EXAMPLES = {
 
 def _print_scenes() -> None:
     """The gallery's scenes, one line each."""
-    from slipwave.input.source import gallery_titles
+    from slipwave.input.assemble import gallery_titles
 
     titles = gallery_titles()
     width = max(map(len, titles))
@@ -44,7 +44,8 @@ def _print_schema(report: Annotated[bool, typer.Option("--report", help="that of
 
 def print_scene(source: str, options: Any, files: Mapping[Any, Any], as_json: bool) -> None:
     """A scene as pure TOML; what else a file of results holds as comments."""
-    from slipwave.input.source import is_stored, read_stored, to_toml
+    from slipwave.input.assemble import is_stored, to_toml
+    from slipwave.input.stored import read_stored
     from slipwave.input.wording import one_line
     from validation.commands.wording import header
 

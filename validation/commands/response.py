@@ -15,10 +15,9 @@ from reduced.orbit.phase import PhaseResponse
 from reduced.orbit.response import Responding
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import TIME
-from slipwave.input.assemble import validate
+from slipwave.input.assemble import tables_of, validate
 from slipwave.input.quantity import Quantity
 from slipwave.input.schema import KeyTable
-from slipwave.input.source import tables_of
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import GUIDE, Chart, Look, Panel, Scale, Second, Trace

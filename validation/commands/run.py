@@ -13,8 +13,8 @@ from slipwave.files import FIGURES, part_of
 from slipwave.input.assemble import SceneSource
 from slipwave.observe.protocol import StageFigures
 from slipwave.observe.verdict import REPEATING
-from slipwave.scene.doubts import doubts
 from slipwave.scene.drive import StartKind
+from slipwave.scene.scene import doubts
 from slipwave.solve import Leaping, has_fields
 from slipwave.solve.checkpoint import saved_time
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent

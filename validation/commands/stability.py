@@ -17,7 +17,7 @@ from slipwave.files import FIGURES
 from slipwave.input.assemble import SceneSource
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
+from slipwave.scene.scene import doubts
 from validation.chart import BLUE, DASHED, GREY, GUIDE, ORANGE, POINTS, Chart, Look, Panel, Scale, Second, Trace
 from validation.commands.options import SceneOptions, command, option
 from validation.commands.reasons import on_stability

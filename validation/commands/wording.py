@@ -16,7 +16,7 @@ from slipwave.friction.law import friction_slopes, name_of
 from slipwave.observe import MotionVerdict, RunStatistics
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from slipwave.scene.doubts import doubts
+from slipwave.scene.scene import doubts
 from slipwave.scene.slab import FACES, VISCOSITIES, Face, Slab
 from slipwave.scene.units import Units
 from validation.commands.result import rounded

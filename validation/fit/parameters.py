@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.input.assemble import validate
+from slipwave.input.assemble import tables_of, validate
 from slipwave.input.overrides import full_key
 from slipwave.input.quantity import Quantity
-from slipwave.input.source import tables_of
 from slipwave.input.wording import choices, key_text, nearest, shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene

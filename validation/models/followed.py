@@ -13,7 +13,7 @@ from reduced.continuation.branch import BRANCH_TOLERANCE
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import reason_of, whole_or_absent
 from slipwave.input.assemble import read
-from slipwave.input.source import read_stored
+from slipwave.input.stored import read_stored
 from slipwave.input.wording import shorten
 from slipwave.solve import State
 from validation.models.branch import FollowedBranch

@@ -10,7 +10,7 @@ from slipwave.errors import SceneError
 from slipwave.files import CONVENTIONS
 from slipwave.friction.law import name_of
 from slipwave.friction.own import own_law
-from slipwave.input.source import to_toml
+from slipwave.input.assemble import to_toml
 from slipwave.scene import Scene
 from slipwave.sources import commit
 from validation.models.own import own_family

@@ -13,8 +13,8 @@ import numpy.typing as npt
 
 from reduced.parameters import PARAMETERS
 from slipwave.errors import SceneError
+from slipwave.input.assemble import tables_of
 from slipwave.input.overrides import apply_overrides
-from slipwave.input.source import tables_of
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from validation.models.parameter import SHORT, Parameter, Variation, measured_value, number_of

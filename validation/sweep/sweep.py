@@ -18,7 +18,8 @@ from pydantic import BaseModel
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.friction.law import name_of
-from slipwave.input.source import parse_toml, to_toml
+from slipwave.input.assemble import to_toml
+from slipwave.input.overrides import parse_toml
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.models.by_name import parse, resolve

@@ -15,7 +15,7 @@ from typer.main import get_command
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.input.source import load_tables
+from slipwave.input.assemble import load_tables
 from tests.copies import in_a_copy
 from validation.commands.cli import COMMANDS, INPUT_WRONG, NUMERICS_FAILED, app, main
 from validation.commands.options import options_of
@@ -70,7 +70,7 @@ def test_a_wrong_output_place_is_refused_before_anything_is_computed(refused, mo
 
 
 def test_a_bug_is_a_traceback_and_status_1():
-    code = "import sys, slipwave.input.source as g\ng.gallery_titles = lambda: 1 / 0\n"
+    code = "import sys, slipwave.input.assemble as g\ng.gallery_titles = lambda: 1 / 0\n"
     done = python(code + "from validation.commands.cli import main; sys.exit(main(['scenes']))")
     assert (done.returncode, done.stderr.splitlines()[-1]) == (1, "ZeroDivisionError: division by zero")
 

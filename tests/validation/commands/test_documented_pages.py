@@ -20,7 +20,7 @@ import pytest
 
 import slipwave
 from slipwave.family import ANYTHING, FEATURES, NOTHING
-from slipwave.input.source import parse_toml
+from slipwave.input.overrides import parse_toml
 from slipwave.observe.verdict import REPEATING, Kind
 from slipwave.sources import ROOT
 from tests.validation.answer import PAGES as ANSWERED

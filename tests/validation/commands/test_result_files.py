@@ -16,7 +16,7 @@ import slipwave
 import slipwave as sw
 from slipwave.friction.law import LAWS
 from slipwave.friction.own import LAW_FILES
-from slipwave.input.source import gallery_names
+from slipwave.input.assemble import gallery_names
 from validation.commands.cli import main
 from validation.models.provenance import provenance
 

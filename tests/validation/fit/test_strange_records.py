@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
-from slipwave.input.source import to_toml
+from slipwave.input.assemble import to_toml
 from tests.copies import killed
 from tests.validation.records import assert_held, written
 from validation.commands.cli import main

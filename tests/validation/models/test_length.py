@@ -13,7 +13,7 @@ import xarray
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.input.source import to_toml
+from slipwave.input.assemble import to_toml
 from slipwave.observe import Events, HistoryObserver, Pieces, judge_motion
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints

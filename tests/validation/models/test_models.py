@@ -13,7 +13,7 @@ import slipwave as sw
 from fullwave.adapt import _difference_of, _probe
 from slipwave.errors import SceneError
 from slipwave.family import features_of
-from slipwave.input.source import read_stored
+from slipwave.input.stored import read_stored
 from slipwave.packages import own_file
 from slipwave.solve import follow
 from slipwave.sources import ROOT

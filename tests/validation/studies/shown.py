@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from slipwave.input import source
+from slipwave.input import assemble
 from slipwave.observe.statistics import Estimate
 from validation.chart.draw import draw, styled
 from validation.measure.orders import ALMOST
@@ -303,7 +303,7 @@ def quick(name):
     with pytest.MonkeyPatch.context() as patch:
         readings = itertools.count()
         patch.setattr(stopwatch, "processor_seconds", lambda: 1e-3 * next(readings) ** 2)
-        patch.setattr(source, "load_tables", watched(source.load_tables, scenes))
+        patch.setattr(assemble, "load_tables", watched(assemble.load_tables, scenes))
         for tape in tapes:
             tape.record(patch)
         result = study.run(Budget(quick=True, report=shares.append))
@@ -321,10 +321,10 @@ def quick(name):
 
 
 def watched(read, scenes):
-    """`read` (`slipwave.input.source.load_tables`), which notes the gallery scenes it is asked for in `scenes`."""
+    """`read` (`slipwave.input.assemble.load_tables`), which notes the gallery scenes it is asked for in `scenes`."""
 
     def reading(name, *rest):
-        scenes.update({str(name)} & set(source.gallery_names()))
+        scenes.update({str(name)} & set(assemble.gallery_names()))
         return read(name, *rest)
 
     return reading
