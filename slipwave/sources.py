@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TypeAlias
 
 ROOT = Path(__file__).resolve().parent.parent
 SOLVER_PACKAGES = ("slipwave", "reduced", "fullwave")
@@ -61,20 +61,16 @@ def inside(path: Path) -> bool:
 
 def program(path: Path) -> str:
     """Digest of the syntax tree of a Python file, without docstrings, comments and line numbers; read once per process."""
-    return _read(path).program
+    return _read(path)[0]
 
 
 def imported_names(path: Path) -> tuple[str, ...]:
     """As `imports_in` of a file of the project, read once per process."""
-    return _read(path).imports
+    return _read(path)[1]
 
 
-class _Read(NamedTuple):
-    """A file's `program` and `imported_names`; as pickled on disk, which other versions read too."""
-
-    program: str
-    imports: tuple[str, ...]
-
+_Read: TypeAlias = tuple[str, tuple[str, ...]]
+"""A file's `program` and `imported_names`; as pickled on disk, which other versions read too."""
 
 _NEW: dict[bytes, _Read] = {}
 """What this process has read and no earlier one."""
@@ -104,7 +100,7 @@ def _kept() -> dict[bytes, _Read]:
         kept = dict(pickle.loads((cache_folder() / _KEPT).read_bytes()))
     except Exception:  # there is none, or a damaged one, which may raise anything
         return {}
-    return kept if all(type(one) is _Read for one in kept.values()) else {}  # else another version wrote it
+    return kept if all(type(one) is tuple for one in kept.values()) else {}  # else another version wrote it
 
 
 def _keep() -> None:
@@ -119,7 +115,7 @@ def _keep() -> None:
 
 def imports_in(content: bytes) -> tuple[str, ...]:
     """Modules that a Python text imports; for `from a import b` both a and a.b; relative ones begin with dots."""
-    return _parsed(content).imports
+    return _parsed(content)[1]
 
 
 def _parsed(content: bytes) -> _Read:
@@ -137,7 +133,7 @@ def _parsed(content: bytes) -> _Read:
             names += [base, *(f"{base}{'.' if node.module else ''}{name.name}" for name in node.names)]
         elif isinstance(node, ast.Import):
             names += [name.name for name in node.names]
-    return _Read(hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(names))
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(names)
 
 
 @cache

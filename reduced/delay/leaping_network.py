@@ -14,7 +14,7 @@ is the estimated error.
 
 import math
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -58,13 +58,9 @@ class _Split(NamedTuple):
     rest: Array
 
 
-class _Check(NamedTuple):
-    """Some marched steps: their `pieces`, `drift`, what both parts of the motion miss in a step, as a change of the memory, and
-    `ripple`, the largest difference of z from the slow motion."""
-
-    pieces: Pieces
-    drift: Array
-    ripple: float
+_Check: TypeAlias = tuple[Pieces, Array, float]
+"""Some marched steps: their pieces; the drift, what both parts of the motion miss in a step, as a change of the memory; and the
+ripple, the largest difference of z from the slow motion."""
 
 
 class LeapingNetwork(StroboscopicNetwork):
@@ -187,7 +183,7 @@ class LeapingNetwork(StroboscopicNetwork):
         if split:
             self._pause = min(2 * self._pause, _LONGEST_PAUSE)
         if split and ahead:
-            if ahead.ripple <= self._tolerance or gaps:
+            if ahead[2] <= self._tolerance or gaps:
                 pieces, scale = self._beyond(split, ahead, count)
                 if pieces is not None:
                     return pieces, scale
@@ -198,30 +194,32 @@ class LeapingNetwork(StroboscopicNetwork):
 
     def _beyond(self, split: _Split, ahead: _Check, count: int) -> tuple[Pieces | None, float]:
         """As `_cross`, after the checked steps `ahead`, the first of `count`."""
-        slow, begin, steps = split.slow, self.time, count - ahead.pieces.time.size
+        (before, drift, ripple), slow, begin = ahead, split.slow, self.time
+        steps = count - before.time.size
         end = self._origin + (self._done + steps) * self._length
         fill = self._fill(split, np.linspace(begin, end, _CUTS + 1))
         rises = fill.z[-1, -1] > max(fill.z[0, 0], self._stick_limit(begin))  # an event may begin, which must not be left out
         visible = self._tolerance * (_RISING if rises else 1.0)
-        if ahead.ripple > visible and (rises or not self._is_monotonic(split, begin, end)):
+        if ripple > visible and (rises or not self._is_monotonic(split, begin, end)):
             return None, 0.5
         rest = self._now().vector - self._composed(split, begin).vector
-        later, spread = self._carried(slow, np.column_stack([rest, ahead.drift]), begin, end, steps)
+        later, spread = self._carried(slow, np.column_stack([rest, drift]), begin, end, steps)
         split = split._replace(rest=later[:, 0] + steps * later[:, 1])
         self._jump_to(split, end, steps)
         behind, friction = self._check(split, count), self._friction(slow, end, end)
         if behind is None:
             return None, _SHRINK
-        sizes = (max(self._size(drift, friction.mu_z), 1e-300) for drift in (later[:, 1], behind.drift))
-        missed = _share_behind(*sizes) * steps * (behind.drift - later[:, 1])
+        after, drift, ripple = behind
+        sizes = (max(self._size(one, friction.mu_z), 1e-300) for one in (later[:, 1], drift))
+        missed = _share_behind(*sizes) * steps * (drift - later[:, 1])
         error = max(_CORRECTED * self._size(missed, friction.mu_z), spread)
-        if error > self._allowed or (rises and behind.ripple > visible):
+        if error > self._allowed or (rises and ripple > visible):
             return None, min(0.5, self._scale(slow, error))
-        marched = behind.pieces.time.size
+        marched = after.time.size
         powers = powers_of(self._parts()[1].matrix(self._friction(slow, end, self.time))[0], marched)
         self._take(self._now().vector + advanced(powers, missed, marched))
         self.skipped += end - begin
-        return Pieces.joined((ahead.pieces, fill, behind.pieces)), self._scale(slow, error)
+        return Pieces.joined((before, fill, after)), self._scale(slow, error)
 
     def _split(self, length: float) -> _Split | None:
         """The split of the present motion for a leap of `length` (transits); None if the slow part is not smooth enough. Slow
@@ -231,19 +229,19 @@ class LeapingNetwork(StroboscopicNetwork):
         start, (psi, y) = self.time, now.rest
         stages, unknown = self._stages, float(self._memory.guess.z[0])
         _, _, stress, friction_z, *_ = respond(self.scene.law, unknown, psi)
-        begin = np.array([psi, (stress - self.scene.steady_stress) / motion.transfer.stress[0]])
+        begin = np.array([psi, (stress - self.scene.steady_stress) / motion.to_stress[0]])
         slow = motion.step(start, length, begin, constant_guess(psi, unknown, stages))
         if not slow.solved:
             return None
         matrix, by_rest = frozen.matrix(self._friction(slow, start, start))
         rows = np.zeros((2, frozen.size))
         rows[0, -2], rows[1] = 1.0, radau(stages).integral[-1] @ by_rest / friction_z
-        rows = slow_parts(powers_of(matrix, int(_SETTLES / (self._length * motion.transfer.radius))), rows)
+        rows = slow_parts(powers_of(matrix, int(_SETTLES / (self._length * motion.radius))), rows)
 
         def rest(slow: Slow) -> Array:
             return now.vector - self._composed(_Split(slow, y, now.vector), start).vector
 
-        steps = np.diag([_NUDGES, _NUDGES * friction_z / abs(motion.transfer.stress[0])])
+        steps = np.diag([_NUDGES, _NUDGES * friction_z / abs(motion.to_stress[0])])
         left = rest(slow)
         nearby = [rest(motion.step(start, length, begin + step, slow.guess)) - left for step in steps]
         slopes = rows @ np.column_stack(nearby) / steps.diagonal()
@@ -279,7 +277,7 @@ class LeapingNetwork(StroboscopicNetwork):
         drift = miss / steps
         if ripple <= self._tolerance and abs(drift[-2]) < np.spacing(abs(self._memory.now[PSI])):
             drift[-2] = 0.0  # rounding: a march's psi stops where it changes by less in a step
-        return _Check(pieces, drift, float(ripple))
+        return pieces, drift, float(ripple)
 
     def _carried(self, slow: Slow, rest: Array, begin: float, end: float, steps: int) -> tuple[Array, float]:
         """The `rest` (n, 2) of the memory and its drift after `steps` steps, and the change of the rest if friction is averaged

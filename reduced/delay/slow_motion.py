@@ -10,7 +10,7 @@ stepped by collocation with a full impedance (`slipwave.step.impedance`) however
 values of T on a circle about s = 0 that encloses no resonance.
 """
 
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,30 +35,21 @@ _LARGEST, _SMALLEST = 3.0, 1e-6  # radius, 1/transit
 _INSIDE = 0.5  # of the largest radius without a resonance
 
 
-class Transfer(NamedTuple):
-    """Coefficients c_(-1), c_0, .. of the memory of a network: `stress` (TERMS + 1,) at the interface, `waves` (layers, 2, TERMS
-    + 1) as they are launched, `tops` (slabs, 2, TERMS + 1). `radius` (1/transit) of the circle: about half the slowest
-    resonance."""
-
-    stress: Array
-    waves: Array
-    tops: Array
-    radius: float
-
-    @classmethod
-    def of(cls, lines: Lines) -> Self:
-        """The coefficients of `lines` whose outer faces all have a spring or are rigid."""
-        angles = np.exp(2j * np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
-        radius = _LARGEST
-        while radius > _SMALLEST and _zeros(_responses(lines, radius * angles)[0]) > 1:
-            radius *= 0.7
-        s = _INSIDE * radius * angles
-        slip, stress, waves, tops = _responses(lines, s)
-        powers = s[:, None] ** -np.arange(-1.0, TERMS) / _POINTS
-        stress_row, wave_rows, top_rows = ((values / slip @ powers).real for values in (stress, waves, tops))
-        wave_rows[..., 0] = stress_row[0]  # at rest all lines have one stress; rounding of that would set off waves
-        top_rows[..., 0] = np.where(np.any(top_rows, axis=-1) & (np.arange(2) == LOAD), stress_row[0], 0.0)
-        return cls(stress_row, wave_rows, top_rows, _INSIDE * radius)
+def _transfers(lines: Lines) -> tuple[Array, Array, Array, float]:
+    """Coefficients c_(-1), c_0, .. of the memory of `lines` whose outer faces all have a spring or are rigid: of the stress
+    (TERMS + 1,) at the interface, of the waves (layers, 2, TERMS + 1) as they are launched, of the tops (slabs, 2, TERMS + 1);
+    and the radius (1/transit) of the circle: about half the slowest resonance."""
+    angles = np.exp(2j * np.pi * (np.arange(_POINTS) + 0.5) / _POINTS)
+    radius = _LARGEST
+    while radius > _SMALLEST and _zeros(_responses(lines, radius * angles)[0]) > 1:
+        radius *= 0.7
+    s = _INSIDE * radius * angles
+    slip, stress, waves, tops = _responses(lines, s)
+    powers = s[:, None] ** -np.arange(-1.0, TERMS) / _POINTS
+    stress_row, wave_rows, top_rows = ((values / slip @ powers).real for values in (stress, waves, tops))
+    wave_rows[..., 0] = stress_row[0]  # at rest all lines have one stress; rounding of that would set off waves
+    top_rows[..., 0] = np.where(np.any(top_rows, axis=-1) & (np.arange(2) == LOAD), stress_row[0], 0.0)
+    return stress_row, wave_rows, top_rows, _INSIDE * radius
 
 
 def _zeros(values: Complex) -> int:
@@ -109,19 +100,20 @@ class Slow(NamedTuple):
 
 
 class SlowMotion:
-    """Steps of slow motion of the `lines` of a `scene`, with polynomials through `stages` Radau nodes."""
+    """Steps of slow motion of the `lines` of a `scene`, with polynomials through `stages` Radau nodes. `to_stress` and `radius`:
+    those of `_transfers`."""
 
     def __init__(self, scene: Scene, lines: Lines, stages: int, limits: Limits) -> None:
         self._scene, self._stages, self._limits = scene, stages, limits
-        self.transfer = Transfer.of(lines)
+        self.to_stress, self._to_waves, self._to_tops, self.radius = _transfers(lines)
         self._matrices, self._rule, self._shape = rule_of(stages)
         self._basis, self._nodal = lagrange_basis(self._matrices.nodes), nodal_of(stages)
         self._with_start = lagrange_basis(np.append(0.0, self._matrices.nodes))
-        self._apart, self._held = lines.apart, np.any(self.transfer.tops != 0.0, axis=(1, 2))
+        self._apart, self._held = lines.apart, np.any(self._to_tops != 0.0, axis=(1, 2))
 
     def step(self, start: float, length: float, begin: Array, guess: Interface) -> Slow:
         """Solve the step of `length` from `begin` (psi, load) at the time `start`; V is constant."""
-        scene, terms, shape = self._scene, self.transfer.stress, self._shape
+        scene, terms, shape = self._scene, self.to_stress, self._shape
         velocity, (psi, load) = scene.drive.at(start + 0.5 * length), begin.tolist()
         derive, power = self._basis.derivative / length, np.eye(self._stages)
         matrix = -terms[0] * length * self._matrices.integral
@@ -153,7 +145,7 @@ class SlowMotion:
 
     def stress(self, slow: Slow, times: Array) -> Array:
         """Friction stress at `times`."""
-        return self._scene.steady_stress + self._terms(slow, times) @ self.transfer.stress
+        return self._scene.steady_stress + self._terms(slow, times) @ self.to_stress
 
     def memory(self, slow: Slow, times: Array, now: float) -> tuple[Array, Array, float]:
         """Waves launched at `times` (..), as deviations, of shape (layers, 2, ..); load and velocity of each outer face, and the
@@ -161,8 +153,8 @@ class SlowMotion:
         terms = self._terms(slow, np.append(times, now))
         drift = self._scene.drive.at(slow.start + 0.5 * slow.length) - self._scene.velocity
         shift = (drift * self._apart).reshape(*self._apart.shape, *(1 for _ in range(times.ndim)))
-        waves = np.tensordot(self.transfer.waves, terms[:-1].reshape(*times.shape, -1), axes=(2, -1)) + shift
-        tops = np.asarray(self.transfer.tops @ terms[-1])
+        waves = np.tensordot(self._to_waves, terms[:-1].reshape(*times.shape, -1), axes=(2, -1)) + shift
+        tops = np.asarray(self._to_tops @ terms[-1])
         tops[self._held, VELOCITY] += 0.5 * drift
         return waves, tops, float(terms[-1, 0] - slow.load)
 

@@ -11,7 +11,7 @@ from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping_network import LeapingNetwork
 from reduced.delay.multirevolution import Past, sum_rules
-from reduced.delay.slow_motion import Transfer
+from reduced.delay.slow_motion import SlowMotion
 from reduced.delay.stroboscopic_kernel import _sum_of_new, _weights_of_sum, turns
 from reduced.delay.system import LeapingDelay, delay_system
 from reduced.delay.transmission_lines import lines_of
@@ -23,6 +23,7 @@ from slipwave.observe.protocol import ProtocolObserver
 from slipwave.scene.drive import Drive
 from slipwave.solve import follow
 from slipwave.solve.checkpoint import Checkpoints
+from slipwave.step.nodal import Limits
 from tests.granite import GRANITE, SAMPLE
 from tests.verification.order import assert_order
 
@@ -165,9 +166,9 @@ def test_the_transfer_to_slow_motion_is_the_impedance_of_the_slabs():
     """-Z(s) = c_(-1)/s + c_0 + c_1 s + .. on the transit clock, to the order of the terms left out."""
     for kind in KINDS:
         scene = sample(kind, HOLD)
-        found = Transfer.of(lines_of(scene))
-        s = 0.05 * found.radius * np.exp(0.7j)
-        series = sum(term * s ** (k - 1) for k, term in enumerate(found.stress))
+        motion = SlowMotion(scene, lines_of(scene), 8, Limits(1e-12, 1e-9, 1.0))
+        s = 0.05 * motion.radius * np.exp(0.7j)
+        series = sum(term * s ** (k - 1) for k, term in enumerate(motion.to_stress))
         assert series == pytest.approx(-impedance(scene, s / scene.transit), rel=1e-6), kind
 
 

@@ -8,7 +8,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -298,17 +298,8 @@ def _other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     return Second(plain, value / here, is_power) if own.unit else Second(label, size / here, is_power)
 
 
-class _Side(NamedTuple):
-    """An axis as a `parameter` of boundaries: its values times `factor`, or the logarithm of that."""
-
-    parameter: str
-    values: Array
-    factor: float
-    is_power: bool
-
-    def on_axis(self, found: Array) -> Array:
-        """Values of the parameter as values of the axis."""
-        return (10.0**found if self.is_power else found) / self.factor
+_Side: TypeAlias = tuple[str, Array, Callable[[Array], Array]]
+"""An axis as a parameter of boundaries: its name, its values, and what turns values of the parameter into those of the axis."""
 
 
 def _side(data: Dataset, axis: str) -> _Side | None:
@@ -320,8 +311,8 @@ def _side(data: Dataset, axis: str) -> _Side | None:
     if other is not None and other.label in _PLAIN:  # the axis is in SI
         name, factor = _PLAIN[other.label], other.factor
     if _is_logarithmic(values) and f"log10_{name}" in PARAMETERS:
-        return _Side(f"log10_{name}", np.log10(factor * values), factor, True)
-    return _Side(name, factor * values, factor, False) if name in PARAMETERS else None
+        return f"log10_{name}", np.log10(factor * values), lambda value: 10.0**value / factor
+    return (name, factor * values, lambda value: value / factor) if name in PARAMETERS else None
 
 
 def _own_sides(data: Dataset, scenes: Variation) -> tuple[list[_Side], Callable[[float, float], Scene]]:
@@ -330,12 +321,12 @@ def _own_sides(data: Dataset, scenes: Variation) -> tuple[list[_Side], Callable[
     for axis in _axes_of(data):
         values = np.asarray(data[axis].values, dtype=float)
         is_power = _is_logarithmic(values)
-        sides.append(_Side(axis, np.log10(values) if is_power else values, 1.0, is_power))
+        sides.append((axis, np.log10(values), lambda value: 10.0**value) if is_power else (axis, values, lambda value: value))
     parameters = [_parameter_of(data[axis]) for axis in _axes_of(data)]
 
     def scene_at(*found: float) -> Scene:
         """The scene at values of both sides."""
-        return scenes.at(parameters, [float(side.on_axis(np.asarray(value))) for side, value in zip(sides, found, strict=True)])
+        return scenes.at(parameters, [float(on_axis(np.asarray(x))) for (_, _, on_axis), x in zip(sides, found, strict=True)])
 
     return sides, scene_at
 
@@ -353,19 +344,19 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     sides = [side for axis in axes if (side := _side(data, axis))]
     if len(sides) < len(axes) or scenes.sets:
         sides, scene_at = _own_sides(data, scenes)
-    across, up = sides
-    ranges = tuple((float(side.values.min()), float(side.values.max())) for side in (across, up))
+    (across, *_, on_across), (up, *_, on_up) = sides
+    ranges = [(float(values.min()), float(values.max())) for _, values, _ in sides]
     lines, notes = [], []
     for model in (str(name) for name in np.atleast_1d(data["model"].values)):
         try:
-            curves = boundary(scenes.base, one_port_of(model), (across.parameter, up.parameter), (ranges[0], ranges[1]), scene_at)
+            curves = boundary(scenes.base, one_port_of(model), (across, up), (ranges[0], ranges[1]), scene_at)
         except (NumericsError, SceneError, ValueError) as error:
             notes.append(f"no boundary of stability of {model}: {error}")
             continue
         if not curves:
             notes.append(f"no boundary of stability of {model}: steady sliding does not change its stability on this map")
         for curve in curves:
-            lines.append(Line(f"onset of instability, {model}", across.on_axis(curve.first), up.on_axis(curve.second), model))
+            lines.append(Line(f"onset of instability, {model}", on_across(curve.first), on_up(curve.second), model))
     return tuple(lines), notes
 
 
