@@ -15,8 +15,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.delay.kernel import Clock, DelayMemory, alike_lines, march_delay, present
-from reduced.delay.march import DelayMarch, dense_resolution, next_count
+from reduced.delay.march import Clock, DelayMarch, DelayMemory, alike_lines, dense_resolution, march_delay, next_count, present
 from reduced.delay.transmission_lines import NODES
 from slipwave.errors import SceneError
 from slipwave.friction import allows_rest, rates, respond, unknown_of

@@ -15,9 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from reduced.delay.alike import TransitMesh
-from reduced.delay.kernel import Clock, DelayMemory, march_delay
 from reduced.delay.leaping_network import LeapingNetwork
-from reduced.delay.march import next_count
+from reduced.delay.march import Clock, DelayMemory, march_delay, next_count
 from reduced.delay.network_kernel import INWARD, OUTWARD, Integers, Network, NetworkLines, lines_with
 from reduced.delay.transmission_lines import NODES, Lines
 from slipwave.compiled import njit

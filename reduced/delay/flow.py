@@ -12,8 +12,7 @@ from functools import cache, cached_property
 import numpy as np
 
 from reduced.delay.flow_kernel import driven_matrix, exchange_matrix, exchange_of, logs_of_return, march_back, march_tangent
-from reduced.delay.kernel import DelayMemory, clock_of, march_delay, present
-from reduced.delay.march import dense_resolution
+from reduced.delay.march import DelayMemory, clock_of, dense_resolution, march_delay, present
 from reduced.delay.network_kernel import INWARD, LOAD, OUTWARD, VELOCITY, NetworkLines, lines_with
 from reduced.delay.transmission_lines import COINCIDENT, NODES, lines_of, network_of, shifted_rows
 from slipwave.errors import NumericsError

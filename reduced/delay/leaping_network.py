@@ -19,7 +19,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, mean_friction, powers_of, slow_parts
-from reduced.delay.kernel import DelayMemory, present
+from reduced.delay.march import DelayMemory, present
 from reduced.delay.network_kernel import lines_with
 from reduced.delay.slow_motion import Slow, SlowMotion
 from reduced.delay.stroboscopic import StroboscopicNetwork

@@ -6,8 +6,7 @@ import numpy as np
 
 from reduced.delay.alike import TransitMesh
 from reduced.delay.flow import DelayFlow
-from reduced.delay.kernel import DelayMemory, clock_of, march_delay, present
-from reduced.delay.march import DelayMarch, dense_resolution, next_count
+from reduced.delay.march import DelayMarch, DelayMemory, clock_of, dense_resolution, march_delay, next_count, present
 from reduced.delay.network_kernel import Network, lines_with
 from reduced.delay.transmission_lines import COINCIDENT, NODES, Lines, lines_of, network_of
 from slipwave.observe.pieces import Array, Pieces, empty_pieces

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.delay.kernel import leave, receive, roughness
+from reduced.delay.march import leave, receive, roughness
 from slipwave.compiled import njit
 from slipwave.observe.pieces import Array
 from slipwave.step.collocation import Nodes

@@ -14,8 +14,7 @@ import math
 import numpy as np
 
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, powers_of
-from reduced.delay.kernel import DelayMemory
-from reduced.delay.march import EXTREMES
+from reduced.delay.march import EXTREMES, DelayMemory
 from reduced.delay.multirevolution import LONGEST, sum_rules
 from reduced.delay.network import DelayNetwork
 from reduced.delay.network_kernel import VELOCITY, NetworkLines, lines_with

@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from reduced.delay.kernel import LOST, Clock, DelayMemory, march_delay
-from reduced.delay.march import EXTREMES
+from reduced.delay.march import EXTREMES, LOST, Clock, DelayMemory, march_delay
 from reduced.delay.multirevolution import LONGEST
 from reduced.delay.network_kernel import Integers, NetworkLines
 from slipwave.compiled import allocating, njit

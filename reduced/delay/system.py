@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from reduced.delay.alike import MOST_FIRST_STEPS, Delay, TransitMesh, first_steps
-from reduced.delay.kernel import DelayMemory, present
-from reduced.delay.march import EXTREMES, extremes
+from reduced.delay.march import EXTREMES, DelayMemory, extremes, present
 from reduced.delay.multirevolution import Past
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import rates, respond, unknown_of

@@ -1,8 +1,8 @@
 """Slip events and cycles of a run, found during the run from the polynomials of the pieces.
 
 A slip event is a fall of the elastic stress y whose prominence is at least 10 % of that of the largest fall in the judged window.
-Prominence is defined by persistence (`swings`): a fall continues through rises smaller than those 10 % and ends at the first
-larger one. Events are dated by their steepest rise of v (`detector`).
+Prominence is defined by persistence (`detector`): a fall continues through rises smaller than those 10 % and ends at the first
+larger one. Events are dated by their steepest rise of v.
 
 In a slip event the interface slips as far as friction needs to weaken. Friction feeds no oscillation of passive slabs above
 omega_c (`FrictionSlopes.growing`). A fall at omega_c lasts half a period, in which the interface slips by pi V/omega_c. A fall in
@@ -23,9 +23,23 @@ import numpy as np
 
 from slipwave.friction import rate_of, rates, respond, unknown_of
 from slipwave.friction.law import friction_slopes
-from slipwave.observe.detector import KEPT, MOST_KEPT, RISING, new_detector, rise_buffer, scan
+from slipwave.observe.detector import (
+    BEGIN,
+    COLUMNS,
+    DATE,
+    END,
+    ENDED,
+    KEPT,
+    MOST_KEPT,
+    RECORDS,
+    RISING,
+    JudgedSwings,
+    judge_swings,
+    new_detector,
+    rise_buffer,
+    scan,
+)
 from slipwave.observe.pieces import Array, Pieces, empty_pieces, lagrange_basis
-from slipwave.observe.swings import BEGIN, COLUMNS, DATE, END, ENDED, RECORDS, JudgedSwings, judge_swings
 from slipwave.scene import Scene
 
 _QUIET_RATE, _QUIET_STRESS = 1e-9, 1e-13  # relative; what the floor is made of

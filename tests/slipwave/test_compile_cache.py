@@ -16,7 +16,7 @@ from slipwave import sources
 from slipwave.compiled import cache as compile_cache
 from slipwave.compiled import inlined, njit
 from slipwave.compiled.parts import PartCompiler
-from slipwave.observe.swings import size_of
+from slipwave.observe.detector import _size_of
 from slipwave.sources import ROOT, SOLVER_PACKAGES, import_closure, program
 from tests.test_shape import FUNCTIONS, TREES
 
@@ -24,10 +24,10 @@ SWING = np.array([1.0, 2.0, 3.5])
 ANSWER = 1.5
 PROGRAM = """
 import numpy as np
-from slipwave.observe.swings import size_of
+from slipwave.observe.detector import _size_of
 swing = np.array([1.0, 2.0, 3.5])
 for _ in range(2):
-    print(size_of(swing), size_of(swing.astype(np.float32)))
+    print(_size_of(swing), _size_of(swing.astype(np.float32)))
 """
 
 
@@ -42,7 +42,7 @@ def folder(tmp_path, monkeypatch):
 
 def ask(swing=SWING):
     """Answer of a fresh compiled function, and whether it came from the disk."""
-    fresh = njit(size_of.py_func)
+    fresh = njit(_size_of.py_func)
     return fresh(swing), sum(fresh.stats.cache_hits.values())
 
 

@@ -337,7 +337,7 @@ CAUGHT = {
     "user": "periods 4 % long",
     "caught_by": "tests/slipwave/test_scene.py::test_impedance_of_two_slabs",
 }
-SURVIVES = CAUGHT | {"name": "late-nudge", "where": "reduced/delay/kernel.py::march_delay", "caught_by": ""}
+SURVIVES = CAUGHT | {"name": "late-nudge", "where": "reduced/delay/march.py::march_delay", "caught_by": ""}
 
 
 @pytest.fixture
@@ -359,7 +359,7 @@ def test_a_fault_that_survives_is_red(shown):
         (Outcome.PASS, "2 of 2", "in `slipwave`"),
         (Outcome.FAIL, "0 of 1", "in `reduced`; survives: late-nudge"),
     ]
-    assert found.tables[0].rows[1] == ("late-nudge", "reduced/delay/kernel.py", "nothing")
+    assert found.tables[0].rows[1] == ("late-nudge", "reduced/delay/march.py", "nothing")
     assert found.tables[0].emphasis == (1,)
     assert shown([CAUGHT], period=99).conclusion.startswith("1 of 1 planted faults are noticed")
 
