@@ -13,8 +13,8 @@ from slipwave.solve.checkpoint import Checkpoints
 from validation.commands.run import RunResult
 from validation.models.build import prepare
 from validation.models.by_name import family_of
-from validation.models.recording import Records
-from validation.models.run import Length, simulate
+from validation.models.outlook import Length
+from validation.models.run import Records, simulate
 
 Row = tuple[str, ...]
 

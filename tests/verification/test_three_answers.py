@@ -24,7 +24,8 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.solve.lyapunov import largest_exponent
 from validation.models.build import build
 from validation.models.by_name import one_port_of
-from validation.models.run import Run, UntilSettled, reconsidered, simulate
+from validation.models.outlook import UntilSettled
+from validation.models.run import Run, reconsidered, simulate
 
 KINDS = ("plain", "unlike", "nearly alike", "leaking", "thick", "SI")
 MODELS = ("delay", "delay", "delay", "modal:2", "kelvin-voigt")

@@ -19,8 +19,9 @@ from validation.commands.result import aligned, rounded
 from validation.models.build import build
 from validation.models.by_name import honouring, one_port_of
 from validation.models.cycle import watch
+from validation.models.outlook import Length, length_of
 from validation.models.progress import progress
-from validation.models.run import Length, Run, length_of, simulate
+from validation.models.run import Run, simulate
 from validation.models.timing import WARM_UP, alternating, quartiles
 
 _TOLERANCES = (1e-5, 1e-7, 1e-9)

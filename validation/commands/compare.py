@@ -24,8 +24,9 @@ from validation.data.series import read_series
 from validation.models.build import build_all
 from validation.models.by_name import one_port_of
 from validation.models.cycle import CycleObserver, OneCycle
+from validation.models.outlook import Length, length_of
 from validation.models.progress import log
-from validation.models.run import Length, Run, length_of, reconsidered, second_half, simulate
+from validation.models.run import Run, reconsidered, second_half, simulate
 from validation.models.timing import warm
 
 _OVERLAY = "the overlay figure (default compare.png; with --json none)"

@@ -15,8 +15,9 @@ from validation.commands.wording import longer_in_words
 from validation.data.datasets import Dataset
 from validation.data.variables import table_of
 from validation.models.by_name import family_of, one_port_of
+from validation.models.outlook import needed
 from validation.models.provenance import provenance
-from validation.models.run import Run, needed
+from validation.models.run import Run
 
 _Row: TypeAlias = Mapping[str, Any]
 

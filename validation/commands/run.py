@@ -41,11 +41,10 @@ from validation.data.writing import MOST_LINES, write_series
 from validation.models.build import judged_grid, prepare
 from validation.models.by_name import Options, made, one_port_of
 from validation.models.history_file import ALL, Kept, Window
-from validation.models.outlook import amplified_rounding, costly_steps, outlook
+from validation.models.outlook import amplified_rounding, costly_steps, length_of, needed, outlook
 from validation.models.progress import log, progress
 from validation.models.provenance import provenance
-from validation.models.recording import FIELD_FILES, Records, time_between
-from validation.models.run import MOST_CYCLES, Run, length_of, needed, reconsidered, simulate
+from validation.models.run import FIELD_FILES, MOST_CYCLES, Records, Run, reconsidered, simulate, time_between
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice

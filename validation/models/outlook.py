@@ -1,4 +1,5 @@
-"""Predicts, before a run of a scene, whether steady sliding is stable, how fast it is left or reached, and the period of a cycle.
+"""How long a run is. Before a run of a scene it is predicted whether steady sliding is stable, how fast it is left or reached, and
+the period of a cycle.
 
 The period is the longer of two. At the onset of stick-slip it is 2 pi/omega_c. Far beyond, it is the time D/(k V) in which the
 drive restores, through the stiffness k, the stress D that an event releases. Friction falls by w = -V d mu_ss/dV for every e-fold
@@ -8,6 +9,8 @@ the drop:
     D = 2 w ln(1 + T v),     solved by iteration.
 
 It is accurate within a factor of about two and sets the length of the first stretch of a run.
+
+A run lasts to a given time, until its second half has a number of cycles, or until its motion is settled (`Length`).
 
 `amplified_rounding`: whether a run from steady sliding is decided by its start or by rounding.
 
@@ -24,16 +27,36 @@ the front of its wave.
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
 from slipwave.friction.law import friction_slopes
+from slipwave.observe import Events, MotionVerdict, summarise
+from slipwave.observe.torus import MANY
+from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
-from slipwave.scene.drive import NUDGE_CENTRE, StartKind
+from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH, StartKind
 from slipwave.solve import Solver
+
+Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
+"""Reason of the end of a run: at the given time, with the requested cycles, settled, or at the limit of work."""
+
+LIMIT = 300.0
+"""Longest run time (s), by a count of the work, of a run until it is settled."""
+
+LONGEST_RUN = 1e9
+"""Transits; the longest run."""
+
+_FIRST = 16.0  # expected cycles, half of them judged
+_LONGER = 1.25  # from one look to the next
+_DIES_OUT = 16.0  # decay times until 1e-7 of a disturbance is left
+_ENOUGH = 8  # cycles that repeat
+_STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
 
 EXPECTED_ERROR = 1e-9
 """Relative error expected of a model without a requested tolerance."""
@@ -105,6 +128,146 @@ def _stress_released(scene: Scene) -> float:
         slip = 2.0 * math.log(drop) - math.log(loading) - math.log(2.0 * scene.impedance)  # ln (T v), which may overflow
         drop = 2.0 * weakening * (slip + math.log1p(math.exp(-slip)) if slip > 0.0 else math.log1p(math.exp(slip)))
     return drop
+
+
+class JudgedHalf(NamedTuple):
+    """The second half of a run `until` now (transits): its `cycles`, and the verdict, None if events are not recorded."""
+
+    until: float
+    verdict: MotionVerdict | None
+    cycles: Events
+
+    @property
+    def halves_agree(self) -> bool:
+        """Whether period and stress drop have the same mean over the earlier and the later half of the cycles, each of whole
+        periods: within 1e-3, or the larger of the margins if they never repeat."""
+        assert self.verdict is not None
+        events = self.verdict.multiplicity or 1
+        half = self.verdict.cycles // (2 * events) * events
+        parts = [Events(*(column[part] for column in self.cycles)) for part in (slice(-2 * half, -half), slice(-half, None))]
+        earlier, later = (summarise(part, not self.verdict.wanders) for part in parts)
+        for name in ("period", "stress_drop"):
+            one, other = getattr(earlier, name).mean, getattr(later, name).mean
+            margins = [part.margins[name] for part in (earlier, later) if self.verdict.wanders]
+            if abs(one - other) > max([REPEATS * one, *margins]):
+                return False
+        return True
+
+
+@dataclass(kw_only=True)
+class Length:
+    """How long a run is: to the time `until` (transits). No stretch is begun beyond which the whole run would take more than
+    `most_seconds`."""
+
+    until: float = math.inf
+    most_seconds: float = math.inf
+
+    def ends(self, after: float) -> Iterator[float]:
+        """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
+        yield self.until
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """Reason to end the run here; None to continue."""
+        return "until"
+
+
+@dataclass
+class UntilSettled(Length):
+    """Run until the motion is no longer a transient, as far as its cycles show, at most to `until`. `model` is one with the
+    one-port of the model that runs.
+
+    Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 16 or more, and if the means of
+    period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that
+    never repeat. A decaying run is settled if steady sliding is stable; a driven run always.
+    """
+
+    scene: Scene
+    model: str
+    most_seconds: float = field(default=LIMIT, kw_only=True)
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`: a quarter of a given time, a half and the whole. Else the first is after the start and 16 expected cycles,
+        late enough that the drive rests in the second half, and each later one is a quarter later."""
+        if math.isfinite(self.until):
+            yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
+            return
+        changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
+        expected, first = outlook(self.scene, self.model), 0.0
+        if math.isfinite(expected.period):
+            dies_out = _DIES_OUT / -expected.rate if expected.stable else math.inf
+            first = min(dies_out, _FIRST * expected.period)
+        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + first, LONGEST_RUN)
+        while end <= LONGEST_RUN:
+            if end > after:
+                yield end
+            end *= _LONGER
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """As `Length`. Only a motion without cycles needs the roots of steady sliding."""
+        return "settled" if self._settled(now) else None
+
+    def _settled(self, now: JudgedHalf) -> bool:
+        if now.verdict is None:
+            return True
+        match now.verdict.kind:
+            case "driven":
+                return True
+            case "decaying":
+                return is_stable(self.scene, self.model) is not False
+            case "steady":
+                if is_stable(self.scene, self.model) is not False:
+                    return True
+                return outlook(self.scene, self.model).rate * now.until > LEFT_BY_ROUNDING
+            case "periodic":
+                return now.verdict.cycles >= max(_ENOUGH, 2 * (now.verdict.multiplicity or 1)) and now.halves_agree
+            case "torus" | "irregular":
+                return now.verdict.cycles >= MANY and now.halves_agree
+        return False
+
+
+@dataclass
+class UntilCycles(Length):
+    """Run until the second half of the run so far has `wanted` complete cycles, checked once per expected cycle. Stable steady
+    sliding ends it too, because no cycles will follow. `model` as for `UntilSettled`."""
+
+    wanted: int
+    scene: Scene
+    model: str
+
+    def ends(self, after: float) -> Iterator[float]:
+        """As `Length`."""
+        period = outlook(self.scene, self.model).period
+        end = cycle = period if math.isfinite(period) else 1.0
+        while end < LONGEST_RUN:
+            if end > after:
+                yield end
+            end = max(end + cycle, _STEP * end)
+
+    def ended(self, now: JudgedHalf) -> Ended | None:
+        """As `Length`."""
+        if now.verdict is None or now.verdict.cycles >= self.wanted:
+            return "cycles"
+        return "settled" if now.verdict.kind == "steady" and is_stable(self.scene, self.model) is not False else None
+
+
+def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
+    """The length of a run: `cycles` if given, else that of the scene, else until settled. `model`: one with the one-port of the
+    model that runs."""
+    if cycles is not None:
+        return UntilCycles(cycles, scene, model)
+    if scene.until is not None:
+        return Length(until=scene.until)
+    settled = UntilSettled(scene, model)
+    return settled if scene.record else Length(until=next(settled.ends(0.0)))
+
+
+def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
+    """Length (transits) of a run with enough cycles, if this one is too short: from its cycles, else from the expected period;
+    infinite if no run may be so long. `model` as for `length_of`."""
+    if verdict is None or verdict.cycles or verdict.kind != "too short":
+        return verdict.needed if verdict else math.nan
+    expected = next(UntilSettled(scene, model).ends(0.0))
+    return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
 
 
 def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float | None = None) -> tuple[float, str] | None:

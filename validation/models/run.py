@@ -1,191 +1,189 @@
-"""One model on one scene from start to end, as `slipwave run`, `compare` and `bench` need it: how long it is, the march, the
+"""One model on one scene from start to end, as `slipwave run`, `compare` and `bench` need it: what is kept of it, the march, the
 verdict.
 
-A run lasts to a given time, until its second half has a number of cycles, or until its motion is settled. Where the motion
-decides, it is marched in stretches. At the end of each, the second half of the run so far is judged. The ends depend on the scene
-alone and the judgement on the motion alone, so that a continued run ends where the uninterrupted one would.
+Where the motion decides how long it is (`validation.models.outlook`), it is marched in stretches. At the end of each, the second
+half of the run so far is judged. The ends depend on the scene alone and the judgement on the motion alone, so that a continued
+run ends where the uninterrupted one would.
+
+Kept are events, the envelope for its figure, and if it is asked the interface's history, the fields of the last transits,
+checkpoints.
 """
 
 import math
+import os
 import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
 
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
+from slipwave.files import part_of, remove_leftovers, require_writable
+from slipwave.friction.law import name_of
+from slipwave.input.assemble import moment
+from slipwave.input.wording import shorten
 from slipwave.observe import EventObserver, Events, MotionVerdict, RunStatistics, judge_motion, slides_at, summarise
+from slipwave.observe.envelope import Envelope
 from slipwave.observe.events import NO_EVENTS
-from slipwave.observe.protocol import stages_of
-from slipwave.observe.torus import MANY
-from slipwave.observe.verdict import REPEATS, Kind, repeating
+from slipwave.observe.protocol import ProtocolObserver, stages_of
+from slipwave.observe.verdict import Kind, repeating
 from slipwave.scene import Scene
-from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH, Drive
-from slipwave.solve import Energy, Final, Mark, Observer, Solver, follow
+from slipwave.scene.drive import Drive
+from slipwave.solve import Energy, FieldSolver, Final, Mark, Observer, Resumable, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
-from slipwave.solve.follow import DAY, Foresight, require_time
-from validation.models.outlook import LEFT_BY_ROUNDING, is_stable, outlook
+from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers, require_time
+from validation.models.history_file import ALL, HistoryFile, Kept
+from validation.models.outlook import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, is_stable, outlook
+from validation.models.own import digests
 from validation.models.progress import LongRunAdvice, progress, share_of_run
 
 if TYPE_CHECKING:
-    pass
+    from fullwave.fields.record import FieldRecord
 
-
-Ended: TypeAlias = Literal["until", "cycles", "settled", "limit"]
-"""Reason of the end of a run: at the given time, with the requested cycles, settled, or at the limit of work."""
-
-LIMIT = 300.0
-"""Longest run time (s), by a count of the work, of a run until it is settled."""
-
-LONGEST_RUN = 1e9
-"""Transits; the longest run."""
 
 MOST_CYCLES = 1_000_000
 
-_FIRST = 16.0  # expected cycles, half of them judged
-_LONGER = 1.25  # from one look to the next
-_DIES_OUT = 16.0  # decay times until 1e-7 of a disturbance is left
-_ENOUGH = 8  # cycles that repeat
-_STEP = 1.02  # from one look for cycles to the next, if a cycle is shorter
+_EVERY = 1000.0  # transits between two checkpoints
+
+FIELD_FILES = (".vtu", ".xdmf", ".nc")
+"""Kinds of file that fields are written to."""
+
+FIELD_WINDOW = 100.0
+"""Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
 
 
-class JudgedHalf(NamedTuple):
-    """The second half of a run `until` now (transits): its `cycles`, and the verdict, None if events are not recorded."""
+@dataclass(frozen=True)
+class Records:
+    """Records of a run: events by `watch`, the `envelope` for its figure, the stages of a `protocol`, and, if requested, the
+    interface's history, the last fields, checkpoints and the observers `named` by the scene."""
 
-    until: float
-    verdict: MotionVerdict | None
-    cycles: Events
+    watch: EventObserver
+    envelope: Envelope
+    protocol: ProtocolObserver | None
+    history: HistoryFile | None
+    fields: "FieldRecord | None"
+    checkpoints: Checkpoints | None
+    named: Mapping[str, NamedObserver]
+
+    @classmethod
+    def of(
+        cls,
+        solver: Solver,
+        length: Length,
+        interface: bool | None = None,
+        fields: bool | None = None,
+        kept: Kept = ALL,
+        samples: Path | None = None,
+        checkpoint: Path | None = None,
+        every: float | None = None,
+    ) -> Self:
+        """The records of a run of `solver` of this length, which continues from its `checkpoint` if that exists: the history of
+        the `interface` and the last `fields` (None: by the scene's `record`); which samples of the history are `kept`, and the
+        file of the `samples` during the run (default: temporary). A checkpoint is written `every` so many transits (1000).
+
+        Raises SceneError for fields of a model that has none and for a checkpoint of another run.
+        """
+        scene, until = solver.scene, length.until
+        history = record = None
+        if "interface" in scene.record if interface is None else interface:
+            history = _history(solver, min(until, next(length.ends(0.0), math.inf)), kept, samples, checkpoint)
+        if "fields" in scene.record if fields is None else fields:
+            record = _fields(solver, until, fields)
+        watch = EventObserver(scene, solver.nodes)
+        envelope = Envelope(scene, solver.nodes, kept.begin, kept.end)
+        protocol = None if scene.drive.is_constant else ProtocolObserver(scene, solver.nodes, until)
+        watched, named = watch if scene.record else None, named_observers(solver)
+        parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": history, "fields": record}
+        saved: dict[str, Resumable] = {label: part for label, part in (parts | named).items() if part is not None}
+        marks = None
+        if checkpoint is not None:
+            files = digests([name_of(scene.law)], [solver.model])
+            marks = Checkpoints(solver, saved, checkpoint, until, every or _EVERY, files)
+        records = cls(watch, envelope, protocol, history, record, marks, named)
+        if marks is not None and checkpoint is not None and checkpoint.exists():
+            try:
+                marks.resume()
+            except BaseException:
+                records.close()
+                raise
+        return records
 
     @property
-    def halves_agree(self) -> bool:
-        """Whether period and stress drop have the same mean over the earlier and the later half of the cycles, each of whole
-        periods: within 1e-3, or the larger of the margins if they never repeat."""
-        assert self.verdict is not None
-        events = self.verdict.multiplicity or 1
-        half = self.verdict.cycles // (2 * events) * events
-        parts = [Events(*(column[part] for column in self.cycles)) for part in (slice(-2 * half, -half), slice(-half, None))]
-        earlier, later = (summarise(part, not self.verdict.wanders) for part in parts)
-        for name in ("period", "stress_drop"):
-            one, other = getattr(earlier, name).mean, getattr(later, name).mean
-            margins = [part.margins[name] for part in (earlier, later) if self.verdict.wanders]
-            if abs(one - other) > max([REPEATS * one, *margins]):
-                return False
-        return True
+    def observers(self) -> list[Observer]:
+        """The observers of the run except `watch`."""
+        every = (self.envelope, self.protocol, self.history, *self.named.values())
+        return [observer for observer in every if observer is not None]
+
+    @property
+    def marks(self) -> list[Mark]:
+        """The marks of the run: fields first, so that a checkpoint contains them."""
+        return [mark for mark in (self.fields, self.checkpoints) if mark is not None]
+
+    def close(self) -> None:
+        """Close the history's file, which is removed unless it belongs to a checkpoint."""
+        if self.history is not None:
+            self.history.close()
 
 
-@dataclass(kw_only=True)
-class Length:
-    """How long a run is: to the time `until` (transits). No stretch is begun beyond which the whole run would take more than
-    `most_seconds`."""
+def _fields(solver: Solver, until: float, fields: bool | None) -> "FieldRecord | None":
+    """The record of the last FIELD_WINDOW transits, for which `fields` asks or, where that is None, the scene's `record`.
 
-    until: float = math.inf
-    most_seconds: float = math.inf
-
-    def ends(self, after: float) -> Iterator[float]:
-        """The ends of its stretches, rising, of a run that is at the time `after` (transits)."""
-        yield self.until
-
-    def ended(self, now: JudgedHalf) -> Ended | None:
-        """Reason to end the run here; None to continue."""
-        return "until"
-
-
-@dataclass
-class UntilSettled(Length):
-    """Run until the motion is no longer a transient, as far as its cycles show, at most to `until`. `model` is one with the
-    one-port of the model that runs.
-
-    Cycles that repeat are settled if there are 8 or more, cycles that never repeat if there are 16 or more, and if the means of
-    period and stress drop over the earlier and the later half of them agree: within 1e-3, or within the margins of cycles that
-    never repeat. A decaying run is settled if steady sliding is stable; a driven run always.
+    Raises SceneError, naming what asked, if the solver has no fields.
     """
+    if not isinstance(solver, FieldSolver):
+        asked = "fields" if fields else 'run.record: "fields"'
+        raise SceneError(f"{asked}: model {solver.model} has no grid to take fields from; use a full-wave model")
+    if math.isinf(until):
+        raise SceneError(
+            f"run.until: missing; the fields of a run's last {FIELD_WINDOW:g} transits are kept, so it needs a length"
+        )
+    from fullwave.fields.record import FieldRecord
 
-    scene: Scene
-    model: str
-    most_seconds: float = field(default=LIMIT, kw_only=True)
-
-    def ends(self, after: float) -> Iterator[float]:
-        """As `Length`: a quarter of a given time, a half and the whole. Else the first is after the start and 16 expected cycles,
-        late enough that the drive rests in the second half, and each later one is a quarter later."""
-        if math.isfinite(self.until):
-            yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
-            return
-        changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
-        expected, first = outlook(self.scene, self.model), 0.0
-        if math.isfinite(expected.period):
-            dies_out = _DIES_OUT / -expected.rate if expected.stable else math.inf
-            first = min(dies_out, _FIRST * expected.period)
-        end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + first, LONGEST_RUN)
-        while end <= LONGEST_RUN:
-            if end > after:
-                yield end
-            end *= _LONGER
-
-    def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Length`. Only a motion without cycles needs the roots of steady sliding."""
-        return "settled" if self._settled(now) else None
-
-    def _settled(self, now: JudgedHalf) -> bool:
-        if now.verdict is None:
-            return True
-        match now.verdict.kind:
-            case "driven":
-                return True
-            case "decaying":
-                return is_stable(self.scene, self.model) is not False
-            case "steady":
-                if is_stable(self.scene, self.model) is not False:
-                    return True
-                return outlook(self.scene, self.model).rate * now.until > LEFT_BY_ROUNDING
-            case "periodic":
-                return now.verdict.cycles >= max(_ENOUGH, 2 * (now.verdict.multiplicity or 1)) and now.halves_agree
-            case "torus" | "irregular":
-                return now.verdict.cycles >= MANY and now.halves_agree
-        return False
+    return FieldRecord(solver, max(until - FIELD_WINDOW, 0.0), until)
 
 
-@dataclass
-class UntilCycles(Length):
-    """Run until the second half of the run so far has `wanted` complete cycles, checked once per expected cycle. Stable steady
-    sliding ends it too, because no cycles will follow. `model` as for `UntilSettled`."""
+def _history(solver: Solver, until: float, kept: Kept, samples: Path | None, checkpoint: Path | None) -> HistoryFile:
+    """The observer of the interface's history in a run to `until` (transits).
 
-    wanted: int
-    scene: Scene
-    model: str
-
-    def ends(self, after: float) -> Iterator[float]:
-        """As `Length`."""
-        period = outlook(self.scene, self.model).period
-        end = cycle = period if math.isfinite(period) else 1.0
-        while end < LONGEST_RUN:
-            if end > after:
-                yield end
-            end = max(end + cycle, _STEP * end)
-
-    def ended(self, now: JudgedHalf) -> Ended | None:
-        """As `Length`."""
-        if now.verdict is None or now.verdict.cycles >= self.wanted:
-            return "cycles"
-        return "settled" if now.verdict.kind == "steady" and is_stable(self.scene, self.model) is not False else None
+    The samples that are `kept` are in the file `samples`, or in a temporary one, until it is closed. With a `checkpoint` they are
+    in a file in its folder, which stays for continued runs.
+    """
+    path = checkpoint.with_name(f"{checkpoint.name}.samples") if checkpoint else samples or _temporary_samples()
+    history = HistoryFile(solver.scene.law, solver.nodes, path, until, stays=checkpoint is not None, kept=kept)
+    try:
+        length = solver.transits_per_piece
+        history.expect((min(until, kept.end) - kept.begin) / length * solver.nodes.size if length > 0.0 else 0.0)
+    except SceneError:
+        history.close()
+        raise
+    return history
 
 
-def length_of(scene: Scene, model: str, cycles: int | None = None) -> Length:
-    """The length of a run: `cycles` if given, else that of the scene, else until settled. `model`: one with the one-port of the
-    model that runs."""
-    if cycles is not None:
-        return UntilCycles(cycles, scene, model)
-    if scene.until is not None:
-        return Length(until=scene.until)
-    settled = UntilSettled(scene, model)
-    return settled if scene.record else Length(until=next(settled.ends(0.0)))
+def _temporary_samples() -> Path:
+    import tempfile
+
+    folder = Path(tempfile.gettempdir())
+    remove_leftovers(folder)
+    handle, name = tempfile.mkstemp(prefix=".slipwave-", suffix=part_of(folder, ".samples").name)
+    os.close(handle)
+    return Path(name)
 
 
-def needed(verdict: MotionVerdict | None, scene: Scene, model: str) -> float:
-    """Length (transits) of a run with enough cycles, if this one is too short: from its cycles, else from the expected period;
-    infinite if no run may be so long. `model` as for `length_of`."""
-    if verdict is None or verdict.cycles or verdict.kind != "too short":
-        return verdict.needed if verdict else math.nan
-    expected = next(UntilSettled(scene, model).ends(0.0))
-    return max(verdict.needed, expected) if expected < LONGEST_RUN else math.inf
+def time_between(path: Path | None, every: float | str | None, scene: Scene) -> float | None:
+    """The time between checkpoints in transits, if given. Raises SceneError, naming the option, if checkpoints cannot be written
+    as requested."""
+    if every is None:
+        if path is not None:
+            require_writable(path, (".npz",), "--checkpoint")
+        return None
+    label = f"--checkpoint-every = {shorten(every)}"
+    if path is None:
+        raise SceneError(f"{label}: needs --checkpoint FILE")
+    found = moment("--checkpoint-every", every, scene)
+    if not (math.isfinite(found) and found > 0.0):
+        raise SceneError(f"{label}: must be a positive number of transits, or in scenes with SI units a time as in 10s")
+    require_writable(path, (".npz",), "--checkpoint")
+    return found
 
 
 def second_half(solver: Solver, until: float) -> float:

@@ -15,7 +15,8 @@ from slipwave.observe.events import NO_EVENTS
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.solve import Solver
-from validation.models.run import Ended, JudgedHalf, JudgedMarch, Length
+from validation.models.outlook import Ended, JudgedHalf, Length
+from validation.models.run import JudgedMarch
 
 WINDOW = 4
 """Cycles over which an orbit is judged."""

@@ -18,7 +18,8 @@ from slipwave.scene import Scene
 from validation.data.variables import Meaning
 from validation.models.build import prepare
 from validation.models.by_name import one_port_of
-from validation.models.run import Length, Run, UntilSettled, needed, reconsidered, simulate
+from validation.models.outlook import Length, UntilSettled, needed
+from validation.models.run import Run, reconsidered, simulate
 
 VERDICTS: tuple[str, ...] = get_args(Kind)
 """The words of a verdict, in the order of their numbers in files."""

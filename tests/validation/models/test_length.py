@@ -23,8 +23,8 @@ from validation.commands.cli import main
 from validation.data.variables import stored_name
 from validation.models.build import build
 from validation.models.history_file import HistoryFile, Kept
-from validation.models.outlook import outlook
-from validation.models.run import JudgedHalf, UntilCycles, UntilSettled, simulate
+from validation.models.outlook import JudgedHalf, UntilCycles, UntilSettled, outlook
+from validation.models.run import simulate
 
 PAPER = slipwave.read("paper")
 FAST = slipwave.read("paper", ["drive.velocity=2000"])
