@@ -1,5 +1,5 @@
-"""How long a run is. Before a run of a scene it is predicted whether steady sliding is stable, how fast it is left or reached, and
-the period of a cycle.
+"""How long a run is. Before a run of a scene it is predicted whether steady sliding is stable, how fast it is left or reached,
+and the period of a cycle.
 
 The period is the longer of two. At the onset of stick-slip it is 2 pi/omega_c. Far beyond, it is the time D/(k V) in which the
 drive restores, through the stiffness k, the stress D that an event releases. Friction falls by w = -V d mu_ss/dV for every e-fold

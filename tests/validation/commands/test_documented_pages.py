@@ -102,8 +102,8 @@ MARKED = re.compile(r"([\w.+-]+)<!--(.+?)-->")
 WORDS = {"eight": 8.0, "sixteen": 16.0}
 NUMBER = re.compile(r"(?<![\w.:=-])\d[\d.]*(?:e-?\d+)?(?![\w:]|\.\d)")
 HELP = {
-    "run --fields": "validation.models.recording.FIELD_WINDOW",
-    "run --checkpoint-every": "validation.models.recording._EVERY",
+    "run --fields": "validation.models.run.FIELD_WINDOW",
+    "run --checkpoint-every": "validation.models.run._EVERY",
     "orbit --tol": "validation.commands.orbit.ORBIT_TOLERANCE",
     "branch --tol": "validation.commands.branch.BRANCH_TOLERANCE",
     "branch --most-points": "validation.commands.branch.BRANCH_POINTS",
