@@ -17,6 +17,7 @@ from typing import get_args
 
 import numpy as np
 import pytest
+from typer.main import get_command
 
 import slipwave
 from slipwave.family import ANYTHING, FEATURES, NOTHING
@@ -25,7 +26,7 @@ from slipwave.observe.verdict import REPEATING, Kind
 from slipwave.sources import ROOT
 from tests.validation.answer import PAGES as ANSWERED
 from tests.validation.answer import block_of, read_table, with_block
-from validation.commands.cli import COMMANDS, command_called, main
+from validation.commands.cli import COMMANDS, app, main
 from validation.models.by_name import FAMILIES
 from validation.studies.which_model import ORBITS, SHOWN
 from validation.sweep.map_figures import SIZES
@@ -140,7 +141,7 @@ def test_numbers_of_a_page_are_those_of_the_program(page):
 
 
 def test_numbers_of_help_texts_are_those_of_the_program():
-    commands = {name: command_called(name) for name in COMMANDS}
+    commands = {name: get_command(app).get_command(None, name) for name in COMMANDS}
     told = {}
     for name, command in commands.items():
         for option in command.params:
