@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from slipwave.compiled import njit
 from slipwave.friction import Law, rates, resampled
 from slipwave.observe.pieces import SAME, Array, Basis, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 
@@ -90,7 +91,28 @@ def values_at(pieces: Pieces, basis: Basis, times: Array, law: Law = None) -> li
 def evaluated(nodal: Sequence[Array], basis: Basis, points: Array, law: Law) -> list[Array]:
     """z, psi, mu and y at `points` (m,) of pieces with these `nodal` values, (m, n), or (1, n) of a single piece; `law` as for
     `values_at`."""
-    rows = interpolation_matrix(basis, points)
+    at = np.ascontiguousarray(points, dtype=float)
+
+    def _sample(values: Array) -> Array:
+        sampled = np.empty((at.size, 1))
+        _interpolate(basis.nodes, basis.weights, at, np.ascontiguousarray(values), sampled)
+        return sampled
+
     z, *others = nodal
-    z = resampled(law, z, others[0], lambda values: np.add.reduce(rows * values, axis=1, keepdims=True))
-    return [z[:, 0], *(np.add.reduce(rows * values, axis=1) for values in others)]
+    return [values[:, 0] for values in (resampled(law, z, others[0], _sample), *map(_sample, others))]
+
+
+@njit
+def _interpolate(nodes: Array, weights: Array, points: Array, nodal: Array, sampled: Array) -> None:
+    """`sampled` (m, 1): at its one of the `points` (m,), each row of `nodal` (m, n), or its only one, by the second barycentric
+    formula (Berrut and Trefethen 2004)."""
+    for i in range(points.size):
+        row, total, value = nodal[min(i, len(nodal) - 1)], 0.0, 0.0
+        for k in range(nodes.size):
+            gap = points[i] - nodes[k]
+            if gap == 0.0:
+                total, value = 1.0, row[k]
+                break
+            total += weights[k] / gap
+            value += weights[k] / gap * row[k]
+        sampled[i, 0] = value / total

@@ -54,13 +54,13 @@ class PortMarch:
         )
         start = unknown_of(scene.law, scene.velocity)
         self._memory = begin(scene.steady_psi + scene.start.jump_size, scene.steady_stress, start, stages)
-        self._rest: Pieces | None = None
+        self._rest: tuple[Pieces, float] | None = None  # the last piece, and the time from which on it is still to be given out
         self._take_stretch(0.0, first)
 
     @property
     def time(self) -> float:
         """Transits since the start."""
-        return self._now if self._rest is None else float(self._rest.time[0])
+        return self._now if self._rest is None else self._rest[1]
 
     @property
     def _now(self) -> float:
@@ -74,7 +74,7 @@ class PortMarch:
     def advance(self, until: float) -> Pieces:
         """As `Solver`; NumericsError if no step is short enough."""
         if self._rest is not None:
-            pieces, self._rest = self._rest, None
+            pieces, self._rest = self._remaining(), None
             return pieces
         pieces = empty_pieces(self._most_steps, self.nodes.size)
         steps, ended = 0, NOT_READY
@@ -100,15 +100,25 @@ class PortMarch:
         last, end = pieces.part(slice(-1, None)), self.time
         if until >= end - slack(end) or last.length[0] <= _UNCUT:
             return pieces
-        start, length, shape = float(last.time[0]), float(last.length[0]), (2, self.nodes.size)
-        starts, lengths = np.array([start, until]), np.array([until - start, end - until])
-        points = np.minimum(1.0, (starts[:, None] + lengths[:, None] * self.nodes - start).ravel() / length)
-        basis, law = lagrange_basis(self.nodes), self.slabs.scene.law
-        halves = [row.reshape(shape) for row in evaluated(last[2:], basis, points, law)]
-        self._rest = Pieces(starts[1:], lengths[1:], *(half[1:] for half in halves))
-        for column, half in zip(last[1:], [lengths, *halves], strict=True):
-            column[0] = half[0]
+        piece, begin = Pieces(*[column.copy() for column in last]), float(last.time[0])
+        self._rest, last.length[0] = (piece, until), until - begin
+        for column, values in zip(last[2:], self._share(piece, begin, until), strict=True):
+            column[0] = values
         return pieces
+
+    def _share(self, piece: Pieces, begin: float, end: float) -> list[Array]:
+        """Values at the nodes of the share of one `piece` from `begin` to `end` (transits)."""
+        points = np.minimum(1.0, (begin + (end - begin) * self.nodes - piece.time[0]) / piece.length[0])
+        return evaluated(piece[2:], lagrange_basis(self.nodes), points, self.slabs.scene.law)
+
+    def _remaining(self) -> Pieces:
+        """The rest of the piece that was cut."""
+        assert self._rest is not None
+        piece, begin = self._rest
+        if begin == piece.time[0]:
+            return piece
+        values = (row[None] for row in self._share(piece, begin, self._now))
+        return Pieces(np.array([begin]), np.array([self._now - begin]), *values)
 
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""
@@ -124,7 +134,7 @@ class PortMarch:
         step lengths hold; `counts`: level of the next step and of the last (-1: none), iterations; `rest`, where the last `cut`
         left one: of its piece, time, length and values."""
         memory = self._memory
-        rest = {} if self._rest is None else {"rest": np.concatenate([column.ravel() for column in self._rest])}
+        rest = {} if self._rest is None else {"rest": np.concatenate(self._remaining(), axis=None)}
         return rest | {
             "counts": np.array([*memory.levels, self.iterations], dtype=float),
             "stretch": np.array([self._stretch.origin]),
@@ -148,7 +158,7 @@ class PortMarch:
         self._rest = None
         if "rest" in saved:
             time, length, *values = np.split(saved["rest"], [1, 2, *(2 + np.arange(1, 4) * self.nodes.size)])
-            self._rest = Pieces(time, length, *(row[None] for row in values))
+            self._rest = Pieces(time, length, *(row[None] for row in values)), float(time[0])
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
         """Flow on a mesh that resolves the next `period` (transits) to `tolerance`, and the present state as its state."""
