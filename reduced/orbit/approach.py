@@ -8,8 +8,10 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from slipwave.errors import NumericsError
+from slipwave.friction.law import ALWAYS_STABLE, friction_slopes
 from slipwave.observe import EventObserver, Events
 from slipwave.observe.pieces import SAME, Array
+from slipwave.scene import Scene
 from slipwave.solve import Solver, follow
 from slipwave.solve.follow import Foresight
 from slipwave.step.flow import Flow
@@ -114,8 +116,8 @@ def _cycles(
         events = observer.events(0.5 * solver.time)
         if events.time.size >= 2 and events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
             raise NumericsError(
-                f"{solver.model}: the run returns to steady sliding, which is stable against small disturbances here; begin with "
-                f"a larger one (start.size), or follow the orbits from where stability is lost (scene {solver.scene.name!r})"
+                f"{solver.model}: the run returns to steady sliding, which is stable against small disturbances here; "
+                f"{_advice(solver.scene)}"
             )
     return events
 
@@ -167,7 +169,13 @@ def _require_orbit(solver: Solver, events: Events, most: float) -> None:
     if count >= _LAST and sizes[-1] > sizes[0]:
         return
     made = f"made {count} cycles in its second half" + (", each smaller than the one before" if count >= _LAST else "")
-    raise NumericsError(
-        f"{solver.model}: a run of {most:.0f} transits {made}: no orbit near it; begin with a larger disturbance (start.size), "
-        f"or follow the orbits from where steady sliding loses stability (scene {solver.scene.name!r})"
-    )
+    raise NumericsError(f"{solver.model}: a run of {most:.0f} transits {made}: no orbit near it; {_advice(solver.scene)}")
+
+
+def _advice(scene: Scene) -> str:
+    """What may lead to an orbit of `scene`, in words."""
+    if friction_slopes(scene.law, scene.velocity).weakening:
+        means = "begin with a larger disturbance (start.size), or follow the orbits from where steady sliding loses stability"
+    else:
+        means = ALWAYS_STABLE
+    return f"{means} (scene {scene.name!r})"

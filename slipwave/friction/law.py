@@ -178,6 +178,10 @@ def _fill_unknowns(law: Law, speeds: Array, z: Array) -> None:
         z[i] = unknown_of(law, speeds[i])
 
 
+ALWAYS_STABLE = "friction does not weaken with the slip rate, so that steady sliding is always stable"
+"""What is said of a law and a velocity that are not `weakening`."""
+
+
 @dataclass(frozen=True)
 class FrictionSlopes:
     """Slopes of a law at steady sliding: `direct` F_v, `healing` G_phi (1/(L/V*)), `steady` F_ss' = d mu_ss/dV."""

@@ -14,6 +14,7 @@ from reduced.stability import Stability, analyse, friction_slopes
 from reduced.stability.analyse import PhysicalStability, stability_in_si
 from reduced.stability.crossing import FIRST_OCTAVE, LAST_OCTAVE
 from slipwave.files import FIGURES
+from slipwave.friction.law import ALWAYS_STABLE
 from slipwave.input.assemble import SceneSource
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -201,7 +202,7 @@ class StabilityResult(Result):
         """Reasons for critical values that do not exist, if not stated elsewhere."""
         found = self.found
         if not friction_slopes(self.scene.law, self.scene.velocity).weakening:
-            yield "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable"
+            yield f"no critical values: {ALWAYS_STABLE}"
             return
         missing = " ".join([*found.missing, *(self.physical.missing if self.physical else ())])
         reach = f"between {2.0**FIRST_OCTAVE:.2g} and {2.0**LAST_OCTAVE:g} times"

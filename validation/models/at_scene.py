@@ -12,6 +12,7 @@ from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, is_decided
 from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
+from slipwave.friction.law import ALWAYS_STABLE, friction_slopes
 from slipwave.scene import Scene
 from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
@@ -121,6 +122,8 @@ def _primary(model: str, scene: Scene, cells: int | None, longest: float, reason
 def _points(model: str, scene: Scene, cells: int | None, here: float, longest: float, said: str) -> tuple[list[OrbitPoint], str]:
     """The points of the primary branch, and a text on how far it was followed."""
     critical, omega = critical_round_trip(scene, one_port_of(model))
+    if not friction_slopes(scene.law, scene.velocity).weakening:  # a reason says so already
+        raise NumericsError(said.removesuffix("; ") or f"{model}: {ALWAYS_STABLE}: no branch of orbits begins")
     if not critical > 0.0:
         raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")
     period = 2.0 * math.pi / (omega * critical)
