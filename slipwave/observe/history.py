@@ -88,31 +88,35 @@ def values_at(pieces: Pieces, basis: Basis, times: Array, law: Law = None) -> li
     return evaluated([values[which] for values in pieces[2:]], basis, points, law)
 
 
-def evaluated(nodal: Sequence[Array], basis: Basis, points: Array, law: Law) -> list[Array]:
+def evaluated(nodal: Sequence[Array] | Array, basis: Basis, points: Array, law: Law) -> list[Array]:
     """z, psi, mu and y at `points` (m,) of pieces with these `nodal` values, (m, n), or (1, n) of a single piece; `law` as for
     `values_at`."""
     at = np.ascontiguousarray(points, dtype=float)
 
-    def _sample(values: Array) -> Array:
-        sampled = np.empty((at.size, 1))
-        _interpolate(basis.nodes, basis.weights, at, np.ascontiguousarray(values), sampled)
+    def _sample(*values: Array) -> Array:
+        sampled = np.empty((len(values), at.size, 1))
+        _interpolate(basis.nodes, basis.weights, at, np.array(values), sampled)
         return sampled
 
     z, *others = nodal
-    return [values[:, 0] for values in (resampled(law, z, others[0], _sample), *map(_sample, others))]
+    z = resampled(law, z, others[0], lambda values: _sample(values)[0])
+    return [values[:, 0] for values in (z, *_sample(*others))]
 
 
 @njit
 def _interpolate(nodes: Array, weights: Array, points: Array, nodal: Array, sampled: Array) -> None:
-    """`sampled` (m, 1): at its one of the `points` (m,), each row of `nodal` (m, n), or its only one, by the second barycentric
-    formula (Berrut and Trefethen 2004)."""
+    """`sampled` (k, m, 1): at its one of the `points` (m,), each row of `nodal` (k, m, n), or its only one, by the second
+    barycentric formula (Berrut and Trefethen 2004)."""
     for i in range(points.size):
-        row, total, value = nodal[min(i, len(nodal) - 1)], 0.0, 0.0
-        for k in range(nodes.size):
-            gap = points[i] - nodes[k]
+        row, total, hit = min(i, nodal.shape[1] - 1), 0.0, -1
+        sampled[:, i, 0] = 0.0
+        for n in range(nodes.size):
+            gap = points[i] - nodes[n]
             if gap == 0.0:
-                total, value = 1.0, row[k]
+                hit = n
                 break
-            total += weights[k] / gap
-            value += weights[k] / gap * row[k]
-        sampled[i, 0] = value / total
+            total += weights[n] / gap
+            for k in range(len(nodal)):
+                sampled[k, i, 0] += weights[n] / gap * nodal[k, row, n]
+        for k in range(len(nodal)):
+            sampled[k, i, 0] = nodal[k, row, hit] if hit >= 0 else sampled[k, i, 0] / total

@@ -1,6 +1,7 @@
 """Marches friction against any slab model (`slipwave.step.port.Slabs`), from break point to break point of its motion."""
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,6 +19,9 @@ from slipwave.step.port_flow import PortFlow, flow_near
 
 CHUNK = 2048
 _UNCUT = 2.0  # transits; a last piece up to this long may end beyond the end of a run
+
+_Rest: TypeAlias = tuple[float, float, Array, float]
+"""Begin and length (transits) and nodal values (4, s) of a piece that was cut, and the time from which on it is still to come."""
 
 
 class PortMarch:
@@ -46,7 +50,7 @@ class PortMarch:
         self._whole = np.zeros(padded(slabs.remembered))
         self.values = self._whole[: slabs.remembered]
         rule, compiled, self._shape = rule_of(stages)
-        self.nodes = rule.nodes
+        self.nodes, self._basis = rule.nodes, lagrange_basis(rule.nodes)
         self.iterations = 0
         self._physics, self._nodal = Physics(scene.law, scene.forcing, scene.drive.compiled, compiled), nodal_of(stages)
         self._limits = Limits(
@@ -54,13 +58,13 @@ class PortMarch:
         )
         start = unknown_of(scene.law, scene.velocity)
         self._memory = begin(scene.steady_psi + scene.start.jump_size, scene.steady_stress, start, stages)
-        self._rest: tuple[Pieces, float] | None = None  # the last piece, and the time from which on it is still to be given out
+        self._rest: _Rest | None = None
         self._take_stretch(0.0, first)
 
     @property
     def time(self) -> float:
         """Transits since the start."""
-        return self._now if self._rest is None else self._rest[1]
+        return self._now if self._rest is None else self._rest[-1]
 
     @property
     def _now(self) -> float:
@@ -97,28 +101,27 @@ class PortMarch:
 
     def cut(self, pieces: Pieces, until: float) -> Pieces:
         """As `Cutting`."""
-        last, end = pieces.part(slice(-1, None)), self.time
-        if until >= end - slack(end) or last.length[0] <= _UNCUT:
+        begin, length, end = float(pieces.time[-1]), float(pieces.length[-1]), self.time
+        if until >= end - slack(end) or length <= _UNCUT:
             return pieces
-        piece, begin = Pieces(*[column.copy() for column in last]), float(last.time[0])
-        self._rest, last.length[0] = (piece, until), until - begin
-        for column, values in zip(last[2:], self._share(piece, begin, until), strict=True):
-            column[0] = values
+        whole = np.array([column[-1] for column in pieces[2:]])
+        self._rest, pieces.length[-1] = (begin, length, whole, until), until - begin
+        for column, values in zip(pieces[2:], self._evaluated(whole, self.nodes * ((until - begin) / length)), strict=True):
+            column[-1] = values
         return pieces
 
-    def _share(self, piece: Pieces, begin: float, end: float) -> list[Array]:
-        """Values at the nodes of the share of one `piece` from `begin` to `end` (transits)."""
-        points = np.minimum(1.0, (begin + (end - begin) * self.nodes - piece.time[0]) / piece.length[0])
-        return evaluated(piece[2:], lagrange_basis(self.nodes), points, self.slabs.scene.law)
+    def _evaluated(self, whole: Array, points: Array) -> list[Array]:
+        """The columns of a piece with the nodal values `whole` at `points` of [0, 1]."""
+        return evaluated(whole[:, None], self._basis, points, self.slabs.scene.law)
 
     def _remaining(self) -> Pieces:
         """The rest of the piece that was cut."""
         assert self._rest is not None
-        piece, begin = self._rest
-        if begin == piece.time[0]:
-            return piece
-        values = (row[None] for row in self._share(piece, begin, self._now))
-        return Pieces(np.array([begin]), np.array([self._now - begin]), *values)
+        start, length, whole, begin = self._rest
+        if begin > start:
+            points = np.minimum(1.0, (begin + (self._now - begin) * self.nodes - start) / length)
+            whole = np.array(self._evaluated(whole, points))
+        return Pieces(np.array([begin]), np.array([self._now - begin]), *whole[:, None])
 
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""
@@ -158,7 +161,7 @@ class PortMarch:
         self._rest = None
         if "rest" in saved:
             time, length, *values = np.split(saved["rest"], [1, 2, *(2 + np.arange(1, 4) * self.nodes.size)])
-            self._rest = Pieces(time, length, *(row[None] for row in values)), float(time[0])
+            self._rest = float(time[0]), float(length[0]), np.array(values), float(time[0])
 
     def flow(self, period: float, tolerance: float) -> tuple[PortFlow, Array]:
         """Flow on a mesh that resolves the next `period` (transits) to `tolerance`, and the present state as its state."""
