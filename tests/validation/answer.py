@@ -75,8 +75,8 @@ def _take_answer(out: Path) -> None:
     """Copy the table of the report in `out` to the baseline, and rewrite the pages."""
     record = json.loads((out / "data" / _STUDY / "result.json").read_bytes())
     TABLE.parent.mkdir(parents=True, exist_ok=True)
-    texts = {TABLE: json.dumps(record["model_tables"][0], indent=1, ensure_ascii=False) + "\n"}
-    block = block_of(TypeAdapter(ModelTable).validate_python(record["model_tables"][0]))
+    texts = {TABLE: json.dumps(record["result"]["model_tables"][0], indent=1, ensure_ascii=False) + "\n"}
+    block = block_of(TypeAdapter(ModelTable).validate_python(record["result"]["model_tables"][0]))
     texts |= {page: with_block(page.read_text(encoding="utf-8"), block) for page in PAGES}
     for path, text in texts.items():
         with whole_or_absent(path) as temporary:

@@ -16,16 +16,14 @@ import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias, TypeVar
+from typing import ClassVar, Protocol, TypeAlias, TypeVar
 
+from validation.chart import Chart
 from validation.report.model_table import ModelTable
 from validation.report.text import *  # noqa: F403
 from validation.report.text import Cell, bare
 from validation.report.verdict import *  # noqa: F403
 from validation.report.verdict import RECORDED, ROUNDING, RUN_TIMES, Outcome, Real, Verdict
-
-if TYPE_CHECKING:
-    from validation.chart import Chart
 
 Item = TypeVar("Item")
 
@@ -114,7 +112,7 @@ class Figure:
 
     name: str
     caption: str
-    draw: "Callable[[], Chart]"
+    draw: Callable[[], Chart]
     lead: bool = False
     timed: bool = False
     paper: str = ""

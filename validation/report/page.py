@@ -45,7 +45,7 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
             evidence=tuple(Evidence),
             matrix=[*_matrix(studies)],
             tally=report.outcomes,
-            leads=[(study, picture) for study in studies for picture in study.pictures if picture.lead],
+            leads=[(study, picture) for study in studies for picture in study.figures if picture.lead],
             omissions=left_out(studies),
             csv={one.id: one.csv for one in report.model_tables},
             changes=report.changes,
@@ -93,7 +93,7 @@ def _with_figures(environment: "Environment", studies: Sequence[Stored], out: Pa
         """The figure's CSV file as gzip in base64, the same bytes for the same file."""
         return base64.b64encode(gzip.compress((out / picture.files[2]).read_bytes(), mtime=0)).decode("ascii")
 
-    pictures = [picture for study in studies for picture in study.pictures]
+    pictures = [picture for study in studies for picture in study.figures]
     drawings = {picture.id: (out / picture.files[0]).read_text(encoding="utf-8") for picture in pictures}
     numbers = {name: f"f{number}" for number, name in enumerate(drawings)}
     environment.filters["inline"] = lambda picture: Markup(inline(drawings[picture.id], numbers[picture.id]))

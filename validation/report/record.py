@@ -234,7 +234,7 @@ def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, wri
             for name, result in done
             for one in result.model_tables
         ),
-        figures=tuple(picture for study in studies for picture in study.pictures),
+        figures=tuple(picture for study in studies for picture in study.figures),
         changes=Changes(since="", counts={}, listed=()),
         times=Times(written=written, seconds={one.name: one.wall_seconds for one in studies}, before={}, machine=machine),
     )

@@ -5,7 +5,7 @@ import json
 import os
 import shutil
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -18,10 +18,7 @@ from validation.report import RECORDED, Study, StudyResult
 from validation.report.names import by_claim
 from validation.report.sources import packages_of, sources_of
 
-_FORMAT = 6
-_PARTS: dict[str, Any] = {part.name: part.type for part in fields(StudyResult) if part.name != "figures"}
-"""The stored parts of a result, with their types."""
-_OF_FIGURE = ("name", "caption", "lead", "timed", "paper", "carries", "zoom", "beside")
+_FORMAT = 7
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,9 +59,12 @@ class Stored:
     wall_seconds: float
     fresh: bool
     result: StudyResult = field(default_factory=lambda: StudyResult({}))
-    pictures: tuple[Picture, ...] = ()
+    figures: tuple[Picture, ...] = ()
     error: str = ""
     key: str = ""
+
+
+_STORED = TypeAdapter(Stored)
 
 
 def study_key(study: Study, quick: bool) -> str:
@@ -82,11 +82,10 @@ def stored_result(folder: Path, study: Study, key: str) -> Stored | None:
     own = folder / study.NAME
     try:
         record = json.loads((own / "result.json").read_bytes())
-        if not isinstance(record, dict) or record.pop("digest", "") != _digest(record, own) or record["key"] != key:
-            return None
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        whole = record.pop("digest") == _digest(record, own) and record["key"] == key
+        return _STORED.validate_python(record) if whole else None
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
         return None
-    return _stored(study, record)
 
 
 def _digest(record: dict[str, Any], folder: Path) -> str:
@@ -107,31 +106,10 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
         if not (other.isdecimal() and is_running(int(other)) and int(other) != os.getpid()):
             _remove(left)
     part.mkdir(parents=True)
-    try:
-        figures = []
-        for figure in result.figures:
-            words = render(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
-            figures.append({name: getattr(figure, name) for name in _OF_FIGURE} | words)
-        record = _record(study, key, result, wall_seconds) | {"figures": figures}
-        whole = {"digest": _digest(record, part)} | record
-        (part / "result.json").write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
-        _remove(target)
-        part.rename(target)
-    finally:
-        _remove(part)
-    return replace(_stored(study, record), fresh=True)
-
-
-def _remove(folder: Path) -> None:
-    with suppress(FileNotFoundError):  # it is not there, or another process removes it too
-        shutil.rmtree(folder)
-
-
-def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) -> dict[str, Any]:
-    record = {"study": study.NAME, "question": study.QUESTION, "key": key, "wall_seconds": wall_seconds}
     own: dict[str, Any] = {"study": study.NAME}
     whole = replace(
         result,
+        figures=(),
         verdicts=by_claim(study.NAME, result.verdicts),
         tables=tuple(
             replace(one, id=f"{study.NAME}.{one.name}", csv=f"data/{study.NAME}/table-{one.name}.csv", **own)
@@ -139,26 +117,24 @@ def _record(study: Study, key: str, result: StudyResult, wall_seconds: float) ->
         ),  # a figure of the same name has its data in the same folder
         numbers={name: replace(one, id=f"{study.NAME}.{name}", name=name, **own) for name, one in result.numbers.items()},
     )
-    parts = {name: getattr(whole, name) for name in _PARTS}
-    plain: dict[str, Any] = json.loads(json.dumps(record | parts, default=_plain))
-    return plain
+    try:
+        pictures = []
+        for figure in result.figures:
+            told = vars(figure) | own | render(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
+            told |= {"id": f"{study.NAME}.{figure.name}"}
+            files = tuple(f"data/{study.NAME}/{figure.name}{suffix}" for suffix in SUFFIXES)
+            pictures.append(Picture(files=files, **{name: one for name, one in told.items() if name != "draw"}))
+        stored = Stored(study.NAME, study.QUESTION, wall_seconds, False, whole, tuple(pictures), key=key)
+        record = json.loads(json.dumps(asdict(stored), default=lambda value: value.item()))  # numbers of numpy as Python's
+        digested = {"digest": _digest(record, part)} | record
+        (part / "result.json").write_text(json.dumps(digested, indent=1) + "\n", encoding="utf-8")
+        _remove(target)
+        part.rename(target)
+    finally:
+        _remove(part)
+    return replace(_STORED.validate_python(record), fresh=True)
 
 
-def _plain(value: Any) -> Any:
-    """A record as a dict, a number of numpy as Python's."""
-    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value.item()
-
-
-def _stored(study: Study, record: dict[str, Any]) -> Stored:
-    """Inverse of `_record`."""
-    result = StudyResult(**{name: TypeAdapter(kind).validate_python(record[name]) for name, kind in _PARTS.items()})
-    pictures = TypeAdapter(tuple[Picture, ...]).validate_python(
-        [
-            figure
-            | {"id": f"{study.NAME}.{name}", "study": study.NAME}
-            | {"files": [f"data/{study.NAME}/{name}{suffix}" for suffix in SUFFIXES]}
-            for figure in record["figures"]
-            for name in [figure["name"]]
-        ]
-    )
-    return Stored(study.NAME, study.QUESTION, record["wall_seconds"], False, result, pictures, key=record["key"])
+def _remove(folder: Path) -> None:
+    with suppress(FileNotFoundError):  # it is not there, or another process removes it too
+        shutil.rmtree(folder)
