@@ -29,19 +29,7 @@ def markup(text: str) -> str:
 
 def number(value: float, spec: str = ".7g") -> str:
     """`value` as HTML by the format `spec`, with a true minus sign and powers of ten instead of e-notation."""
-    if math.isnan(value):
-        return "–"
-    if math.isinf(value):
-        return "∞" if value > 0 else "−∞"
-    mantissa, exponent = _split(value, spec)
-    return f"{mantissa}\u202f·\u202f10<sup>{exponent}</sup>" if exponent else mantissa
-
-
-def _split(value: float, spec: str) -> tuple[str, str]:
-    """Mantissa and power of ten (empty if there is none) with true minus signs."""
-    text = format(value, spec).replace("-", "−")
-    power = _POWER.match(text)
-    return (power[1], power[2].replace("+", "") + power[3]) if power else (text, "")
+    return markup(plain(value, spec))
 
 
 def cell(value: Cell, spec: str) -> str:
@@ -68,20 +56,21 @@ def first_sentence(words: str) -> tuple[str, str]:
 
 def places(values: Iterable[float], spec: str = "g") -> str:
     """Several numbers in a sentence: −2.69, −2.68."""
-    return ", ".join(format(value, spec).replace("-", "−") for value in values)
+    return minus(", ".join(format(value, spec) for value in values))
 
 
 def power(value: float) -> str:
     """A power of ten in the small markup: 10^{−9}."""
-    return f"10^{{{round(math.log10(value))}}}".replace("-", "−")
+    return minus(f"10^{{{round(math.log10(value))}}}")
 
 
 def plain(value: float, spec: str = ".3g") -> str:
-    """`value` in the small markup, for use inside sentences: 1.2 · 10^{-9}."""
-    if not math.isfinite(value):
-        return number(value)
-    mantissa, exponent = _split(value, spec)
-    return f"{mantissa} · 10^{{{exponent}}}" if exponent else mantissa
+    """As `number` in the small markup, for use inside sentences: 1.2 · 10^{-9}."""
+    if math.isnan(value):
+        return "–"
+    if math.isinf(value):
+        return "∞" if value > 0 else "−∞"
+    return _POWER.sub(lambda power: f"{power[1]} · 10^{{{power[2].replace('+', '')}{power[3]}}}", minus(format(value, spec)))
 
 
 def around(near: float, found: float, within: float) -> tuple[str, str]:
