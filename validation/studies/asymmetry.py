@@ -12,8 +12,8 @@ are given in transits of these alike slabs, a clock that does not change.
 """
 
 import math
-from collections.abc import Mapping
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple, TypeAlias
 
 import slipwave as sw
 from validation.chart import DASHED, DOTTED, INK, Chart, Look, Panel, Scale, Trace
@@ -29,10 +29,8 @@ from validation.report import (
     Answers,
     Budget,
     Figure,
-    Number,
     StudyResult,
     Table,
-    Verdict,
     Verdicts,
     claim,
     minus,
@@ -89,6 +87,10 @@ class _Pair(NamedTuple):
         """Its numbers in a few words."""
         return minus(f"q = {self.impedances:g}, p = {self.round_trips:.4g}, log_{{10}} r = {self.log10_r:g}")
 
+
+_Motions: TypeAlias = Mapping[_Pair, Regime]
+_Ends: TypeAlias = Mapping[_Pair, tuple[float, float]]
+"""log10 r of the alike slabs at the onset of stick-slip, and at the fold where its cycles end."""
 
 LOG10_R = (-2.68, -2.6)
 PAIRS = tuple(_Pair(q, p, log10_r) for log10_r in LOG10_R for q in IMPEDANCES for p in ROUND_TRIPS if p > 1.0 or q == 1.0)
@@ -147,19 +149,19 @@ def run(budget: Budget) -> StudyResult:
         ),
         tables=(_motions(exact, ends), summary(compared, "over all pairs of the table of motions", _FITTED)),
         verdicts=(
-            _one_pair(alike, two),
-            _agreement(delay, waves, known),
-            *_foreign(),
+            *_of_waves([alike, *two], delay, waves, known),
             first_good(compared, _LADDER, f"{_FIRST} has the exact regimes, and T and Δμ to 1 %"),
             repeated("Motions of pairs on record are found again", again, motion_at),
-            _folds_again(ends),
-            *_second(exact, ends, two),
+            *_of_points(exact, ends, two[-1]),
         ),
         numbers={f"{name}: ψ({UNTIL:.0f})": stated(delay[name], known[name]) for name in SCENES[:2]}
         | {
-            f"T at q = {pair.impedances:g}, p = {pair.round_trips:.4g}": _number(motion, pair)
-            for pair, motion in exact.items()
-            if motion.words == "periodic" and pair.log10_r == LOG10_R[0]
+            f"T at q = {pair.impedances:g}, p = {pair.round_trips:.4g}": stated(
+                period.value * pair.clock, max(period.error, 1e-9 * period.value) * pair.clock
+            )
+            for pair in FOLLOWED
+            if exact[pair].words == "periodic"
+            for period in [exact[pair].figures["T"]]
         },
         omissions=NO_OTHERS,
     )
@@ -183,13 +185,6 @@ def _period_as_two(impedances: float) -> float:
     return float(sw.orbit(scene, EXACT_MODEL, tol=TOLERANCE).summary["period"])
 
 
-def _torus_of(reflection: float) -> KnownPoint:
-    """The first torus point of _TORN behind faces that reflect this share of each wave."""
-    face = {"kind": "reflection", "coefficient": reflection}
-    faces = {f"{slab}.face.{key}": value for slab in ("upper", "lower") for key, value in face.items()}
-    return first_point("NS", command_words(_TORN.settings, faces))
-
-
 def _end_of(pair: _Pair) -> tuple[float, float]:
     """log10 r of the alike slabs at the onset of stick-slip and at the fold where its cycles end."""
     shift = math.log10(pair.clock)
@@ -197,12 +192,7 @@ def _end_of(pair: _Pair) -> tuple[float, float]:
     return math.log10(critical_r(EXACT_MODEL, scene_of(pair.settings))) - shift, fold.log10_r - shift
 
 
-def _number(motion: Regime, pair: _Pair) -> Number:
-    period = motion.figures["T"]
-    return stated(period.value * pair.clock, max(period.error, 1e-9 * period.value) * pair.clock)
-
-
-def _answers(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]], alike: float, of_models: str) -> Answers:
+def _answers(exact: _Motions, ends: _Ends, alike: float, of_models: str) -> Answers:
     near = {
         pair: motion.figures["T"].value * pair.clock
         for pair, motion in exact.items()
@@ -231,41 +221,41 @@ def _answers(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, fl
     }
 
 
-def _one_pair(alike: float, two: list[float]) -> Verdict:
+def _of_waves(
+    periods: Sequence[float],
+    delay: Mapping[str, float],
+    waves: Mapping[tuple[str, str], float],
+    known: Mapping[str, float],
+) -> Verdicts:
+    """The network of delay lines against alike slabs (`periods` by IMPEDANCES, p = 1), full waves, another program."""
     title = "Slabs of equal round trips have the period of alike slabs, marched as two slabs"
-    off = max(abs(period / alike - 1.0) for period in two)
-    return claim(title, WITNESS, off, 1e-12, f"orbits by `{EXACT_MODEL}`, q = {places(IMPEDANCES[1:])}")
-
-
-def _agreement(delay: Mapping[str, float], waves: Mapping[tuple[str, str], float], known: Mapping[str, float]) -> Verdict:
+    apart = max(abs(period / periods[0] - 1.0) for period in periods[1:])
+    yield claim(title, WITNESS, apart, 1e-12, f"orbits by `{EXACT_MODEL}`, q = {places(IMPEDANCES[1:])}")
     off = {key: abs(psi - delay[key[0]]) for key, psi in waves.items()}
     name, model = max(off, key=lambda key: off[key] / known[key[0]])
     title = f"Unlike slabs: ψ({UNTIL:.0f}) of the delay network and of two full waves agree"
-    return claim(title, WITNESS, off[name, model], known[name], f"worst of {len(off)}: `{model}`, {_WITNESSED[name]}")
-
-
-def _foreign() -> Verdicts:
+    yield claim(title, WITNESS, off[name, model], known[name], f"worst of {len(off)}: `{model}`, {_WITNESSED[name]}")
     title = f"Another program, {others.SEM2DPACK}, has the exact solution’s ψ in slabs that differ and in layers"
     if others.FILES:
         yield as_foreign(title, {name: {t: state_at(name, t, tol=1e-12) for t in OTHERS_AT} for name in SCENES[:3]})
 
 
-def _folds_again(ends: Mapping[_Pair, tuple[float, float]]) -> Verdict:
+def _of_points(exact: _Motions, ends: _Ends, period: float) -> Verdicts:
+    """Folds on record again; the benchmark's second program on orbits and special points of pairs; `period` at equal round trips
+    and the last of IMPEDANCES."""
     pairs = _Pair(3.0, 2.0, LOG10_R[0]), _Pair(10.0, math.sqrt(2.0), LOG10_R[0])
-    off = max(abs(first_point("LP", pair.settings).log10_r - math.log10(pair.clock) - ends[pair][1]) for pair in pairs)
-    return claim("Folds on record of pairs are found again", SELF, off, ROUNDING, f"log_{{10}} r of {len(pairs)} pairs")
-
-
-def _second(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]], two: list[float]) -> Verdicts:
-    """The benchmark's second program on orbits and special points of pairs; `two`: periods at equal round trips."""
+    apart = max(abs(first_point("LP", pair.settings).log10_r - math.log10(pair.clock) - ends[pair][1]) for pair in pairs)
+    yield claim("Folds on record of pairs are found again", SELF, apart, ROUNDING, f"log_{{10}} r of {len(pairs)} pairs")
     if not others.FILES:
         return
     theirs, program = others.pairs(), "of pairs are those of a second program, of two delay lines"
-    orbit = exact[_SECOND["pair-2"]].figures["T"].value
-    pairs = ((two[-1], f"q = {IMPEDANCES[-1]:g}, p = 1", "one-pair"), (orbit, "q = 3, p = 2", "pair-2"))
-    orbits = [abs(ours / theirs[f"{name}.period"] - 1.0) for ours, _, name in pairs]
-    yield claim(f"Orbits {program}", WITNESS, max(orbits), ROUNDING, f"T, relative: {'; '.join(one for _, one, _ in pairs)}")
-    off = [abs(_torus_of(_LEAKING).log10_r - theirs[f"leaking-{_LEAKING:g}.torus.log10_r"])]
+    known = {"one-pair": period, "pair-2": exact[_SECOND["pair-2"]].figures["T"].value}
+    apart = max(abs(ours / theirs[f"{name}.period"] - 1.0) for name, ours in known.items())
+    yield claim(f"Orbits {program}", WITNESS, apart, ROUNDING, f"T, relative: q = {IMPEDANCES[-1]:g}, p = 1; q = 3, p = 2")
+    face = {"kind": "reflection", "coefficient": _LEAKING}
+    faces = {f"{slab}.face.{key}": value for slab in ("upper", "lower") for key, value in face.items()}
+    torus = first_point("NS", command_words(_TORN.settings, faces)).log10_r
+    off = [abs(torus - theirs[f"leaking-{_LEAKING:g}.torus.log10_r"])]
     for name, pair in _SECOND.items():
         for what, ours in zip(("onset", "fold"), ends[pair], strict=True):
             off.append(abs(ours + math.log10(pair.clock) - theirs[f"{name}.{what}.log10_r"]))
@@ -274,7 +264,7 @@ def _second(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, flo
     yield claim(f"Onsets, folds and torus points {program}", WITNESS, max(off), ROUNDING, remark)
 
 
-def _motions(exact: Mapping[_Pair, Regime], ends: Mapping[_Pair, tuple[float, float]]) -> Table:
+def _motions(exact: _Motions, ends: _Ends) -> Table:
     rows = []
     for pair, (onset, fold) in ends.items():
         cells = [cell for log10_r in LOG10_R for cell in motion_cells(exact[pair._replace(log10_r=log10_r)], pair.clock)]
@@ -301,7 +291,7 @@ def _of(impedances: float, log10_r: float) -> list[_Pair]:
     return [_Pair(impedances if p > 1.0 else 1.0, p, log10_r) for p in ROUND_TRIPS]
 
 
-def _periods(exact: Mapping[_Pair, Regime]) -> Chart:
+def _periods(exact: _Motions) -> Chart:
     """T over p, one line for each q, at both r."""
     panels = []
     for log10_r in LOG10_R:
@@ -316,7 +306,7 @@ def _periods(exact: Mapping[_Pair, Regime]) -> Chart:
     return Chart(panels, 3.4, 2, legend="outside upper left", legend_columns=3)
 
 
-def _ends_over_ratio(ends: Mapping[_Pair, tuple[float, float]]) -> Chart:
+def _ends_over_ratio(ends: _Ends) -> Chart:
     """Onset and fold over p."""
     traces = []
     for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):

@@ -24,7 +24,6 @@ from validation.report import (
     Figure,
     StudyResult,
     Table,
-    Verdict,
     Verdicts,
     claim,
     every,
@@ -87,14 +86,18 @@ class _LeakyFace(NamedTuple):
         """Which slabs have it."""
         return "both faces" if self.both else "one face"
 
-    @property
-    def edge(self) -> float:
-        """The R of a bare face below which its dashpot, epsilon (1 + R)/(1 - R) a slab, is weaker than friction's weakening,
-        (b - a)/V: steady sliding is then unstable at every r, and the interface locks."""
-        scene = sw.read("paper")
-        ratio = (scene.law.b - scene.law.a) / scene.velocity / scene.upper.epsilon * (2.0 if self.both else 1.0)
-        return float((ratio - 1.0) / (ratio + 1.0))
 
+def _edge(both: bool) -> float:
+    """The R of bare faces, on both slabs or on one, below which their dashpot, epsilon (1 + R)/(1 - R) a slab, is weaker than
+    friction's weakening, (b - a)/V: steady sliding is then unstable at every r, and the interface locks."""
+    scene = sw.read("paper")
+    ratio = (scene.law.b - scene.law.a) / scene.velocity / scene.upper.epsilon * (2.0 if both else 1.0)
+    return float((ratio - 1.0) / (ratio + 1.0))
+
+
+_Points: TypeAlias = Mapping[_LeakyFace, Sequence[KnownPoint]]
+_Motions: TypeAlias = Mapping[tuple[_LeakyFace, float], Regime]
+"""By face and r over the onset, or log10 r."""
 
 _KINDS, _BOTH = {"bare": "bare faces", "grip": "grips"}, (True, False)
 FACES = tuple(_LeakyFace(kind, both, R) for kind in _KINDS for both in _BOTH for R in REFLECTIONS)
@@ -170,13 +173,6 @@ def _torus_end(kind: str) -> TorusEnd:
     return best["log10_r"], best["leak"], best["leak"] - second["leak"], best not in (points[0], points[-1])
 
 
-def _torus_points(kind: str, leak: float) -> int:
-    """How many torus points the branch has up to the period at which the first torus ends."""
-    scene = scene_of(_LeakyFace(kind, True, 1.0 - leak).settings())
-    found = sw.branch(scene, _FIRST_TORUS, model=EXACT_MODEL, longest_period=_PERIOD).summary["special"]
-    return sum(one["type"] == "NS" for one in found)
-
-
 def run(budget: Budget) -> StudyResult:
     """Onsets of all faces; full waves; a few motions and a branch on record again."""
     shown = columns()
@@ -199,13 +195,10 @@ def run(budget: Budget) -> StudyResult:
         figures=(Figure("plane", _PLANE, lambda: _plane(known, regimes, torus)),),
         tables=(_motions(exact), summary(compared, "behind all faces of the table of motions")),
         verdicts=(
-            _agreement(delay, waves),
-            *_foreign(),
-            _locks(),
+            *_of_faces(delay, waves),
             first_good(compared, _LADDER, f"{_FIRST} has the exact regimes, and T and Δμ to 1 %"),
             repeated("Motions behind faces on record are found again", again, motion_at),
-            _points_again(known),
-            _torus_gone(torus),
+            *_of_points(known, torus),
         ),
         notes=(
             "A locked interface returns each wave whole, the outer face returns the share R of it. Behind bare faces the load "
@@ -224,12 +217,12 @@ _FIRST = "The first rational fit that is good behind every face"
 
 
 def _answers(
-    known: Mapping[_LeakyFace, Sequence[KnownPoint]],
-    regimes: Mapping[tuple[_LeakyFace, float], Regime],
+    known: _Points,
+    regimes: _Motions,
     torus: Mapping[str, TorusEnd],
     of_models: str,
 ) -> Answers:
-    bare, one = _LeakyFace("bare", True, 0.0).edge, _LeakyFace("bare", False, 0.0).edge
+    bare, one = map(_edge, _BOTH)
     ends = [f"R = {1.0 - leak:.6f} ± {plain(error, '.0e')} behind {_KINDS[kind]}" for kind, (_, leak, error, _) in torus.items()]
     wild = [(face.kind, face.reflection) for (face, _), motion in regimes.items() if motion.words == "irregular"]
     seen = [
@@ -257,7 +250,7 @@ def _answers(
     }
 
 
-def _last(known: Mapping[_LeakyFace, Sequence[KnownPoint]], kind: str, point: str) -> str:
+def _last(known: _Points, kind: str, point: str) -> str:
     """The least R of the branches that has special points of one kind, and the next one without."""
     own = [face for face, points in known.items() if face.kind == kind and any(one.kind == point for one in points)]
     return _down_to([face.reflection for face in own], _FOLLOWED)
@@ -270,54 +263,55 @@ def _down_to(have: Sequence[float], tried: Sequence[float]) -> str:
     return f"R = {least:g} (not {max(without):g})" if have and without else "none of the R tried"
 
 
-def _agreement(delay: Mapping[_LeakyFace, float], waves: Mapping[_LeakyFace, float]) -> Verdict:
+_ASIDE = 1e-3
+
+
+def _of_faces(delay: Mapping[_LeakyFace, float], waves: Mapping[_LeakyFace, float]) -> Verdicts:
+    """The delay system against the full wave and another program; whether bare faces have an onset just above their edge and none
+    just below."""
     off = {face: abs(wave - delay[face]) for face, wave in waves.items()}
     worst = max(off, key=off.__getitem__)
     title = f"Slabs behind partly reflecting faces: ψ({UNTIL:.0f}) of the delay system and of the full wave, `dg:7`, agree"
-    return claim(title, WITNESS, off[worst], ROUNDING, f"worst of {len(off)}: {worst.title}")
-
-
-def _foreign() -> Verdicts:
+    yield claim(title, WITNESS, off[worst], ROUNDING, f"worst of {len(off)}: {worst.title}")
     title = f"Another program, {others.SEM2DPACK}, has the exact solution’s ψ behind bare faces"
     words = {f"reflection-{R:g}": command_words("reflection", {"slab.face.coefficient": R}) for R in (0.5, 0.9)}
     if others.FILES:
         yield as_foreign(title, {name: {t: state_at(one, t, tol=1e-12) for t in OTHERS_AT} for name, one in words.items()})
-
-
-def _locks() -> Verdict:
-    """Whether bare faces have an onset just above their edge and none just below."""
-    faces = [
-        _LeakyFace("bare", both, _LeakyFace("bare", both, 0.0).edge + aside) for both in _BOTH for aside in (_ASIDE, -_ASIDE)
-    ]
-    right = sum((_face_onset(face) > 0.0) == (face.reflection > face.edge) for face in faces)
-    remark = f"R {_ASIDE:g} above and below {faces[0].edge:.6f} on both slabs and {faces[2].edge:.6f} on one"
-    return every(
-        "Stick-slip behind bare faces ends where their dashpot is as strong as friction’s weakening", EXACT, right, 4, remark
+    title, edges = (
+        "Stick-slip behind bare faces ends where their dashpot is as strong as friction’s weakening",
+        [*map(_edge, _BOTH)],
     )
+    right = [
+        (_face_onset(_LeakyFace("bare", both, edge + aside)) > 0.0) == (aside > 0.0)
+        for both, edge in zip(_BOTH, edges, strict=True)
+        for aside in (_ASIDE, -_ASIDE)
+    ]
+    remark = f"R {_ASIDE:g} above and below {edges[0]:.6f} on both slabs and {edges[1]:.6f} on one"
+    yield every(title, EXACT, sum(right), 4, remark)
 
 
-_ASIDE = 1e-3
-
-
-def _points_again(known: Mapping[_LeakyFace, Sequence[KnownPoint]]) -> Verdict:
-    title = "Special points on record behind a face are found again"
+def _of_points(known: _Points, torus: Mapping[str, TorusEnd]) -> Verdicts:
+    """Special points on record again; whether the curve of torus points turns back at its extreme, and the branch beyond has
+    none."""
     face = _LeakyFace("bare", True, 0.95)
     pairs = zip(branch_points(face.settings(), RANGE, **WHOLE), known[face], strict=True)
     off = max((abs(ours.log10_r - old.log10_r) for ours, old in pairs), default=math.nan)
-    return claim(title, SELF, off, ROUNDING, f"{face.title}: log_{{10}} r of {len(known[face])} points")
-
-
-def _torus_gone(torus: Mapping[str, TorusEnd]) -> Verdict:
-    """Whether the curve of torus points turns back at its extreme, and the branch beyond has none."""
+    title, where = (
+        "Special points on record behind a face are found again",
+        f"{face.title}: log_{{10}} r of {len(known[face])} points",
+    )
+    yield claim(title, SELF, off, ROUNDING, where)
     title = "The first torus has two ends before the extreme of their curve, and none beyond"
-    held = [
-        side for kind, (_, leak, _, turns) in torus.items() for side in (turns, _torus_points(kind, leak * (1.0 + _BESIDE)) == 0)
-    ]
+    held = [turns for *_, turns in torus.values()]
+    for kind, (_, leak, *_) in torus.items():
+        scene = scene_of(_LeakyFace(kind, True, 1.0 - leak * (1.0 + _BESIDE)).settings())
+        beyond = sw.branch(scene, _FIRST_TORUS, model=EXACT_MODEL, longest_period=_PERIOD).summary["special"]
+        held.append(all(one["type"] != "NS" for one in beyond))
     remark = f"{', '.join(_KINDS[kind] for kind in torus)}: the curve turns; torus points at 1 − R {100 * _BESIDE:g} % above"
-    return every(title, WITNESS, sum(held), len(held), remark, "sides")
+    yield every(title, WITNESS, sum(held), len(held), remark, "sides")
 
 
-def _motions(exact: Mapping[tuple[_LeakyFace, float], Regime]) -> Table:
+def _motions(exact: _Motions) -> Table:
     rows = []
     for face in dict.fromkeys(face for face, _ in exact):
         cells = [cell for over in OVER_ONSET for cell in motion_cells(exact[face, over])]
@@ -349,8 +343,8 @@ _MARKS = {"LP": ("o", INK, 2.6), "NS": ("s", BLUE, 4.0), "PD": ("^", "#8a3a00", 
 
 
 def _plane(
-    known: Mapping[_LeakyFace, Sequence[KnownPoint]],
-    regimes: Mapping[tuple[_LeakyFace, float], Regime],
+    known: _Points,
+    regimes: _Motions,
     torus: Mapping[str, TorusEnd],
 ) -> Chart:
     """Regimes over r and 1 - R, with the onset, special points, and where the first torus ends."""
