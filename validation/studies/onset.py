@@ -88,8 +88,7 @@ def run(budget: Budget) -> StudyResult:
         verdicts=(
             *_closed_form_verdicts(paper, velocity, critical),
             *_fig_3(traced, slopes, paper),
-            _thin_slabs(slopes),
-            *map(_crossed, onsets, onsets.values()),
+            *_crossings(onsets),
             _taylor(paper),
         ),
         notes=(_HOW,),
@@ -210,13 +209,9 @@ def _fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
         "traced down to ε = 10^{-6}; the certified number of growing roots changes by 2 across every branch: "
         f"{'yes' if parted else 'no'}",
     ).with_margin(abs(second / asymptote - 1.0), _FIRST_TRACED)
-
-
-def _thin_slabs(slopes: FrictionSlopes) -> Verdict:
-    """The asymptote that the paper names below (28)."""
-    quasistatic = -slopes.healing * slopes.steady * _THIN
-    off = max(abs(closed(slopes, _THIN) / quasistatic - 1.0) for _, closed in FORMS.values())
-    return claim(THIN, ASYMPTOTIC, off, _ON_LINE, f"relative distance of (28) and (40) at r = {plain(_THIN, '.0e')}")
+    quasistatic = -slopes.healing * slopes.steady * _THIN  # the asymptote that the paper names below (28)
+    thin = max(abs(closed(slopes, _THIN) / quasistatic - 1.0) for _, closed in FORMS.values())
+    yield claim(THIN, ASYMPTOTIC, thin, _ON_LINE, f"relative distance of (28) and (40) at r = {plain(_THIN, '.0e')}")
 
 
 def _around(scene: slipwave.Scene, model: str, name: str, value: float, step: float) -> list[int]:
@@ -232,11 +227,12 @@ def _counts_across(paper: slipwave.Scene, model: str, curve: Boundary) -> list[i
     return _around(at, model, "log10_epsilon", float(curve.second[middle]), 1e-3)
 
 
-def _crossed(name: str, onset: tuple[slipwave.Scene, str, float]) -> Verdict:
-    """The certified counts of growing roots just below and above an onset, which were not used to locate it."""
-    below, beyond = _around(*onset[:2], "log10_r", onset[2], _STEP)
-    remark = f"{name}, log_{{10}} r_{{c}} = {plain(onset[2], '.8f')}, counted {plain(_STEP, '.0e')} on both sides"
-    return holding(CROSSED, WITNESS, "2 roots more", f"{beyond - below} roots more", beyond - below == 2, remark)
+def _crossings(onsets: Mapping[str, tuple[slipwave.Scene, str, float]]) -> Verdicts:
+    """The certified counts of growing roots just below and above each onset, which were not used to locate it."""
+    for name, (scene, model, at) in onsets.items():
+        below, beyond = _around(scene, model, "log10_r", at, _STEP)
+        remark = f"{name}, log_{{10}} r_{{c}} = {plain(at, '.8f')}, counted {plain(_STEP, '.0e')} on both sides"
+        yield holding(CROSSED, WITNESS, "2 roots more", f"{beyond - below} roots more", beyond - below == 2, remark)
 
 
 def _taylor(paper: slipwave.Scene) -> Verdict:

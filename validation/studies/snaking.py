@@ -39,7 +39,6 @@ from validation.report import (
     Figure,
     StudyResult,
     Table,
-    Verdict,
     Verdicts,
     claim,
     every,
@@ -98,11 +97,7 @@ def run(budget: Budget) -> StudyResult:
         tables=(_window_table(branch), _coexisting_table(orbits)),
         verdicts=(
             *_fold_claims(branch, finer),
-            *_settles([before, *others]),
-            _wanders(beyond),
-            _grows(sides(branch, *budget.plan(quick=(1, 4), full=(0, 1)))),
-            *_coexisting(others),
-            *_on_torus(*_torus_at(-2.65)),
+            *_of_runs([before, *others], beyond, sides(branch, *budget.plan(quick=(1, 4), full=(0, 1)))),
         ),
         notes=(_WHY,),
         numbers={
@@ -307,50 +302,35 @@ def _coexisting_table(found: dict[float, list[Closed]]) -> Table:
     return table("coexisting", caption, heading, rows)
 
 
-def _settles(runs: Iterable[_DirectRun]) -> Verdicts:
-    """Runs before the torus point against the orbits of the branch."""
-    title = "Before the first torus point direct runs settle on orbits of the branch"
-    for run in runs:
-        ratio = run.last[-1] / run.orbit if run.settled else math.nan
+def _of_runs(settle: Sequence[_DirectRun], wander: _DirectRun, beside: Sequence[tuple[float, complex, complex]]) -> Verdicts:
+    """Runs before the torus point against the orbits of the branch, and one beyond; runs on both sides of special points; those
+    from different nudges at one r; a long one beyond the first torus point against the independent program's."""
+    for run in settle:
+        title = "Before the first torus point direct runs settle on orbits of the branch"
         remark = minus(f"log_{{10}} r = {run.log10_r:g}, nudge {run.size:g}: T of the run over that of the orbit")
-        yield claim(title, WITNESS, ratio, _SAME, remark, near=1.0)
-
-
-def _wanders(run: _DirectRun) -> Verdict:
-    """A run beyond the torus point."""
-    low, high = run.last.min(), run.last.max()
-    apart = min(run.orbit - low, high - run.orbit)
-    return holding(
+        yield claim(title, WITNESS, run.last[-1] / run.orbit if run.settled else math.nan, _SAME, remark, near=1.0)
+    low, high = wander.last.min(), wander.last.max()
+    apart = min(wander.orbit - low, high - wander.orbit)
+    yield holding(
         "Beyond the first torus point a direct run does not settle, and its periods lie on both sides of the unstable orbit’s",
         WITNESS,
-        f"around {run.orbit:.4f}",
+        f"around {wander.orbit:.4f}",
         f"{low:.3f} to {high:.3f}",
-        not run.settled and apart > _WANDERS,
-        minus(f"log_{{10}} r = {run.log10_r:g}, T in transits; at least {_WANDERS:g} apart"),
+        not wander.settled and apart > _WANDERS,
+        minus(f"log_{{10}} r = {wander.log10_r:g}, T in transits; at least {_WANDERS:g} apart"),
     ).with_margin(_WANDERS / apart if apart > 0.0 else math.inf, 1.0)
-
-
-def _grows(beside: Sequence[tuple[float, complex, complex]]) -> Verdict:
-    """Direct runs on both sides of special points."""
-    apart = max(abs(seen / orbit - 1.0) for _, orbit, seen in beside)
     title = "On both sides of special points, direct runs depart or come back by the multiplier that passes there"
-    return claim(title, WITNESS, apart, _PASSES, f"largest relative difference, {len(beside)} sides")
-
-
-def _coexisting(runs: Sequence[_DirectRun]) -> Verdicts:
-    """Runs from different nudges at one r."""
+    off = max(abs(seen / orbit - 1.0) for _, orbit, seen in beside)
+    yield claim(title, WITNESS, off, _PASSES, f"largest relative difference, {len(beside)} sides")
     title = "Two stable orbits coexist at one r: the size of the nudge decides on which a run settles"
-    for log10_r in dict.fromkeys(run.log10_r for run in runs):
-        periods = {run.size: run.orbit for run in runs if run.log10_r == log10_r}
+    for log10_r in dict.fromkeys(run.log10_r for run in settle[1:]):
+        periods = {run.size: run.orbit for run in settle[1:] if run.log10_r == log10_r}
         listed = ", ".join(f"{period:.4f} from {size:g}" for size, period in periods.items())
         count = len({round(period, 6) for period in periods.values()})
         yield every(title, WITNESS, count, 2, minus(f"log_{{10}} r = {log10_r:g}: T {listed}"), "orbits")
-
-
-def _on_torus(rotation: float, period: Estimate) -> Verdicts:
-    """A long run beyond the first torus point, against the independent program's."""
     title = "A run on the torus has the rotation number and the mean period that another program finds"
     known = reference()["torus"]
+    rotation, period = _torus_at(known["log10_r"])
     where = minus(f"log_{{10}} r = {known['log10_r']:g}")
     yield claim(title, PROGRAM, rotation, _ROTATION, f"rotation number, {where}", near=known["rotation_number"])
     yield claim(title, PROGRAM, period.value, period.error, f"mean T with its margin, {where}", near=known["mean_period"])
