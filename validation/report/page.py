@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 from slipwave.files import whole_or_absent
 from validation.chart.svg import colors_of, inline
-from validation.report import Evidence, Verdict, text
+from validation.report import Evidence, Verdict
 from validation.report.compared import JUDGED, advice_on
 from validation.report.questions import ask, left_out, tally, verdicts_of
 from validation.report.record import Changes, Record, Word
 from validation.report.store import Picture, Stored
+from validation.report.text import templates
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -35,7 +36,6 @@ def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], repo
 def _templates(studies: Sequence[Stored], out: Path) -> "Environment":
     """The environment of the templates, of a page in the folder `out`: jinja's functions and ours, styles, scripts, the figures'
     dark colours."""
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
     from markupsafe import Markup
 
     pictures = [picture for study in studies for picture in study.figures]
@@ -52,14 +52,8 @@ def _templates(studies: Sequence[Stored], out: Path) -> "Environment":
         rows = (row for verdict in verdicts_of(studies) for row in verdict.rows)
         return [row for row in rows if f"`{model}`" in row.claim + row.remark]
 
-    environment = Environment(
-        loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
+    environment = templates()
     environment.filters |= {
-        "markup": lambda words: Markup(text.markup(words).replace(" %", "\u00a0%")),
-        "cell": lambda value, spec: Markup(text.cell(value, spec)),
-        "bare": text.bare,
-        "sentences": text.first_sentence,
         "inline": lambda picture: Markup(inline(drawings[picture.id], numbers[picture.id])),
         "packed": packed,
         "json": json.dumps,

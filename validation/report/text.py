@@ -4,7 +4,11 @@ import html
 import math
 import re
 from collections.abc import Iterable
-from typing import TypeAlias
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeAlias
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 Cell: TypeAlias = float | int | str | None
 """One entry of a table; None prints as a dash."""
@@ -88,3 +92,25 @@ def around(near: float, found: float, within: float) -> tuple[str, str]:
 def minus(text: str) -> str:
     """`text` with true minus signs instead of hyphens."""
     return text.replace("-", "−")
+
+
+def templates() -> "Environment":
+    """The environment of the templates of the page and its files."""
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {
+        "markup": lambda words: Markup(markup(words).replace(" %", "\u00a0%")),
+        "cell": lambda value, spec: Markup(cell(value, spec)),
+        "bare": bare,
+        "sentences": first_sentence,
+    }
+    return environment
