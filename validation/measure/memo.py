@@ -1,12 +1,9 @@
 """Measurements of a model on a scene, shared by studies: its onset, its own orbit, its settled run. Each is computed once per
-process and cached by model, digest of the scene and settings.
+process and cached by model, scene and settings; errors are not.
 """
 
 import math
-from collections.abc import Callable
-from functools import wraps
-from inspect import signature
-from typing import Any, ParamSpec, TypeVar
+from functools import cache
 
 import numpy as np
 
@@ -28,34 +25,15 @@ from validation.models.settle import WINDOW as WINDOW
 _PER_PIECE = 12  # samples
 _TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
 
-Settings = ParamSpec("Settings")
-Measured = TypeVar("Measured")
 
-
-def kept(measure: Callable[Settings, Measured]) -> Callable[Settings, Measured]:
-    """`measure`, cached by its arguments, a scene by its digest. Errors are not cached."""
-    known: dict[tuple[Any, ...], Measured] = {}
-
-    @wraps(measure)
-    def recalled(*args: Settings.args, **options: Settings.kwargs) -> Measured:
-        given = signature(measure).bind(*args, **options)
-        given.apply_defaults()
-        key = tuple(one.digest if isinstance(one, Scene) else one for one in given.arguments.values())
-        if key not in known:
-            known[key] = measure(*args, **options)
-        return known[key]
-
-    return recalled
-
-
-@kept
+@cache
 def own_orbit(model: str, scene: Scene, tolerance: float = 1e-10, cells: int | None = None) -> PeriodicOrbit:
     """The orbit of `model` that its run from the start of `scene` comes near to, by Newton's method, with relative errors of the
     figures below `tolerance`. Raises NumericsError if there is none."""
     return find_orbit(model, scene, tolerance, cells).found
 
 
-@kept
+@cache
 def critical_r(model: str, scene: Scene) -> float:
     """The upper slab's r from which on steady sliding is unstable, both slabs scaled together; NaN if there is none. For a full
     wave that of its equations, independent of the grid."""
@@ -65,7 +43,7 @@ def critical_r(model: str, scene: Scene) -> float:
         return math.nan
 
 
-@kept
+@cache
 def settled(
     model: str,
     scene: Scene,

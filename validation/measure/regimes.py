@@ -2,12 +2,13 @@
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 
 from slipwave.errors import NumericsError
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from validation.measure.cycle import SYMBOLS
-from validation.measure.memo import kept, own_orbit
+from validation.measure.memo import own_orbit
 from validation.models.build import build
 from validation.models.by_name import one_port_of
 from validation.models.run import Run, reconsidered, simulate
@@ -43,7 +44,7 @@ class Regime:
         return self.words == other.words or not {self.words, other.words}.isdisjoint(UNKNOWN)
 
 
-@kept
+@cache
 def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, tolerance: float | None = None) -> Regime:
     """The regime of a run of `model` to `until` (transits). Figures are those of the cycles of its second half: means and, of
     the largest slip rate, whose tail is heavy, the median; if a `tolerance` is given and the motion repeats, those of its stable
