@@ -85,7 +85,7 @@ def test_an_order_approached_from_below_holds_and_a_wrong_limit_does_not(bend, w
     one = Climb(ladder, cells, dict.fromkeys(QUANTITIES, 20.0 / cells * np.exp(-bend / cells) + wrong))
     assert (one.shortfall() == []) is (wrong == 0.0)
     if (bend, wrong) == (20.0, 0.0):
-        assert (one.fit("state").order, one.fit("state").limit) == (pytest.approx(0.87, abs=0.01), pytest.approx(1.0, abs=1e-6))
+        assert (one.fits["state"].order, one.fits["state"].limit) == (pytest.approx(0.87, abs=0.01), pytest.approx(1.0, abs=1e-6))
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_a_single_output_of_order_6_is_no_order_8(name):
     one = climbed("dg:7", 8.0)
     scatter = np.where(np.arange(one.cells.size) % 2, 1.0, 3.0)
     one.errors[name] = one.errors[name][0] * (one.cells / one.cells[0]) ** -6.0 * scatter
-    found = one.fit(name)
+    found = one.fits[name]
     assert found.order == pytest.approx(6.0, abs=0.1)
     assert found.order + 1.5 * found.half_width > 8.0
     assert name in [complaint.split(":")[0] for complaint in one.shortfall()]

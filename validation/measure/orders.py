@@ -16,7 +16,7 @@ may lie below the promised one by no more than the run's `slack`.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -87,38 +87,24 @@ class Climb:
     cells: Array
     errors: dict[str, Array]
 
-    @property
-    def resolved(self) -> int:
-        """Number of the first level that is used."""
-        worst = np.max(list(self.errors.values()), axis=0)
-        coarse = np.nonzero(~(worst < RESOLVED**-self.ladder.declared))[0]
-        return int(coarse[-1]) + 1 if coarse.size else 0
-
-    def fit(self, name: str) -> Fit:
-        """The order of one quantity; ValueError where fewer than four levels can be used."""
-        return fit_dense(self.cells, self.errors[name], self.resolved, self.ladder.run.floor)
-
-    def fit_together(self) -> Fit:
-        """The order of the geometric mean of all errors, over the levels where each is above the floor; it scatters least."""
-        every = np.array(list(self.errors.values()))
-        every = every[:, : int(np.cumprod((every > self.ladder.run.floor).all(axis=0)).sum())]
-        return fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), self.resolved)
-
-    @property
-    def span(self) -> tuple[float, float]:
-        """Least and greatest order of a single quantity."""
-        orders = [self.fit(name).order for name in self.errors]
-        return min(orders), max(orders)
+    @cached_property
+    def fits(self) -> dict[str, Fit]:
+        """The order of each quantity, and "together" that of the geometric mean of all errors, over the levels where each is
+        above the floor; it scatters least. ValueError where fewer than four levels can be used."""
+        every, floor = np.array([*self.errors.values()]), self.ladder.run.floor
+        coarse = np.nonzero(~(every.max(axis=0) < RESOLVED**-self.ladder.declared))[0]
+        first = int(coarse[-1]) + 1 if coarse.size else 0
+        every = every[:, : int(np.cumprod((every > floor).all(axis=0)).sum())]
+        together = fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), first)
+        return {name: fit_dense(self.cells, found, first, floor) for name, found in self.errors.items()} | {"together": together}
 
     @property
     def lost(self) -> str:
         """Why no order can be fitted; empty if one can."""
         try:
-            self.fit_together()
-            _ = self.span
+            return "" if self.fits else "no quantity"
         except ValueError as error:
             return str(error)
-        return ""
 
     @property
     def at_rounding(self) -> bool:
@@ -130,9 +116,9 @@ class Climb:
         better either. The finest error of every quantity must lie below the ladder's bound."""
         if self.lost:
             return [f"together: {self.lost}"]
-        fits = {name: self.fit(name) for name in self.errors}
-        complaints = {name: self._misses(found, 0.0, self.ladder.run.slack) for name, found in fits.items()}
-        together = self.fit_together()
+        slack = self.ladder.run.slack
+        complaints = {name: self._misses(found, 0.0, slack) for name, found in self.fits.items()}
+        together = self.fits["together"]
         complaints["together"] = self._misses(together, together.half_width, ALMOST) or self._unknown(together)
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
 
@@ -140,7 +126,7 @@ class Climb:
     def against_promise(self) -> tuple[str, float, float]:
         """(text of the required order of all outputs together, distance from it, allowed distance); for a scheme whose local
         orders rise to the promised one, of the order to which they lead."""
-        found = self.fit_together()
+        found = self.fits["together"]
         order, allowed = found.order, max(found.half_width, ALMOST)
         if order + allowed < self._promised and found.leads_to(self._promised):
             order, allowed = found.limit, TREND

@@ -34,8 +34,9 @@ def order_verdict(climbed: Climb, evidence: Evidence = WITNESS) -> Verdict:
         return replace(found, outcome=Outcome.OPEN) if climbed.at_rounding else found
     symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
     names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short)
-    (expected, off, allowed), (low, high) = climbed.against_promise, climbed.span
-    ours = f"{climbed.fit_together().rounded}, outputs {low:.2f} to {high:.2f}"
+    (expected, off, allowed), (*orders, together) = climbed.against_promise, climbed.fits.values()
+    low, high = (end(fit.order for fit in orders) for end in (min, max))
+    ours = f"{together.rounded}, outputs {low:.2f} to {high:.2f}"
     remark += f": short in {names}" if names else ""
     return holding(ORDER, evidence, expected, ours, not short, remark).with_margin(off, allowed)
 

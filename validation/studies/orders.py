@@ -109,7 +109,7 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _numbers(climbs: Iterable[Climb], motions: Mapping[tuple[str, str], np.ndarray]) -> dict[str, Number]:
-    together = {climbed.ladder.model: climbed.fit_together() for climbed in climbs if not climbed.lost}
+    together = {climbed.ladder.model: climbed.fits["together"] for climbed in climbs if not climbed.lost}
     found = {f"{model} order": stated(one.order, one.half_width) for model, one in together.items()}
     alike = {model: one for (model, pair), one in motions.items() if pair == "alike"}
     return found | {f"error, {model}, alike": Number(one[1], 0.02) for model, one in alike.items()}

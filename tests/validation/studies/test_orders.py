@@ -49,7 +49,7 @@ def test_a_scheme_short_of_its_order_is_red(exact, displaced, changes, red):
     wrong = {name: values * (1 + displaced) for name, values in exact.items()}
     found = climb(replace(LADDERS["dg:2"], **changes), wrong, build)
     assert judged(order_verdict(found), red)
-    assert red or found.fit_together().order == pytest.approx(4.0, abs=0.02)
+    assert red or found.fits["together"].order == pytest.approx(4.0, abs=0.02)
 
 
 @pytest.mark.parametrize("run", [GENTLE, ROUGH, STEEP], ids=["gentle", "rough", "steep"])
