@@ -21,7 +21,7 @@ from validation.report import Budget, Study, baseline, store
 from validation.report.baseline import RedReport, changes_since, red_lines
 from validation.report.files import write_files
 from validation.report.page import write_page
-from validation.report.record import Record, Word, machine_facts, record_of
+from validation.report.record import Record, Word, record_of
 from validation.report.registered import choose, study_called
 from validation.sweep import executors
 
@@ -81,8 +81,7 @@ def make_report(
 
 def _write(out: Path, results: list[store.Stored], quick: bool, against: Record | None) -> Path:
     """Write the page and its files; raises RedReport at the end."""
-    facts = machine_facts()
-    bare = record_of(results, facts, quick, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
+    bare = record_of(results, quick, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
     kept = baseline.as_report(bare)
     left = changes_since(kept, bare, f"the baseline of commit {commit(baseline.FOLDER)}")
     report = bare.model_copy(update={"changes": left})
@@ -95,7 +94,7 @@ def _write(out: Path, results: list[store.Stored], quick: bool, against: Record 
         report = bare.model_copy(update={"changes": left, "times": times})
     out.mkdir(parents=True, exist_ok=True)
     write_files(out, report, red, patch)
-    page = write_page(out, results, facts, report)
+    page = write_page(out, results, report)
     lines = red_lines(report, red)
     if lines:
         raise RedReport(lines, page)

@@ -22,10 +22,10 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 
 
-def write_page(out: Path, studies: Sequence[Stored], facts: dict[str, str], report: Record) -> Path:
+def write_page(out: Path, studies: Sequence[Stored], report: Record) -> Path:
     """Render out/index.html from the studies' results; the file appears whole or not at all."""
     said = _said(report.changes)
-    told = {"facts": facts, "report": report, "studies": studies, "said": said}
+    told = {"report": report, "studies": studies, "said": said}
     told |= {"questions": [*ask(studies, said)], "omissions": left_out(studies), "evidence": Evidence}
     page = _templates(studies, out).get_template("page.html.j2").render(told)
     with whole_or_absent(out / "index.html") as temporary:

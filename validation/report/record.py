@@ -8,6 +8,7 @@ and between ~{ and } in words; `tests.validation.without_times` takes them out.
 import math
 import platform
 from collections.abc import Sequence
+from contextlib import suppress
 from enum import StrEnum
 from importlib import metadata
 from pathlib import Path
@@ -29,8 +30,6 @@ from validation.report.store import Picture, Stored
 from validation.report.verdict import RECORDED, Real
 
 NAME = "report.json"
-_DIGESTS = ("commit", "solver sources", "scene paper")
-_MACHINE = ("platform", "processor", "cores")
 FORMAT: Literal[1] = 1
 
 
@@ -178,42 +177,24 @@ def report_schema() -> dict[str, Any]:
     return {"$schema": GenerateJsonSchema.schema_dialect} | Record.model_json_schema(mode="serialization")
 
 
-def machine_facts() -> dict[str, str]:
-    """Facts for the top of the page, in display order."""
-    return {
-        "slipwave": metadata.version("slipwave"),
-        "commit": commit(),
-        "solver sources": source_digest(),
-        "scene paper": slipwave.read("paper").digest,
-        "platform": f"{platform.system()} {platform.machine()}",
-        "processor": _processor(),
-        "cores": str(cores()),
-        "Python": platform.python_version(),
-        "numpy": metadata.version("numpy"),
-        "scipy": metadata.version("scipy"),
-        "numba": metadata.version("numba"),
-    }
-
-
 def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
-        return platform.processor() or "unknown"
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor() or "unknown"
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or "unknown"
 
 
-def record_of(studies: Sequence[Stored], facts: dict[str, str], quick: bool, written: str) -> Record:
-    """The report of the stored `studies`, in their order, without comparison; `facts` are those of
-    `machine_facts`."""
+def record_of(studies: Sequence[Stored], quick: bool, written: str) -> Record:
+    """The report of the stored `studies`, in their order, on this machine, without comparison."""
     done = [(study.name, study.result) for study in studies if not study.error]
-    machine = {key: facts[key] for key in _MACHINE}
+    packages = {name: metadata.version(name) for name in ("numpy", "scipy", "numba")}
+    machine = {"platform": f"{platform.system()} {platform.machine()}", "processor": _processor(), "cores": str(cores())}
     return Record(
         format=FORMAT,
         quick=quick,
-        versions={key: value for key, value in facts.items() if key not in (*_DIGESTS, *_MACHINE)},
-        digests={key: facts[key] for key in _DIGESTS},
+        versions={"slipwave": metadata.version("slipwave"), "Python": platform.python_version(), **packages},
+        digests={"commit": commit(), "solver sources": source_digest(), "scene paper": slipwave.read("paper").digest},
         outcomes=tally(studies),
         studies=tuple(map(_study, studies)),
         answers=tuple(

@@ -18,8 +18,6 @@ from validation.report.record import record_of
 from validation.report.registered import STUDIES
 from validation.report.store import Stored
 
-FACTS = dict.fromkeys(("slipwave", "commit", "solver sources", "scene paper", "platform", "processor", "cores"), "1")
-
 
 def stored(name, *verdicts, answers=(), **parts):
     named = by_claim(name, verdicts)
@@ -52,7 +50,7 @@ def models():
 
 
 def page_of(tmp_path, *studies):
-    return write_page(tmp_path, studies, FACTS, record_of(studies, FACTS, False, "today")).read_text(encoding="utf-8")
+    return write_page(tmp_path, studies, record_of(studies, False, "today")).read_text(encoding="utf-8")
 
 
 def summary_of(html, name):
