@@ -154,39 +154,34 @@ class ModelTable:
 
     def records(self) -> Iterator[dict[str, Cell]]:
         """One record per model, column and quantity, for a file; without figures one record with an empty symbol."""
+        nothing = dict.fromkeys(("value", "error", "standard_error"))
         for row in self.rows:
+            costs = dict(zip(self.costed, row.costs, strict=True))
             for column, cell in zip(self.columns, row.cells, strict=True):
-                record: dict[str, Cell] = {
-                    "model": row.model,
-                    "log10_r": column.log10_r,
-                    "group": column.group,
-                    "regime": cell.regime,
-                }
-                record |= {"regime_right": int(cell.right), "cycles": cell.cycles, "command": cell.command_for(row, column)}
-                cost = dict(zip(self.costed, row.costs, strict=True)).get(column.title)
-                for symbol, found in cell.figures.items() or {"": None}.items():
-                    numbers = (found.value, found.error, found.standard_error) if found else (None, None, None)
-                    named = dict(zip(("quantity", "value", "error", "standard_error"), (symbol, *numbers), strict=True))
-                    yield record | named | {"cost": cost, "advice": row.advice}
+                for symbol, found in cell.figures.items() or [("", None)]:
+                    yield {
+                        "model": row.model,
+                        "log10_r": column.log10_r,
+                        "group": column.group,
+                        "regime": cell.regime,
+                        "regime_right": int(cell.right),
+                        "cycles": cell.cycles,
+                        "command": cell.command_for(row, column),
+                        "quantity": symbol,
+                        **(vars(found) if found else nothing),
+                        "cost": costs.get(column.title),
+                        "advice": row.advice,
+                    }
 
     @property
     def groups(self) -> list[tuple[str, list[ModelColumn]]]:
         """Groups of neighbouring columns."""
         return [(group, list(columns)) for group, columns in groupby(self.columns, lambda column: column.group)]
 
-    @property
-    def usual(self) -> int:
-        """Index of the column that is shown first where one is shown at a time: the first with measured costs."""
-        return next((n for n, column in enumerate(self.columns) if column.title in self.costed), 0)
-
     def cost_at(self, row: ModelRow, column: ModelColumn) -> float | None:
         """The model's cost in the nearest column with measured costs."""
         away = {other.title: abs(other.log10_r - column.log10_r) for other in self.columns}
         return row.costs[self.costed.index(min(self.costed, key=away.__getitem__))] if self.costed else None
-
-    def anchor(self, row: ModelRow, column: ModelColumn) -> str:
-        """Id of the row with the evidence of a cell: models.table.model.column."""
-        return f"models.{self.name}.{row.model}.{column.title}".replace("−", "-").replace(" ", "-")
 
     def joined(self, row: ModelRow, symbol: str) -> Iterator[tuple[ModelColumn, ModelCell, int]]:
         """Cells of a row as they are shown, with their first column and the number of columns that they span: neighbours without
