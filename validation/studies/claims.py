@@ -131,20 +131,27 @@ def _answers(verdicts: tuple[Verdict, ...]) -> Answers:
     }
 
 
+_GROUPS = (
+    "a, direct effect",
+    "b, evolution effect",
+    "V, drive [V*]",
+    "ε = ρc V*/σ, slab impedance over frictional one",
+    "r = (h/c)/(L/V*), wave round trip over state relaxation",
+    "r_{∗}, quasi-static onset (22)",
+    "r_{c}, exact onset (39)",
+    "r_{c}, onset of the paper’s ODE (27)",
+    "ω_{c}, frequency at onset [V*/L] (20)",
+    "r/r_{c}, how far beyond onset",
+)
+
+
 def _groups(scenes: list[sw.Scene]) -> Table:
-    onsets = [onset_of(s.law, s.upper.epsilon, s.velocity) for s in scenes]
-    rows = [
-        ("a, direct effect", *(s.law.a for s in scenes)),
-        ("b, evolution effect", *(s.law.b for s in scenes)),
-        ("V, drive [V*]", *(s.velocity for s in scenes)),
-        ("ε = ρc V*/σ, slab impedance over frictional one", *(s.upper.epsilon for s in scenes)),
-        ("r = (h/c)/(L/V*), wave round trip over state relaxation", *(s.transit for s in scenes)),
-        ("r_{∗}, quasi-static onset (22)", *(one["quasistatic"] for one in onsets)),
-        ("r_{c}, exact onset (39)", *(one["delay"] for one in onsets)),
-        ("r_{c}, onset of the paper’s ODE (27)", *(one["kelvin-voigt"] for one in onsets)),
-        ("ω_{c}, frequency at onset [V*/L] (20)", *(one["omega_c"] for one in onsets)),
-        ("r/r_{c}, how far beyond onset", *(s.transit / one["delay"] for s, one in zip(scenes, onsets, strict=True))),
-    ]
+    columns = []
+    for s in scenes:
+        one = onset_of(s.law, s.upper.epsilon, s.velocity)
+        onsets = [one[name] for name in ("quasistatic", "delay", "kelvin-voigt", "omega_c")]
+        columns.append([s.law.a, s.law.b, s.velocity, s.upper.epsilon, s.transit, *onsets, s.transit / one["delay"]])
+    rows = zip(_GROUPS, *columns, strict=True)
     caption = (
         "The scenes in dimensionless groups. L: slip over which friction’s state renews itself; V*: reference rate; σ: normal "
         "stress; ρ, c: density and shear-wave speed of the slabs; h: thickness of both together."
