@@ -96,6 +96,12 @@ def test_a_row_of_a_verdict_has_found_beside_limit_and_their_ratio(tmp_path):
     assert '<i style="width:20%">' in html
 
 
+def test_a_verdict_that_is_not_decided_has_its_own_light(tmp_path):
+    html = page_of(tmp_path, stored("energy", verdict(Outcome.OPEN), verdict(title="B holds")))
+    assert [row[0] for row in rows_of(html, "verdicts energy")[1:]] == ["?", "✓"]
+    assert rows_of(html, "studies and kinds of evidence")[1][1] == "? 2"
+
+
 def test_a_claim_of_several_cases_is_told_once(tmp_path):
     told = [("B holds", "at 1"), ("A holds", "at 1"), ("B holds", "at 2")]
     html = page_of(tmp_path, stored("energy", *(verdict(title=title, remark=remark) for title, remark in told)))
