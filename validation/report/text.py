@@ -52,7 +52,7 @@ def bare(words: str) -> str:
     return words
 
 
-def first_sentence(words: str) -> tuple[str, str]:
+def _first_sentence(words: str) -> tuple[str, str]:
     """The first sentence of `words`, and the rest."""
     first, *rest = re.split(r"(?<=[.?!])(?<! al\.) +(?=[A-ZΔΨ`*(])", words.strip(), maxsplit=1)
     return first, " ".join(rest)
@@ -111,6 +111,6 @@ def templates() -> "Environment":
         "markup": lambda words: Markup(markup(words).replace(" %", "\u00a0%")),
         "cell": lambda value, spec: Markup(cell(value, spec)),
         "bare": bare,
-        "sentences": first_sentence,
+        "sentences": _first_sentence,
     }
     return environment
