@@ -23,7 +23,6 @@ OF_LIBRARIES = {
     "node.body",
     "sys.stdout", "sys.stderr", "sys.unraisablehook", "context.Process", "process._Popen",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
-    "element.text", "element.tail",
     "call.__doc__", "call.__signature__", "call.__annotations__", "kind.__name__",
     "mark.until", "work.until", "engine.report",
     "differences[name].attrs", "differences['other_regime'].attrs",

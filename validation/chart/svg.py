@@ -2,13 +2,11 @@
 byte for byte."""
 
 import base64
-import copy
 import io
 import re
-from collections.abc import Iterable, Iterator
-from itertools import groupby
+from collections.abc import Iterable
+from html import escape
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
 
 from validation.chart.colors import PAPER, by_night
 
@@ -16,118 +14,71 @@ if TYPE_CHECKING:
     from validation.chart.draw import Drawing
 
 FONTS = "'STIX Two Text','STIXGeneral','Times New Roman','Liberation Serif',Tinos,serif"
-_SVG, _LINK = "http://www.w3.org/2000/svg", "{http://www.w3.org/1999/xlink}href"
-_COLOR, _REFERRED = re.compile(r"#[0-9a-f]{6}"), re.compile(r"url\(#(.*)\)|#(.*)")
-_FILL = re.compile(r"url\(#(.*?)\)")  # in a style: a hatch
-_MARKS = (f"{{{_SVG}}}use", f"{{{_SVG}}}path")
-_PLACES = ("d", "x", "y", "width", "height", "transform", "viewBox")
+_NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'
+_COLOR, _REFERENCE = re.compile(r"#[0-9a-f]{6}"), re.compile(r'(url\(#|href="#)([^")]+)')
+_PLACES, _NUMBER = re.compile(r' (?:[dxy]|width|height|viewBox|transform)=".*?"'), re.compile(r"-?\d+\.\d+")
+_GROUP = re.compile(r"<g>((?:(?!</?g\b).)*)</g>|<g/>")  # without attributes
+_TIDY = {
+    r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->| xmlns:xlink=\S+|xlink:": "",  # who made it, and formulas once more
+    r">\s*\n\s*<": "><",
+    r"\s*\n": " ",
+    r" ?font-family: [^;\"]*;?": "",  # those of the page instead
+    r' fill="(.*?)"': r' style="fill: \1"',  # behind a hatch
+}
 _SHADES, _KEYS = 256, 16  # colours of a picture; of one whose colours a key explains
 _RASTER_DOTS = 72  # per inch, of pictures within a drawing
 
 
 def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
-    """The drawing as one <svg> element, whose ids begin with `name`."""
+    """The drawing as one <svg> element, whose ids begin with `name`: only those that are referred to; places to a tenth of a
+    point."""
     raw = io.StringIO()
     figure.savefig(raw, format="svg", dpi=_RASTER_DOTS, metadata={"Date": None})
-    ElementTree.register_namespace("", _SVG)
-    root = ElementTree.fromstring(raw.getvalue())
-    root.remove(root[0])  # who made it
-    own = {old: f"{name}-{n}" for n, old in enumerate(dict.fromkeys(_referred(root)))}
-    for element in root.iter():
-        element.text, element.tail = element.text if (element.text or "").strip() else None, None
-        _shorten(element, own)
-    for parent in [one for one in root.iter() if one.find(f"{{{_SVG}}}image") is not None]:
-        _day_and_night(parent)
-    _regroup(root)
-    known = {"role": "img", "aria-labelledby": f"{name}-title", "aria-describedby": f"{name}-desc"}
-    root.attrib.update(known | {"style": f"font-family:{FONTS};fill:#000000"})
-    for place, (tag, words) in enumerate((("title", title), ("desc", description))):
-        element = ElementTree.Element(f"{{{_SVG}}}{tag}", {"id": f"{name}-{tag}"})
-        element.text, element.tail = words, "\n"
-        root.insert(place, element)
-    text = ElementTree.tostring(root, encoding="unicode")
+    text = raw.getvalue()
+    for pattern, other in _TIDY.items():
+        text = re.sub(pattern, other, text)
+    own = {old: f"{name}-{n}" for n, old in enumerate(dict.fromkeys(old for _, old in _REFERENCE.findall(text)))}
+    text = re.sub(' id="(.*?)"', lambda id: f' id="{own[id[1]]}"' if id[1] in own else "", text)
+    text = _REFERENCE.sub(lambda found: found[1] + own[found[2]], text)
+    text = _PLACES.sub(lambda places: _NUMBER.sub(_tenths, places[0]), text)
+    text = re.sub('style=".*?"', lambda style: re.sub("(?<=[:;]) ", "", style[0]), text)
+    text = re.sub('<image (.*?base64,)(.*?)(".*?/>)', _day_and_night, text)
+    while _GROUP.search(text):
+        text = _GROUP.sub(r"\1", text)
+    known = f'role="img" aria-labelledby="{name}-title" aria-describedby="{name}-desc" style="font-family:{FONTS};fill:#000000"'
+    words = f'<title id="{name}-title">{escape(title)}</title>\n<desc id="{name}-desc">{escape(description)}</desc>\n'
+    text = text.replace(">", f" {known}>{words}", 1)
     return _COLOR.sub(lambda found: f"var({variable(found[0])},{found[0]})", text) + "\n"
 
 
-def _referred(root: ElementTree.Element) -> Iterator[str]:
-    """The ids that attributes refer to."""
-    for name, value in (pair for element in root.iter() for pair in element.attrib.items()):
-        if name == "style":
-            yield from _FILL.findall(value)
-        elif name != "fill" and (match := _REFERRED.fullmatch(value)):
-            yield match[1] or match[2]
+def _tenths(number: re.Match[str]) -> str:
+    return f"{float(number[0]):.1f}".removesuffix(".0")
 
 
-def _regroup(parent: ElementTree.Element) -> None:
-    """Groups without attributes go; neighbours of one style, as the marks of a curve, become a group that has it."""
-    for child in parent:
-        _regroup(child)
-    inner = [one for child in parent for one in (child if child.tag == f"{{{_SVG}}}g" and not child.attrib else [child])]
-    parent[:] = []
-    for (tag, style), group in groupby(inner, lambda one: (one.tag, one.get("style"))):
-        alike = list(group)
-        if len(alike) > 1 and style and tag in _MARKS and parent.tag != f"{{{_SVG}}}defs":
-            for one in alike:
-                del one.attrib["style"]
-            ElementTree.SubElement(parent, f"{{{_SVG}}}g", {"style": style}).extend(alike)
-        else:
-            parent.extend(alike)
-
-
-def _shorten(element: ElementTree.Element, own: dict[str, str]) -> None:
-    """Only the ids that are referred to, renamed; places to a tenth of a point; the fonts of the page."""
-    words = dict(element.attrib)
-    element.attrib.clear()
-    if words.get("id") in own:
-        element.set("id", own[words["id"]])
-    for name, value in ((name, value) for name, value in words.items() if name != "id"):
-        match = _REFERRED.fullmatch(value)
-        if name == "fill":  # behind a hatch
-            name, value = "style", f"fill:{value}"
-        elif match and name != "style":
-            value = value.replace(match[1] or match[2], own[match[1] or match[2]])
-        elif name in _PLACES:
-            value = " ".join(map(_tenths, value.split()))
-        elif name == "style":
-            value = _FILL.sub(lambda fill: f"url(#{own[fill[1]]})", value)
-            value = ";".join(part.replace(": ", ":") for part in value.split("; ") if not part.startswith("font-family"))
-        element.set("href" if name == _LINK else name, value)
-
-
-def _tenths(word: str) -> str:
-    try:
-        return f"{float(word):.1f}".removesuffix(".0")
-    except ValueError:
-        return word
-
-
-def _day_and_night(parent: ElementTree.Element) -> None:
-    """Pictures with palettes. A dark page inverts their shades; one of few colours, explained by a key, has a second version in
+def _day_and_night(element: re.Match[str]) -> str:
+    """A picture with a palette. A dark page inverts its shades; one of few colours, explained by a key, has a second version in
     the dark colours of the key."""
     from PIL import Image
 
-    def address(image: Any) -> str:
+    def with_palette(image: Any, words: str) -> str:
         file = io.BytesIO()
         image.save(file, format="png", optimize=True)
-        return "data:image/png;base64," + base64.b64encode(file.getvalue()).decode("ascii")
+        return f"<image {words} {element[1]}{base64.b64encode(file.getvalue()).decode('ascii')}{element[3]}"
 
-    for element in parent.findall(f"{{{_SVG}}}image"):
-        with Image.open(io.BytesIO(base64.b64decode(element.attrib["href"].partition("base64,")[2]))) as image:
-            seen = image.convert("RGBA")
-        day = Image.alpha_composite(Image.new("RGBA", seen.size, PAPER), seen).convert("RGB").quantize(_SHADES)
-        is_key = len(day.getcolors() or []) <= _KEYS
-        element.attrib.update({"class": "day" if is_key else "shades", "href": address(day)})
-        if is_key:
-            other, night, palette = copy.deepcopy(element), day.copy(), bytes(day.getpalette() or [])
-            colors = (by_night(f"#{palette[k : k + 3].hex()}") for k in range(0, len(palette), 3))
-            night.putpalette(b"".join(bytes.fromhex(color[1:]) for color in colors))
-            other.attrib.update({"class": "night", "style": "display:none", "href": address(night)})
-            parent.append(other)
+    with Image.open(io.BytesIO(base64.b64decode(element[2]))) as image:
+        seen = image.convert("RGBA")
+    day = Image.alpha_composite(Image.new("RGBA", seen.size, PAPER), seen).convert("RGB").quantize(_SHADES)
+    if len(day.getcolors() or []) > _KEYS:
+        return with_palette(day, 'class="shades"')
+    night, palette = day.copy(), bytes(day.getpalette() or [])
+    colors = (by_night(f"#{palette[k : k + 3].hex()}") for k in range(0, len(palette), 3))
+    night.putpalette(b"".join(bytes.fromhex(color[1:]) for color in colors))
+    return with_palette(day, 'class="day"') + with_palette(night, 'class="night" style="display:none"')
 
 
 def inline(svg: str, name: str) -> str:
     """The element as part of a page, which declares namespace and colours; its ids begin with the short `name`."""
-    known = re.sub(r"var\((--c[0-9a-f]{6}),#[0-9a-f]{6}\)", r"var(\1)", svg.replace(f' xmlns="{_SVG}"', "", 1))
+    known = re.sub(r"var\((--c[0-9a-f]{6}),#[0-9a-f]{6}\)", r"var(\1)", svg.replace(_NAMESPACE, "", 1))
     own = re.search(r'aria-labelledby="(.*?)-title"', known)
     return re.sub(rf'(["#]){re.escape(own[1])}-', rf"\g<1>{name}-", known) if own else known
 
