@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reduced.parameters import with_parameter
 from reduced.stability.characteristic import Characteristic, characteristic
 from reduced.stability.crossing import between
 from reduced.stability.spectrum import leading_roots, unstable_count
@@ -32,24 +31,13 @@ class Boundary:
 
 
 def boundary(
-    scene: Scene,
-    model: str,
-    over: tuple[str, str],
-    ranges: tuple[tuple[float, float], tuple[float, float]],
-    scene_at: Callable[[float, float], Scene] | None = None,
+    scene_at: Callable[[float, float], Scene], model: str, ranges: tuple[tuple[float, float], tuple[float, float]]
 ) -> list[Boundary]:
-    """The stability boundaries of `scene` under `model` found in the rectangle `ranges` of the parameters `over`.
+    """The stability boundaries under `model` of the scenes at two parameters, found in the rectangle `ranges` of these.
 
-    Names are those of `reduced.parameters`, unless `scene_at` gives the scene at their values. A curve is found where the
-    certified number of unstable roots changes along one of a few lines per parameter. It is followed both
-    ways until it leaves the rectangle or closes.
+    A curve is found where the certified number of unstable roots changes along one of a few lines per parameter. It is followed
+    both ways until it leaves the rectangle, closes, or comes to where there is no scene.
     """
-    if scene_at is None:
-        first, second = over
-
-        def scene_at(one: float, other: float) -> Scene:
-            return with_parameter(with_parameter(scene, first, one), second, other)
-
     plane = _Plane(scene_at, model, np.array(ranges, dtype=float))
     curves: list[Array] = []
     for start in _seeds(plane):
@@ -160,7 +148,10 @@ def _march(plane: _Plane, start: Array, direction: float) -> list[Array]:
             break
         if len(points) > 10 and np.linalg.norm(trial - start) < 0.75 * size:
             break
-        tangent = _tangent(_central_differences(plane.residual, trial), tangent)
+        try:
+            tangent = _tangent(_central_differences(plane.residual, trial), tangent)
+        except SceneError:  # at the end of what a scene allows
+            break
         size = min(_STEP, 1.5 * size)
     return points
 

@@ -144,8 +144,7 @@ class Curve:
 
     def _boundaries(self) -> list[Boundary]:
         """The boundaries of stability in the rectangle; of these only the one that passes nearest to `start`, if given."""
-        names, port = (self.over.name, self.second.name), one_port_of(self.model)
-        found = boundary(self.over.base, port, names, (self.over.ends, self.second.ends), self._scene_at)
+        found = boundary(self._scene_at, one_port_of(self.model), (self.over.ends, self.second.ends))
         if self.start is None or not found:
             return found
         own = self.plane.at((self.start[0].special[self.start[1]].value, self.second.first))

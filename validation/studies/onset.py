@@ -68,7 +68,11 @@ def run(budget: Budget) -> StudyResult:
     velocity = np.geomspace(1.0, 1e4, budget.plan(quick=25, full=81))
     scenes = [scaled(paper, velocity=v) for v in velocity.tolist()]
     critical = {model: np.array([critical_round_trip(scene, model)[0] for scene in scenes]) for model in budget.each(FORMS, 0.2)}
-    traced = {model: boundary(paper, model, ("log10_r", "log10_epsilon"), _WINDOW) for model in budget.each(FORMS, 0.6, 0.2)}
+
+    def paper_at(log10_r: float, log10_epsilon: float) -> slipwave.Scene:
+        return with_parameter(with_parameter(paper, "log10_r", log10_r), "log10_epsilon", log10_epsilon)
+
+    traced = {model: boundary(paper_at, model, _WINDOW) for model in budget.each(FORMS, 0.6, 0.2)}
     onsets = {f"`{model}`": (paper, model, math.log10(critical_round_trip(paper, model)[0])) for model in _ONSETS}
     others = {name: slipwave.read(name) for name in SCENES[1:]}
     onsets |= {

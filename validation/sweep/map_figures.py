@@ -5,18 +5,16 @@ import itertools
 import json
 import math
 import tomllib
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import reduce
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
 import slipwave
-from reduced.parameters import PARAMETERS
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, cell_edges, color_number
 from validation.chart.colors import PAPER, REGIMES
@@ -44,12 +42,6 @@ SIZES = {"single": 8.5, "double": 17.0}
 """Widths of columns of a paper, cm."""
 
 _PRINT, _MOST_READ = 8.0 / 11.0, 20_000
-
-_PLAIN = {"r": "r", "V/V*": "V"}
-"""Label of the other side of an axis in SI -> parameter."""
-
-_FACES = {"coefficient": "reflection", "impedance": "grip_impedance", "stiffness": "grip_stiffness", "mass": "machine_mass"}
-"""Key of a face of both slabs -> parameter, in a scene without units."""
 
 
 class Line(NamedTuple):
@@ -298,39 +290,6 @@ def _other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     return Second(plain, value / here, is_power) if own.unit else Second(label, size / here, is_power)
 
 
-_Side: TypeAlias = tuple[str, Array, Callable[[Array], Array]]
-"""An axis as a parameter of boundaries: its name, its values, and what turns values of the parameter into those of the axis."""
-
-
-def _side(data: Dataset, axis: str) -> _Side | None:
-    """None for an axis that is no such parameter, as a density. Thickness is a round trip, a velocity in SI one in V*."""
-    values, key = np.asarray(data[axis].values, dtype=float), _parameter_of(data[axis]).name
-    name, factor, other = SHORT.get(key, key), 1.0, _other_side(data, data[axis])
-    if key.startswith("slab.face.") and "normal_stress" not in data.attrs["scene_toml"]:
-        name = _FACES.get(key.removeprefix("slab.face."), key)
-    if other is not None and other.label in _PLAIN:  # the axis is in SI
-        name, factor = _PLAIN[other.label], other.factor
-    if _is_logarithmic(values) and f"log10_{name}" in PARAMETERS:
-        return f"log10_{name}", np.log10(factor * values), lambda value: 10.0**value / factor
-    return (name, factor * values, lambda value: value / factor) if name in PARAMETERS else None
-
-
-def _own_sides(data: Dataset, scenes: Variation) -> tuple[list[_Side], Callable[[float, float], Scene]]:
-    """Two axes of numbers as they are, over any keys and variables, and the scene at values of both."""
-    sides = list[_Side]()
-    for axis in _axes_of(data):
-        values = np.asarray(data[axis].values, dtype=float)
-        is_power = _is_logarithmic(values)
-        sides.append((axis, np.log10(values), lambda value: 10.0**value) if is_power else (axis, values, lambda value: value))
-    parameters = [_parameter_of(data[axis]) for axis in _axes_of(data)]
-
-    def scene_at(*found: float) -> Scene:
-        """The scene at values of both sides."""
-        return scenes.at(parameters, [float(on_axis(np.asarray(x))) for (_, _, on_axis), x in zip(sides, found, strict=True)])
-
-    return sides, scene_at
-
-
 def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     """The curves on which steady sliding loses its stability, of each model of a map over two axes, and for each without one a
     line why not."""
@@ -340,23 +299,33 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     words = [axis for axis in axes if data[axis].dtype.kind not in "iuf"]
     if words:
         return (), [f"no boundary of stability: it is not computed over {' and '.join(words)}"]
-    scenes, scene_at = _scenes_over(data, axes), None
-    sides = [side for axis in axes if (side := _side(data, axis))]
-    if len(sides) < len(axes) or scenes.sets:
-        sides, scene_at = _own_sides(data, scenes)
-    (across, *_, on_across), (up, *_, on_up) = sides
-    ranges = [(float(values.min()), float(values.max())) for _, values, _ in sides]
+    scenes, varied = _scenes_over(data, axes), [_parameter_of(data[axis]) for axis in axes]
+    varied = [one if one.unit else replace(one, name=SHORT.get(one.name, one.name)) for one in varied]  # sooner set than read
+    ends = [(float(np.min(data[axis].values)), float(np.max(data[axis].values))) for axis in axes]
+    powers = [_is_logarithmic(data[axis].values) for axis in axes]
+    across, up = (
+        (math.log10(low), math.log10(high)) if is_power else (low, high)
+        for (low, high), is_power in zip(ends, powers, strict=True)
+    )
+
+    def on_axes(*found: Any) -> list[Any]:
+        return [10.0**one if is_power else one for one, is_power in zip(found, powers, strict=True)]
+
+    def scene_at(*found: float) -> Scene:
+        return scenes.at(varied, [float(f"{one:.15g}") for one in on_axes(*found)])  # the end of an axis may be that of its key
+
     lines, notes = [], []
     for model in (str(name) for name in np.atleast_1d(data["model"].values)):
         try:
-            curves = boundary(scenes.base, one_port_of(model), (across, up), (ranges[0], ranges[1]), scene_at)
+            curves = boundary(scene_at, one_port_of(model), (across, up))
         except (NumericsError, SceneError, ValueError) as error:
             notes.append(f"no boundary of stability of {model}: {error}")
             continue
         if not curves:
             notes.append(f"no boundary of stability of {model}: steady sliding does not change its stability on this map")
         for curve in curves:
-            lines.append(Line(f"onset of instability, {model}", on_across(curve.first), on_up(curve.second), model))
+            first, second = on_axes(curve.first, curve.second)
+            lines.append(Line(f"onset of instability, {model}", first, second, model))
     return tuple(lines), notes
 
 
