@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import binary_dilation
 
 from validation.sweep.measures import Measure, decided_regimes
 from validation.sweep.plan import Indices, Plan
@@ -102,9 +103,7 @@ def _differing(known: Regimes, step: int) -> Cells:
 
 def _around(cells: Cells) -> Cells:
     """These cells and their neighbours, for each model."""
-    along = tuple(range(1, cells.ndim))
-    padded = np.pad(cells, [(0, 0), *[(1, 1)] * len(along)])
-    return np.asarray(sliding_window_view(padded, (3,) * len(along), along).any(axis=tuple(-axis for axis in along)))
+    return np.asarray(binary_dilation(cells, np.ones((1, *[3] * (cells.ndim - 1)), dtype=bool)))
 
 
 def _audited(shape: tuple[int, ...]) -> Cells:
@@ -118,16 +117,13 @@ def _there(divided: Mapping[int, Cells], level: int, levels: int) -> Cells:
     if level == levels:
         return np.ones_like(divided[level])
     cells = divided[level + 1]
-    for axis in range(1, cells.ndim):
-        cells = np.repeat(cells, 2, axis)
-    return cells
+    return np.kron(cells, np.ones((1, *[2] * (cells.ndim - 1)), dtype=bool))
 
 
 def _coarser(cells: Cells, factor: int) -> Cells:
     """The cells, larger by `factor`, that contain one of `cells`."""
     for axis in range(1, cells.ndim):
-        shape = (*cells.shape[:axis], cells.shape[axis] // factor, factor, *cells.shape[axis + 1 :])
-        cells = np.asarray(cells.reshape(shape).any(axis + 1))
+        cells = np.logical_or.reduceat(cells, range(0, cells.shape[axis], factor), axis)
     return cells
 
 
