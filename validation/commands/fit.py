@@ -26,10 +26,12 @@ from validation.chart import GUIDE, INK, POINTS, Chart, Panel, Scale, Trace
 from validation.chart.looks import model_line
 from validation.commands.comparison import barred
 from validation.commands.options import ModelOptions, RecordOptions, command, option
+from validation.commands.reasons import PREFIXES, power_of
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.commands.wording import header
 from validation.data.datasets import Dataset
 from validation.data.series import read_series
+from validation.fit.by_orbits import fitted_orbit
 from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.orbits import MOST_TRANSITS, CycleOfOrbit
 from validation.fit.parameters import NUISANCES, Free, Variants, begun, schedule_of, sizes
@@ -44,7 +46,6 @@ _TOLERANCE = 1e-7
 _ASTRAY, _UNEXPLAINED = 1.3, 3.0  # times the noise: a residual that needs a word, and that fails
 
 _MEASURED = "#7fb0d6"
-_PREFIXES = {-9: "n", -6: "μ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 _LABELS = {"a_star": "$a_*$", "a": "$a$", "b": "$b$", "memory_length": "$L$", "reference_velocity": "$V_*$"}
 _IN_A_LINE = 4
 _FEW = 200  # points, that are drawn large, with twice their standard errors
@@ -169,7 +170,7 @@ class FitResult(Result):
         notes += [f"not determined: {line}" for line in self.spread.singular]
         if self.spread.profiled:
             notes.append(f"the interval of {' and '.join(self.spread.profiled)} is by profile: the derivative's is another")
-        if self.spread.noise > _ASTRAY and self.problem.noise and not self.failed:
+        if self.spread.noise > _ASTRAY and not self.failed:
             cause = "a part of the record (--window) or the model is not what the other is, or the fit ended off its best values"
             notes.append(f"the residual is {self.spread.noise:.1f} times the noise, and the intervals do not know why: {cause}")
         together = self.spread.together
@@ -273,7 +274,7 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
             starts = chain([best.inner], starts if is_cheap or waves else [])
         elif not is_cheap and not waves:
             starts = _nearby(problem_of(scenes, free, words, records, _CHEAP, tolerance), starts)
-        found = problem.by_orbits(waves, starts, best) if waves else minimise(problem, starts, best, problem.noise)
+        found = fitted_orbit(problem, waves, starts, best) if waves else minimise(problem, starts, best)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
             raise
@@ -322,7 +323,7 @@ def _from_best(words: list[str], free: Iterable[Free], inner: Array) -> list[str
 def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     """Starts of an expensive model: the best values of a cheap one, or its own starts where there are none."""
     try:
-        found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())), cheap.noise)
+        found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())))
     except NumericsError as error:
         log.info("%s: %s", _CHEAP, error)
         yield from others
@@ -414,11 +415,11 @@ def _values_in_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 def _value_in_words(key: str, row: Mapping[str, Any]) -> str:
     word, value, unit = key.rpartition(".")[2], row["value"], row["unit"]
     label = _LABELS.get(word, word.replace("_", " "))
-    power = 3 * math.floor(math.log10(abs(value)) / 3.0) if unit and value else 0
-    size = 10.0 ** (power if power in _PREFIXES else 0)
+    power = power_of(value) if unit and value else 0
+    size = 10.0**power
     half = 0.5 * (row["high"] - row["low"]) / size
     text = barred(value / size, half).replace("+-", "±") if row["determined"] else f"{value / size:.3g}, not determined"
-    unit = f" {_PREFIXES.get(power, '')}{unit}" if unit else ""
+    unit = f" {PREFIXES[power].replace('u', 'μ')}{unit}" if unit else ""
     return f"{label} = ({text}){unit}" if unit and row["determined"] else f"{label} = {text}{unit}"
 
 

@@ -7,18 +7,17 @@ friction.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.observe.pieces import Array, Basis, Pieces, interpolation_matrix, lagrange_basis
+from slipwave.observe.extrema import evaluate, find_root
+from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
-from slipwave.step.collocation import radau
 from validation.data.events import FALL, SlipEvents, falls, noise_of, slip_events
-from validation.fit.forward import Reduced, sampled
+from validation.fit.forward import OfReduction, basis_of, sampled
 from validation.fit.parameters import Variants, sizes
 
 BINS = 48
@@ -31,7 +30,6 @@ _ALIKE = 5  # cycles, that say what is settled
 _STANDS_OUT = 4.0  # standard errors, beyond which cycles differ by more than noise
 _SETTLED = 7  # events; the last cycle of so many is taken
 _LONGER = (1.0, 2.5, 6.0, 15.0)  # times the expected length of a march
-_BISECTIONS = 60
 _SAME_PERIOD = 1e-5  # relative difference of two in a row with which the motion has settled
 DISTURBED = 1.0
 """Jump of psi at the start of a march that is to stick and slip."""
@@ -187,24 +185,16 @@ def _dating(dates: Array, errors: Array, leaning: float, times: Array, slope: Ar
     return own, np.column_stack([by_shift, by_length])
 
 
-class CycleOfReduction(Reduced):
+class CycleOfReduction(OfReduction):
     """The last of some cycles of an ODE reduction that a disturbance has set going: period, then friction in the bins. Raises
     NumericsError where the model does not stick and slip."""
 
     def __init__(self, variants: Variants, period: float, model: str, tolerance: float, phases: Array | None = None) -> None:
         """`period`: expected; `phases`: mean phases of the samples in the bins, by default their middles."""
-        super().__init__(variants, model, tolerance)
-        self._period = period
         width = (1.0 - 2.0 * MARGIN) / BINS
         middles = MARGIN + width * (np.arange(BINS) + 0.5) if phases is None else phases
-        self._phases = (middles[:, None] + width * _NODES).ravel()
-
-    def motion(self, inner: Array, every: float) -> tuple[Array, Array]:
-        """Times (s, or transits in a scene without units) at intervals `every`, and friction, of the later half of the march."""
-        slabs, pieces = self._known(inner)
-        clock = sizes(slabs.scene)[0]
-        times = np.arange(0.4 * pieces.time[-1] * clock, pieces.time[-1] * clock, every)
-        return times, sampled(pieces, times / clock, [pieces.mu])[0]
+        super().__init__(variants, (middles[:, None] + width * _NODES).ravel(), model, tolerance)  # phases instead of times
+        self._period = period
 
     def _march(self, scene: Scene) -> Pieces:
         for longer in _LONGER:
@@ -231,17 +221,17 @@ class CycleOfReduction(Reduced):
         events = self._falls(pieces)[-2:]
         (begin, at_begin), (end, at_end) = (model_date(pieces, one, [slope, *by]) for one in events)
         period = end - begin
-        rows = sampled(pieces, begin + self._phases * period, [pieces.mu, slope, *by])
+        rows = sampled(pieces, begin + self._times * period, [pieces.mu, slope, *by])
         clock = sizes(scene)[0]
         columns = [np.append(period * clock, _binned(rows[0]))]
         for one, first, last in zip(rows[2:], at_begin, at_end, strict=True):
-            columns.append(np.append((last - first) * clock, _binned(one + rows[1] * (first + self._phases * (last - first)))))
+            columns.append(np.append((last - first) * clock, _binned(one + rows[1] * (first + self._times * (last - first)))))
         return columns
 
 
 def slope_of(pieces: Pieces) -> Array:
     """d mu/dt at the nodes (k, s)."""
-    return np.asarray(pieces.mu @ _basis(pieces.z.shape[1]).derivative.T / pieces.length[:, None])
+    return np.asarray(pieces.mu @ basis_of(pieces).derivative.T / pieces.length[:, None])
 
 
 def _binned(values: Array) -> Array:
@@ -251,40 +241,24 @@ def _binned(values: Array) -> Array:
 def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tuple[float, list[float]]:
     """Date (transits) of an event between two nodes, and its derivatives by the parameters of `rows`, which begin with the
     slope."""
-    stages, mu, slope = pieces.z.shape[1], pieces.mu.ravel(), rows[0]
-    ends = [_extreme(slope, node // stages) for node in event]
-    levels = [0.5 * sum(_value(one[piece], share) for piece, share in ends) for one in (pieces.mu, *rows[1:])]
+    basis, stages, mu, slope = basis_of(pieces), pieces.z.shape[1], pieces.mu.ravel(), rows[0]
+    ends = [_extreme(basis, slope, node // stages) for node in event]
+    levels = [0.5 * sum(evaluate(basis, one[piece], share) for piece, share in ends) for one in (pieces.mu, *rows[1:])]
     above = event[0] + int(np.flatnonzero(mu[event[0] : event[1]] > levels[0])[-1])
-    piece, share = _root(pieces.mu - levels[0], (above + 1) // stages)
+    piece = (above + 1) // stages
+    share = find_root(basis, pieces.mu[piece], levels[0], 0.0, 1.0)
     date = float(pieces.time[piece] + share * pieces.length[piece])
-    steep = _value(slope[piece], share)
-    return date, [(level - _value(one[piece], share)) / steep for level, one in zip(levels[1:], rows[1:], strict=True)]
+    steep = evaluate(basis, slope[piece], share)
+    return date, [(level - evaluate(basis, one[piece], share)) / steep for level, one in zip(levels[1:], rows[1:], strict=True)]
 
 
-def _extreme(slope: Array, piece: int) -> tuple[int, float]:
+def _extreme(basis: Basis, slope: Array, piece: int) -> tuple[int, float]:
     """The piece, `piece` or a neighbour, and the point of it in [0, 1] where the slope passes zero."""
     near = [k for k in (piece, piece + 1, piece - 1) if 0 <= k < len(slope)]
-    there = next((k for k in near if _value(slope[k], 0.0) * slope[k, -1] <= 0.0), None)
-    return (piece, 1.0) if there is None else _root(slope, there)  # a wave's front makes a corner between two pieces
-
-
-def _root(rows: Array, piece: int) -> tuple[int, float]:
-    """The piece and the point of it in [0, 1] where its polynomial, of nodal values `rows`, passes zero."""
-    low, high, sign = 0.0, 1.0, np.sign(_value(rows[piece], 0.0))
-    for _ in range(_BISECTIONS):
-        half = 0.5 * (low + high)
-        low, high = (half, high) if _value(rows[piece], half) * sign > 0.0 else (low, half)
-    return piece, 0.5 * (low + high)
-
-
-@cache
-def _basis(stages: int) -> Basis:
-    return lagrange_basis(radau(stages).nodes)
-
-
-def _value(row: Array, share: float) -> float:
-    """Value of the polynomial of a piece."""
-    return float((interpolation_matrix(_basis(row.size), np.array([share])) @ row)[0])
+    there = next((k for k in near if evaluate(basis, slope[k], 0.0) * slope[k, -1] <= 0.0), None)
+    if there is None:
+        return piece, 1.0  # a wave's front makes a corner between two pieces
+    return there, find_root(basis, slope[there], 0.0, 0.0, 1.0)
 
 
 def disturbed(variants: Variants) -> Variants:

@@ -3,6 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from reduced.impedance.reduce import reduction_of
 from reduced.ode.slabs import STAGES, ReducedSlabs
 from slipwave.errors import NumericsError
 from slipwave.observe.history import values_at
-from slipwave.observe.pieces import SAME, Array, Pieces, lagrange_basis, slack
+from slipwave.observe.pieces import SAME, Array, Basis, Pieces, lagrange_basis, slack
 from slipwave.scene import Scene
 from slipwave.solve.solver import Leaping
 from slipwave.step.collocation import radau
@@ -27,13 +28,14 @@ _SHIFT = 1e-4  # of differences of marches
 
 
 class Forward(ABC):
-    """The friction of a `model` over the free parameters of `variants`."""
+    """The friction of a `model` at the `times` of a record, over the free parameters of `variants`."""
 
     is_cheap: bool
     """Whether many starts may be tried."""
 
-    def __init__(self, variants: Variants, model: str) -> None:
-        self._variants, self._model = variants, model
+    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
+        self._variants, self._times, self._model, self._tolerance = variants, times, model, tolerance
+        self._last: tuple[Array, Any] | None = None  # values, and what was computed for them
 
     def scene(self, inner: Array) -> Scene:
         """The scene with these parameter values."""
@@ -48,16 +50,11 @@ class Forward(ABC):
         """Derivative of `friction` (samples, parameters)."""
 
 
-class Reduced(Forward):
-    """By an ODE reduction, in steps as long as its motion allows, whatever a transit is. The derivative is exact for the steps
-    that the march took."""
+class OfReduction(Forward):
+    """Friction by an ODE reduction at the times of the record, in steps as long as its motion allows, whatever a transit is. The
+    derivative is exact for the steps that the march took."""
 
     is_cheap: bool = True
-
-    def __init__(self, variants: Variants, model: str, tolerance: float) -> None:
-        super().__init__(variants, model)
-        self._tolerance = tolerance
-        self._last: tuple[Array, ReducedSlabs, Pieces] | None = None
 
     def friction(self, inner: Array) -> Array:
         """As `Forward`."""
@@ -73,12 +70,13 @@ class Reduced(Forward):
     def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:
         if self._last is None or not np.array_equal(self._last[0], inner):
             slabs = ReducedSlabs(self.scene(inner), lambda one: reduction_of(one, self._model), STAGES)
-            self._last = inner.copy(), slabs, self._march(slabs.scene)
-        return self._last[1:]
+            self._last = inner.copy(), (slabs, self._march(slabs.scene))
+        slabs, pieces = self._last[1]
+        return slabs, pieces
 
-    @abstractmethod
     def _march(self, scene: Scene) -> Pieces:
         """The motion that is to be seen."""
+        return self._until(scene, self._times[-1] / sizes(scene)[0])
 
     def _until(self, scene: Scene, until: float) -> Pieces:
         """The motion up to `until` (transits). Raises NumericsError if it takes too many steps or is not finite."""
@@ -90,22 +88,8 @@ class Reduced(Forward):
                 raise NumericsError(f"{self._model}: more than {_MOST_STEPS} steps at t = {part.time[-1]:.6g} transits")
         return Pieces.joined(parts)
 
-    @abstractmethod
     def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
         """What the record would show of it, and its derivatives, where `by` (k, s) are those of mu at the nodes."""
-
-
-class OfReduction(Reduced):
-    """Friction by an ODE reduction at the times of the record."""
-
-    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
-        super().__init__(variants, model, tolerance)
-        self._times = times
-
-    def _march(self, scene: Scene) -> Pieces:
-        return self._until(scene, self._times[-1] / sizes(scene)[0])
-
-    def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
         times = np.clip(self._times / sizes(scene)[0], 0.0, pieces.time[-1] + pieces.length[-1])
         return sampled(pieces, times, [pieces.mu, *by])
 
@@ -116,16 +100,11 @@ class OfSolver(Forward):
 
     is_cheap: bool = False
 
-    def __init__(self, variants: Variants, times: Array, model: str, tolerance: float) -> None:
-        super().__init__(variants, model)
-        self._times, self._tolerance = times, tolerance
-        self._last: tuple[Array, Array] | None = None
-
     def friction(self, inner: Array) -> Array:
         """As `Forward`."""
         if self._last is None or not np.array_equal(self._last[0], inner):
             self._last = inner.copy(), self._along(inner, self._pieces(self.scene(inner)))[:, 0]
-        return self._last[1]
+        return np.asarray(self._last[1])
 
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
@@ -166,8 +145,13 @@ def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator
 def sampled(pieces: Pieces, times: Array, rows: Sequence[Array]) -> list[Array]:
     """Values of each of `rows`, nodal values (k, s), at `times` (transits)."""
     samples: list[Array] = []
-    basis = lagrange_basis(radau(pieces.z.shape[1]).nodes)
+    basis = basis_of(pieces)
     for k in range(0, len(rows), 4):
         four = [*rows[k : k + 4], *[pieces.mu] * 3][:4]
         samples += values_at(Pieces(pieces.time, pieces.length, *four), basis, times)
     return samples[: len(rows)]
+
+
+def basis_of(pieces: Pieces) -> Basis:
+    """The polynomials of the pieces of any march."""
+    return lagrange_basis(radau(pieces.z.shape[1]).nodes)

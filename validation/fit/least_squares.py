@@ -19,7 +19,7 @@ from validation.models.progress import News
 CONFIDENCE = 0.95
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
 _NAMED = 0.2  # share of a direction from which on a parameter is named in it
-_EXPLORING = 6
+_MOST, _EXPLORING = 60, 6  # steps of a descent, and of one that explores
 _FAR = 1.5  # times the noise: a residual from which on other starts are tried
 _PROFILE = 5  # trials for the end of an interval
 _ALIKE = 0.1  # relative difference from the derivative's interval that is let stand
@@ -114,24 +114,24 @@ class Best:
             self.also(inner, residual)
 
 
-def minimise(problem: Problem, starts: Iterable[Array], best: Best, noise: float = 0.0, most: int = 60) -> Solution:
-    """The lowest minimum from several `starts`: descend from the first and, if its residual is far above the `noise`, take a few
+def minimise(problem: Problem, starts: Iterable[Array], best: Best) -> Solution:
+    """The lowest minimum from several `starts`: descend from the first and, if its residual is far above the noise, take a few
     steps from each other start and descend from the best of these. Raises NumericsError if no start can be computed."""
     tried: list[tuple[optimize.OptimizeResult, list[str]]] = []
     reasons: list[str] = []
     for start in starts:
         try:
-            tried.append(_descend(problem, start, best, _EXPLORING if tried else most))
+            tried.append(_descend(problem, start, best, _EXPLORING if tried else _MOST))
         except (NumericsError, SceneError) as error:
             reasons.append(str(error))
             continue
-        if np.sqrt(np.mean(tried[-1][0].fun ** 2)) < _FAR * noise:
+        if np.sqrt(np.mean(tried[-1][0].fun ** 2)) < _FAR:
             break
     if not tried:
         raise NumericsError(f"fit: no start value can be computed: {reasons[0]}")
     lowest = min(tried, key=lambda descent: descent[0].cost)
     if lowest[0].status == 0 and lowest is not tried[0]:
-        lowest = _descend(problem, lowest[0].x, best, most)
+        lowest = _descend(problem, lowest[0].x, best, _MOST)
     (end, refusals), failed = lowest, ""
     if end.status == 0:
         failed = f"no minimum after {best.evaluations} evaluations"

@@ -56,7 +56,7 @@ class CycleOfOrbit(Forward):
     is_cheap: bool = False
 
     def __init__(self, variants: Variants, record: FoldedRecord, model: str) -> None:
-        super().__init__(variants, model)
+        super().__init__(variants, record.times, model, _CLOSES_TO)
         self.record = record
         self.transit = sizes(variants.scenes.base)[0]
         if record.period > MOST_TRANSITS * self.transit:
@@ -68,20 +68,28 @@ class CycleOfOrbit(Forward):
         self.leading, self.late = 0, 0.0
         self.orbits, self.left, self._news = 0, _WORK, News()
 
+    @property
+    def known(self) -> Anchor:
+        """The last orbit, once there is one."""
+        assert self.anchor is not None
+        return self.anchor
+
     def friction(self, inner: Array) -> Array:
         """As `Forward`. Raises NumericsError where no orbit is found."""
-        coordinates, known = np.delete(inner, self.leading), self._begun(inner)
+        if self.anchor is None:
+            self.begin(inner)
+        coordinates, known = np.delete(inner, self.leading), self.known
         if not np.array_equal(inner, self.inner(known)):
             flow = known.closed.flow.of(self.scene(inner))
-            closed = close(flow, known.closed.cycle.start, known.closed.cycle.period, _CLOSES_TO)
+            closed = close(flow, known.closed.cycle.start, known.closed.cycle.period, self._tolerance)
             known = Anchor(np.append(self._late_by(closed), coordinates), replace(closed, parameter=float(inner[self.leading])))
             self.anchor = known
         return np.append(self.period(known), self.seen(known, self.late))
 
     def slopes(self, inner: Array) -> Array:
         """As `Forward`, by the chain rule through the coordinates."""
-        known = self._begun(inner)
-        by, change = self.differences(known, self.late)
+        self.friction(inner)
+        by, change = self.differences(self.known)
         first = np.insert(np.zeros(inner.size - 1), 0, self.transit)
         return np.asarray(np.vstack([first, by]) @ np.linalg.inv(change))
 
@@ -128,27 +136,28 @@ class CycleOfOrbit(Forward):
         for guess in guesses(solver, _ACCURACY, _PATIENCE * max(self.record.period / self.transit, 1.0)):
             self._spend(guess.flow.size)
             try:
-                return close(guess.flow, guess.state, guess.period, _CLOSES_TO)
+                return close(guess.flow, guess.state, guess.period, self._tolerance)
             except NumericsError as reason:
                 failed = reason
         raise failed
 
-    def walk(self, coordinates: Array) -> Anchor:
-        """The orbit at other coordinates, by continuation from the last one. Raises NumericsError where that ends."""
-        assert self.anchor is not None
+    def walk(self, coordinates: Array, late: float) -> Anchor:
+        """The orbit at other coordinates, by continuation from the last one, with events that are `late` by this time (transits).
+        Raises NumericsError where that ends."""
+        self.late = late
         longest = np.append(_STRIDE[0], np.full(coordinates.size - 1, _STRIDE[1]))
         shorter = 1.0
-        while not np.array_equal(self.anchor.coordinates, coordinates):
-            way = coordinates - self.anchor.coordinates
+        while not np.array_equal(self.known.coordinates, coordinates):
+            way = coordinates - self.known.coordinates
             share = min(1.0, shorter / float(np.max(np.abs(way) / longest)))
-            to = coordinates if share == 1.0 else self.anchor.coordinates + share * way
+            to = coordinates if share == 1.0 else self.known.coordinates + share * way
             try:
-                self.anchor = self.near(self.anchor, to)
+                self.anchor = self.near(self.known, to)
             except NumericsError:
                 shorter *= 0.5
                 if shorter < _SHORTEST:
                     raise
-        return self.anchor
+        return self.known
 
     def stay(self, known: Anchor, late: float) -> None:
         """End the search at this orbit, whose events are `late` by this time (transits)."""
@@ -169,7 +178,7 @@ class CycleOfOrbit(Forward):
         clock = sizes(flow_at(closed.parameter).scene)[0]
         period = (self.record.period + coordinates[0] * self.transit) / clock
         neighbour = closed if closed.drift.size else None
-        orbit = close_family(flow_at, closed.cycle.start, period, closed.parameter, weights, _CLOSES_TO, neighbour)
+        orbit = close_family(flow_at, closed.cycle.start, period, closed.parameter, weights, self._tolerance, neighbour)
         return Anchor(coordinates, orbit)
 
     def inner(self, known: Anchor) -> Array:
@@ -191,17 +200,19 @@ class CycleOfOrbit(Forward):
         since = (times - count * self.period(known) - late * self.transit) / clock
         return sampled(twice, (date + since) % cycle.period, [twice.mu])[0]
 
-    def differences(self, known: Anchor, late: float) -> tuple[Array, Array]:
+    def by_date(self) -> Array:
+        """Derivative of friction at the samples by the date of the events (n,)."""
+        later, sooner = (self.seen(self.known, self.late + sign * SHIFT[0]) for sign in (1.0, -1.0))
+        return np.asarray((later - sooner) / (2.0 * SHIFT[0]))
+
+    def differences(self, known: Anchor) -> tuple[Array, Array]:
         """Derivatives by the coordinates of friction at the samples (n, m), and of the parameters (m, m)."""
         shifts = np.diag(np.append(SHIFT[0], np.full(known.coordinates.size - 1, SHIFT[1])))
         pairs = [[self.near(known, known.coordinates + sign * shift) for sign in (1.0, -1.0)] for shift in shifts]
         widths = 2.0 * np.diag(shifts)
-        by = [(self.seen(a, late) - self.seen(b, late)) / width for (a, b), width in zip(pairs, widths, strict=True)]
+        by = [(self.seen(a, self.late) - self.seen(b, self.late)) / width for (a, b), width in zip(pairs, widths, strict=True)]
         leading = [(a.closed.parameter - b.closed.parameter) / width for (a, b), width in zip(pairs, widths, strict=True)]
         return np.column_stack(by), np.insert(np.eye(known.coordinates.size)[1:], self.leading, leading, axis=0)
-
-    def _begun(self, inner: Array) -> Anchor:
-        return self.anchor or self.begin(inner)
 
     def _late_by(self, closed: Closed) -> float:
         clock = sizes(closed.flow.scene)[0]

@@ -1,7 +1,7 @@
 """The residuals of a model over all records, for least squares."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, product
 
@@ -12,10 +12,8 @@ from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.fit.by_orbits import fitted_orbit
 from validation.fit.cycles import CycleOfReduction, MeanCycle, disturbed, folded
 from validation.fit.forward import Forward, OfReduction, OfSolver
-from validation.fit.least_squares import Best, Solution
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import NUISANCES, Free, Variants, sizes
 from validation.fit.records import FINEST, Experiment
@@ -62,7 +60,7 @@ class FrictionProblem:
         self.large = np.array([*(1.0 if one.is_positive else np.nan for one in self.free), *own])
         self.first = np.array([one.inner(one.start) for one in self.free])
         self.fineness = 1e-10
-        self._shapes = [self._columns(k) for k in range(len(self.records))]
+        self.shapes = [self._columns(k) for k in range(len(self.records))]
 
     def _columns(self, k: int) -> Array:
         """Derivatives of record `k` by the nuisances (samples, nuisances)."""
@@ -76,7 +74,7 @@ class FrictionProblem:
     def friction(self, inner: Array) -> list[Array]:
         """Friction of the model for each record."""
         keys, own = inner[: len(self.free)], inner[len(self.free) :]
-        return [model.friction(keys) + shape @ own for model, shape in zip(self.models, self._shapes, strict=True)]
+        return [model.friction(keys) + shape @ own for model, shape in zip(self.models, self.shapes, strict=True)]
 
     def residual(self, inner: Array) -> Array:
         """Friction of the model minus the measured one, over the noise of each record."""
@@ -86,24 +84,14 @@ class FrictionProblem:
     def slopes(self, inner: Array) -> Array:
         """As `Problem`."""
         keys = inner[: len(self.free)]
-        parts = [np.column_stack([m.slopes(keys), s]) for m, s in zip(self.models, self._shapes, strict=True)]
+        parts = [np.column_stack([m.slopes(keys), s]) for m, s in zip(self.models, self.shapes, strict=True)]
         return np.vstack([one.weighed(part) for one, part in zip(self.records, parts, strict=True)])
 
-    def by_orbits(self, model: CycleOfOrbit, starts: Iterable[Array], best: Best) -> Solution:
-        """The best values of a record of stick-slip with every wave (`fitted_orbit`)."""
-        count = len(self.free)
-        return fitted_orbit(model, (self.low[:count], self.high[:count]), self._shapes[0][1:], starts, best)
-
-    @property
-    def noise(self) -> float:
-        """The residual of a correct model; 0 if the records have no noise."""
-        return float(any(np.ndim(one.weight) or one.weight != 1.0 for one in self.records))
-
     def far(self, residual: Array) -> float:
-        """The `residual` over the noise, which is at least `FINEST` of each record's range of friction; 0 without noise."""
+        """The `residual` over the noise, which is at least `FINEST` of each record's range of friction."""
         least = [FINEST * np.ptp(one.friction[one.shown]) * one.weight + 0.0 * one.friction for one in self.records]
         size = float(np.linalg.norm(residual / np.maximum(np.concatenate(least), 1.0)))
-        return self.noise * size / math.sqrt(max(residual.size - len(self.names), 1))
+        return size / math.sqrt(max(residual.size - len(self.names), 1))
 
     def starts(self) -> Iterator[Array]:
         """Start values: the scene's, then others."""
@@ -136,28 +124,28 @@ def problem_of(
     family, _, number, _ = requested(model, scenes.base, tolerance=tolerance)
     kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
     name = family.called(family.default if number is None else number)
-    if any(one.cycle for one in records) and (kind is OfSolver or family.name in RINGING):
-        if len(records) > 1:
-            raise SceneError(f"model = {name!r}: with every wave one record of stick-slip at a time can be fitted")
-        return _with_waves(scenes, free, words, records[0], name)
-    models: list[Forward] = []
-    for one in records:
+    with_waves = any(one.cycle for one in records) and (kind is OfSolver or family.name in RINGING)
+    if with_waves and len(records) > 1:
+        raise SceneError(f"model = {name!r}: with every wave one record of stick-slip at a time can be fitted")
+
+    def seen(one: Experiment) -> tuple[Experiment, Forward]:
+        """A record as it is compared, and what is compared with it."""
         variants = Variants(scenes, free, one.schedule)
+        if with_waves:
+            return _with_waves(disturbed(variants), one, name)
         if one.cycle is None:
-            models.append(kind(variants, one.times, name, tolerance))
-        else:
-            models.append(CycleOfReduction(disturbed(variants), one.cycle.period, name, tolerance, one.cycle.phases))
-    return FrictionProblem(free, records, models, tuple(name for name in NUISANCES if name in words))
+            return one, kind(variants, one.times, name, tolerance)
+        return one, CycleOfReduction(disturbed(variants), one.cycle.period, name, tolerance, one.cycle.phases)
+
+    compared, models = zip(*map(seen, records), strict=True)
+    return FrictionProblem(free, compared, models, tuple(name for name in NUISANCES if name in words))
 
 
-def _with_waves(
-    scenes: Variation, free: tuple[Free, ...], words: Sequence[str], record: Experiment, model: str
-) -> FrictionProblem:
-    """The problem of a record of stick-slip with all samples of its cycles, sorted by phase."""
+def _with_waves(variants: Variants, record: Experiment, model: str) -> tuple[Experiment, CycleOfOrbit]:
+    """The record of stick-slip with all samples of its cycles, sorted by phase, and the orbit that is to be seen in it."""
     assert record.samples is not None
-    cycles = folded(record.name, *record.samples, sizes(scenes.base)[0])
+    cycles = folded(record.name, *record.samples, sizes(variants.scenes.base)[0])
     cycles = cycles._replace(noise=max(cycles.noise, FINEST * float(np.ptp(cycles.friction))))
-    variants = disturbed(Variants(scenes, free, record.schedule))
     where = np.append(0.0, cycles.times - cycles.period * cycles.cycle)
     own = record._replace(
         times=where,
@@ -166,9 +154,7 @@ def _with_waves(
         weight=np.append(0.0, np.full(where.size - 1, 1.0 / cycles.noise)),
         together=None,
     )
-    return FrictionProblem(
-        free, [own], [CycleOfOrbit(variants, cycles, model)], tuple(name for name in NUISANCES if name in words)
-    )
+    return own, CycleOfOrbit(variants, cycles, model)
 
 
 def _other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:

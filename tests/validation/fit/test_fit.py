@@ -85,7 +85,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         noise = NOISE * np.random.default_rng(seed).standard_normal(times.size)
         noisy = experiment._replace(friction=friction + noise)
         problem = problem_of(Variation(scene), begun(Variation(scene), KEYS)[1], [], [noisy], "quasidynamic", 1e-8)
-        found = minimise(problem, [inner], Best(inner), 1.0)
+        found = minimise(problem, [inner], Best(inner))
         spread = intervals(problem, found)
         held += (spread.low < inner) & (inner < spread.high)
     assert (held >= 25).all()  # of 30 at 95 %: fewer once in 2,000
@@ -121,10 +121,12 @@ STICKING = {
 }
 
 
-def sticking(model="quasidynamic"):
-    scene = read(STICKING)
+def sticking(times=None):
+    """Its cycle, or its friction at some times."""
+    scene, how = read(STICKING), ("quasidynamic", 1e-10)
     variants = Variants(Variation(scene), begun(Variation(scene), [*KEYS, "slab.face.stiffness"])[1], schedule_of(scene))
-    made = CycleOfReduction(disturbed(variants), 36.0, model, 1e-10)
+    cycling = disturbed(variants)
+    made = CycleOfReduction(cycling, 36.0, *how) if times is None else OfReduction(cycling, times, *how)
     return made, np.array([one.inner(one.start) for one in variants.free])
 
 
@@ -134,8 +136,9 @@ def test_the_derivative_of_a_cycle_is_that_of_differences():
 
 
 def test_stick_slip_gives_back_friction_and_an_unknown_spring(tmp_path):
-    made, inner = sticking()
-    times, friction = made.motion(inner, 0.02)
+    times = np.arange(120.0, 300.0, 0.02)
+    made, inner = sticking(times)
+    friction = made.friction(inner)
     friction += 3e-4 * np.random.default_rng(2).standard_normal(times.size)
     path = tmp_path / "sticking.csv"
     written(path, "mu,time [us]", friction, 1e6 * times)
@@ -261,7 +264,7 @@ class Walled:
 @pytest.mark.parametrize(("wall", "line"), [(0.5, "cannot be computed beside these values"), (1.5, "")])
 def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wall, line):
     best = Best(start := np.array([-3.0, 4.0]))
-    found = minimise(Walled(wall), [start], best, 1.0)
+    found = minimise(Walled(wall), [start], best)
     assert found.failed.startswith(line)
     assert bool(found.failed) == bool(line)
     assert not line or "the wall" in found.failed
