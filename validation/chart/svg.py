@@ -18,6 +18,7 @@ _NAMESPACE = ' xmlns="http://www.w3.org/2000/svg"'
 _COLOR, _REFERENCE = re.compile(r"#[0-9a-f]{6}"), re.compile(r'(url\(#|href="#)([^")]+)')
 _PLACES, _NUMBER = re.compile(r' (?:[dxy]|width|height|viewBox|transform)=".*?"'), re.compile(r"-?\d+\.\d+")
 _GROUP = re.compile(r"<g>((?:(?!</?g\b).)*)</g>|<g/>")  # without attributes
+_ALIKE = re.compile(r'<(?:use|path) (?!id)[^>]*?( style="[^"]*")/>(?:<(?:use|path) (?!id)[^>]*\1/>)+')  # as the marks of a curve
 _TIDY = {
     r"(?s)^.*?(?=<svg)|<metadata>.*?</metadata>|<!--.*?-->| xmlns:xlink=\S+|xlink:": "",  # who made it, and formulas once more
     r">\s*\n\s*<": "><",
@@ -45,6 +46,7 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
     text = re.sub('<image (.*?base64,)(.*?)(".*?/>)', _day_and_night, text)
     while _GROUP.search(text):
         text = _GROUP.sub(r"\1", text)
+    text = _ALIKE.sub(lambda marks: f"<g{marks[1]}>{marks[0].replace(marks[1], '')}</g>", text)
     known = f'role="img" aria-labelledby="{name}-title" aria-describedby="{name}-desc" style="font-family:{FONTS};fill:#000000"'
     words = f'<title id="{name}-title">{escape(title)}</title>\n<desc id="{name}-desc">{escape(description)}</desc>\n'
     text = text.replace(">", f" {known}>{words}", 1)
