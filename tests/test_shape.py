@@ -24,11 +24,11 @@ OF_LIBRARIES = {
     "sys.stdout", "sys.stderr", "sys.unraisablehook", "context.Process", "process._Popen",
     "environment.filters", "environment.globals", "os.environ", "xml.SubElement(case, 'system-out').text",
     "call.__doc__", "call.__signature__", "call.__annotations__", "kind.__name__",
-    "mark.until", "work.until", "engine.report",
+    "mark.until", "work.until",
     "differences[name].attrs", "differences['other_regime'].attrs",
 }  # fmt: skip
 """Attributes that numba, reprlib, ast, jinja2, Python and scipy expect their users to set, or for which they have no option; and
-`until` of a mark and of the progress, the end of the stretch of a run that has just begun, and a sweep's `report`."""
+`until` of a mark and of the progress, the end of the stretch of a run that has just begun."""
 
 
 def test_no_file_has_more_than_500_lines():

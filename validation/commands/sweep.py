@@ -26,12 +26,13 @@ from validation.commands.options import RunsOptions, command, option
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.commands.run import run
 from validation.data.datasets import Dataset
+from validation.sweep.executors import started
 from validation.sweep.gather import dataset_of, filled_arrays
 from validation.sweep.map_figures import chart_of_sweep, figures_on_clock, onset_lines
 from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Axis, Plan, axis_of
 from validation.sweep.store import STATUS, Store
-from validation.sweep.sweep import Where, forecast, perform_sweep, plan_of, stored_plan
+from validation.sweep.sweep import forecast, perform_sweep, plan_of, stored_plan
 
 _SHOWN = 5  # reasons why points have no figures
 _FEW = 12  # points that are printed one by one
@@ -233,9 +234,10 @@ def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
         needs = f"--measure {sentence(plan.measure)}, which is a function of your own: no folder says what is run"
         raise SceneError(f"SCENE = {str(folder)!r}: going on needs {needs}")
     label = f"--measure = {plan.measure!r}" if is_own else ""
+    workers, part = options.workers or 0, _part(options)
     if options.dry:
         with no_exit(label):
-            return SweepResult(plan, Store(folder or Path()), expected=forecast(plan, _where(options)))
+            return SweepResult(plan, Store(folder or Path()), expected=forecast(plan, workers))
     store = Store(folder or Path(tempfile.mkdtemp(prefix="slipwave-sweep-")))
     if options.gather:
         result = SweepResult(plan, store)
@@ -244,7 +246,8 @@ def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
     failed, stopped, audit, computed = "", False, None, 0
     try:
         with no_exit(label):
-            audit, computed = perform_sweep(plan, store, _where(options), options.anew)
+            where = started(workers, options.scheduler, options.executor)
+            audit, computed = perform_sweep(plan, store, where, part, options.most_seconds, options.anew)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
@@ -253,7 +256,7 @@ def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
     return SweepResult(plan, store, audit, seconds, computed, temporary=folder is None, failed=failed, stopped=stopped)
 
 
-def _where(options: _SweepOptions) -> Where:
+def _part(options: _SweepOptions) -> tuple[int, int]:
     number, slash, count = options.part.partition("/")
     if not (slash and number.isdecimal() and count.isdecimal() and 1 <= int(number) <= int(count)):
         raise SceneError(f"--part = {options.part!r}: must be I/N with I from 1 to N, as 3/16")
@@ -261,7 +264,7 @@ def _where(options: _SweepOptions) -> Where:
         raise SceneError(f"--part = {options.part!r}: must not be given together with --refine, whose levels wait for each other")
     if int(count) > 1 and options.anew:
         raise SceneError(f"--part = {options.part!r}: must not be given together with --anew, which removes what others computed")
-    return Where(options.workers or 0, options.scheduler, options.executor, (int(number), int(count)), options.most_seconds)
+    return int(number), int(count)
 
 
 def _plan(source: SceneSource, options: _SweepOptions) -> Plan:

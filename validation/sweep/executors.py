@@ -9,14 +9,18 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
 from validation.models.own import load_families, own_files
+from validation.models.stopwatch import cores
 from validation.sweep.workers import environment, starting
+
+Workers: TypeAlias = tuple[Callable[[], Executor], int, Callable[[], bool]]
+"""What starts executors, the number of their workers, and what says whether these can be reached."""
 
 
 @contextmanager
@@ -83,10 +87,23 @@ def _begin(laws: list[Path], families: list[Path], inherited: dict[str, str]) ->
 
 
 @contextmanager
-def cluster(address: str) -> Iterator[tuple[Callable[[], Executor], int, Callable[[], bool]]]:
-    """Context with the dask scheduler at `address`: what starts executors, the number of its workers' threads, and what says
-    whether it is alive. Raises SceneError if none answers within dask's own time
-    (`distributed.comm.timeouts.connect`, 30 s unless the user says otherwise), or if it has no workers."""
+def started(workers: int, scheduler: str | None = None, executor: Executor | None = None) -> Iterator[Workers]:
+    """Context with a given `executor`, with the dask `scheduler` at an address, or with `workers` processes of this machine (0:
+    one per core). Raises SceneError as `_cluster`."""
+    if executor is not None:
+        yield lambda: executor, workers or getattr(executor, "_max_workers", None) or cores(), lambda: True
+    elif scheduler:
+        with _cluster(scheduler) as known:
+            yield known
+    else:
+        with processes(workers or cores()) as start:
+            yield start, workers or cores(), lambda: True
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[Workers]:
+    """Context with the dask scheduler at `address` and its workers' threads. Raises SceneError if none answers within dask's
+    own time (`distributed.comm.timeouts.connect`, 30 s unless the user says otherwise), or if it has no workers."""
     require("cluster", "--scheduler")
     for name in ("distributed", "tornado.application"):  # a lost scheduler is reported in one line, by us
         logging.getLogger(name).setLevel(logging.CRITICAL + 1)

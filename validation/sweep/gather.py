@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from slipwave.errors import SceneError
+from slipwave.scene.units import IN_SI
 from validation.data.datasets import Dataset, new_dataset, words_of_flags
 from validation.data.variables import Meaning, attributes
 from validation.models.provenance import provenance
@@ -103,7 +104,8 @@ def _notes(name: str, measure: Measure, plan: Plan) -> dict[str, Any]:
         return {"long_name": meaning, "flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": meanings}
     if name in measure.columns:
         return attributes(measure.columns[name], plan.base)
-    plain = next((column for column in measure.columns if name.startswith(f"{column}_")), None)
-    if plain:  # the twin in SI
-        return {"long_name": measure.columns[plain].meaning, "units": name.removeprefix(f"{plain}_").replace("_per_", " ")}
+    for column, known in measure.columns.items():
+        unit, ending = IN_SI.get(known.unit, ("", ""))
+        if name == f"{column}_{ending}":  # the twin in SI
+            return {"long_name": known.meaning, "units": unit}
     return attributes(Meaning(name), plan.base)

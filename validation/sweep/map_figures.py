@@ -300,7 +300,8 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     if words:
         return (), [f"no boundary of stability: it is not computed over {' and '.join(words)}"]
     scenes, varied = _scenes_over(data, axes), [_parameter_of(data[axis]) for axis in axes]
-    varied = [one if one.unit else replace(one, name=SHORT.get(one.name, one.name)) for one in varied]  # sooner set than read
+    # a short name is sooner set than a key is read, but a slab of its own would follow it
+    varied = [one if one.unit or scenes.sets else replace(one, name=SHORT.get(one.name, one.name)) for one in varied]
     ends = [(float(np.min(data[axis].values)), float(np.max(data[axis].values))) for axis in axes]
     powers = [_is_logarithmic(data[axis].values) for axis in axes]
     across, up = (

@@ -2,10 +2,9 @@
 
 import json
 import shutil
-from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
 from itertools import chain
@@ -27,8 +26,8 @@ from validation.models.own import digests
 from validation.models.parameter import Variation, scenes_with
 from validation.models.progress import progress
 from validation.models.stopwatch import cores
-from validation.sweep import executors
 from validation.sweep.engine import Engine, compute
+from validation.sweep.executors import Workers
 from validation.sweep.gather import arrays_of
 from validation.sweep.measures import MEASURES, measure_of, own_measure
 from validation.sweep.plan import Axis, Indices, Plan, axis_of, require_plan
@@ -38,18 +37,6 @@ from validation.sweep.store import MANIFEST, Store
 _BYTES = 40  # per figure of a point: its value in the parts, and in the netCDF file
 _PROBES = 8
 _PROBE_SECONDS = 5.0
-
-
-@dataclass(frozen=True)
-class Where:
-    """Where points are computed: on `workers` processes of this machine, on the dask `scheduler`, or on a given `executor`;
-    `part` (i, n) is the i-th of n jobs that share the folder. Sweeps of more than `most_seconds` are refused."""
-
-    workers: int = 0
-    scheduler: str | None = None
-    executor: Executor | None = None
-    part: tuple[int, int] = (1, 1)
-    most_seconds: float = DAY
 
 
 def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], measure: str, **options: Any) -> Plan:
@@ -118,9 +105,9 @@ def stored_plan(folder: Path) -> Plan:
     return plan
 
 
-def forecast(plan: Plan, where: Where) -> dict[str, Any]:
-    """Predicted cost of a sweep: points, seconds per point and in all with so many workers, bytes on disk; from a few points all
-    over the plan, computed in this process; for a refined plan that of the whole lattice."""
+def forecast(plan: Plan, workers: int) -> dict[str, Any]:
+    """Predicted cost of a sweep: points, seconds per point and in all with so many `workers` (0: one per core), bytes on disk;
+    from a few points all over the plan, computed in this process; for a refined plan that of the whole lattice."""
     chosen = plan.order[np.linspace(0, plan.size - 1, min(_PROBES, plan.size)).astype(int)]
     compute(plan, chosen[:1])  # compiled code is loaded
     spent: list[float] = []
@@ -128,7 +115,7 @@ def forecast(plan: Plan, where: Where) -> dict[str, Any]:
         spent.append(compute(plan, np.array([point]))[1])
         if sum(spent) > _PROBE_SECONDS:
             break
-    each, workers = float(np.mean(spent)), where.workers or cores()
+    each, workers = float(np.mean(spent)), workers or cores()
     cost = {"points": plan.size, "seconds_per_point": each, "seconds": plan.size * each / workers}
     return cost | {"size": _size(plan), "workers": workers}
 
@@ -141,63 +128,50 @@ Done: TypeAlias = tuple[tuple[int, int] | None, int]
 """The audit of a refined sweep (`refine`), and the number of points computed now."""
 
 
-def perform_sweep(plan: Plan, store: Store, where: Where, anew: bool = False) -> Done:
-    """Compute the missing points, or all `anew`. Raises SceneError for more than the disk or `most_seconds`; NumericsError if the
-    scheduler disappears. Finished parts stay in the store in any case.
-    """
+def perform_sweep(
+    plan: Plan,
+    store: Store,
+    workers: AbstractContextManager[Workers],
+    part: tuple[int, int] = (1, 1),
+    most_seconds: float = DAY,
+    anew: bool = False,
+) -> Done:
+    """Compute the missing points, or all `anew`; `part` (i, n): as the i-th of n jobs that share the folder. Raises SceneError
+    for more than the disk or `most_seconds`; NumericsError if the scheduler disappears. Finished parts stay in the store in any
+    case."""
     for name in plan.models:
         parse(name)
-    with _engine(plan, store, where) as engine:
+    with workers as (start, count, alive):
         store.begin(_manifest_of(plan), anew)
-        return _complete(plan, store, where, engine)
+        free = shutil.disk_usage(store.folder).free
+        if _size(plan) > free:
+            raise SceneError(f"--out = {str(store.folder)!r}: needs about {_size(plan):.1e} bytes, and {free:.1e} are free")
+        done = store.done(plan)
+        before, order, levels = int(done.sum()), plan.order, int(plan.options.get("refine", 0))
+        order = order[len(order) * (part[0] - 1) // part[1] : len(order) * part[0] // part[1]]
+        with progress(f"{plan.base.name}, points", len(order)) as report:
 
+            def checked(points: int) -> None:
+                """Show progress and refuse a sweep that would take too long."""
+                done_now[0] += points
+                report(done_now[0])
+                rest = (len(order) - done_now[0]) * engine.seconds_per_point / count
+                if rest > most_seconds and not levels:
+                    raise SceneError(f"the sweep would take about {rest / 3600.0:.0f} hours more; --yes computes it all the same")
 
-def _complete(plan: Plan, store: Store, where: Where, engine: Engine) -> Done:
-    free = shutil.disk_usage(store.folder).free
-    if _size(plan) > free:
-        raise SceneError(f"--out = {str(store.folder)!r}: needs about {_size(plan):.1e} bytes, and {free:.1e} are free")
-    done = store.done(plan)
-    before, order, levels = int(done.sum()), plan.order, int(plan.options.get("refine", 0))
-    order = order[len(order) * (where.part[0] - 1) // where.part[1] : len(order) * where.part[0] // where.part[1]]
-    with progress(f"{plan.base.name}, points", len(order)) as report:
+            done_now = [before]
+            engine = Engine(plan, store, start, count, checked, alive)
 
-        def checked(points: int) -> None:
-            """Show progress and refuse a sweep that would take too long."""
-            done_now[0] += points
-            report(done_now[0])
-            rest = (len(order) - done_now[0]) * engine.seconds_per_point / engine.workers
-            if rest > where.most_seconds and not levels:
-                raise SceneError(f"the sweep would take about {rest / 3600.0:.0f} hours more; --yes computes it all the same")
+            def missing(wanted: Indices) -> None:
+                """Compute the missing points among `wanted`, in their order."""
+                chosen = np.zeros(plan.size, dtype=bool)
+                chosen[wanted] = True
+                engine.run(order[(chosen & ~store.done(plan))[order]])
 
-        done_now = [before]
-        engine.report = checked
-
-        def missing(wanted: Indices) -> None:
-            """Compute the missing points among `wanted`, in their order."""
-            chosen = np.zeros(plan.size, dtype=bool)
-            chosen[wanted] = True
-            engine.run(order[(chosen & ~store.done(plan))[order]])
-
-        if levels:
-            measure = measure_of(plan.measure)
-            audit = refine(plan, levels, missing, lambda: regime_numbers(measure, arrays_of(plan, store)))
-        else:
-            audit = None
-            engine.run(order[~done[order]])
+            if levels:
+                measure = measure_of(plan.measure)
+                audit = refine(plan, levels, missing, lambda: regime_numbers(measure, arrays_of(plan, store)))
+            else:
+                audit = None
+                engine.run(order[~done[order]])
     return audit, done_now[0] - before
-
-
-@contextmanager
-def _engine(plan: Plan, store: Store, where: Where) -> Iterator[Engine]:
-    """Context with the engine of a sweep."""
-    if where.executor is not None:
-        workers = where.workers or getattr(where.executor, "_max_workers", None) or cores()
-        given = where.executor
-        yield Engine(plan, store, lambda: given, workers)
-    elif where.scheduler:
-        with executors.cluster(where.scheduler) as (start, workers, alive):
-            yield Engine(plan, store, start, workers, alive=alive)
-    else:
-        workers = where.workers or cores()
-        with executors.processes(workers) as start:
-            yield Engine(plan, store, start, workers)

@@ -96,6 +96,7 @@ def test_a_scene_in_si_has_its_periods_in_seconds(swept):
     assert [panel.traces[-1].name for panel in panels] == ["regime", "period / s", "stress drop / Pa"]
     assert np.array_equal(panels[1].traces[-1].value, data["period_s"].values.T, equal_nan=True)
     assert (panels[0].x.second.label, panels[0].y.second.label) == ("r", "V / (m/s)")
+    assert [data[name].attrs["units"] for name in ("period_s", "stress_drop_Pa", "v_max_m_per_s")] == ["s", "Pa", "m s-1"]
 
 
 def test_periods_along_a_changing_transit_are_on_a_clock_that_does_not_change():
@@ -164,6 +165,16 @@ def test_the_boundary_over_variables_is_that_of_the_scenes_written_out():
     for q, s in list(zip(line.across.tolist(), line.up.tolist(), strict=True))[1:-1:9]:
         slabs = {"upper.epsilon": 2.8e-5 * q, "lower.epsilon": 2.8e-5, "upper.r": 0.002 * s, "lower.r": 0.0028 * s}
         root = sw.stability("paper", **slabs).summary["leading_roots"][0]
+        assert abs(root[0]) < 1e-6 * abs(root[1])
+
+
+def test_a_slab_that_is_set_keeps_its_value_along_an_axis_over_both():
+    axes = {"q": (np.linspace(0.5, 3.0, 5), "q", "1"), "e": (np.geomspace(1e-5, 1e-4, 5), "slab.epsilon", "1")}
+    ((line, *_), _) = onset_lines(
+        lattice(axes, scene_toml=sw.show("paper"), manifest=json.dumps({"set": {"lower.epsilon": "2.8e-5*q"}}))
+    )
+    for q, epsilon in list(zip(line.across.tolist(), line.up.tolist(), strict=True))[1:-1:9]:
+        root = sw.stability("paper", **{"slab.epsilon": epsilon, "lower.epsilon": 2.8e-5 * q}).summary["leading_roots"][0]
         assert abs(root[0]) < 1e-6 * abs(root[1])
 
 

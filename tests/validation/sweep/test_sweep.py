@@ -25,13 +25,13 @@ from validation.commands.cli import main
 from validation.commands.map import _difference, _difference_rows
 from validation.models.parameter import Variation
 from validation.sweep.engine import Engine, compute
-from validation.sweep.executors import processes
+from validation.sweep.executors import processes, started
 from validation.sweep.map_figures import _other_side, chart_of_sweep
 from validation.sweep.measures import VERDICTS
 from validation.sweep.plan import axis_of
 from validation.sweep.refine import refine
 from validation.sweep.store import Store
-from validation.sweep.sweep import Where, _manifest_of, perform_sweep, plan_of
+from validation.sweep.sweep import _manifest_of, perform_sweep, plan_of
 
 DISC = "tests.validation.sweep_measures:disc"
 
@@ -45,16 +45,19 @@ class Here(Executor):
         return future
 
 
+HERE = Here()
+
+
 def plan(counts=(5, 4), measure=DISC, models=("delay",), **options):
     axes = [axis_of("a", f"0.001:0.019:{counts[0]}"), axis_of("b", f"0.011:0.029:{counts[1]}")]
     return plan_of(Variation(sw.read_scene("paper")), axes, models, measure, **options)
 
 
-def computed(what, folder, **where):
+def computed(what, folder, workers=0, executor=HERE, **how):
     from validation.sweep.gather import dataset_of, filled_arrays
 
     store = Store(folder)
-    perform_sweep(what, store, Where(**({"executor": Here()} | where)))
+    perform_sweep(what, store, started(workers, executor=executor), **how)
     return dataset_of(what, filled_arrays(what, store))
 
 
