@@ -1,51 +1,33 @@
 """What is simulated: friction laws, slabs, drive, start and observers. Imports no solver and none of the other packages.
 
-The commands as functions: `run`, `stability`, `orbit`, `branch`, `curve`, `compare`, `bench`, `fit`, `scenes`, `models` and
-`show` are imported when one of them is first used (their types are in `__init__.pyi`). `import slipwave` stays light.
+The commands as functions: `run`, `orbit`, `branch`, `curve`, `stability`, `compare`, `bench`, `fit`, `sweep`, `map`, `verify`,
+`scenes`, `models` and `show`; and `read`, `read_scene`, `Scene`, `SceneError`, `NumericsError`. Each is imported when it is first
+used, so that `import slipwave` stays light: numba and pydantic take longer than `slipwave --help`.
 """
 
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
-from slipwave.errors import NumericsError, SceneError
+_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
+_PLACES = {words[-1]: words[1] for words in map(str.split, _STUB.splitlines()) if words[:1] == ["from"]}
+"""The module in which each name is written, as the stub says it to type checkers: from MODULE import NAME as NAME."""
 
-_PLACES = {
-    "bench": "commands.bench",
-    "branch": "commands.branch",
-    "compare": "commands.compare",
-    "curve": "commands.curve",
-    "fit": "commands.fit",
-    "map": "commands.map",
-    "models": "commands.listing",
-    "orbit": "commands.orbit",
-    "run": "commands.run",
-    "scenes": "commands.listing",
-    "show": "commands.listing",
-    "stability": "commands.stability",
-    "sweep": "commands.sweep",
-    "verify": "verification.command",
-}
-"""The module of `validation` in which each function is written."""
-
-_OWN = {"Scene": "slipwave.scene", "read": "slipwave.input.assemble", "read_scene": "slipwave.input.assemble"}
-"""The modules of what is here, imported when it is used: numba and pydantic take longer than `slipwave --help`."""
-
-__all__ = ["NumericsError", "SceneError", *_OWN, *_PLACES]
+__all__ = list(_PLACES)
 
 
 def __getattr__(name: str) -> Any:
-    """The function `name` of a command; raises ImportError naming the user's file that hides one of our packages."""
+    """What has this `name`; for a command, raises ImportError naming the user's file that hides one of our packages."""
     if name == "__version__":
         return import_module("importlib.metadata").version("slipwave")
-    if name in _OWN:
-        return getattr(import_module(_OWN[name]), name)
     if name not in _PLACES:
         raise AttributeError(f"module 'slipwave' has no attribute {name!r}")
-    line = import_module("slipwave.hidden").hidden_package()
-    if line:
-        raise ImportError(line)
-    function = globals()[name] = getattr(import_module(f"validation.{_PLACES[name]}"), name)
-    return function
+    if not _PLACES[name].startswith("slipwave."):
+        line = import_module("slipwave.hidden").hidden_package()
+        if line:
+            raise ImportError(line)
+    found = globals()[name] = getattr(import_module(_PLACES[name]), name)
+    return found
 
 
 def __dir__() -> list[str]:

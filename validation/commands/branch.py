@@ -1,4 +1,4 @@
-"""`slipwave.branch`: periodic orbits followed in a parameter, through folds, with the points where their stability changes."""
+"""`slipwave branch`: Follow periodic orbits from where steady sliding loses stability, stable or not, through folds."""
 
 import math
 import time

@@ -7,20 +7,24 @@
 import io
 import logging
 import os
+import re
 import sys
 import threading
 from _thread import interrupt_main
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
+import slipwave
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of
 from slipwave.packages import line_of_user
 
+_ROOT = Path(__file__).parents[2]
 _SOON = 0.05  # seconds, in which a callback has returned
 INPUT_WRONG, NUMERICS_FAILED, INTERRUPTED = 2, 3, 130
 _SPREAD: dict[str, Callable[[str], bool]] = {
@@ -31,25 +35,20 @@ _SPREAD: dict[str, Callable[[str], bool]] = {
     "--free": lambda word: True,
 }
 
-COMMANDS = {
-    "report": "Run the studies whose scene, code or settings changed and write DIR/index.html.",
-    "run": "Run one model on one scene; print events, periods and stress drops of the run's second half.",
-    "orbit": "The periodic orbit that a run of the scene leads to, stable or not: figures with errors, and Floquet multipliers.",
-    "branch": "Follow periodic orbits from where steady sliding loses stability, stable or not, through folds.",
-    "curve": "Follow a special point of the branch of orbits in two parameters, also where its curve turns back.",
-    "stability": "Stability of steady sliding from the slabs' impedance alone, for any scene and model.",
-    "compare": "Draw one cycle of each model in one figure; print periods and stress drops with their errors.",
-    "bench": "Time every model against its error in period and stress drop; the reference is the delay system at a tight "
-    "tolerance.",
-    "fit": "Parameters of a scene from measured friction, by least squares, with 95 % intervals.",
-    "sweep": "One measure of many scenes over axes, on all cores or a cluster; resumed after any interruption.",
-    "map": "Draw a sweep: regimes with the boundaries that theory gives, figures, differences between two models.",
-    "verify": "Judge a scheme, a law or a scene by the report's rows: orders, step limit, energy, noise, agreement.",
-    "scenes": "List the gallery's scenes, one line each.",
-    "schema": "Print the JSON Schema of scene files, for an editor that completes and checks them.",
-    "show": "Print the resolved scene as TOML, for a file of your own: slipwave show paper > mine.toml",
-}
-"""Command -> what it does. A command is imported only when it is called, so that `slipwave --help` is fast."""
+_REPORT = "validation.report.command"  # it uses the commands
+
+
+def _told() -> Iterator[tuple[str, tuple[str, str]]]:
+    """Name -> module and line of help of each command: a paragraph of the docstring of a file of `slipwave.__init__.pyi`, or of
+    the report's. Files are read as text, and imported when the command is called, so that `slipwave --help` is fast."""
+    for module in (_REPORT, *dict.fromkeys(place for place in slipwave._PLACES.values() if place.startswith("validation."))):
+        docstring = _ROOT.joinpath(*module.split(".")).with_suffix(".py").read_text(encoding="utf-8").split('"""')[1]
+        for name, text in re.findall(r"^`slipwave (\w+)`: (.+?)(?:\n\n|\Z)", docstring, re.MULTILINE | re.DOTALL):
+            yield name, (module, " ".join(text.split()))
+
+
+COMMANDS = dict(_told())
+"""Command -> its module, and what it does."""
 
 
 class _Commands(TyperGroup):
@@ -63,25 +62,13 @@ class _Commands(TyperGroup):
         """The command of this name, ready to parse its words."""
         if name not in COMMANDS:
             return None
-        from validation.commands import other_commands
+        from validation.commands.command_line import command_line
 
-        details, examples = "", other_commands.EXAMPLES.get(name, ())
-        function: Callable[..., None]
-        if name == "report":
-            function = other_commands.of_proof(name)
-        elif name in other_commands.WITHOUT_SCENE:
-            function = other_commands.WITHOUT_SCENE[name]
-        else:
-            from validation.commands.command_line import command_line, on_a_scene
-            from validation.commands.options import SceneOptions
-
-            if name == "show":
-                function = on_a_scene(SceneOptions, other_commands.print_scene)
-            else:
-                function, details, examples = command_line(name)
+        module, told = COMMANDS[name]
+        function, details, examples = command_line(module, name)
         alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
         shown = "\n".join(f"  {line}" for line in examples)
-        alone.command(name, help="\n\n".join(filter(None, [COMMANDS[name], details])), epilog=f"\b\nExamples:\n{shown}")(function)
+        alone.command(name, help="\n\n".join(filter(None, [told, details])), epilog=f"\b\nExamples:\n{shown}")(function)
         return typer.main.get_command(alone)
 
     def parse_args(self, context: Any, args: list[str]) -> list[str]:
@@ -104,7 +91,7 @@ class _Commands(TyperGroup):
     def format_commands(self, context: Any, formatter: Any) -> None:
         """All commands with what they do."""
         with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
+            formatter.write_dl([(name, told) for name, (_, told) in COMMANDS.items()])
 
 
 app = typer.Typer(

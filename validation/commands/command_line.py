@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import replace
 from functools import partial
+from importlib import import_module
 from inspect import Parameter, Signature, signature
 from json import dumps
 from pathlib import Path
@@ -12,7 +13,6 @@ from typing import Annotated, Any, TypeAlias, get_args
 
 import typer
 
-import slipwave
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of, require_writable
 from slipwave.input.assemble import gallery_names
@@ -32,9 +32,14 @@ SCENE = typer.Argument(
 _JSON = typer.Option("--json", help="print JSON instead of a table")
 
 
-def command_line(name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
-    """A command that gives a result: its function of the command line's words, the details of its help, and examples."""
-    compute = getattr(slipwave, name).__wrapped__
+def command_line(module: str, name: str) -> tuple[Callable[..., None], str, tuple[str, ...]]:
+    """The command `name` of a `module`: its function of the command line's words, the details of its help, and examples. It is
+    made of the function of this name, or stands in the module's `COMMAND_LINE`."""
+    known: Any = import_module(module)
+    if name in getattr(known, "COMMAND_LINE", {}):
+        function, examples = known.COMMAND_LINE[name]
+        return function, "", examples
+    compute = getattr(known, name).__wrapped__
     made: type[Result] = compute.__annotations__["return"]
 
     def act(source: str | None, options: SceneOptions, files: Files, json: bool) -> None:

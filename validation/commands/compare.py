@@ -1,4 +1,4 @@
-"""`slipwave.compare`: several models on one scene, in one figure and one table."""
+"""`slipwave compare`: Draw one cycle of each model in one figure; print periods and stress drops with their errors."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

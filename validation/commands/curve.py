@@ -1,4 +1,4 @@
-"""`slipwave.curve`: a special point of branches of orbits followed in two parameters."""
+"""`slipwave curve`: Follow a special point of the branch of orbits in two parameters, also where its curve turns back."""
 
 import time
 from collections.abc import Iterator, Mapping

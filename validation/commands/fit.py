@@ -1,4 +1,4 @@
-"""`slipwave.fit`: parameters of a scene from measured friction, with their intervals."""
+"""`slipwave fit`: Parameters of a scene from measured friction, by least squares, with 95 % intervals."""
 
 import hashlib
 import math

@@ -1,4 +1,4 @@
-"""`slipwave.map`: figures of a sweep: regimes with theoretical boundaries, figures, and differences of models."""
+"""`slipwave map`: Draw a sweep: regimes with the boundaries that theory gives, figures, differences between two models."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace

@@ -1,4 +1,6 @@
-"""`slipwave.orbit`: the periodic orbit of a scene with its errors and its stability."""
+"""`slipwave orbit`: The periodic orbit that a run of the scene leads to, stable or not: figures with errors, and Floquet
+multipliers.
+"""
 
 import time
 from collections.abc import Iterator, Mapping

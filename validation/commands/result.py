@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar, dataclass_transform
 
+from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
 from slipwave.scene import Scene
 from validation.chart import Chart
@@ -131,13 +132,14 @@ class Result(_Computed, ABC):
         return dict(finite({"schema": SCHEMA} | self.facts | ({"failed": self.failed} if self.failed else {})))
 
     @property
-    @abstractmethod
     def dataset(self) -> Dataset:
-        """All arrays with coordinates and units, for a scene in SI also in SI; provenance as attributes."""
+        """All arrays with coordinates and units, for a scene in SI also in SI; provenance as attributes. Raises SceneError if
+        there is none."""
+        raise SceneError(f"{type(self).__name__}: its figures are in .summary; there is no dataset")
 
-    @abstractmethod
     def chart(self) -> Chart:
-        """A figure of the result, as data."""
+        """A figure of the result, as data. Raises SceneError if there is none."""
+        raise SceneError(f"{type(self).__name__}: its figures are in .summary; there is no figure")
 
     def plot(self) -> Drawing:
         """The chart, drawn."""

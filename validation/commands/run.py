@@ -1,4 +1,4 @@
-"""`slipwave.run`: one model on one scene; its options and its result."""
+"""`slipwave run`: Run one model on one scene; print events, periods and stress drops of the run's second half."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -1,4 +1,4 @@
-"""`slipwave.stability`: stability of steady sliding, its critical values, and the growth of small disturbances."""
+"""`slipwave stability`: Stability of steady sliding from the slabs' impedance alone, for any scene and model."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -1,4 +1,4 @@
-"""`slipwave.sweep`: one measure of many scenes, on all cores or on a cluster, resumed after any interruption."""
+"""`slipwave sweep`: One measure of many scenes over axes, on all cores or a cluster; resumed after any interruption."""
 
 import csv
 import io

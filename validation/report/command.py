@@ -1,4 +1,4 @@
-"""`slipwave report`: the studies, the page and its files; exit status 3 if the page is red."""
+"""`slipwave report`: Run the studies whose scene, code or settings changed and write DIR/index.html."""
 
 from pathlib import Path
 from typing import Annotated
@@ -51,3 +51,17 @@ def report(
         raise Interrupted(
             f"interrupted; finished studies are kept in {out / 'data'}, and the same command goes on from there"
         ) from None
+
+
+COMMAND_LINE = {
+    "report": (
+        report,
+        (
+            "slipwave report --quick",
+            "slipwave report --only one-cycle --out reports",
+            "slipwave report --against last-release/report.json",
+            "slipwave report --json > report.json",
+        ),
+    ),
+}
+"""As that of `validation.commands.listing`."""

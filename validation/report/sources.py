@@ -23,7 +23,8 @@ _DRAWN_BY = Path(rendering.__file__)
 _SOLVERS = [ROOT.joinpath(*family.module.split(".")).with_suffix(".py") for family in by_name.FAMILIES]
 """Files that `models.by_name` imports by name: only its facts mention them, no import statement does."""
 
-_PUBLIC = {name: _PACKAGE.joinpath(*place.split(".")).with_suffix(".py") for name, place in slipwave._PLACES.items()}
+_COMMANDS = {name: place for name, place in slipwave._PLACES.items() if place.startswith("validation.")}
+_PUBLIC = {name: ROOT.joinpath(*place.split(".")).with_suffix(".py") for name, place in _COMMANDS.items()}
 """Files of the public functions, which `slipwave` imports by name too."""
 
 _READ = (".py", ".toml", ".json", ".csv")

@@ -1,4 +1,4 @@
-"""`slipwave.verify`: verifies a scheme, a law or a scene by the report's own rows; exit status 3 if one fails."""
+"""`slipwave verify`: Judge a scheme, a law or a scene by the report's rows: orders, step limit, energy, noise, agreement."""
 
 import re
 import xml.etree.ElementTree as xml

@@ -133,6 +133,12 @@ def test_the_version_and_what_the_shell_completes(words, typed, said):
     assert (done.stdout.strip(), done.stderr) == (said.strip(), "")
 
 
+def test_every_function_is_a_command_but_one_and_every_command_a_function_but_two():
+    """So that no file lacks the line of help at its head."""
+    functions = {name for name, place in slipwave._PLACES.items() if place.startswith("validation.")}
+    assert (functions - COMMANDS.keys(), COMMANDS.keys() - functions) == ({"models"}, {"report", "schema"})
+
+
 def test_every_command_has_examples_that_it_accepts(printed):
     assert "Usage" in printed()
     for name in COMMANDS:

@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from validation.commands.cli import COMMANDS
+
 ROOT = Path(__file__).parents[3]
 BLOCK = re.compile(r"```(\w*)\n(.*?)```", re.S)
 KEYS = "tests/slipwave/test_readme_keys.py"
@@ -215,6 +217,25 @@ def test_an_option(reader):
     assert reader.json("run run.nc")[0]["notes"] == ["sample 7"]
 
 
+def test_a_command(reader):
+    """Two files: its own, and the list of what `import slipwave` offers. It is in its place in all that lists commands."""
+    reader.follow(EXTENDING["Adding a command"])
+    assert reader.changed == {"validation/commands/clocks.py", "slipwave/__init__.pyi"}
+    plain, physical = reader.json("clocks paper --transits 2", "clocks paper-si --transits 2")
+    assert plain["friction_time"] == pytest.approx(2 * 10**-2.68)
+    assert physical["time_s"] > 0.0
+    assert reader.run("slipwave --help") == 0
+    told = [line.split(maxsplit=1) for line in reader.output.partition("Commands:\n")[2].splitlines()]
+    names = [name for name, *_ in told if name in {*COMMANDS, "clocks"}]
+    assert names == [*list(COMMANDS)[:-3], "clocks", *list(COMMANDS)[-3:]]
+    assert ["clocks", "How long transits of a scene are, on the friction clock and in"] in told
+    assert reader.run("slipwave clocks --help") == 0
+    assert "--transits" in reader.output
+    assert "slipwave clocks paper-si --transits 1000" in reader.output
+    assert reader.run("python -c 'import slipwave; print(*dir(slipwave))'") == 0
+    assert "clocks" in reader.output.split()
+
+
 def test_a_study(reader):
     assert "reading-the-report.md" in EXTENDING["Adding a study"]
     reader.follow(REPORT["Adding a study"])
@@ -225,4 +246,4 @@ def test_a_study(reader):
 def test_every_section_is_done_by_a_test():
     done = "a friction law of your own|an outer face|an ODE reduction|a discretisation|an observer|a scene key|an option|a study"
     in_words = {"Adding a viscosity"}  # says where its parts stand, and is followed by no example
-    assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in done.split("|")} | in_words
+    assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in [*done.split("|"), "a command"]} | in_words
