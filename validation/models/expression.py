@@ -15,7 +15,7 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TypeAlias
 
 from slipwave.errors import SceneError
 from slipwave.input.quantity import KINDS, quantity
@@ -32,11 +32,8 @@ class Undefined(SceneError):
     """An expression that has no value for these variables, as a division by 0."""
 
 
-class Value(NamedTuple):
-    """A number in an SI `unit` (empty: a pure number)."""
-
-    number: float
-    unit: str = ""
+Value: TypeAlias = tuple[float, str]
+"""A number and its SI unit (empty: a pure number)."""
 
 
 def value_at(text: str, variables: Mapping[str, Value]) -> Value:
@@ -63,12 +60,12 @@ class _Reader:
 
     def whole(self) -> Value:
         """The value of the text."""
-        value = self._sum()
+        number, unit = self._sum()
         if self._next()[1]:
             raise SceneError(f"unexpected {shorten(self._next()[1])}")
-        if self._fault or not math.isfinite(value.number):
+        if self._fault or not math.isfinite(number):
             raise Undefined(self._fault or "is too large")
-        return value
+        return number, unit
 
     def _next(self, ahead: int = 0) -> tuple[str, str]:
         return self._tokens[self._at + ahead] if self._at + ahead < len(self._tokens) else ("", "")
@@ -82,24 +79,24 @@ class _Reader:
         return token
 
     def _sum(self) -> Value:
-        value = self._product()
+        number, unit = self._product()
         while sign := self._took("+", "-"):
-            other = self._product()
-            if value.unit != other.unit:
-                raise SceneError(f"{_said(value)} and {_said(other)} cannot be added")
-            value = value._replace(number=value.number + (other.number if sign == "+" else -other.number))
-        return value
+            other, of_other = self._product()
+            if unit != of_other:
+                raise SceneError(f"{_said(unit)} and {_said(of_other)} cannot be added")
+            number += other if sign == "+" else -other
+        return number, unit
 
     def _product(self) -> Value:
-        value = self._factor()
+        number, unit = self._factor()
         while sign := self._took("*", "/"):
-            other = self._factor()
-            is_ratio = sign == "/" and value.unit == other.unit
-            if other.unit and not is_ratio and (value.unit or sign == "/"):
-                raise SceneError(f"{_said(value)} cannot be {'multiplied' if sign == '*' else 'divided'} by {_said(other)}")
-            number = self._finite(operator.mul if sign == "*" else operator.truediv, value.number, other.number)
-            value = Value(number, "" if is_ratio else value.unit or other.unit)
-        return value
+            other, of_other = self._factor()
+            is_ratio = sign == "/" and unit == of_other
+            if of_other and not is_ratio and (unit or sign == "/"):
+                raise SceneError(f"{_said(unit)} cannot be {'multiplied' if sign == '*' else 'divided'} by {_said(of_other)}")
+            number = self._finite(operator.mul if sign == "*" else operator.truediv, number, other)
+            unit = "" if is_ratio else unit or of_other
+        return number, unit
 
     def _factor(self) -> Value:
         self._depth += 1
@@ -108,10 +105,10 @@ class _Reader:
         sign = self._took("+", "-")
         value = self._factor() if sign else self._value()
         if sign == "-":
-            value = value._replace(number=-value.number)
+            value = -value[0], value[1]
         elif not sign and self._took("**"):
             power = self._pure(self._factor(), "an exponent")
-            value = Value(self._finite(math.pow, self._pure(value, "the base of a power"), power))
+            value = self._finite(math.pow, self._pure(value, "the base of a power"), power), ""
         self._depth -= 1
         return value
 
@@ -123,7 +120,7 @@ class _Reader:
         if kind == "number":
             return self._with_unit(token)
         if kind and token in FUNCTIONS and self._took("("):
-            return Value(self._finite(FUNCTIONS[token], self._pure(self._closed(), f"the argument of {token}")))
+            return self._finite(FUNCTIONS[token], self._pure(self._closed(), f"the argument of {token}")), ""
         if kind and token in self._variables:
             return self._variables[token]
         if kind and self._next()[1] == "(":
@@ -150,17 +147,18 @@ class _Reader:
             unit += f"/{word}" if slash else f" {word}"
             self._at += 1 + slash
         if not unit:
-            return Value(float(number))
+            return float(number), ""
         try:
             given = quantity(f"{number} {unit}", *KINDS)
         except ValueError:
             raise SceneError(f"{shorten(unit.strip())} is neither a variable nor a unit of a scene") from None
-        return Value(given.value, given.unit)
+        return given.value, given.unit
 
     def _pure(self, value: Value, what: str) -> float:
-        if value.unit:
-            raise SceneError(f"{what} must be a pure number, not {_said(value)}")
-        return value.number
+        number, unit = value
+        if unit:
+            raise SceneError(f"{what} must be a pure number, not {_said(unit)}")
+        return number
 
     def _finite(self, function: Callable[..., float], *numbers: float) -> float:
         """The value of `function`; NaN, with its reason kept, where there is none."""
@@ -176,5 +174,5 @@ class _Reader:
         return math.nan
 
 
-def _said(value: Value) -> str:
-    return f"a number in {value.unit}" if value.unit else "a pure number"
+def _said(unit: str) -> str:
+    return f"a number in {unit}" if unit else "a pure number"

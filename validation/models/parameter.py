@@ -120,16 +120,16 @@ class Variation:
                 keys[key] = text
                 continue
             try:
-                value = value_at(str(text), known)
+                number, unit = value_at(str(text), known)
             except Undefined as error:
-                where = ", ".join(f"{name} = {one.number:g}" for name, one in known.items())
+                where = ", ".join(f"{name} = {number:g}" for name, (number, _) in known.items())
                 raise Undefined(f"{key} = {shorten(text)}: {error} at {where}") from None
             except SceneError as error:
                 raise SceneError(f"{key} = {shorten(text)}: {error}") from None
             if key in self.variables:
-                known[key] = value
+                known[key] = number, unit
             else:
-                keys[key] = Parameter(key, value.unit).written(value.number)
+                keys[key] = Parameter(key, unit).written(number)
         return keys
 
     def require(self, values: Mapping[str, float | str]) -> None:
@@ -283,9 +283,9 @@ def measured_value(given: float | str) -> Value:
     if math.isnan(number):
         raise ValueError
     if not unit:
-        return Value(number)
+        return number, ""
     measured = quantity(str(given), *KINDS)
-    return Value(measured.value, measured.unit)
+    return measured.value, measured.unit
 
 
 def allowed_numbers(table: KeyTable, field: str) -> Numbers:

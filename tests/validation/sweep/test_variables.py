@@ -9,7 +9,7 @@ import xarray
 import slipwave as sw
 from slipwave.errors import SceneError
 from validation.commands.cli import main
-from validation.models.expression import Undefined, Value, value_at
+from validation.models.expression import Undefined, value_at
 
 UNLIKE = {
     "upper.epsilon": "1.4e-5*(1+q)/q",
@@ -30,7 +30,7 @@ def unlike(q, p):
     }
 
 
-ENV = {"q": Value(3.0), "zero": Value(0.0), "h": Value(0.2, "m")}
+ENV = {"q": (3.0, ""), "zero": (0.0, ""), "h": (0.2, "m")}
 
 
 @pytest.mark.parametrize(
