@@ -34,7 +34,7 @@ from tests.granite import GRANITE, SAMPLE
 from validation.commands.result import aligned
 from validation.models.build import build
 from validation.models.by_name import Options
-from validation.models.timing import March, Work, alternating, in_turn, quartiles
+from validation.models.timing import Work, alternating, in_turn, marching, quartiles
 
 PSI = -2.8174018894888
 """psi(600) by the delay system at three resolutions, and by another program."""
@@ -150,8 +150,8 @@ def pairs() -> Mapping[str, tuple[Work[Any], Work[Any]]]:
     slab = replace(paper.upper, viscosity=KelvinVoigtViscosity(0.05 * paper.upper.round_trip))
     delay = Setting("delay", tolerance=1e-9)
 
-    def run(setting: Setting, scene: Scene, transits: float) -> March:
-        return March(setting.model, scene, transits, 1.0, setting.options)
+    def run(setting: Setting, scene: Scene, transits: float) -> Work[Any]:
+        return marching(setting.model, scene, transits, 1.0, **setting.options)
 
     alike, once = run(delay, paper, 200.0), run(_EXACT, paper, 200.0)
     found: dict[str, tuple[Work[Any], Work[Any]]] = {
@@ -233,10 +233,10 @@ def works() -> Mapping[str, Timed]:
     found["compare steel-on-pmma with a record, quasidynamic (ms)"] = Timed(_beside_a_record, 1e3)
     found["bench paper, 2600 transits (s)"] = _call(sw.bench, "paper", until=2600.0)._replace(scale=1.0)
     found["a point of a sweep, block12, 1000 transits (ms)"] = Timed(lambda: _sweep, 1e3 / _POINTS)
-    found["its march (ms)"] = Timed(March("block12", sw.read("paper"), 1000.0), 1e3)
+    found["its march (ms)"] = Timed(marching("block12", sw.read("paper"), 1000.0), 1e3)
     found["slipwave run paper, a process (ms)"] = Timed(_process("-m", "slipwave", "run", "paper", "--json"), 1e3)
     second = sample.until / 50.0 if sample.until else 0.0
-    found["delay, lab-1mm, a second of motion (s)"] = Timed(March("delay", sample, second), 1.0)
+    found["delay, lab-1mm, a second of motion (s)"] = Timed(marching("delay", sample, second), 1.0)
     return found | dict(_observers(sw.read("paper"), 20_000.0)) | dict(_observers(sw.read("velocity-steps"), 60_000.0))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from slipwave.scene import Scene
 from validation.models.by_name import Options
-from validation.models.timing import March, in_turn
+from validation.models.timing import in_turn, marching
 
 
 def march_times(
@@ -18,5 +18,5 @@ def march_times(
     works = {}
     for number, (model, one) in enumerate(models):
         options = Options(tolerance=one.get("tol"), cells=one.get("cells"), cfl=one.get("cfl"), time=one.get("time"))
-        works[number] = March(model, scene, transits, begin, options)
+        works[number] = marching(model, scene, transits, begin, **options)
     return np.array([[*seconds.values()] for seconds in in_turn(works, rounds)])

@@ -6,9 +6,8 @@ other work of the machine.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar, Unpack
 
 import numpy as np
 
@@ -55,22 +54,17 @@ def quartiles(values: Iterable[float]) -> tuple[float, float, float]:
     return low, median, high
 
 
-@dataclass(frozen=True)
-class March:
+def marching(model: str, scene: Scene, transits: float, begin: float = 0.0, **options: Unpack[Options]) -> Work[Final]:
     """The work of `transits` of march and event detection by a `model` with these `options` that has been marched to `begin`."""
 
-    model: str
-    scene: Scene
-    transits: float
-    begin: float = 0.0
-    options: Options = field(default_factory=Options)
+    def prepared() -> Callable[[], Final]:
+        """The march, to be timed."""
+        solver = build(model, scene, **options)
+        if begin:
+            follow(solver, begin)
+        return partial(follow, solver, begin + transits, [EventObserver(scene, solver.nodes)])
 
-    def __call__(self) -> Callable[[], Final]:
-        """Prepare the march, untimed."""
-        solver = build(self.model, self.scene, **self.options)
-        if self.begin:
-            follow(solver, self.begin)
-        return partial(follow, solver, self.begin + self.transits, [EventObserver(self.scene, solver.nodes)])
+    return prepared
 
 
 def warm(solver: Solver) -> None:
