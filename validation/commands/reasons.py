@@ -7,7 +7,7 @@ from reduced.parameters import scaled
 from slipwave.friction.law import friction_slopes
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
-from validation.models.outlook import outlook
+from validation.models.outlook import expected_period
 from validation.models.run import Run
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def reasons(run: Run, model: str) -> list[str]:
     changes = [f"it changes by a factor e in {_time(1.0 / abs(verdict.rate), scene)}"] if math.isfinite(verdict.rate) else []
     cycles = list[str]()
     if verdict.kind == "too short" and not found.stable:
-        period = outlook(scene, model).period
+        period = expected_period(scene)
         expected = f"a cycle is expected to take about {_time(period, scene)}"
         cycles = ["no cycle is expected: the drive hardly loads the interface" if math.isinf(period) else expected]
     return [

@@ -41,7 +41,7 @@ from validation.data.writing import MOST_LINES, write_series
 from validation.models.build import judged_grid, prepare
 from validation.models.by_name import Options, made, one_port_of
 from validation.models.history_file import ALL, Kept, Window
-from validation.models.outlook import amplified_rounding, costly_steps, length_of, needed, outlook
+from validation.models.outlook import amplified_rounding, costly_steps, expected_period, length_of, needed
 from validation.models.progress import log, progress
 from validation.models.provenance import provenance
 from validation.models.run import FIELD_FILES, MOST_CYCLES, Records, Run, reconsidered, simulate, time_between
@@ -416,7 +416,7 @@ def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, boo
         return None, problem, False
     if has_fields(solver):
         numerical = numerical | Options(cells=solver.cells, tolerance=solver.settings.get("resolution"))
-    period = float(done.events.period[-1]) if done.events.period.size else outlook(scene, one_port_of(solver.model)).period
+    period = float(done.events.period[-1]) if done.events.period.size else expected_period(scene)
     cycle = period if math.isfinite(period) else 1.0
     try:
         twin = prepare(solver.model, scene, True, **numerical).solver

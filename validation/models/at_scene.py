@@ -128,7 +128,7 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         raise NumericsError(f"{said}steady sliding of {model} never loses its stability as r grows: no branch of orbits begins")
     period = 2.0 * math.pi / (omega * critical)
     if period > _LONGEST:
-        tried = f"a run of {most_transits(scene, model):g} transits leads to no orbit, and " if said else ""
+        tried = f"a run of {most_transits(scene):g} transits leads to no orbit, and " if said else ""
         raise NumericsError(
             f"{model}: {tried}the branch of orbits that begins where steady sliding loses its stability is not followed: their "
             f"periods are {period:.3g} transits there, over {_LONGEST:g}, and for each of up to {_MOST} orbits Newton's method "

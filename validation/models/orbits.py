@@ -13,8 +13,8 @@ from slipwave.family import Family
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
 from slipwave.step.flow import Flow
-from validation.models.by_name import DELAY, GRIDS, families, family_of, honouring, make, one_port_of, requested, resolve
-from validation.models.outlook import outlook
+from validation.models.by_name import DELAY, GRIDS, families, family_of, honouring, make, requested, resolve
+from validation.models.outlook import expected_period
 from validation.models.progress import progress
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-11, 1e-2
@@ -129,15 +129,15 @@ def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[
 
 def _guesses(solver: FlowingSolver, tolerance: float, near: float | None = None) -> Iterator[Guess]:
     """`guesses` with progress."""
-    most = most_transits(solver.scene, solver.model)
+    most = most_transits(solver.scene)
     with progress(f"{solver.scene.name}, {solver.model}, on the way to an orbit", most) as report:
         yield from guesses(solver, tolerance, most, report, near)
 
 
-def most_transits(scene: Scene, model: str) -> float:
+def most_transits(scene: Scene) -> float:
     """Longest run (transits) that searches for an orbit: many expected cycles, unless a cycle is so long that the derivative of
     its motion would take minutes."""
-    expected = outlook(scene, one_port_of(model)).period
+    expected = expected_period(scene)
     return max(MOST_TRANSITS, _CYCLES * expected) if expected <= _LONGEST_EXPECTED else MOST_TRANSITS
 
 

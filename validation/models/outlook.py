@@ -35,6 +35,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from reduced.parameters import scaled
 from slipwave.friction.law import friction_slopes
 from slipwave.observe import Events, MotionVerdict, summarise
 from slipwave.observe.torus import MANY
@@ -73,46 +74,36 @@ _ERFC_ENDS = 26.0
 _ROUNDS = 50
 
 
-@dataclass(frozen=True)
-class _Outlook:
-    """`rate` (per transit): growth (> 0) or decay of disturbances of steady sliding; `period`: expected, in transits. `stable` is
-    None if unknown: the rate is 0 within rounding, or V ends at 0."""
-
-    stable: bool | None
-    rate: float
-    period: float
-
-
 @lru_cache(maxsize=32)
 def is_stable(scene: Scene, model: str) -> bool | None:
-    """`stable` of the `outlook`, in a third of its time."""
-    from reduced.stability import scaled
+    """Whether steady sliding is, at the velocity with which the drive of `scene` ends, in a third of the time of `growth_rate`;
+    None if unknown: that is 0 within rounding, or V ends at 0."""
     from reduced.stability.spectrum import certified
 
     velocity = scene.drive.velocities[-1]
     return None if velocity == 0.0 else certified(scaled(scene, velocity=velocity), model)[0]
 
 
-@lru_cache(maxsize=32)
-def outlook(scene: Scene, model: str) -> _Outlook:
-    """The outlook of `scene` at the velocity with which its drive ends; `model` is one with the one-port of the model that
-    runs."""
-    from reduced.stability import scaled, spectrum
+def growth_rate(scene: Scene, model: str) -> float:
+    """Growth (> 0) or decay, per transit, of disturbances of steady sliding at the velocity with which the drive of `scene` ends;
+    0 in a hold. `model` is one with the one-port of the model that runs."""
+    from reduced.stability import spectrum
 
     velocity = scene.drive.velocities[-1]
+    return spectrum(scaled(scene, velocity=velocity), model).rate * scene.transit if velocity else 0.0
+
+
+def expected_period(scene: Scene) -> float:
+    """Of a cycle at the velocity with which the drive of `scene` ends, in transits; infinite in a hold."""
+    velocity = scene.drive.velocities[-1]
     if velocity == 0.0:
-        return _Outlook(None, 0.0, math.inf)
+        return math.inf
     final = scaled(scene, velocity=velocity)
     slopes = friction_slopes(final.law, velocity)
-    found = spectrum(final, model)
     onset = 2.0 * math.pi / (slopes.omega_c if slopes.weakening else slopes.healing)
     released = _stress_released(final) if slopes.weakening else 0.0
     loading = final.stiffness * velocity
-    return _Outlook(
-        stable=found.stable,
-        rate=found.rate * scene.transit,
-        period=max(onset / scene.transit, released / loading if loading else math.inf if released else 0.0),
-    )
+    return max(onset / scene.transit, released / loading if loading else math.inf if released else 0.0)
 
 
 def _stress_released(scene: Scene) -> float:
@@ -192,10 +183,10 @@ class UntilSettled(Length):
             yield from (end for end in (0.25 * self.until, 0.5 * self.until, self.until) if end > after)
             return
         changes = 0.0 if self.scene.drive.is_constant else self.scene.drive.times[-1]
-        expected, first = outlook(self.scene, self.model), 0.0
-        if math.isfinite(expected.period):
-            dies_out = _DIES_OUT / -expected.rate if expected.stable else math.inf
-            first = min(dies_out, _FIRST * expected.period)
+        period, first = expected_period(self.scene), 0.0
+        if math.isfinite(period):
+            stable = is_stable(self.scene, self.model)
+            first = min(_DIES_OUT / -growth_rate(self.scene, self.model) if stable else math.inf, _FIRST * period)
         end = min(2.0 * (changes + NUDGE_CENTRE + NUDGE_REACH) + first, LONGEST_RUN)
         while end <= LONGEST_RUN:
             if end > after:
@@ -217,7 +208,7 @@ class UntilSettled(Length):
             case "steady":
                 if is_stable(self.scene, self.model) is not False:
                     return True
-                return outlook(self.scene, self.model).rate * now.until > LEFT_BY_ROUNDING
+                return growth_rate(self.scene, self.model) * now.until > LEFT_BY_ROUNDING
             case "periodic":
                 return now.verdict.cycles >= max(_ENOUGH, 2 * (now.verdict.multiplicity or 1)) and now.halves_agree
             case "torus" | "irregular":
@@ -236,7 +227,7 @@ class UntilCycles(Length):
 
     def ends(self, after: float) -> Iterator[float]:
         """As `Length`."""
-        period = outlook(self.scene, self.model).period
+        period = expected_period(self.scene)
         end = cycle = period if math.isfinite(period) else 1.0
         while end < LONGEST_RUN:
             if end > after:

@@ -33,7 +33,7 @@ from slipwave.solve import Energy, FieldSolver, Final, Mark, Observer, Resumable
 from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers, require_time
 from validation.models.history_file import ALL, HistoryFile, Kept
-from validation.models.outlook import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, is_stable, outlook
+from validation.models.outlook import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, growth_rate, is_stable
 from validation.models.own import digests
 from validation.models.progress import LongRunAdvice, progress, share_of_run
 
@@ -330,5 +330,5 @@ def reconsidered(run: Run, model: str) -> Run:
         return run
     if run.kind == "decaying":
         return replace(run, verdict=run.verdict._replace(kind="settling", rate=math.nan))
-    grown = LEFT_BY_ROUNDING / outlook(run.solver.scene, model).rate
+    grown = LEFT_BY_ROUNDING / growth_rate(run.solver.scene, model)
     return run if run.until > grown else replace(run, verdict=run.verdict._replace(kind="too short", needed=2.0 * grown))

@@ -23,7 +23,7 @@ from validation.commands.cli import main
 from validation.data.variables import stored_name
 from validation.models.build import build
 from validation.models.history_file import HistoryFile, Kept
-from validation.models.outlook import JudgedHalf, UntilCycles, UntilSettled, outlook
+from validation.models.outlook import JudgedHalf, UntilCycles, UntilSettled, growth_rate
 from validation.models.run import simulate
 
 PAPER = slipwave.read("paper")
@@ -76,7 +76,7 @@ def test_a_drift_that_a_verdict_of_irregular_does_not_see_goes_on():
 def test_steady_sliding_is_settled_where_it_is_stable_or_nothing_disturbs_it():
     slides = judged(NONE, slides=True)
     assert STABLE.ended(slides) == "settled"
-    grown = 40.0 / outlook(OPEN, "delay").rate
+    grown = 40.0 / growth_rate(OPEN, "delay")
     assert UNSTABLE.ended(slides._replace(until=0.999 * grown)) is None
     assert UNSTABLE.ended(slides._replace(until=1.001 * grown)) == "settled"
     assert UNSTABLE.ended(judged(np.ones(2), rests=False)) == "settled"
