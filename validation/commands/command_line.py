@@ -59,7 +59,7 @@ def on_a_scene(
     """A function of the command line's words that calls `act` with a scene, which may be `optional`, its options and the output
     files of the result that is `made`, if any."""
     outputs = () if made is None else made.OUTPUTS
-    known = {one.name: one for one in options_of(kind).values() if one.is_in("command line")}
+    known = {one.name: one for one in options_of(kind).values() if not one.python_only}
 
     def call(source: str | None = None, json: bool = False, **words: Any) -> None:
         """Take the words of the command line."""
@@ -95,8 +95,8 @@ def _in_words(one: Option) -> tuple[Any, Any]:
     if bool in parts or one.stands_for is not None:
         return Annotated[bool | None, notes], None
     word: Any = next((kind for kind in (Path, str, float, int) if kind in parts), str)
-    if one.is_required or isinstance(one.default, str):
-        return Annotated[word, notes], Parameter.empty if one.is_required else one.default
+    if isinstance(one.default, str):
+        return Annotated[word, notes], one.default
     return Annotated[list[str] if one.default == () else word | None, notes], None
 
 

@@ -9,7 +9,7 @@ import math
 import numbers
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cache, wraps
 from inspect import Parameter, Signature, get_annotations
 from itertools import zip_longest
@@ -19,10 +19,8 @@ from typing import (
     TYPE_CHECKING,
     Any,
     ClassVar,
-    Literal,
     Self,
     TypeVar,
-    dataclass_transform,
     get_args,
     get_origin,
     get_type_hints,
@@ -39,7 +37,7 @@ from slipwave.packages import ended
 from slipwave.scene import Scene
 from slipwave.scene.scene import doubts
 from slipwave.solve.follow import DAY
-from validation.commands.result import PointOfBranch, Result, Stopped
+from validation.commands.result import Frozen, PointOfBranch, Result, Stopped
 from validation.models.by_name import FAMILIES, GRIDS, Options
 from validation.models.own import load_families, own_family
 from validation.models.progress import log
@@ -55,17 +53,17 @@ _Answer = TypeVar("_Answer")
 
 
 def option(help: str, default: Any = None, /, **more: Any) -> Any:
-    """A field of a class of options, with `more` properties of the `Option`; `default` `...` if it must be given."""
-    return field(default=MISSING if default is ... else default, metadata={"help": help, "more": more})
+    """A field of a class of options, with `more` properties of the `Option`."""
+    return field(default=default, metadata={"help": help, **more})
 
 
 @dataclass(frozen=True)
 class Option:
     """A declared option: the Python type and the default of its value, and its help.
 
-    Where they are not the usual: `flag` on the command line (`--name`) and `metavar`; `positional` in Python; `only` in one of
-    the two; `stored`: files of results store it, for a call that computes such a file again; `least` and `most`, and the text of
-    what a value `must` be; `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a
+    Where they are not the usual: `flag` on the command line (`--name`) and `metavar`; `positional` in Python, or `python_only`;
+    `stored`: files of results store it, for a call that computes such a file again; `least` and `most`, and the text of what a
+    value `must` be; `suffixes` of a file that the command writes; `words` for the shell's completion; the value that a
     flag `stands_for`."""
 
     name: str
@@ -75,7 +73,7 @@ class Option:
     flag: str = ""
     metavar: str | None = None
     positional: bool = False
-    only: Literal["python", "command line"] | None = None
+    python_only: bool = False
     stored: bool = False
     least: float = -math.inf
     most: float = math.inf
@@ -88,15 +86,6 @@ class Option:
     def stored_as(self) -> str:
         """Its name in files."""
         return self.flag.removeprefix("--").replace("-", "_")
-
-    @property
-    def is_required(self) -> bool:
-        """Whether it must be given."""
-        return self.default is MISSING
-
-    def is_in(self, where: Literal["python", "command line"]) -> bool:
-        """Whether it can be given in Python, or on the command line."""
-        return self.only in (None, where)
 
     def checked(self, value: Any) -> Any:
         """`value` converted from numpy, text to a path where declared. Raises SceneError for a wrong type and a value out of
@@ -115,15 +104,7 @@ _STEPS = dict.fromkeys(
 )
 
 
-@dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
-class _Declared:
-    """Makes each class of options a frozen dataclass of keywords."""
-
-    def __init_subclass__(cls) -> None:
-        dataclass(frozen=True, kw_only=True)(cls)
-
-
-class SceneOptions(_Declared):
+class SceneOptions(Frozen):
     """Options of every command on a scene. `EXAMPLES` and `DETAILS` are for its help on the command line."""
 
     EXAMPLES: ClassVar[tuple[str, ...]] = ()
@@ -138,7 +119,7 @@ class SceneOptions(_Declared):
     law: Path | None = option("run this Python file, which registers a friction law", metavar="FILE.py")
     family: Path | None = option("run this Python file, which declares a family of models", metavar="FILE.py")
     set: Mapping[str, object] | None = option(
-        "changes of keys of the scene; a text that names a variable of the command is an expression", only="python"
+        "changes of keys of the scene; a text that names a variable of the command is an expression", python_only=True
     )
     changes: Mapping[str, Any] = field(default_factory=dict)
 
@@ -324,11 +305,8 @@ def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
 def _options_of(kind: Any) -> Mapping[str, Option]:
     hints, known = get_type_hints(kind), {one.name: one for one in fields(kind)}
     names = [name for base in kind.__mro__ for name in get_annotations(base) if name in known and known[name].metadata]
-    declared = {name: (known[name].default, known[name].metadata) for name in names}
-    found = [
-        Option(name, hints[name], default, said["help"], **{"flag": f"--{name.replace('_', '-')}"} | said["more"])
-        for name, (default, said) in declared.items()
-    ]
+    flags: dict[str, dict[str, Any]] = {name: {"flag": f"--{name.replace('_', '-')}"} for name in names}
+    found = [Option(name, hints[name], known[name].default, **flag | dict(known[name].metadata)) for name, flag in flags.items()]
     return {one.name: one for one in sorted(found, key=lambda one: not one.positional)}
 
 
@@ -389,11 +367,10 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
         Parameter(
             one.name,
             Parameter.POSITIONAL_OR_KEYWORD if one.positional else Parameter.KEYWORD_ONLY,
-            default=Parameter.empty if one.is_required else one.default,
+            default=one.default,
             annotation=one.hint,
         )
         for one in known.values()
-        if one.is_in("python")
     ]
     signature = Signature([first, *keywords, Parameter("changes", Parameter.VAR_KEYWORD, annotation=Any)])
 
@@ -420,7 +397,7 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
 
 def _section(known: Mapping[str, Any]) -> str:
     """The section of a docstring on the options."""
-    lines = [f"{one.name}: {one.help}" for one in known.values() if one.is_in("python")]
+    lines = [f"{one.name}: {one.help}" for one in known.values()]
     lines.append("changes: of the scene, as those of `slipwave.read_scene`")
     return "\n".join(
         ["Options:", *(textwrap.fill(line, 120, initial_indent="    ", subsequent_indent="        ") for line in lines)]

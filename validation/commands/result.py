@@ -104,14 +104,14 @@ class Output(NamedTuple):
 
 
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
-class _Computed:
-    """Makes each class of results a frozen dataclass."""
+class Frozen:
+    """Makes each class of options, and of results, a frozen dataclass."""
 
     def __init_subclass__(cls) -> None:
         dataclass(frozen=True, repr=False, eq=False)(cls)
 
 
-class Result(_Computed, ABC):
+class Result(Frozen, ABC):
     """A result of a command: its JSON as a dictionary and its keys as attributes, an `xarray.Dataset`, a figure, a netCDF file.
 
     `failed`: what failed, or empty; `stopped`: whether the user stopped the work. The result then holds what was computed

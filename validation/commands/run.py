@@ -73,13 +73,13 @@ class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
     interface: bool | None = option(
         "keep the interface's history, or not; a history that would not fit on the disk, or into a quarter of the memory, is "
         "refused (default: as the scene records)",
-        only="python",
+        python_only=True,
         stored=True,
     )
     fields: bool | None = option(
-        "keep the last 100 transits of a full wave, or not (default: as the scene records)", only="python"
+        "keep the last 100 transits of a full wave, or not (default: as the scene records)", python_only=True
     )
-    samples: Path | None = option("file of the history during the run (default: a temporary one)", only="python")
+    samples: Path | None = option("file of the history during the run (default: a temporary one)", python_only=True)
     checkpoint: Path | None = option("save checkpoints here during the run, and go on from FILE if it exists", metavar="FILE")
     checkpoint_every: float | str | None = option(
         "time between checkpoints, in transits or as 10s (default 1000)", metavar="TRANSITS|TIME"

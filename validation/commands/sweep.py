@@ -75,7 +75,7 @@ class _SweepOptions(RunsOptions):
     refine: int = option("begin with every 2^LEVELS-th point, and divide cells in which the regime changes", 0, metavar="LEVELS")
     workers: int | None = option("processes (default: one per core)", least=1, most=4096, must="be from 1 to 4096")
     scheduler: str | None = option("compute on the dask cluster with this scheduler", metavar="tcp://HOST:PORT")
-    executor: Executor | None = option("compute on this executor", only="python")
+    executor: Executor | None = option("compute on this executor", python_only=True)
     part: str = option("this job's share of the points, for job arrays: the I-th of N", "1/1", metavar="I/N")
     gather: bool = option(f"compute nothing; write what is there to {GATHERED} in the folder", False)
     dry: bool = option("compute nothing; say how long it would take, from a few points", False)

@@ -234,7 +234,7 @@ def test_every_declared_option_arrives_under_its_own_name(name, computed):
     words = [name, "paper", "--set", "slab.r=0.002", "drive.velocity=50"]
     for one in options_of(getattr(slipwave, name).__wrapped__.__annotations__["options"]).values():
         kinds = {one.hint, *get_args(one.hint)}
-        if one.name in wanted or one.name in ("law", "family") or not one.is_in("command line"):
+        if one.name in wanted or one.name in ("law", "family") or one.python_only:
             continue
         if bool in kinds or one.stands_for is not None:
             words, wanted = [*words, one.flag], wanted | {one.name: True if one.stands_for is None else one.stands_for}
