@@ -12,9 +12,6 @@ from slipwave.friction.own import own_law
 from slipwave.input.overrides import parse_toml
 from slipwave.input.wording import one_line, shorten
 
-GRID_OPTIONS = ("cells", "cfl", "time")
-"""Options of a call that belong to the grid of one model."""
-
 
 class StoredScene(NamedTuple):
     """Origin of a file of results: the `command` that wrote it, the scene's `tables`, the model and the options of the call, and
@@ -27,9 +24,9 @@ class StoredScene(NamedTuple):
     facts: dict[str, Any]
 
 
-def read_stored(path: str | Path, option: str = "SCENE =") -> StoredScene:
-    """Read the origin of a file of results. Raises SceneError, naming the `option`, if it is none of this program, and if its
-    friction law is a user's own that is not loaded or has changed."""
+def read_stored(path: str | Path, option: str = "SCENE =", command: str = "") -> StoredScene:
+    """Read the origin of a file of results. Raises SceneError, naming the `option`, if it is none of this program, none of the
+    `command`, if given, and if its friction law is a user's own that is not loaded or has changed."""
     label = f"{option} {shorten(str(path))}"
     require("files", label)
     from netCDF4 import Dataset
@@ -50,18 +47,9 @@ def read_stored(path: str | Path, option: str = "SCENE =") -> StoredScene:
         raise SceneError(f"{label}: holds no scene that can be computed again: {one_line(reason_of(error))}") from None
     if facts.get("law_digest"):
         _require_law(label, facts, str(tables.get("interface", {}).get("law")))
+    if command not in ("", facts["command"]):
+        raise SceneError(f"{label}: is a result of slipwave {facts['command']}, not of slipwave {command}")
     return StoredScene(facts["command"], tables, facts["model"], options, facts)
-
-
-def recall(source: object, command: str, model: str, given: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
-    """(model, options) of a call on a file of results of the same `command`: those `given`, else (model "auto", option None)
-    those in the file. Grid options apply to the file's own model only. Raises SceneError for a file of another command."""
-    stored = read_stored(Path(str(source)))
-    if stored.command != command:
-        raise SceneError(f"SCENE = {shorten(str(source))}: is a result of slipwave {stored.command}, not of slipwave {command}")
-    known = {name: value for name, value in stored.options.items() if model in ("auto", stored.model) or name not in GRID_OPTIONS}
-    options = {name: known.get(name) if value is None else value for name, value in given.items()}
-    return (stored.model if model == "auto" else model), options
 
 
 def _require_law(label: str, facts: Mapping[str, Any], law: str) -> None:

@@ -31,7 +31,7 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.own import load_laws
 from slipwave.input.assemble import SceneSource, is_stored, read, read_scene
-from slipwave.input.stored import read_stored, recall
+from slipwave.input.stored import read_stored
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.packages import ended
 from slipwave.scene import Scene
@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 _WORDS = {bool: "True or False", int: "a whole number", float: "a number", str: "a text", NoneType: "None"}
 _WORDS |= {Path: "a text, a path", FunctionType: "a function", object: "values"}
 _KINDS: dict[Any, Any] = {bool: bool, int: numbers.Integral, float: numbers.Real, Path: (str, Path)}
+
+_OF_A_GRID = ("cells", "cfl", "time")  # options that belong to the model with which they were given
 
 _Answer = TypeVar("_Answer")
 
@@ -228,16 +230,16 @@ class ModelOptions(SceneOptions):
         Raises SceneError for a file of another command, or of another family of that name."""
         if not is_stored(source):
             return self
-        known = {one.stored_as: one for one in options_of(type(self)).values() if one.stored}
-        given = {name: getattr(self, one.name) for name, one in known.items()} | {"set": None}
-        model, found = recall(source, command, self.model, given)
-        ours, theirs = own_family(model), read_stored(Path(str(source))).facts.get("family_digest")
+        stored = read_stored(str(source), command=command)
+        model = stored.model if self.model == "auto" else self.model
+        ours, theirs = own_family(model), stored.facts.get("family_digest")
         if ours and theirs and ours.digest != theirs:
             other = f"digest {theirs}; that of --family is {ours.digest}"
             raise SceneError(f"SCENE = {shorten(str(source))}: was computed with another family of {model!r}: {other}")
-        new = {one.name: one.checked(found[name]) for name, one in known.items() if one.name not in without}
-        again = replace(self, model=model, **new)
-        return again.with_expressions(found["set"] or {})
+        known = {name: value for name, value in stored.options.items() if model == stored.model or name not in _OF_A_GRID}
+        wanted = [one for one in options_of(type(self)).values() if one.stored and one.name not in without]
+        found = {one.name: one.checked(known.get(one.stored_as)) for one in wanted if getattr(self, one.name) is None}
+        return replace(self, model=model, **found).with_expressions(known.get("set", {}))
 
 
 class RunsOptions(SceneOptions):

@@ -14,7 +14,6 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.files import reason_of, whole_or_absent
 from slipwave.input.assemble import read
 from slipwave.input.stored import read_stored
-from slipwave.input.wording import shorten
 from slipwave.solve import State
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
@@ -84,9 +83,7 @@ def write_followed(path: Path, found: Followed, end: End, complete: bool, origin
 
 def read_branch(path: Path, option: str) -> FollowedBranch:
     """The branch in a file of `slipwave branch`. Raises SceneError, naming the `option`, if it is none or damaged."""
-    stored = read_stored(path, option)
-    if stored.command != "branch":
-        raise SceneError(f"{option} {shorten(str(path))}: is a result of slipwave {stored.command}, not of slipwave branch")
+    stored = read_stored(path, option, "branch")
     given = stored.options
     text = str(given.get("over"))
     over = over_range(text, scenes_with(read(stored.tables), names_of(text), given.get("set", {})), option)
