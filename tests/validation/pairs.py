@@ -185,7 +185,7 @@ def play(solver, until, folder=None, dates=(), chunk=math.inf, resume=None):
     """Run `solver` to `until` (transits) as `slipwave run` does, in chunks of `chunk` transits, from the checkpoint `resume`;
     checkpoints of some `dates` go into a `folder`."""
     begun = solver.state() if solver.scene.start.kind == "orbit" else None
-    records = Records.of(solver, Length(until=until))
+    records = Records(solver, Length(until=until))
     parts = {"events": records.watch, "envelope": records.envelope}
     if records.protocol is not None:
         parts["protocol"] = records.protocol

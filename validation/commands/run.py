@@ -381,7 +381,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         what = "is for the steps in time: cells are given, and the error of their grid is not estimated"
         notes.append(f"tolerance {options.tol:g} {what}")
     notes += costly_steps(solver)
-    records = Records.of(solver, length, options.interface, options.fields, kept, options.samples, checkpoint, every)
+    records = Records(solver, length, options.interface, options.fields, kept, options.samples, checkpoint, every)
     try:
         done = simulate(solver, length, records.observers, options.most_seconds, records.watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)

@@ -2,7 +2,6 @@
 the curves through the points at the first one."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -36,15 +35,14 @@ class CurveEnd(NamedTuple):
     reason: str = ""
 
 
-@dataclass(frozen=True)
 class SpecialEnds:
     """The `branches` of one scene at `values` of the parameter `second`; `curves`: kind -> the curves of it through all points of
     the first branch."""
 
-    second: Over
-    values: tuple[float, ...]
-    branches: list[FollowedBranch] = field(default_factory=list)
-    curves: dict[str, list[CurveEnd]] = field(default_factory=dict)
+    def __init__(self, second: Over, values: tuple[float, ...]) -> None:
+        self.second, self.values = second, values
+        self.branches: list[FollowedBranch] = []
+        self.curves: dict[str, list[CurveEnd]] = {}
 
     @classmethod
     def read(cls, text: str, over: str, source: "SceneSource | Variation") -> tuple[Over, Self]:

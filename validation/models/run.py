@@ -12,10 +12,10 @@ checkpoints.
 import math
 import os
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import part_of, remove_leftovers, require_writable
@@ -31,7 +31,7 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.solve import Energy, FieldSolver, Final, Mark, Observer, Resumable, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
-from slipwave.solve.follow import DAY, Foresight, NamedObserver, named_observers, require_time
+from slipwave.solve.follow import DAY, Foresight, named_observers, require_time
 from validation.models.history_file import ALL, HistoryFile, Kept
 from validation.models.outlook import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, growth_rate, is_stable
 from validation.models.own import digests
@@ -52,22 +52,12 @@ FIELD_WINDOW = 100.0
 """Transits before the end of the run whose fields are kept: more than a cycle of the paper's scenes, never all of a long run."""
 
 
-@dataclass(frozen=True)
 class Records:
     """Records of a run: events by `watch`, the `envelope` for its figure, the stages of a `protocol`, and, if requested, the
-    interface's history, the last fields, checkpoints and the observers `named` by the scene."""
+    interface's `history`, the last `fields`, `checkpoints` and the observers `named` by the scene."""
 
-    watch: EventObserver
-    envelope: Envelope
-    protocol: ProtocolObserver | None
-    history: HistoryFile | None
-    fields: "FieldRecord | None"
-    checkpoints: Checkpoints | None
-    named: Mapping[str, NamedObserver]
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         solver: Solver,
         length: Length,
         interface: bool | None = None,
@@ -76,7 +66,7 @@ class Records:
         samples: Path | None = None,
         checkpoint: Path | None = None,
         every: float | None = None,
-    ) -> Self:
+    ) -> None:
         """The records of a run of `solver` of this length, which continues from its `checkpoint` if that exists: the history of
         the `interface` and the last `fields` (None: by the scene's `record`); which samples of the history are `kept`, and the
         file of the `samples` during the run (default: temporary). A checkpoint is written `every` so many transits (1000).
@@ -84,29 +74,28 @@ class Records:
         Raises SceneError for fields of a model that has none and for a checkpoint of another run.
         """
         scene, until = solver.scene, length.until
-        history = record = None
+        self.history = self.fields = self.checkpoints = None
         if "interface" in scene.record if interface is None else interface:
-            history = _history(solver, min(until, next(length.ends(0.0), math.inf)), kept, samples, checkpoint)
+            self.history = _history(solver, min(until, next(length.ends(0.0), math.inf)), kept, samples, checkpoint)
         if "fields" in scene.record if fields is None else fields:
-            record = _fields(solver, until, fields)
-        watch = EventObserver(scene, solver.nodes)
-        envelope = Envelope(scene, solver.nodes, kept.begin, kept.end)
-        protocol = None if scene.drive.is_constant else ProtocolObserver(scene, solver.nodes, until)
-        watched, named = watch if scene.record else None, named_observers(solver)
-        parts = {"events": watched, "envelope": envelope, "protocol": protocol, "interface": history, "fields": record}
-        saved: dict[str, Resumable] = {label: part for label, part in (parts | named).items() if part is not None}
-        marks = None
-        if checkpoint is not None:
-            files = digests([name_of(scene.law)], [solver.model])
-            marks = Checkpoints(solver, saved, checkpoint, until, every or _EVERY, files)
-        records = cls(watch, envelope, protocol, history, record, marks, named)
-        if marks is not None and checkpoint is not None and checkpoint.exists():
+            self.fields = _fields(solver, until, fields)
+        self.watch = EventObserver(scene, solver.nodes)
+        self.envelope = Envelope(scene, solver.nodes, kept.begin, kept.end)
+        self.protocol = None if scene.drive.is_constant else ProtocolObserver(scene, solver.nodes, until)
+        self.named = named_observers(solver)
+        if checkpoint is None:
+            return
+        watched = {"events": self.watch} if scene.record else {}
+        others = {"envelope": self.envelope, "protocol": self.protocol, "interface": self.history, "fields": self.fields}
+        saved: dict[str, Resumable] = {label: part for label, part in (watched | others | self.named).items() if part is not None}
+        files = digests([name_of(scene.law)], [solver.model])
+        self.checkpoints = Checkpoints(solver, saved, checkpoint, until, every or _EVERY, files)
+        if checkpoint.exists():
             try:
-                marks.resume()
+                self.checkpoints.resume()
             except BaseException:
-                records.close()
+                self.close()
                 raise
-        return records
 
     @property
     def observers(self) -> list[Observer]:
