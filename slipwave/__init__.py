@@ -6,11 +6,10 @@ used, so that `import slipwave` stays light: numba and pydantic take longer than
 """
 
 from importlib import import_module
-from pathlib import Path
 from typing import Any
 
-_STUB = Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8")
-_PLACES = {words[-1]: words[1] for words in map(str.split, _STUB.splitlines()) if words[:1] == ["from"]}
+with open(f"{__file__}i", encoding="utf-8") as _stub:  # pathlib takes longer to import than all of this
+    _PLACES = {words[-1]: words[1] for words in map(str.split, _stub) if words[:1] == ["from"]}
 """The module in which each name is written, as the stub says it to type checkers: from MODULE import NAME as NAME."""
 
 __all__ = list(_PLACES)

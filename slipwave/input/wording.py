@@ -41,9 +41,9 @@ def _cut(text: str, longest: int) -> str:
     return text if len(text) <= longest else f"{text[: longest - 18]}...{text[-15:]}"
 
 
-def nearest(word: str, known: Iterable[str], cutoff: float = 0.5) -> str | None:
+def nearest(word: str, known: Iterable[str]) -> str | None:
     """The known word most similar to `word`, or None if none is similar enough."""
-    matches = difflib.get_close_matches(word[:_LONGEST_KEY].lower(), list(known), n=1, cutoff=cutoff)
+    matches = difflib.get_close_matches(word[:_LONGEST_KEY].lower(), list(known), n=1, cutoff=0.5)
     return matches[0] if matches else None
 
 

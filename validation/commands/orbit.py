@@ -174,8 +174,7 @@ class OrbitResult(Result):
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, whether the orbit is stable, its figures with errors, and the largest multipliers."""
         done, multipliers = self.found, self.found.found.multipliers
-        yield from header(done.scene)
-        yield from (f"note: {note}" for note in done.notes)
+        yield from header(done.scene, done.notes)
         if "response" in summary and summary["response"] is None:
             yield f"note: {summary['notes'][-1]}"
         verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]

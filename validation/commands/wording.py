@@ -17,7 +17,7 @@ from slipwave.observe import MotionVerdict, RunStatistics
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene import Scene
 from slipwave.scene.scene import doubts
-from slipwave.scene.slab import FACES, VISCOSITIES, Face, Slab
+from slipwave.scene.slab import FACES, VISCOSITIES, Face, Slab, Viscosity
 from slipwave.scene.units import Units
 from validation.commands.result import rounded
 from validation.data.variables import EVENTS, shown_in
@@ -134,9 +134,8 @@ def _slab(slab: Slab, scene: Scene, root: complex) -> list[str]:
     if not scene.is_held_rigidly or any(kind != "rigid" for kind in written):  # one of another kind may be rigid in the limit
         lines += _face_in_words(slab, units, watched(scene, root))
     if slab.viscosity:
-        (kind,) = (name for name, one in VISCOSITIES.items() if one is type(slab.viscosity))
         time = f" ({rounded(slab.viscosity.time * units.time, 6)} s)" if units else ""
-        lines.append(f"{kind}: {_fields_in_words(slab.viscosity)}{time}")
+        lines.append(f"{_kind_of(slab.viscosity)}: {_fields_in_words(slab.viscosity)}{time}")
     if len(slab.layers) > 1:
         layers = ", ".join(f"{layer.fraction:g} of impedance {layer.impedance:g}" for layer in slab.layers)
         lines.append(f"layers from the interface outwards: {layers}")
@@ -218,10 +217,9 @@ def _sizes(slab: Slab, units: Units | None) -> str:
     return f" ({', '.join(facts)})"
 
 
-def _kind_of(face: Face) -> str:
+def _kind_of(part: Face | Viscosity) -> str:
     """The name of a face's kind in scene files."""
-    (kind,) = (name for name, one in FACES.items() if one is type(face))
-    return kind
+    return next(name for name, one in (FACES | VISCOSITIES).items() if one is type(part))
 
 
 def _fields_in_words(part: Any) -> str:
