@@ -198,7 +198,7 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
     for solver in sorted(solvers, key=lambda solver: solver is not first):
         watch = EventObserver(scene, solver.nodes)
         observer = CycleObserver(solver, watch)
-        run = simulate(solver, length, [observer] if scene.record else [], most_seconds=most, watch=watch)
+        run = simulate(solver, length, [observer] if scene.record else [], most, watch if scene.record else None)
         run = reconsidered(run, one_port_of(solver.model))
         stopped = f"model {solver.model}" if run.stopped else ""
         found[solver.model] = run, observer.cycle(second_half(solver, run.until))

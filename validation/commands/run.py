@@ -383,7 +383,8 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     notes += costly_steps(solver)
     records = Records(solver, length, options.interface, options.fields, kept, options.samples, checkpoint, every)
     try:
-        done = simulate(solver, length, records.observers, options.most_seconds, records.watch, records.marks)
+        watch = records.watch if scene.record else None
+        done = simulate(solver, length, records.observers, options.most_seconds, watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)
         is_default = options.cells is None and options.tol is None and not done.failed and has_fields(solver)
         default = judged_grid(solver, start, options.cfl, options.time) if is_default else None

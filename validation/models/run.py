@@ -85,9 +85,9 @@ class Records:
         self.named = named_observers(solver)
         if checkpoint is None:
             return
-        watched = {"events": self.watch} if scene.record else {}
-        others = {"envelope": self.envelope, "protocol": self.protocol, "interface": self.history, "fields": self.fields}
-        saved: dict[str, Resumable] = {label: part for label, part in (watched | others | self.named).items() if part is not None}
+        own = {"events": self.watch if scene.record else None, "envelope": self.envelope, "protocol": self.protocol}
+        parts = own | {"interface": self.history, "fields": self.fields} | self.named
+        saved: dict[str, Resumable] = {label: part for label, part in parts.items() if part is not None}
         files = digests([name_of(scene.law)], [solver.model])
         self.checkpoints = Checkpoints(solver, saved, checkpoint, until, every or _EVERY, files)
         if checkpoint.exists():
@@ -216,100 +216,71 @@ def simulate(
     marks: Sequence[Mark] = (),
 ) -> Run:
     """March `solver` to the end of `length` (a number: so many transits) with progress on stderr; statistics are those of the
-    run's second half. `watch`: the event observer of a continued run. Without anything to record, events are not observed. A
-    NumericsError of the solver and an interruption are not raised but stored in `failed`, with what was computed before. Raises
-    SceneError if the run would take more than `most_seconds` (`slipwave.solve.follow`).
+    run's second half. Events are observed by `watch`, if given, else if the scene records anything. A NumericsError of the solver
+    and an interruption are not raised but stored in `failed`, with what was computed before. Raises SceneError if the run would
+    take more than `most_seconds` (`slipwave.solve.follow`).
     """
-    watch = watch or EventObserver(solver.scene, solver.nodes)
     wanted = Length(until=length) if isinstance(length, int | float) else length
-    marched = JudgedMarch(solver, watch, bool(solver.scene.record))
-    failed, stopped, began = "", False, time.perf_counter()
+    if watch is None and solver.scene.record:
+        watch = EventObserver(solver.scene, solver.nodes)
+    work = Foresight(solver, 0.0, most_seconds)
+    everyone = [*([watch] if watch else []), *observers, work]
+    final: Final | None = None
+    judged: JudgedHalf | None = None
+    ended: Ended | None = None
+    until, failed, stopped, began = 0.0, "", False, time.perf_counter()
     try:
-        marched.to(wanted, observers, marks, most_seconds)
-    except NumericsError as error:
-        failed = str(error)
-    except KeyboardInterrupt:
-        failed, stopped = f"interrupted at t = {solver.time:.6g} of {marched.until:g} transits", True
-    return marched.run(time.perf_counter() - began, failed, stopped)
-
-
-class JudgedMarch:
-    """A run of `solver` in stretches, judged at the end of each by the events of `watch`, if it is `watched`. `until`: end of the
-    last stretch begun (transits); `final`, the state there, and `ended`, the reason, are None if it was not reached."""
-
-    def __init__(self, solver: Solver, watch: EventObserver, watched: bool = True) -> None:
-        self.solver, self.watch, self.watched = solver, watch, watched
-        self.until = 0.0
-        self.final: Final | None = None
-        self._judged: JudgedHalf | None = None
-        self.ended: Ended | None = None
-
-    def to(self, length: Length, observers: Sequence[Observer] = (), marks: Sequence[Mark] = (), most: float = DAY) -> None:
-        """March to the end of `length`. Raises NumericsError where the solver fails, and SceneError if it would take more than
-        `most` seconds."""
-        work = Foresight(self.solver, 0.0, most)
-        everyone = [*([self.watch] if self.watched else []), *observers, work]
-        for end in length.ends(self.solver.time):
-            if work.seconds(end) > length.most_seconds:
+        for end in wanted.ends(solver.time):
+            if work.seconds(end) > wanted.most_seconds:
                 break
-            require_time(self.solver, end, most)
-            self.until, self.final, self._judged = end, None, None
+            require_time(solver, end, most_seconds)
+            until, final, judged = end, None, None
             work.until = end
             for mark in marks:
                 if isinstance(mark, Checkpoints):
                     mark.until = end
-            share = share_of_run(self.solver.scene.drive, end)
-            with progress(f"{self.solver.scene.name}, {self.solver.model}", end, share) as report:
-                self.final = follow(self.solver, end, everyone, LongRunAdvice(self.solver, share, report), marks)
-            self._judged = self.judged()
-            self.ended = length.ended(self._judged)
-            if self.ended:
-                return
-        self.ended = "limit"
-
-    def judged(self) -> JudgedHalf:
-        """The second half of the run so far, and the verdict on it."""
-        half = second_half(self.solver, self.until)
-        cycles, drive, end = self.watch.events(half), self.solver.scene.drive, 2.0 * half
-        if not self.watched:
-            return JudgedHalf(end, None, cycles)
-        slides = self.final is not None and slides_at(self.final.v, drive.at(end))
-        rests = drive.rests_from(half)
-        ringing = self.watch.ringing(drive.at(end), half) if rests else math.inf
-        verdict = judge_motion(cycles, self.watch.judge(half).complete, rests, slides, end, ringing)
-        return JudgedHalf(end, verdict, cycles)
-
-    def run(self, wall_s: float, failed: str, stopped: bool) -> Run:
-        """The result so far."""
-        solver, watch, judged = self.solver, self.watch, self._judged or self.judged()
-        verdict, cycles = _of_protocol(judged.verdict, solver.scene.drive, self.until), judged.cycles
-        if not (verdict and verdict.repeats):
-            cycles = NO_EVENTS
-        elif verdict.multiplicity:
-            cycles = repeating(cycles, verdict.multiplicity)
-        return Run(
-            solver=solver,
-            until=self.until,
-            events=watch.events(),
-            starts=watch.count if verdict else None,
-            verdict=verdict,
-            statistics=summarise(cycles, not (verdict and verdict.wanders)),
-            final=self.final,
-            energy=None if failed else solver.energy(),
-            wall_s=wall_s,
-            failed=failed,
-            ended=None if failed else self.ended,
-            stopped=stopped,
-        )
+            share = share_of_run(solver.scene.drive, end)
+            with progress(f"{solver.scene.name}, {solver.model}", end, share) as report:
+                final = follow(solver, end, everyone, LongRunAdvice(solver, share, report), marks)
+            judged = _judged(solver, watch, until, final)
+            ended = wanted.ended(judged)
+            if ended:
+                break
+    except NumericsError as error:
+        failed = str(error)
+    except KeyboardInterrupt:
+        failed, stopped = f"interrupted at t = {solver.time:.6g} of {until:g} transits", True
+    judged, seconds = judged or _judged(solver, watch, until, final), time.perf_counter() - began
+    verdict, cycles = _represented(judged, solver.scene.drive, until)
+    events, count = (watch.events(), watch.count) if watch else (NO_EVENTS, None)
+    figures, energy = summarise(cycles, not (verdict and verdict.wanders)), None if failed else solver.energy()
+    reason = None if failed else ended or "limit"
+    return Run(solver, until, events, count, verdict, figures, final, energy, seconds, failed, reason, stopped)
 
 
-def _of_protocol(verdict: MotionVerdict | None, drive: Drive, until: float) -> MotionVerdict | None:
-    """`verdict`, or "protocol" where the second half of a run to `until` (transits) of a drive that changes holds no cycles that
-    repeat or wander, but a stage of constant V to judge."""
-    if verdict is None or verdict.repeats:
-        return verdict
+def _judged(solver: Solver, watch: EventObserver | None, until: float, final: Final | None) -> JudgedHalf:
+    """The second half of a run to `until` (transits) so far, and the verdict on it, if its events are watched; `final`: the state
+    at its end, if it was reached."""
+    half, drive = second_half(solver, until), solver.scene.drive
+    end = 2.0 * half
+    if watch is None:
+        return JudgedHalf(end, None, NO_EVENTS)
+    slides = final is not None and slides_at(final.v, drive.at(end))
+    rests = drive.rests_from(half)
+    cycles, ringing = watch.events(half), watch.ringing(drive.at(end), half) if rests else math.inf
+    return JudgedHalf(end, judge_motion(cycles, watch.judge(half).complete, rests, slides, end, ringing), cycles)
+
+
+def _represented(judged: JudgedHalf, drive: Drive, until: float) -> tuple[MotionVerdict | None, Events]:
+    """The verdict on a run to `until` (transits), "protocol" where the second half under a drive that changes holds no cycles
+    that repeat or wander, but a stage of constant V to judge; and the cycles that represent the motion, none of any other."""
+    verdict, cycles = judged.verdict, judged.cycles
+    if verdict is None:
+        return None, NO_EVENTS
+    if verdict.repeats:
+        return verdict, repeating(cycles, verdict.multiplicity) if verdict.multiplicity else cycles
     levels = [stage for stage in stages_of(drive, until) if stage.kind not in ("ramp", "hold") and stage.end > 0.5 * until]
-    return verdict._replace(kind="protocol") if levels else verdict
+    return verdict._replace(kind="protocol") if levels else verdict, NO_EVENTS
 
 
 def reconsidered(run: Run, model: str) -> Run:

@@ -10,13 +10,14 @@ from dataclasses import dataclass, field, fields
 
 import numpy as np
 
+from slipwave.errors import NumericsError
 from slipwave.observe import EventObserver, Events
 from slipwave.observe.events import NO_EVENTS
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.solve import Solver
 from validation.models.outlook import Ended, JudgedHalf, Length
-from validation.models.run import JudgedMarch
+from validation.models.run import simulate
 
 WINDOW = 4
 """Cycles over which an orbit is judged."""
@@ -96,7 +97,9 @@ def settle(solver: Solver, tolerance: float = 1e-9, most: float = MOST_TRANSITS)
     than WINDOW cycles, or if the run returned to steady sliding, NumericsError where the solver fails.
     """
     observer, length = EventObserver(solver.scene, solver.nodes), _UntilAlike(tolerance, until=most)
-    JudgedMarch(solver, observer).to(length)
+    run = simulate(solver, length, watch=observer)
+    if run.failed:
+        raise KeyboardInterrupt if run.stopped else NumericsError(run.failed)
     if not length.has_cycles:
         raise NoCycle(f"{solver.model}: {observer.count} slip events in {solver.time:.0f} transits, too few to speak of an orbit")
     if length.is_steady:
