@@ -79,9 +79,9 @@ def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]
         found = found.assign(variables((), margins, MARGINS, scene))
     if stages:
         rows = [asdict(stage) for stage in stages]
-        columns = {name: [row[name.removeprefix("stage_")] for row in rows] for name in STAGE_QUANTITIES}
-        numbers = {name: np.array(column, dtype=float) for name, column in columns.items()}  # None becomes NaN
-        found = found.assign(variables("stage", numbers, STAGE_QUANTITIES, scene))
+        columns = {name: np.array([row[name] for row in rows], dtype=float) for name in STAGE_QUANTITIES}  # None becomes NaN
+        named = variables("stage", columns, STAGE_QUANTITIES, scene)
+        found = found.assign({f"stage_{name}": variable for name, variable in named.items()})
         kinds = np.array([row["kind"] for row in rows], dtype=object)
         found["stage_kind"] = ("stage", kinds, {"long_name": "kind of the stage"})
         stick_slips = [int(row["stick_slips"]) for row in rows]

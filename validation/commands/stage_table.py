@@ -14,14 +14,8 @@ from validation.data.variables import STAGE_QUANTITIES, in_si, shown_in
 def stage_results(stages: Sequence[StageFigures], scene: Scene) -> list[dict[str, Any]]:
     """One dictionary for each stage, times in transits, stresses in units of the normal stress, slip in L; `si` exists only for
     scenes with units."""
-    return [asdict(stage) | _in_si(stage, scene) for stage in stages]
-
-
-def _in_si(stage: StageFigures, scene: Scene) -> dict[str, Any]:
-    if scene.units is None:
-        return {}
-    values = {name: getattr(stage, name.removeprefix("stage_")) for name in STAGE_QUANTITIES}
-    return {"si": {twin.removeprefix("stage_"): size for twin, size in in_si(values, STAGE_QUANTITIES, scene).items()}}
+    rows = [asdict(stage) for stage in stages]
+    return [row | {"si": in_si(row, STAGE_QUANTITIES, scene)} for row in rows] if scene.units else rows
 
 
 def stages_in_words(stages: Sequence[StageFigures]) -> str:

@@ -38,15 +38,15 @@ MARGINS = {
     f"{name}_margin": Meaning(_MARGIN + name, EVENTS[name].unit) for name in ("period", "stress_drop", "elastic_stress_drop")
 } | {"v_max_median_margin": Meaning("the same of the median of v_max", "V*")}
 STAGE_QUANTITIES = {
-    "stage_start": Meaning("beginning of the stage", "transit"),
-    "stage_end": Meaning("end of the stage", "transit"),
-    "stage_velocity": Meaning("V of the drive", "V*"),
-    "stage_steady_stress": Meaning("friction stress at the end of a settled stage", "normal stress"),
-    "stage_direct_effect": Meaning("peak minus the friction stress before the step", "normal stress"),
-    "stage_evolution": Meaning("peak minus the new steady stress", "normal stress"),
-    "stage_slip_to_recovery": Meaning("slip from the peak to where 1/e of its distance from the steady stress is left", "L"),
-    "stage_relaxation": Meaning("friction stress before the hold minus that at its end", "normal stress"),
-    "stage_healing": Meaning("peak after the hold minus the friction stress before it", "normal stress"),
+    "start": Meaning("beginning of the stage", "transit"),
+    "end": Meaning("end of the stage", "transit"),
+    "velocity": Meaning("V of the drive", "V*"),
+    "steady_stress": Meaning("friction stress at the end of a settled stage", "normal stress"),
+    "direct_effect": Meaning("peak minus the friction stress before the step", "normal stress"),
+    "evolution": Meaning("peak minus the new steady stress", "normal stress"),
+    "slip_to_recovery": Meaning("slip from the peak to where 1/e of its distance from the steady stress is left", "L"),
+    "relaxation": Meaning("friction stress before the hold minus that at its end", "normal stress"),
+    "healing": Meaning("peak after the hold minus the friction stress before it", "normal stress"),
 }
 INTERFACE = {
     TIME: Meaning("time since the start of the run, of an orbit since the start of its period", "transit"),
