@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -34,6 +34,10 @@ _TENTH = 0.1 - 1e-9  # share of the work, less rounding, before which nothing is
 _MARK = 0.1  # of that share: between two times that are remembered
 _UNSURE = 2.0  # ratio of two predictions from which both are told
 _DEAR = {"delay", "fd", "sbp", "fem", "dg"}
+
+
+Advise: TypeAlias = Callable[[tuple[float, float]], None]
+"""Takes the seconds that a work still needs: the smaller and the larger prediction."""
 
 
 class Remaining:
@@ -68,8 +72,8 @@ def share_of_run(drive: Drive, until: float) -> Callable[[float], float]:
 class _Meter:
     """Shows nothing until PATIENCE has passed; then a bar on a terminal, else a line every ten seconds for the logger."""
 
-    def __init__(self, label: str, total: float, share: Callable[[float], float] | None) -> None:
-        self._label, self._total = label, total
+    def __init__(self, label: str, total: float, share: Callable[[float], float] | None, advise: Advise | None) -> None:
+        self._label, self._total, self._advise = label, total, advise
         self._share = share or (lambda done: done / total)
         self._began = self._printed = time.monotonic()
         self._remaining = Remaining()
@@ -79,6 +83,8 @@ class _Meter:
     def __call__(self, done: float) -> None:
         now = time.monotonic()
         left = self._remaining(self._share(done), now)
+        if left and self._advise:
+            self._advise(left)
         if now - self._began < PATIENCE:
             return
         if sys.stderr.isatty():
@@ -113,10 +119,12 @@ def _in_words(left: tuple[float, float] | None) -> str:
 
 
 @contextmanager
-def progress(label: str, total: float, share: Callable[[float], float] | None = None) -> Iterator[Callable[[float], None]]:
+def progress(
+    label: str, total: float, share: Callable[[float], float] | None = None, advise: Advise | None = None
+) -> Iterator[Callable[[float], None]]:
     """Context with a function that is called with the part of `total` that is done. The time left is predicted from the `share`
-    of the work that this is, as a rule done / total. The bar is removed at the end."""
-    meter = _Meter(label, total, share)
+    of the work that this is, as a rule done / total, and given to `advise` too. The bar is removed at the end."""
+    meter = _Meter(label, total, share, advise)
     try:
         yield meter
     finally:
@@ -137,19 +145,16 @@ class News:
 
 
 class LongRunAdvice:
-    """Progress of a run of `solver`, passed on to `report`; logs once, if the rest of the run is long, the cheaper model with
-    its estimated error. `share`: that of the run that is done at a time (transits)."""
+    """Logs once, if the rest of a run of `solver` is long, the cheaper model with its estimated error."""
 
-    def __init__(self, solver: Solver, share: Callable[[float], float], report: Callable[[float], None]) -> None:
-        self._solver, self._share, self._report, self._remaining = solver, share, report, Remaining()
+    def __init__(self, solver: Solver) -> None:
+        self._solver = solver
         elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
         self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
 
-    def __call__(self, done: float) -> None:
-        """Report the time `done` (transits)."""
-        self._report(done)
-        left = None if self._silent else self._remaining(self._share(done), time.monotonic())
-        if left is None or math.sqrt(left[0] * left[1]) < LONG:
+    def __call__(self, left: tuple[float, float]) -> None:
+        """Take the time `left` (s), as `Remaining` predicts it."""
+        if self._silent or math.sqrt(left[0] * left[1]) < LONG:
             return
         self._silent = True
         scene, velocity = self._solver.scene, max(self._solver.scene.drive.velocities)

@@ -240,8 +240,8 @@ def simulate(
                 if isinstance(mark, Checkpoints):
                     mark.until = end
             share = share_of_run(solver.scene.drive, end)
-            with progress(f"{solver.scene.name}, {solver.model}", end, share) as report:
-                final = follow(solver, end, everyone, LongRunAdvice(solver, share, report), marks)
+            with progress(f"{solver.scene.name}, {solver.model}", end, share, LongRunAdvice(solver)) as report:
+                final = follow(solver, end, everyone, report, marks)
             judged = _judged(solver, watch, until, final)
             ended = wanted.ended(judged)
             if ended:

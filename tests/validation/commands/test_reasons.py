@@ -104,13 +104,13 @@ def test_it_is_that_of_the_velocity_with_which_the_drive_ends():
 )
 def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, caplog, monkeypatch):
     """A tenth of the run has taken so many seconds; what came before it, as compilation, does not count."""
-    clock = iter([100.0, 100.0 + seconds, 110.0 + seconds])
+    clock = iter([90.0, 100.0, 100.0 + seconds, 110.0 + seconds])
     monkeypatch.setattr("validation.models.progress.LONG", 60.0)
     monkeypatch.setattr("validation.models.progress.time.monotonic", lambda: next(clock))
-    advice = LongRunAdvice(build(model, slipwave.read("paper")), lambda done: done / 110.0, lambda done: None)
-    with caplog.at_level(logging.INFO, logger="slipwave"):
+    advice = LongRunAdvice(build(model, slipwave.read("paper")))
+    with caplog.at_level(logging.INFO, logger="slipwave"), progress("run", 110.0, advise=advice) as report:
         for done in (10.0, 20.0, 90.0):
-            advice(done)
+            report(done)
     told = [record.getMessage() for record in caplog.records]
     assert [("63 s left" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
 
