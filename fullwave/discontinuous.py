@@ -9,16 +9,14 @@ grows, because upwind states dissipate.
 """
 
 from collections.abc import Sequence
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from fullwave.families import GALERKIN
-from fullwave.lines.blocks import Block, BlockGrid, Section, shortest_cell
-from fullwave.lines.march import MethodOfLines, method_for
+from fullwave.lines.blocks import Block, BlockGrid, Section
+from fullwave.lines.march import MethodOfLines
 from fullwave.lines.panels import LANES, differentiate_rows
-from fullwave.lines.scheme_limit import line_spectrum, longest_step
 from fullwave.lines.system import apply
 from fullwave.lobatto import gauss_lobatto
 from slipwave.observe.pieces import Array, lagrange_basis
@@ -48,15 +46,6 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
             )  # fmt: skip
 
 
-@cache
-def _courant_limit(degree: int) -> float:
-    """Longest stable dt/h (h the length of an element in travel time)."""
-    nodes, weights = gauss_lobatto(degree)
-    lift = np.zeros(degree + 1)
-    lift[0] = 2.0 / weights[0]
-    return longest_step(line_spectrum(2.0 * lagrange_basis(nodes).derivative, lift), method_for(GALERKIN, degree))
-
-
 class DiscontinuousGalerkin(MethodOfLines):
     """`scene` by elements whose degree is the number (1 to 24). Explicit steps are of order 8 (of order 4 for degree 1), so that
     they do not limit the order of the elements."""
@@ -82,7 +71,3 @@ class DiscontinuousGalerkin(MethodOfLines):
                 blocks.append(Block(section, rows + column, rows + column + _ABREAST, depth, norm, (lift, lift)))
         elements = _Elements(nodes.size, lagrange_basis(nodes).derivative.ravel(), scale)
         return BlockGrid(elements, width * nodes.size, tuple(blocks))
-
-    def elastic_limit(self) -> float:
-        """As `MethodOfLines`."""
-        return _courant_limit(self.number) * shortest_cell(self.sections)

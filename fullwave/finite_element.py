@@ -11,7 +11,6 @@ layer is one mesh; two layers are coupled through upwind states. Energy never gr
 """
 
 from collections.abc import Sequence
-from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,8 +22,7 @@ from skfem.refdom import RefLine
 
 from fullwave.families import ELEMENTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half
-from fullwave.lines.march import MethodOfLines, method_for
-from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
+from fullwave.lines.march import MethodOfLines
 from fullwave.lines.system import apply
 from fullwave.lobatto import gauss_lobatto
 from slipwave.observe.pieces import Array, interpolation_matrix, lagrange_basis
@@ -103,19 +101,21 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
         rates[at + half + i] = strain
 
 
-@cache
-def _courant_limit(degree: int, cells: int) -> float:
-    """Longest stable dt/h (h the length of an element in travel time) of a layer of `cells`."""
-    _, mass, slope = _assemble_layer(cells, degree)
-    inverse = np.diag(1.0 / mass)
-    spectrum = line_spectrum(inverse @ slope.toarray(), inverse[:, 0])
-    return MARGIN * longest_step(spectrum, method_for(ELEMENTS, degree)) * cells
-
-
 class FiniteElement(MethodOfLines):
     """`scene` by elements whose degree is the number (1 to 16)."""
 
     family = ELEMENTS
+
+    @property
+    def most_sampled(self) -> int:
+        """As `MethodOfLines`."""
+        return max(6, _SAMPLE_NODES // self.number)
+
+    def line_of(self, cells: int) -> tuple[Array, Array]:
+        """As `MethodOfLines`, with what rounding leaves in entries that are zero: the march does without them."""
+        _, mass, slope = _assemble_layer(cells, self.number)
+        inverse = 1.0 / mass
+        return inverse[:, None] * slope.toarray(), inverse[0] * np.eye(mass.size)[0]
 
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
         """As `MethodOfLines`."""
@@ -134,9 +134,3 @@ class FiniteElement(MethodOfLines):
         rows.eliminate_zeros()
         operator = _Assembled(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), rows.data, half)
         return BlockGrid(operator, 2 * half, tuple(blocks))
-
-    def elastic_limit(self) -> float:
-        """As `MethodOfLines`."""
-        degree = self.number
-        most = max(6, _SAMPLE_NODES // degree)  # with more cells the limit changes by less than the margin
-        return min(_courant_limit(degree, min(s.cells, most)) * s.length / s.cells for s in self.sections)

@@ -32,8 +32,7 @@ from numpy.typing import NDArray
 
 from fullwave.families import BY_PARTS
 from fullwave.lines.blocks import Block, BlockGrid, Section, padded_half
-from fullwave.lines.march import MethodOfLines, method_for
-from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step
+from fullwave.lines.march import MethodOfLines
 from fullwave.lines.system import apply
 from slipwave.observe.pieces import Array
 
@@ -120,20 +119,6 @@ class _Differences(NamedTuple):
     half: int
 
 
-def _difference_matrix(order: int, cells: int) -> tuple[Array, Any]:
-    """(D, H) on [0, 1] with `cells` cells, both (nodes, nodes), D full and H sparse, for step limits."""
-    _, closure = _boundary_closure(order)
-    central = _central_coefficients(order)
-    nodes, (rows, columns) = cells + 1, closure.shape
-    matrix = np.zeros((nodes, nodes))
-    for i in range(rows, nodes - rows):
-        for k in range(1, order // 2 + 1):
-            matrix[i, i + k], matrix[i, i - k] = central[k - 1], -central[k - 1]
-    matrix[:rows, :columns] = closure
-    matrix[-rows:, -columns:] = -closure[::-1, ::-1]
-    return matrix * cells, _difference_norm(order, cells) / cells
-
-
 def _difference_norm(order: int, cells: int) -> Any:
     """H at h = 1: sparse (nodes, nodes), the identity except for a block at each end."""
     norm, _ = _boundary_closure(order)
@@ -169,19 +154,11 @@ def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
                 rates[end - 1 - i + shift] = scale * far
 
 
-@cache
-def _courant_limit(order: int, cells: int) -> float:
-    """Longest stable dt/h of a layer of `cells`."""
-    matrix, norm = _difference_matrix(order, cells)
-    lift = np.zeros(norm.shape[0])
-    lift[0] = 1.0 / norm[0, 0]
-    return MARGIN * longest_step(line_spectrum(matrix, lift), method_for(BY_PARTS, order)) * cells
-
-
 class SummationByParts(MethodOfLines):
     """`scene` by differences whose order is the number: 2, 4 or 6."""
 
     family = BY_PARTS
+    most_sampled = _SAMPLE_CELLS
 
     @property
     def fewest(self) -> int:
@@ -204,7 +181,3 @@ class SummationByParts(MethodOfLines):
             )
         scale = np.array([section.cells / section.length for section in sections])
         return BlockGrid(_Differences(first, scale, _central_coefficients(self.number), closure, half), 2 * half, tuple(blocks))
-
-    def elastic_limit(self) -> float:
-        """As `MethodOfLines`."""
-        return min(_courant_limit(self.number, min(s.cells, _SAMPLE_CELLS)) * s.length / s.cells for s in self.sections)

@@ -101,11 +101,6 @@ def padded_half(nodes: int) -> int:
     return -(-2 * nodes // LANES) * LANES // 2
 
 
-def shortest_cell(sections: Sequence[Section]) -> float:
-    """Length (transits) of the shortest cell of all sections."""
-    return min(section.length / section.cells for section in sections)
-
-
 def assemble(scene: Scene, grid: BlockGrid) -> System:
     """Join the blocks of `grid` to each other, to the interface and to the outer faces of `scene`."""
     chains = [chain.blocks for chain in grid.chains]

@@ -12,8 +12,9 @@ from fullwave.lines.blocks import Block, BlockGrid, Section, assemble, sections_
 from fullwave.lines.budget import enough_memory, require_few_unknowns, require_memory
 from fullwave.lines.exact import EXACT_TOLERANCE, ExactMarch, TimeMarch, cheaper_march
 from fullwave.lines.explicit import ExplicitMarch
-from fullwave.lines.runge_kutta import RungeKutta, method_of
-from fullwave.lines.scheme_limit import relaxation_limit, spectral_limit
+from fullwave.lines.matrix import derivative_of
+from fullwave.lines.runge_kutta import method_of
+from fullwave.lines.scheme_limit import MARGIN, line_spectrum, longest_step, relaxation_limit, spectral_limit
 from fullwave.lines.system import ELASTIC, GRIP, PSI, SCALARS, System, Viscous
 from fullwave.options import require_cfl
 from fullwave.slabs import both_slabs, marched_slabs
@@ -87,9 +88,8 @@ def _total_stress(block: Block, system: System, state: Array) -> Array:
     return stress
 
 
-def method_for(family: FullWave, number: int) -> RungeKutta:
-    """The Runge-Kutta method of a member of `family`."""
-    return method_of(family.order_in_time(number))
+_LIMITS: dict[tuple[type, int, int], float] = {}
+"""Longest stable steps of elastic waves, over the length of a cell, by class, number and cells."""
 
 
 class MethodOfLines(ABC):
@@ -123,7 +123,7 @@ class MethodOfLines(ABC):
             require_cfl(cfl)
             time = time or "explicit"
         self.scene, self.model, self.cfl = scene, family.called(self.number), float(family.cfl if cfl is None else cfl)
-        self.method = method_for(family, self.number)
+        self.method = method_of(family.order_in_time(self.number))
         with enough_memory(self.cells):
             self._march = self._set_up(time, resolution)
         self.nodes, self.bookkeeping = self._march.nodes, self._march.bookkeeping
@@ -137,9 +137,29 @@ class MethodOfLines(ABC):
     def grid_of(self, sections: Sequence[Section]) -> BlockGrid:
         """The family's grid of `sections`."""
 
-    @abstractmethod
+    @property
+    def most_sampled(self) -> int:
+        """Most cells of a section in the line whose spectrum gives its step limit: more of them change the limit by less than
+        `MARGIN`. 1: every cell is a block, so that no line is shortened."""
+        return 1
+
     def elastic_limit(self) -> float:
         """Longest stable explicit step (transits) of elastic waves in the `sections`."""
+        return min(self._limit_of(min(s.cells, self.most_sampled)) * s.length / s.cells for s in self.sections)
+
+    def _limit_of(self, cells: int) -> float:
+        key = type(self), self.number, cells
+        if key not in _LIMITS:
+            share = 1.0 if self.most_sampled == 1 else MARGIN
+            _LIMITS[key] = share * longest_step(line_spectrum(*self.line_of(cells)), self.method) * cells
+        return _LIMITS[key]
+
+    def line_of(self, cells: int) -> tuple[Array, Array]:
+        """D (n, n) and l of the near end (n,) of an only block of `cells` and length 1."""
+        grid = self.grid_of([Section(0, 0.0, 1.0, 1.0, cells, self.fewest, cells)])
+        (block,) = grid.blocks
+        derivative = derivative_of(grid.operator, grid.size)[block.stress[:, None], block.velocity]
+        return derivative, block.lift[0] * np.eye(block.depth.size)[0]
 
     def _set_up(self, time: TimeMarch | None, resolution: float) -> ExactMarch | ExplicitMarch:
         scene, method, viscous = self.scene, self.method, any(slab.viscosity is not None for slab in self.scene.slabs)

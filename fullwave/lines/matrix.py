@@ -20,6 +20,13 @@ def _columns(operator: Operator, states: Array, derivatives: Array) -> None:
         apply(operator, states[k], derivatives[k], 0)
 
 
+def derivative_of(operator: Operator, size: int) -> Array:
+    """What `apply` does as a matrix (size, size) over the slots of a grid."""
+    columns = np.zeros((size, size))
+    _columns(operator, np.eye(size), columns)
+    return columns.T
+
+
 class LinearMotion(NamedTuple):
     """Linear forms, as rows, in (q, u, c): the state q = (grid, scalars, memory stresses, heavy faces) in deviations from steady
     sliding, the slip rate u = v - V_0 and the change c = (V - V_0)/2 of the drive of each face.
@@ -56,11 +63,10 @@ def motion_of(system: System) -> LinearMotion:
     size = system.interface.size
     viscous = system.medium if isinstance(system.medium, Viscous) else None
     total = state_size(system)
-    derivative = np.zeros((size, size))
-    _columns(system.operator, np.eye(size), derivative)
+    derivative = derivative_of(system.operator, size)
     state = np.eye(total, total + 2)  # every row below is a linear form in (q, u, c)
     strong = np.zeros((size, total + 2))
-    strong[:, :size] = derivative.T
+    strong[:, :size] = derivative
     stress = state[:size].copy()
     if viscous is not None:
         stress += viscous.retardation[:, None] * strong
@@ -72,7 +78,7 @@ def motion_of(system: System) -> LinearMotion:
     np.add.at(rates, traces.stress, (traces.sign * traces.lift)[:, None] * jump)
     if viscous is not None:
         total_stress = state[:size] + viscous.retardation[:, None] * rates
-        rates[viscous.is_velocity] = (derivative.T @ total_stress)[viscous.is_velocity]
+        rates[viscous.is_velocity] = (derivative @ total_stress)[viscous.is_velocity]
     np.add.at(rates, traces.velocity, traces.lift[:, None] * jump)
     matrix = np.zeros((total, total + 2))
     if viscous is not None:

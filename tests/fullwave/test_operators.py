@@ -8,13 +8,14 @@ import pytest
 from fullwave.finite_element import _assemble_layer
 from fullwave.lines.runge_kutta import CLASSICAL, combine_stages, method_of
 from fullwave.lines.scheme_limit import longest_decay_step, longest_step
-from fullwave.summation_by_parts import _boundary_closure, _difference_matrix
+from fullwave.summation_by_parts import SummationByParts, _boundary_closure
+from slipwave import read
 
 
 @pytest.mark.parametrize("order", [2, 4, 6])
 def test_differences_are_exact_to_their_order(order):
     """x^k for k < order everywhere (order 2: k <= 1), for k <= order inside."""
-    matrix, _ = _difference_matrix(order, 24)
+    matrix, _ = SummationByParts(read("paper"), order, cells=24).line_of(24)
     x = np.linspace(0.0, 1.0, 25)
     rows = _boundary_closure(order)[0].shape[0]
     for k in range(order + 1):
@@ -28,7 +29,9 @@ def test_differences_are_exact_to_their_order(order):
 
 @pytest.mark.parametrize("order", [2, 4, 6])
 def test_differences_sum_by_parts(order):
-    matrix, norm = _difference_matrix(order, 30)
+    solver = SummationByParts(read("paper"), order, cells=30)
+    matrix, _ = solver.line_of(30)
+    norm = solver.grid.blocks[0].norm / solver.sections[0].length
     q = norm @ matrix
     ends = np.zeros_like(q)
     ends[0, 0], ends[-1, -1] = -1.0, 1.0
