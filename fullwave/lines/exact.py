@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, steps_at_once
-from fullwave.lines.propagator import FRICTION, INPUT, RADIATED, VISCOUS, GridSlabs, halves
+from fullwave.lines.propagator import GridSlabs, halves
 from fullwave.lines.system import System
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array, Pieces
@@ -101,12 +101,9 @@ class ExactMarch(PortMarch):
         """Start to sum work and heat, step by step."""
         self.slabs.keep_ledger()
 
-    def work_done(self) -> tuple[float, float, float, float] | None:
+    def work_done(self) -> Array | None:
         """Work of the drive, heat of friction, radiation and viscous heat since t = 0; None unless summed."""
-        if not self.slabs.is_kept[0]:
-            return None
-        entries = self.slabs.entries
-        return float(entries[INPUT]), float(entries[FRICTION]), float(entries[RADIATED]), float(entries[VISCOUS])
+        return self.slabs.entries if self.slabs.is_kept[0] else None
 
     def state(self) -> State:
         """As `PortMarch`, with the `ledger`."""

@@ -20,6 +20,7 @@ from fullwave.lines.system import (
     INPUT,
     PSI,
     RADIATED,
+    SCALARS,
     VISCOUS,
     GridInterface,
     System,
@@ -281,10 +282,10 @@ class ExplicitMarch:
     def keep_ledger(self) -> None:
         """Does nothing: the energy balance is always integrated with the motion, at hardly any cost."""
 
-    def work_done(self) -> tuple[float, float, float, float]:
+    def work_done(self) -> Array:
         """Work of the drive, heat of friction, radiation and viscous heat since t = 0, integrated with the motion."""
-        scalars = self.layout[self._system.interface.size :]
-        return float(scalars[INPUT]), float(scalars[FRICTION]), float(scalars[RADIATED]), float(scalars[VISCOUS])
+        size = self._system.interface.size
+        return self.layout[size + INPUT : size + SCALARS]
 
     def begin_from(self, values: Array) -> None:
         """Set all integrated values."""

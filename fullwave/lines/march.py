@@ -218,11 +218,8 @@ class MethodOfLines(ABC):
         """As `Solver`; None unless `keep_ledger` was called. Work and heat are integrated with the motion, independently of the
         stored energy, so that the balance closes at the order of the scheme."""
         work = self._march.work_done()
-        if work is None:
-            return None
-        supplied, friction, radiated, viscous = work
         stored = _stored_energy(self.grid, self.system, self._march.layout)
-        return Energy(supplied, friction, radiated, viscous, stored)
+        return None if work is None else Energy(*work.tolist(), stored)
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`."""

@@ -174,12 +174,11 @@ def doubts(scene: Scene) -> list[str]:
     units = scene.units
     if units is None:
         return []
-    slabs = [("slab", scene.upper)] if scene.alike else [("upper", scene.upper), ("lower", scene.lower)]
     rates = sorted({units.reference_velocity * rate for rate in scene.drive.velocities if rate > 0.0})
     return [
         *doubt("interface.normal_stress", units.normal_stress),
         *doubt("interface.memory_length", units.memory_length),
-        *(line for key, slab in slabs for line in _of_slab(key, slab, units)),
+        *(line for key, slab in scene.named_slabs for line in _of_slab(key, slab, units)),
         *(line for rate in {rates[0], rates[-1]} for line in doubt("drive.velocity", rate)),
     ]
 
