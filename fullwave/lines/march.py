@@ -219,7 +219,10 @@ class MethodOfLines(ABC):
         stored energy, so that the balance closes at the order of the scheme."""
         work = self._march.work_done()
         stored = _stored_energy(self.grid, self.system, self._march.layout)
-        return None if work is None else Energy(*work.tolist(), stored)
+        if work is None:
+            return None
+        supplied, friction, radiated, viscous = work.tolist()
+        return Energy(supplied, friction, radiated, viscous, stored)
 
     def snapshot(self) -> Snapshot:
         """Velocity and stress at the nodes at `time`."""
