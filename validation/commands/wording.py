@@ -218,7 +218,7 @@ def _sizes(slab: Slab, units: Units | None) -> str:
 
 
 def _kind_of(part: Face | Viscosity) -> str:
-    """The name of a face's kind in scene files."""
+    """The name of the kind of a face or a viscosity in scene files."""
     return next(name for name, one in (FACES | VISCOSITIES).items() if one is type(part))
 
 
