@@ -77,7 +77,7 @@ def is_stored(source: object) -> bool:
 
 
 def load_tables(source: SceneSource) -> tuple[str, dict[str, Any]]:
-    """(default name, raw tables) of a gallery name, the path of a file, a dictionary or a scene (copied).
+    """(default name, raw tables) of a gallery name, the path of a file, a dictionary (copied) or a scene.
 
     Raises SceneError when there is no such scene or the file is not a TOML text under 1 MB with keys of 20 parts at most.
     """
@@ -138,10 +138,11 @@ def _why_not_a_file(path: Path) -> str:
 
 
 def tables_of(scene: Scene) -> tuple[str, dict[str, Any]]:
-    """(name, tables) of a scene. Raises SceneError if it was not read: `dataclasses.replace` drops the tables."""
+    """(name, tables) of a scene; the inner ones are its own, not to be changed. Raises SceneError if it was not read:
+    `dataclasses.replace` drops the tables."""
     if scene.tables is None:
         raise SceneError(f"scene {scene.name!r}: was made in Python, not read, so its keys cannot be changed or written")
-    return scene.name, copy.deepcopy(dict(scene.tables))
+    return scene.name, dict(scene.tables)
 
 
 def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Scene:

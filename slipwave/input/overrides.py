@@ -39,13 +39,15 @@ def parse_toml(text: str) -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-def apply_overrides(data: dict[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """`data` with every override set, in order, but every `kind` first. Raises SceneError on text that is not `key=value`."""
+def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
+    """A copy of `data` with every override set, in order, but every `kind` first; it shares the tables that do not change. Raises
+    SceneError on text that is not `key=value`."""
     if isinstance(overrides, Mapping):
         pairs = [(_key(str(key)), copy.deepcopy(value)) for key, value in overrides.items()]
     else:
         texts = [overrides] if isinstance(overrides, str) or not isinstance(overrides, Iterable) else list(overrides)
         pairs = [_parse(text) for text in texts]
+    data = dict(data)
     for key, value in sorted(pairs, key=lambda pair: pair[0][-1] != "kind"):
         _set(data, full_key(key, value, data), value)
     return data
@@ -157,7 +159,8 @@ def _set(data: dict[str, Any], key: list[str], value: Any) -> None:
     _fit_tables(data, key)
     table = data
     for depth, part in enumerate(key[:-1], start=1):
-        table = table.setdefault(part, {})
+        table[part] = copy.copy(table.get(part, {}))
+        table = table[part]
         if not isinstance(table, dict):
             raise SceneError(f"{key_text(key)} = {shorten(value)}: {key_text(key[:depth])} is not a table")
     last = key[-1]
@@ -174,8 +177,7 @@ def _fit_tables(data: dict[str, Any], key: list[str]) -> None:
     if len(key) < 2:
         return
     if key[0] in ("upper", "lower") and "slab" in data and not {"upper", "lower"} & set(data):
-        slab = data.pop("slab")
-        data["upper"], data["lower"] = slab, copy.deepcopy(slab)
+        data["upper"] = data["lower"] = data.pop("slab")
     elif key[0] == "slab" and "slab" not in data and {"upper", "lower"} & set(data):
         rest = ".".join(key[1:])
         raise SceneError(f"{key_text(key)}: this scene's slabs differ; set upper.{rest} or lower.{rest} instead")

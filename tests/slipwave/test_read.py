@@ -130,6 +130,15 @@ def test_reading_leaves_the_dictionary_alone():
     assert before == PLAIN
 
 
+def test_reading_a_scene_again_leaves_it_alone():
+    scene = slipwave.read("grip")
+    before = copy.deepcopy(scene.tables)
+    changed = slipwave.read(scene, ["upper.face.kind=rigid", "lower.face.stiffness=7", "lower.log10_r=-2"])
+    assert scene.tables == before
+    assert changed.tables["upper"]["face"] == {"kind": "rigid"}
+    assert changed.tables["lower"]["face"] == {**before["slab"]["face"], "stiffness": 7}
+
+
 def test_an_override_replaces_its_sibling_and_takes_bare_words_and_new_kinds():
     assert slipwave.read("paper", ["slab.r=0.003"]).upper.round_trip == 0.003
     assert slipwave.read(PLAIN, ["slab.log10_r=-2.3"]).upper.round_trip == 10**-2.3
