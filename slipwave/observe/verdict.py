@@ -77,12 +77,11 @@ def _thirds(values: Array) -> Array:
 def _line(values: Array) -> tuple[float, float, float]:
     """The straight line through `values` (n,), by least squares: its change from the first to the last, the standard error of
     that change, and the share of the variance that it explains."""
-    n = values.size
-    ramp = np.linspace(-0.5, 0.5, n)
+    ramp, deviations = np.linspace(-0.5, 0.5, values.size), values - values.mean()
     change = float(ramp @ values / (ramp @ ramp))
-    left = values - values.mean() - change * ramp
-    error = float(np.sqrt(left @ left / max(n - 2, 1) / (ramp @ ramp)))
-    variance = float(np.sum((values - values.mean()) ** 2))
+    left = deviations - change * ramp
+    error = float(np.sqrt(left @ left / max(values.size - 2, 1) / (ramp @ ramp)))
+    variance = float(deviations @ deviations)
     return change, error, 1.0 - float(left @ left) / variance if variance > 0.0 else 0.0
 
 
@@ -168,11 +167,10 @@ def judge_motion(
     count, figures = cycles.time.size, np.array(cycles[1:]).T
     if not drive_rests:
         return MotionVerdict("driven", count)
-    trend = _trend(prominence, float(cycles.v_max[-1] / cycles.v_min[-1])) if count >= _FEWEST else 0.0
     if _SLIDES < ringing < _CHANGED:
         return MotionVerdict("decaying", count)
-    alike = count > 0 and trend < _CHANGED and slides_at(float(cycles.v_max.max()), float(cycles.v_min.min()))
-    if slides and (prominence.size == 0 or alike):
+    alike = count > 0 and slides_at(float(cycles.v_max.max()), float(cycles.v_min.min()))
+    if slides and (prominence.size == 0 or (alike and _trend(prominence, cycles) < _CHANGED)):
         return MotionVerdict("steady", count)
     if count < _FEWEST:
         return MotionVerdict("too short", count, needed=_needed(cycles, until, _FEWEST))
@@ -180,7 +178,7 @@ def judge_motion(
     multiplicity = _multiplicity(figures)
     if multiplicity:
         return MotionVerdict("periodic", count, multiplicity, change)
-    if trend:
+    if trend := _trend(prominence, cycles):
         change = float(prominence[-1] / prominence[0] - 1.0)
         rate = float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
         return MotionVerdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=rate)
@@ -231,9 +229,11 @@ def _repeats(figures: Array, n: int, within: float) -> bool:
     return all(np.max(np.ptp(figures[k::n], axis=0) / np.abs(figures[k::n].mean(axis=0))) <= within for k in range(n))
 
 
-def _trend(prominence: Array, ratio: float) -> float:
-    """Change of the logarithm of the prominence over the window, if it is exponential; else 0."""
-    values = np.log(prominence)
+def _trend(prominence: Array, cycles: Events) -> float:
+    """Change of the logarithm of the prominence over the window, if it is exponential; else 0, and for fewer than 3 cycles."""
+    if cycles.time.size < _FEWEST:
+        return 0.0
+    values, ratio = np.log(prominence), float(cycles.v_max[-1] / cycles.v_min[-1])
     early, late = (float(part) for part in _thirds(values))
     change, _, straight = _line(values)
     if early * late <= 0.0 or straight < _STRAIGHT[values.size >= _FEW] or (abs(change) < _CHANGED and ratio >= _SMALL):
