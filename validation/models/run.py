@@ -182,16 +182,15 @@ def second_half(solver: Solver, until: float) -> float:
 
 @dataclass(frozen=True)
 class Run:
-    """The result of a run of `solver` to `until` (transits), where it `ended` for one of four reasons. `starts`: number of slip
-    events; `verdict` on the second half; both None if events are not recorded. `statistics`: of the second half's cycles, of none
+    """The result of a run of `solver` to `until` (transits), where it `ended` for one of four reasons. `watch`, of its events,
+    and the `verdict` on the second half are None if events are not recorded. `statistics`: of the second half's cycles, of none
     if they do not represent the motion. `wall_s` in seconds; `failed`: what, where and when the numerics failed or the user
     `stopped` the run, or empty: the rest is then what was computed before.
     """
 
     solver: Solver
     until: float
-    events: Events
-    starts: int | None
+    watch: EventObserver | None
     verdict: MotionVerdict | None
     statistics: RunStatistics
     final: Final | None
@@ -205,6 +204,16 @@ class Run:
     def kind(self) -> Kind | None:
         """The kind of the verdict; None if events were not recorded."""
         return self.verdict.kind if self.verdict else None
+
+    @property
+    def starts(self) -> int | None:
+        """Number of slip events; None if events were not recorded."""
+        return self.watch.count if self.watch else None
+
+    @property
+    def events(self) -> Events:
+        """All complete cycles."""
+        return self.watch.events() if self.watch else NO_EVENTS
 
 
 def simulate(
@@ -252,10 +261,9 @@ def simulate(
         failed, stopped = f"interrupted at t = {solver.time:.6g} of {until:g} transits", True
     judged, seconds = judged or _judged(solver, watch, until, final), time.perf_counter() - began
     verdict, cycles = _represented(judged, solver.scene.drive, until)
-    events, count = (watch.events(), watch.count) if watch else (NO_EVENTS, None)
     figures, energy = summarise(cycles, not (verdict and verdict.wanders)), None if failed else solver.energy()
     reason = None if failed else ended or "limit"
-    return Run(solver, until, events, count, verdict, figures, final, energy, seconds, failed, reason, stopped)
+    return Run(solver, until, watch, verdict, figures, final, energy, seconds, failed, reason, stopped)
 
 
 def _judged(solver: Solver, watch: EventObserver | None, until: float, final: Final | None) -> JudgedHalf:
