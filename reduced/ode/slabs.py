@@ -148,6 +148,7 @@ def _terms(reduction: Reduction) -> Array:
     return np.array(rows, dtype=float).reshape(-1, 6).T.copy()
 
 
+@lru_cache(maxsize=16)
 def _kept(reduction: Reduction) -> Array:
     """Which of spring, slip rate, tau and p belong to the memory; a relaxation has no p."""
     _, offset, _, omega2, _, by_offset = _terms(reduction)

@@ -96,7 +96,7 @@ class Scene:
         """Z of the interface condition: 1/Z = 1/eps_1 + 1/eps_2 (layers next to the interface)."""
         return 1.0 / (1.0 / self.upper.interface_impedance + 1.0 / self.lower.interface_impedance)
 
-    @property
+    @cached_property
     def stiffness(self) -> float:
         """Quasi-static stiffness of both slabs in series, per transit: elastic stress y' = stiffness (V - v), t~ clock; equal to
         epsilon for alike plain slabs (41). It includes the spring of a grip; a bare reflection coefficient has no spring."""

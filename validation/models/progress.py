@@ -64,7 +64,7 @@ def share_of_run(drive: Drive, until: float) -> Callable[[float], float]:
     """The share of a run to `until` (transits) that is done at a time: the mean of the shares of time and of the distance that
     the `drive` has travelled, since steps follow the motion, which a hold stops."""
     start, whole = drive.travel(np.array([0.0, until]))
-    if not (min(drive.velocities) >= 0.0 and whole > start):
+    if drive.is_constant or not (min(drive.velocities) >= 0.0 and whole > start):
         return lambda time: time / until
     return lambda time: 0.5 * (time / until + float(drive.travel(np.array([time]))[0] - start) / (whole - start))
 
