@@ -33,7 +33,7 @@ class ByClass(Protocol[Arguments, Answer]):
 def by_class(inline: bool = False) -> Callable[[Callable[Arguments, Answer]], ByClass[Arguments, Answer]]:
     """Decorator of a function whose versions are registered class by class; its own body is the version of all other classes.
 
-    `inline` compiles it into its callers. This pays for small parts of a hot loop, where passing arrays costs more than the work;
+    `inline` has LLVM inline it. This pays for small parts of a hot loop, where passing arrays costs more than the work;
     it does not for loops over cells, which vectorise better in a function of their own.
     """
 
@@ -41,7 +41,7 @@ def by_class(inline: bool = False) -> Callable[[Callable[Arguments, Answer]], By
         generic = singledispatch(function)
         add_choices(function, generic.registry.items)
 
-        @overload(generic, jit_options=_OPTIONS, strict=False, inline="always" if inline else "never")
+        @overload(generic, jit_options={**_OPTIONS, "forceinline": inline}, strict=False)
         def _choose(*arguments):  # type: ignore[no-untyped-def]
             return generic.dispatch(arguments[0].instance_class)
 

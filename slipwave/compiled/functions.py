@@ -26,14 +26,14 @@ def allocating(function: Function) -> Function:
     return _compiled(function, counts=True)
 
 
-def _compiled(function: Function, counts: bool) -> Function:
+def _compiled(function: Function, counts: bool, inline: bool = False) -> Function:
     """A part, for calls from compiled code, and around it a function for calls from Python (`slipwave.compiled.parts`).
 
     No public option of numba leaves references uncounted (`_nrt`), keeps code in another cache (`_cache`), gives compiled callers
     another version, compiled once for a number and a constant of its type (`get_call_template`, `get_overload`), or compiles
     another function than the one that is called (`_get_implementation`).
     """
-    dispatcher, part = (_dispatcher(function, counts, is_part) for is_part in (False, True))
+    dispatcher, part = (_dispatcher(function, counts, is_part, inline) for is_part in (False, True))
     dispatcher._compiler._get_implementation = lambda *_: _call_of(function, part)
     called = part.get_call_template
     dispatcher.get_call_template = lambda arguments, named: called([unliteral(one) for one in arguments], named)
@@ -47,8 +47,8 @@ def _call_of(function: Callable[..., Any], part: Any) -> Callable[..., Any]:
     return update_wrapper(eval(f"lambda {names}: part({names})", {"part": part, "__name__": function.__module__}), function)
 
 
-def _dispatcher(function: Function, counts: bool, is_part: bool) -> Any:
-    options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": is_part, "_nrt": counts}
+def _dispatcher(function: Function, counts: bool, is_part: bool, inline: bool) -> Any:
+    options = {"no_cfunc_wrapper": True, "no_cpython_wrapper": is_part, "_nrt": counts, "forceinline": inline}
     compiler = PartCompiler if is_part else WholeCompiler
     dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True, pipeline_class=compiler, **options)(function)
     dispatcher._cache = DiskCache(function, is_part)
@@ -56,5 +56,6 @@ def _dispatcher(function: Function, counts: bool, is_part: bool) -> Any:
 
 
 def inlined(function: Function) -> Function:
-    """Compile `function` into its callers: for small parts of a hot loop, where a call would cost time."""
-    return cast(Function, numba.njit(inline="always", error_model="numpy", fastmath={"contract"})(function))
+    """As `njit`, for small parts of a hot loop, where a call would cost time: LLVM inlines it. If numba did, it would infer the
+    types again in each caller."""
+    return _compiled(function, counts=False, inline=True)
