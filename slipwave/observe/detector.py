@@ -58,7 +58,7 @@ def _join_last(swings: Array, first: int, count: int, threshold: float) -> int:
             left[DATE] = right[DATE]
         left[END], left[ENDED] = right[END], right[ENDED]
         for column in range(RECORDS, COLUMNS):
-            left[column] = max(left[column], swings[count - 2, column], right[column])
+            left[column] = max(max(left[column], swings[count - 2, column]), right[column])
         count -= 2
     return count
 
@@ -103,7 +103,7 @@ def _thin(swings: Array, count: int, floor: float) -> int:
     first = count - 3
     while first > 0 and not (swings[first, DIRECTION] < 0.0 and _size_of(swings[first]) >= _SEARCHED * fall):
         first -= 1
-    return _simplify(swings, max(first, 0), count, max(floor, SHARE * fall))
+    return _simplify(swings, first if first > 0 else 0, count, max(floor, SHARE * fall))
 
 
 _SLOPES, _VALUES, _EXTREMES = 1, 2, 3  # rows of the detector's scratch
@@ -174,8 +174,8 @@ def _passage(basis: Basis, z: Array, lowest: float, level: float, node: int) -> 
     if node == z.size and z[node - 1] < level:
         return 1.0
     if lowest < level:
-        for j in range(min(node, z.size - 1) - 1, -1, -1):
-            if z[j] < level:
+        for j in range(z.size - 2, -1, -1):
+            if j < node and z[j] < level:
                 return find_root(basis, z, level, basis.nodes[j], basis.nodes[j + 1])
     return find_root(basis, z, level, 0.0, basis.nodes[0]) if evaluate(basis, z, 0.0) < level <= z[0] else -1.0
 
@@ -186,6 +186,17 @@ def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) 
     buffer = np.zeros((min(2 * (len(kept) + more), MOST_KEPT), FIRST_NODE + nodes))
     buffer[: len(kept)] = kept
     return buffer
+
+
+class _Piece(NamedTuple):
+    """One of `Pieces`, with psi at its first node. A few values, for a call compiles in a time that grows with their number."""
+
+    time: float
+    length: float
+    z: Array
+    psi: float
+    mu: Array
+    y: Array
 
 
 class _Detector(NamedTuple):
@@ -216,41 +227,41 @@ def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> _Detector
 def scan(pieces: Pieces, first: int, found: _Detector) -> int:
     """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if the free rows
     may not hold all swings that the next piece completes. If there are no pieces, the running swing is dated."""
-    y, running, last = pieces.y, found.running, found.last
-    nodes = found.basis.nodes
+    running, last, nodes = found.running, found.last, found.basis.nodes
     n = nodes.size
     for k in range(first, pieces.time.size):
         if found.filled[0] + n + 1 > found.swings.shape[0]:
             return k
+        piece = _Piece(pieces.time[k], pieces.length[k], pieces.z[k], pieces.psi[k, 0], pieces.mu[k], pieces.y[k])
         if math.isnan(last[0]):
-            last[0] = evaluate(found.basis, y[k], 0.0)
-            _begin(pieces, k, 0.0, 1.0 if y[k, n - 1] >= last[0] else -1.0, found)
-        turns, stirs = _look(found.basis.derivative, pieces, k, running, last[0])
+            last[0] = evaluate(found.basis, piece.y, 0.0)
+            _begin(piece, 0.0, 1.0 if piece.y[n - 1] >= last[0] else -1.0, found)
+        turns, stirs = _look(found.basis.derivative, piece, running, last[0])
         if turns or stirs or running[DIRECTION] < 0.0:
-            begin = _split(pieces, k, found) if turns else 0.0
-            _take(pieces, k, begin, nodes[n - 1], found)
-        last[0] = running[END] = y[k, n - 1]
-        running[ENDED] = pieces.time[k] + pieces.length[k] * nodes[n - 1]
+            begin = _split(piece, found) if turns else 0.0
+            _take(piece, begin, nodes[n - 1], found)
+        last[0] = running[END] = piece.y[n - 1]
+        running[ENDED] = piece.time + piece.length * nodes[n - 1]
     if not pieces.time.size:
         _date(found)
     return pieces.time.size
 
 
 @inlined
-def _look(derivative: Array, pieces: Pieces, k: int, running: Array, left: float) -> tuple[bool, bool]:
-    """Whether the elastic stress, `left` at the end of the piece before, turns in piece k or at its beginning, and whether the
+def _look(derivative: Array, piece: _Piece, running: Array, left: float) -> tuple[bool, bool]:
+    """Whether the elastic stress, `left` at the end of the piece before, turns in the piece or at its beginning, and whether the
     rate or the friction stress may exceed a record of the `running` swing. Most pieces need only this loop. The last row
     of `derivative` gives the slope at the end of the piece."""
-    y, z, mu, direction = pieces.y, pieces.z, pieces.mu, running[DIRECTION]
-    n = y.shape[1]
+    y, z, mu, direction = piece.y, piece.z, piece.mu, running[DIRECTION]
+    n = y.size
     slope, back = 0.0, False
-    low_z, top_z, low_mu, top_mu = z[k, 0], z[k, 0], mu[k, 0], mu[k, 0]
+    low_z, top_z, low_mu, top_mu = z[0], z[0], mu[0], mu[0]
     for j in range(n):
-        back |= direction * (y[k, j] - left) < 0.0
-        left = y[k, j]
+        back |= direction * (y[j] - left) < 0.0
+        left = y[j]
         slope += derivative[n - 1, j] * left
-        low_z, top_z = min(low_z, z[k, j]), max(top_z, z[k, j])
-        low_mu, top_mu = min(low_mu, mu[k, j]), max(top_mu, mu[k, j])
+        low_z, top_z = min(low_z, z[j]), max(top_z, z[j])
+        low_mu, top_mu = min(low_mu, mu[j]), max(top_mu, mu[j])
     by_z, by_mu = overshoot(top_z - low_z, n), overshoot(top_mu - low_mu, n)
     quiet = top_z + by_z <= running[RECORDS] and by_z - low_z <= running[RECORDS + 1]
     quiet = quiet and top_mu + by_mu <= running[RECORDS + 2] and by_mu - low_mu <= running[RECORDS + 3]
@@ -258,13 +269,13 @@ def _look(derivative: Array, pieces: Pieces, k: int, running: Array, left: float
 
 
 @inlined
-def _split(pieces: Pieces, k: int, found: _Detector) -> float:
-    """Complete the swings that end in piece k; returns the point where the running one begins."""
-    y, slopes, basis, running = pieces.y[k], found.scratch[0], found.basis, found.running
+def _split(piece: _Piece, found: _Detector) -> float:
+    """Complete the swings that end in the piece; returns the point where the running one begins."""
+    y, slopes, basis, running = piece.y, found.scratch[0], found.basis, found.running
     bottom, top = bounds(y)
     if top - bottom <= _FLAT * abs(y[0]):
         if running[DIRECTION] * (y[y.size - 1] - found.last[0]) < 0.0:
-            _turn(pieces, k, 0.0, found)
+            _turn(piece, 0.0, found)
         return 0.0
     differentiate(basis, y, slopes)
     begin, left, slope = 0.0, 0.0, evaluate(basis, slopes, 0.0)
@@ -273,24 +284,24 @@ def _split(pieces: Pieces, k: int, found: _Detector) -> float:
         if direction * slopes[j] < 0.0:
             point = find_root(basis, slopes, 0.0, left, basis.nodes[j]) if direction * slope > 0.0 else left
             if point > begin:
-                _take(pieces, k, begin, point, found)
-            _turn(pieces, k, point, found)
+                _take(piece, begin, point, found)
+            _turn(piece, point, found)
             begin = point
         left, slope = basis.nodes[j], slopes[j]
     return begin
 
 
 @njit
-def _turn(pieces: Pieces, k: int, point: float, found: _Detector) -> None:
-    """End the running swing at `point` of piece k and begin the next one."""
+def _turn(piece: _Piece, point: float, found: _Detector) -> None:
+    """End the running swing at `point` of the piece and begin the next one."""
     running, count = found.running, int(found.filled[0])
-    running[END] = evaluate(found.basis, pieces.y[k], point)
-    running[ENDED] = pieces.time[k] + pieces.length[k] * point
+    running[END] = evaluate(found.basis, piece.y, point)
+    running[ENDED] = piece.time + piece.length * point
     _date(found)
     for column in range(COLUMNS):
         found.swings[count, column] = running[column]
     found.filled[0] = _thin(found.swings, count + 1, found.floor)
-    _begin(pieces, k, point, -running[DIRECTION], found)
+    _begin(piece, point, -running[DIRECTION], found)
 
 
 @njit
@@ -317,12 +328,12 @@ def _date(found: _Detector) -> None:
 
 
 @njit
-def _begin(pieces: Pieces, k: int, point: float, direction: float, found: _Detector) -> None:
-    """Begin a swing in `direction` (1 up, -1 down) at `point` of piece k."""
+def _begin(piece: _Piece, point: float, direction: float, found: _Detector) -> None:
+    """Begin a swing in `direction` (1 up, -1 down) at `point` of the piece."""
     running = found.running
     running[DIRECTION] = direction
-    running[BEGIN] = running[END] = evaluate(found.basis, pieces.y[k], point)
-    running[BEGAN] = running[ENDED] = pieces.time[k] + pieces.length[k] * point
+    running[BEGIN] = running[END] = evaluate(found.basis, piece.y, point)
+    running[BEGAN] = running[ENDED] = piece.time + piece.length * point
     running[DATE] = math.nan
     for slot in range(RECORDS, COLUMNS):
         running[slot] = -math.inf
@@ -332,23 +343,23 @@ def _begin(pieces: Pieces, k: int, point: float, direction: float, found: _Detec
 
 
 @njit
-def _take(pieces: Pieces, k: int, begin: float, end: float, found: _Detector) -> None:
-    """Update the running swing's records with the part [begin, end] of piece k and, in a fall, follow the rise of v."""
-    basis, running, slopes, law = found.basis, found.running, found.scratch[1], law_of_step(found.law, pieces.psi[k, 0])
+def _take(piece: _Piece, begin: float, end: float, found: _Detector) -> None:
+    """Update the running swing's records with the part [begin, end] of the piece and, in a fall, follow the rise of v."""
+    basis, running, slopes, law = found.basis, found.running, found.scratch[1], law_of_step(found.law, piece.psi)
     highest = running[RECORDS]
-    _raise_rate(law, found.law, basis, pieces.z[k], found.scratch, running, RECORDS, begin, end)
-    raise_record(basis, pieces.mu[k], slopes, running, RECORDS + 2, begin, end)
+    _raise_rate(law, found.law, basis, piece.z, found.scratch, running, RECORDS, begin, end)
+    raise_record(basis, piece.mu, slopes, running, RECORDS + 2, begin, end)
     if running[DIRECTION] < 0.0:
-        _follow_rise(pieces, k, running[RECORDS] > highest, found)
+        _follow_rise(piece, running[RECORDS] > highest, found)
 
 
 @njit
-def _follow_rise(pieces: Pieces, k: int, raised: bool, found: _Detector) -> None:
-    """Add piece k of the running fall; `raised` is true if the largest z in the fall lies in it."""
+def _follow_rise(piece: _Piece, raised: bool, found: _Detector) -> None:
+    """Add a piece of the running fall; `raised` is true if the largest z in the fall lies in it."""
     memory, kept = found.rise, found.kept
     if memory[KEPT] == kept.shape[0]:
         _date(found)
-    last = _keep(pieces.time[k], pieces.length[k], pieces.z[k], memory, kept)
+    last = _keep(piece, memory, kept)
     if raised:
         memory[RISING] = last + 1.0
         memory[LEVEL] = unknown_of(found.law, 0.5 * rate_of(found.law, found.running[RECORDS]))
@@ -360,7 +371,7 @@ def _follow_rise(pieces: Pieces, k: int, raised: bool, found: _Detector) -> None
 
 
 @inlined
-def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> int:
+def _keep(piece: _Piece, memory: Array, kept: Array) -> int:
     """Append a piece and return its row. If `kept` is full, drop the pieces before the front, or every other piece if those are
     few: to move many rows for each new one would take longer than all else."""
     front, end = int(memory[FRONT]), int(memory[KEPT])
@@ -371,11 +382,11 @@ def _keep(time: float, length: float, z: Array, memory: Array, kept: Array) -> i
                 kept[i, column] = kept[front + step * i, column]
         end = (end - front) // step
         memory[FRONT] = 0.0
-    kept[end, _TIME] = time
-    kept[end, _LENGTH] = length
-    kept[end, _LOWEST] = bounds(z)[0]
-    for j in range(z.size):
-        kept[end, FIRST_NODE + j] = z[j]
+    kept[end, _TIME] = piece.time
+    kept[end, _LENGTH] = piece.length
+    kept[end, _LOWEST] = bounds(piece.z)[0]
+    for j in range(piece.z.size):
+        kept[end, FIRST_NODE + j] = piece.z[j]
     memory[KEPT] = end + 1
     return end
 

@@ -81,7 +81,7 @@ def bounds(values: Array) -> tuple[float, float]:
 def overshoot(spread: float, nodes: int) -> float:
     """The most by which a polynomial through `nodes` values that differ by `spread` is trusted to exceed them: more than the
     overshoot of a sine whose period is the piece's length."""
-    return 4.0 * spread / (nodes - 1) ** 2
+    return 4.0 * spread / ((nodes - 1.0) * (nodes - 1.0))
 
 
 @allocating
