@@ -144,13 +144,13 @@ def _classes(kinds: Iterable[Any]) -> Iterator[type]:
         yield from _classes(getattr(kind, "types", ()))
 
 
-def _made_from(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[Path, ...], str] | None:
-    """The project's files whose text determines the code of `function` compiled for arguments of `classes`, sorted, and the text
+def _made_from(function: Callable[..., Any], classes: set[type]) -> tuple[frozenset[Path], str] | None:
+    """The project's files whose text determines the code of `function` compiled for arguments of `classes`, and the text
     of the user's functions in it (`frozen`); None if unknown, or if a file was edited since the start. A choice counts if its
     class is in `classes` or in one of the files."""
     if function.__module__ not in sys.modules:  # where compiled code on disk looks for the function
         return None
-    sources: tuple[Path, ...] = ()
+    sources: frozenset[Path] = frozenset()
     functions = {function}
     while True:
         homes = {thing: _home_of(thing) for thing in classes} | {thing: _file_of(thing) for thing in functions}
@@ -159,7 +159,7 @@ def _made_from(function: Callable[..., Any], classes: set[type]) -> tuple[tuple[
             return None
         text, called = brought
         starts = called.union(home for home in homes.values() if inside(home))
-        if starts <= set(sources):
+        if starts <= sources:
             break
         sources = _closure(starts.union(sources))
         pairs = [pair for owner, choices in _choices if owner in sources for pair in choices()]
@@ -182,13 +182,13 @@ def _resolved(name: str) -> Path:
 
 
 @cache
-def _closure(starts: frozenset[Path]) -> tuple[Path, ...]:
-    return tuple(import_closure(starts, packages=False))
+def _closure(starts: frozenset[Path]) -> frozenset[Path]:
+    return frozenset(import_closure(starts, packages=False))
 
 
 @cache
-def _program(sources: tuple[Path, ...]) -> str:
-    return digest_of(sources)
+def _program(sources: frozenset[Path]) -> str:
+    return digest_of(sorted(sources))
 
 
 def _digest(contents: bytes, name: str) -> bytes:
