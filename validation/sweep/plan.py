@@ -15,6 +15,7 @@ from reduced.parameters import PARAMETERS
 from slipwave.errors import SceneError
 from slipwave.input.assemble import tables_of
 from slipwave.input.overrides import apply_overrides
+from slipwave.input.schema import UNIT_KEYS
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from validation.models.parameter import SHORT, Parameter, Variation, measured_value, number_of
@@ -52,6 +53,17 @@ class Axis(Parameter):
     def column(self) -> str:
         """The name of the coordinate: slab_thickness for slab.thickness."""
         return super().column if self.name == "drive.velocity" else SHORT.get(self.name, super().column)
+
+
+def _touched(axis: Axis) -> set[str]:
+    """The fields of a scene that the key changes at some value, though not at that of the scene, or by which its values are
+    converted: of a unit of the scene all, since others may be converted by it."""
+    table, last = axis.name.partition(".")[0], axis.name.rpartition(".")[2]
+    if last in UNIT_KEYS:
+        return {one.name for one in fields(Scene) if one.init}
+    if table == "run":
+        return {"until", "record"} | ({"upper"} if axis.unit else set())
+    return {"drive": {"drive"}, "start": {"start"}, "interface": {"law"}}.get(table, {"upper", "lower"})
 
 
 def axis_of(key: str, values: Values) -> Axis:
@@ -164,14 +176,15 @@ class Plan:
     def scene(self, point: int) -> Scene:
         """The scene of a point. Raises SceneError if its values are out of range.
 
-        Where no two keys change the same field of a scene, scenes with one changed key are put together field by field: each is
+        Where no two keys touch the same field of a scene, scenes with one changed key are put together field by field: each is
         read and checked once, not once a point."""
         changes = self.changes(point)
         alone = [] if self.rows or self.scenes.sets else [self._alone(key, value) for key, value in changes.items()]
         if len(alone) == 1:
             return alone[0][1]
         merged = {name: value for differing, _ in alone for name, value in differing.items()}
-        if not alone or len(merged) < sum(len(differing) for differing, _ in alone):
+        touched = [_touched(axis) | differing.keys() for axis, (differing, _) in zip(self.axes, alone, strict=bool(alone))]
+        if not alone or len(set().union(*touched)) < sum(map(len, touched)):
             return self.scenes.scene(changes)
         written = (
             apply_overrides(tables_of(self.base)[1], changes) if all(scene.tables is not None for _, scene in alone) else None

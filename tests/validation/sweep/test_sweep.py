@@ -72,6 +72,8 @@ def same(one, other):
         ("rock", {"slab.thickness": "0.5m:20m:3:log", "slab.shear_modulus": "20GPa,30GPa", "drive.velocity": "1um/s,10um/s"}),
         ("unlike", {"ratio_r": "0.5:2:3", "log10_r": "-2.7,-2.3", "V": "10,100"}),
         ("machine", {"face.stiffness": "0.5,1", "ratio_epsilon": "1,3", "V": "10,100"}),
+        ("paper-si", {"slab.thickness": "2cm,4cm", "run.until": "1s,2s"}),
+        ("paper-si", {"interface.reference_velocity": "1um/s,2um/s", "drive.velocity": "0.1mm/s,0.2mm/s"}),
     ],
 )
 def test_the_scene_of_a_point_is_the_scene_with_its_changes(scene, axes):
