@@ -30,7 +30,8 @@ import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.own import load_laws
-from slipwave.input.assemble import SceneSource, is_stored, read, read_scene
+from slipwave.input.assemble import SceneSource, is_stored, moment, read, read_scene
+from slipwave.input.schema import UNTIL
 from slipwave.input.stored import read_stored
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.packages import ended
@@ -145,8 +146,11 @@ class SceneOptions(Frozen):
         from slipwave.input.overrides import endings
         from slipwave.input.schema import SceneTable
 
+        source = source.scene if isinstance(source, PointOfBranch) else source
+        if isinstance(source, Scene) and source.tables is None and until is not None:  # no tables to write the length into
+            source, until = replace(source, until=_transits(until, source)), None
         length = [] if until is None else [f"run.until={until}"]
-        given = read(source.scene if isinstance(source, PointOfBranch) else source, [*self._texts, *length])
+        given = read(source, [*self._texts, *length])
         changes = {**(self.set or {}), **self.changes}
         for key, value in changes.items():
             if not endings(key.split("."), given.tables or {}):
@@ -294,6 +298,14 @@ class RecordOptions(SceneOptions):
     def reading(self) -> dict[str, str | None]:
         """The options for `validation.data.series.read_series`."""
         return {name: getattr(self, name) for name in ("columns", "units", "missing", "area", "scale")}
+
+
+def _transits(until: float | str, scene: Scene) -> float:
+    """The length of a run in transits. Raises SceneError for one out of range."""
+    found = moment("run.until", until, scene)
+    if not UNTIL.low <= found <= UNTIL.high:
+        raise SceneError(f"run.until = {shorten(until)}: must be {UNTIL}")
+    return found
 
 
 def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:

@@ -29,13 +29,15 @@ def test_changes_may_be_tables_or_dotted_keys(changes):
     assert (scene.transit, scene.velocity) == (10.0**-2.3, 50.0)
 
 
-def test_a_scene_of_a_program_has_no_keys_to_change():
+def test_a_scene_of_a_program_runs_as_long_as_wanted_but_has_no_keys_to_change():
     from dataclasses import replace
 
     scene = replace(sw.read_scene("paper"), until=20.0)
-    assert sw.run(scene, "block8").summary["until"] == 20.0
+    assert [sw.run(scene, "block8", until=until).summary["until"] for until in (None, 30.0)] == [20.0, 30.0]
+    with pytest.raises(sw.SceneError, match=r"^run.until = -3.0: must be a number from 0.001 to"):
+        sw.run(scene, "block8", until=-3.0)
     with pytest.raises(sw.SceneError, match="made in Python"):
-        sw.run(scene, "block8", until=30.0)
+        sw.run(scene, "block8", V=30.0)
 
 
 @pytest.mark.parametrize(
