@@ -20,6 +20,7 @@ from validation.models.followed import ends_of
 from validation.models.orbits import OrbitFound, find_orbit, most_transits, moving, orbits_near, refined_orbit
 from validation.models.parameter import Over, Variation
 from validation.models.points import StopAt
+from validation.models.progress import log
 
 _LONGER = 5.0  # transits, beyond the period asked for: pairs of folds recur after about one
 _SAME = 1e-5  # relative difference of periods, to which the orbits of a branch are known, that count as one orbit's
@@ -49,6 +50,7 @@ def orbit_at_scene(
     try:
         found = find_orbit(model, scene, tolerance, cells)
     except NumericsError as reason:
+        log.info("no orbit where the run of scene %r leads; following the branch from its onset may take minutes", scene.name)
         known, searched = _primary(model, scene, cells, math.inf, str(reason))
         return _chosen(min(known, key=count_unstable), known, scene, tolerance, _FROM_BRANCH, searched)
     return _with_others(found, model, cells) if others else found if found.source else replace(found, searched=_MAY_BE)

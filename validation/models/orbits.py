@@ -15,7 +15,7 @@ from slipwave.scene.drive import StartKind
 from slipwave.step.flow import Flow
 from validation.models.by_name import DELAY, GRIDS, families, family_of, honouring, make, requested, resolve
 from validation.models.outlook import expected_period
-from validation.models.progress import progress
+from validation.models.progress import News, progress
 
 LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-11, 1e-2
 _RUN = 1e-6  # tolerance of a run that only has to come near an orbit
@@ -97,13 +97,14 @@ def moving(model: str, scene: Scene, cells: int | None = None) -> FlowingSolver:
 
 def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> OrbitFound:
     """The orbit of `model` that the scene's own start leads to, or comes near to. Raises NumericsError if there is none."""
-    solver, failed = moving(model, scene, cells), None
+    solver, failed, news = moving(model, scene, cells), None, News()
     for guess in _guesses(solver, tolerance):
         try:
             source = "" if guess.settled else f"found from a run of {solver.time:.0f} transits that had not settled: {_CHANGING}"
             return OrbitFound(refined_orbit(solver.scene, guess, tolerance), tolerance, source)
         except NumericsError as reason:
             failed = failed or reason
+            news("no orbit of scene %r at t = %.0f of its run; looking on", scene.name, solver.time)
     assert failed is not None
     raise failed
 

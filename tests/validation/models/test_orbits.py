@@ -252,6 +252,19 @@ def test_a_run_that_leads_to_none_gives_way_to_the_branch():
     assert hopf < unstable < fold < found.period < unstable + 5.0
 
 
+def test_a_search_beyond_the_run_is_announced(monkeypatch, caplog):
+    def none(*_):
+        raise NumericsError("none is known")
+
+    monkeypatch.setattr(at_scene, "find_orbit", none)
+    monkeypatch.setattr(at_scene, "_primary", none)
+    with caplog.at_level("INFO", "slipwave"), pytest.raises(NumericsError, match="none is known"):
+        at_scene.orbit_at_scene("delay", read("paper-2.3"), 1e-8)
+    assert caplog.messages == [
+        "no orbit where the run of scene 'paper-2.3' leads; following the branch from its onset may take minutes"
+    ]
+
+
 @pytest.mark.parametrize(
     ("near", "s", "other", "word", "on_branch", "own"),
     [
