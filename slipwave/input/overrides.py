@@ -15,7 +15,7 @@ from pydantic import BaseModel
 
 from slipwave.errors import SceneError
 from slipwave.input.quantity import looks_measured
-from slipwave.input.schema import InterfaceTable, SceneTable, scene_keys, tables_in
+from slipwave.input.schema import InterfaceTable, Physical, SceneTable, allowed_in, scene_keys, tables_in
 from slipwave.input.wording import key_text, listed, shorten
 
 _SYMBOLS = {"V": "velocity"}
@@ -81,7 +81,9 @@ def label_of(key: str, unit: str = "") -> str:
     and unit; the key itself if it has no title."""
     first, last = key.split(".")[0], key.rpartition(".")[2]
     fields = (table.model_fields.get(_SYMBOLS.get(last, last)) for table in _below(scene_keys()))
-    words, slash, own = next((field.title for field in fields if field and field.title), key).partition(" / ")
+    titled = next((field for field in fields if field and field.title), None)
+    words, slash, own = str(titled.title if titled else key).partition(" / ")
+    unit = unit or next((one.units[0] for one in allowed_in(titled) if isinstance(one, Physical)) if titled else iter(()), "")
     of_slab = f" of the {first} slab" if first in ("upper", "lower") else ""
     shown = (f"({unit})" if {"/", " "} & set(unit) else unit) or own
     return words.replace(" of a slab", "") + of_slab + (f" / {shown}" if slash or unit else "")

@@ -139,7 +139,8 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
-    over = Over(_NAME, first=first, last=last, scenes=Variation(scene))
+    # without tables: r changes faces in units of their own too, as for the onset
+    over = Over(_NAME, first=first, last=last, scenes=Variation(replace(scene)))
     points: list[OrbitPoint] = []
     try:
         for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST, outside=0.0)):

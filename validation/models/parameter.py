@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import KW_ONLY, dataclass, field, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any, TypeAlias
 
 import slipwave
@@ -31,6 +31,7 @@ SHORT = {
 }
 """Key of a scene -> short name."""
 _KEYS = {short: key for key, short in SHORT.items()}
+_APART = 1e-3  # of two values of a short name whose scenes are compared
 
 _TAKEN = {
     "cycle",
@@ -69,13 +70,13 @@ class Parameter:
         """Its name in datasets: slab_thickness for slab.thickness."""
         return self.name.replace(".", "_")
 
-    @property
-    def label(self) -> str:
-        """Its label in figures: title, symbol and unit."""
+    def label_in(self, base: Scene | None) -> str:
+        """Its label in figures of scenes like `base`, if that is known: title, symbol and unit."""
         name, power = self.name.removeprefix("log10_"), r"$\log_{10}$"
         if name in LABELS:
             return LABELS[name] if name == self.name else f"{power} of the {LABELS[name]}"
-        return label_of(self.name, self.unit).replace("log₁₀", power)  # the report's font has no small figures
+        unit = self.unit or (_unit_of_machine(base, self.name) if base else "")
+        return label_of(self.name, unit).replace("log₁₀", power)  # the report's font has no small figures
 
     def written(self, value: float | str) -> float | str:
         """A value, a number or a word, as the scene takes it."""
@@ -99,6 +100,7 @@ class Variation:
         """The scene with these values of parameters, by name. Keys are read; a short name is set in the scene that was read, of
         both slabs by the same factor, in a hundredth of the time. Raises SceneError for a value out of range, naming its key."""
         given = {**values, **self.fixed, **values}  # in the order of `values`
+        given = {_KEYS[name] if name in self._read else name: value for name, value in given.items()}
         keys = {name: value for name, value in given.items() if name not in PARAMETERS and name not in self.variables}
         if self.sets:
             keys = {key: value for key, value in (keys | self._set(given)).items() if _is_in(key, given)}
@@ -106,6 +108,18 @@ class Variation:
         for name in [name for name in given if name in PARAMETERS]:
             scene = PARAMETERS[name](scene, _allowed(name, given[name]))
         return scene
+
+    @cached_property
+    def _read(self) -> frozenset[str]:
+        """Short names whose key must be read: a machine in units of its own stays as it is where the slabs change, but set in the
+        scene that was read they would change it too."""
+        found = set[str]()
+        for name, key in _KEYS.items():
+            with suppress(SceneError):
+                other = _present(name, self.base) + _APART
+                if slipwave.read(self.base, {key: other}).upper.face != PARAMETERS[name](self.base, other).upper.face:
+                    found.add(name)
+        return frozenset(found)
 
     def at(self, varied: Iterable[Parameter], values: Iterable[float | str]) -> Scene:
         """The scene with these values of what is `varied`."""
@@ -174,6 +188,11 @@ class Over(Parameter):
     def base(self) -> Scene:
         """The scene in which it is varied."""
         return self.scenes.base
+
+    @property
+    def label(self) -> str:
+        """Its label in figures."""
+        return self.label_in(self.base)
 
     def scene_at(self, value: float) -> Scene:
         """The scene with this value of the parameter."""
@@ -386,6 +405,17 @@ def _measured(name: str, key: str, scenes: Variation, text: str) -> tuple[float,
     if name not in scenes.variables:
         slipwave.read(scenes.base, {key: text})
     return _number_of_variable(name, text)
+
+
+def _unit_of_machine(base: Scene, key: str) -> str:
+    """The SI unit of bare numbers at the `key` of a machine, of the whole one if it has an area; empty for any other key."""
+    *path, last = key.split(".")
+    table: Any = base.tables or {}
+    for part in path:
+        table = table.get(part, {})
+    field = kinds_of(path)["machine"].model_fields.get(last) if table.get("kind") == "machine" else None
+    allowed = next((one for one in allowed_in(field) if isinstance(one, Numbers)), None) if field and base.units else None
+    return allowed.units["area" in table] if allowed and len(allowed.units) > 1 else ""
 
 
 @lru_cache(maxsize=256)

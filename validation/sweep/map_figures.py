@@ -101,13 +101,14 @@ def _models(data: Dataset) -> list[Dataset]:
 def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Sequence[Line]) -> Chart:
     usual = [name for name in ("verdict", "stable", "other_regime", *_PICTURES) if name in data]
     columns = [shown] if shown else [name for name in usual if name not in _PICTURES or np.isfinite(data[name].values).any()]
-    columns = columns or [str(next(iter(data.data_vars)))]
+    columns = columns or [_first_figure(data)]
     panels = []
     for model in _models(data):
         across, up = (_scale(data, model[name]) for name in names)
         for column in columns:
             title = str(model["model"].item())
-            title = title if len(columns) == 1 else f"{title}: {'regime' if column == 'verdict' else column.replace('_', ' ')}"
+            if len(columns) > 1 or column == "stable":
+                title += f": {'regime' if column == 'verdict' else column.replace('_', ' ')}"
             own = [line for line in lines if line.model in ("", model["model"].item())]
             edges = [Trace("", line.across, line.up, _HALO) for line in own]
             edges += [Trace(line.name.partition(",")[0], line.across, line.up, _LINE) for line in own]
@@ -145,6 +146,12 @@ def _regimes(data: Dataset, column: str = "") -> tuple[Mapping[str, str], DataAr
     said = flag_words(flags)
     words = {word: _COLOURS.get(word, "#999999") for word in said} | dict.fromkeys(_ABSENT, PAPER)
     return words, _absent(data, flag_numbers(flags), len(said))
+
+
+def _first_figure(data: Dataset) -> str:
+    """The first column that is neither words nor how the points ended."""
+    found = [str(name) for name in data.data_vars if name not in ("status", "reason", _flags_in(data))]
+    return found[0] if found else "status"
 
 
 def _flags_in(data: Dataset) -> str:
@@ -199,9 +206,14 @@ def _transits(data: Dataset) -> list[DataArray]:
 
 def _scenes_over(data: Dataset, axes: Iterable[str]) -> Variation:
     """The scenes of a gathered sweep over these axes."""
-    base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
+    base = _base_of(data)
     sets = json.loads(data.attrs.get("manifest", "{}")).get("set", {})
     return scenes_with(base, [_parameter_of(data[axis]).name for axis in axes], sets)
+
+
+def _base_of(data: Dataset) -> Scene:
+    """The scene of a gathered sweep."""
+    return slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
 
 
 def _parameter_of(coordinate: DataArray) -> Parameter:
@@ -222,7 +234,7 @@ def _scale(data: Dataset, coordinate: DataArray) -> Scale:
     kind = "log" if _is_logarithmic(places) else "linear"
     edges = cell_edges(places, kind)
     ends = float(edges.min()), float(edges.max())
-    label = _parameter_of(coordinate).label
+    label = _parameter_of(coordinate).label_in(_base_of(data) if "scene_toml" in data.attrs else None)
     if coordinate.values.dtype.kind not in "iuf":
         return Scale(label, kind, ends, ticks={float(at): str(word) for at, word in enumerate(coordinate.values)})
     return Scale(label, kind, ends, second=_other_side(data, coordinate))
@@ -239,7 +251,7 @@ def _is_logarithmic(values: Any) -> bool:
 def _over_one(data: Dataset, name: str, shown: str | None) -> Chart:
     """Columns over one axis, and below them a strip with the regimes of each model."""
     usual = _BRUSH if _BRUSH[0] in data else _PICTURES
-    columns = [shown] if shown else [name for name in usual if name in data] or [str(next(iter(data.data_vars)))]
+    columns = [shown] if shown else [name for name in usual if name in data] or [_first_figure(data)]
     models, along, flags = _models(data), _scale(data, data[name]), _flags_in(data)
     panels = list[Panel]()
     for column in columns:
@@ -265,7 +277,7 @@ def _strip(models: Sequence[Dataset], name: str, along: Scale) -> Panel:
     colours, _ = _regimes(models[0])
     values = np.array([_regimes(model)[1].values for model in models])
     look = Look(kind="cells", colors=colours, hatches=HATCHES)
-    side = Scale("regime", limits=(-0.5, len(models) - 0.5), ticks=ticks)
+    side = Scale("stable" if _flags_in(models[0]) == "stable" else "regime", limits=(-0.5, len(models) - 0.5), ticks=ticks)
     return Panel("", along, side, [Trace("regime", _positions(models[0][name]), [*ticks], look, value=values)])
 
 
@@ -276,7 +288,7 @@ def _other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     if key not in (*_VELOCITIES, *_TRANSITS) or "scene_toml" not in data.attrs:
         return None
     first, is_power = float(coordinate[0]), "log10" in key
-    base = slipwave.read_scene(tomllib.loads(data.attrs["scene_toml"]))
+    base = _base_of(data)
     try:
         scene = Variation(base).at([own], [first])
     except SceneError:

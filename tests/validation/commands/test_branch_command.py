@@ -401,3 +401,16 @@ def test_every_fact_of_another_curve_is_refused(tmp_path, monkeypatch, kind, fac
         monkeypatch.setattr(f"validation.models.{kind}.source_digest", lambda: "of another version")
     with pytest.raises(sw.SceneError, match=rf"x\.nc': {fact} is "):
         next(ends_of(replace(own, **changes), StopAt(), path))
+
+
+@pytest.mark.parametrize("text", ["log10_r=-2.7:-2.6", "slab.r=0.002:0.0025", "slab.thickness=0.02:0.05"])
+@pytest.mark.parametrize("face", ["grip", "machine"])
+def test_a_branch_over_the_slabs_leaves_a_face_in_units_of_its_own_as_it_is(face, text):
+    """The scenes of a branch are those of `--set`, also where special points are given to other commands."""
+    own = {"kind": face, "stiffness": "200 MPa/m", "impedance": 0.0} | ({"mass": 0.0} if face == "machine" else {})
+    scene = sw.read_scene("paper-si", **{"slab.face": own})
+    over, key = over_range(text, scene), text.partition("=")[0]
+    wanted = sw.read_scene(scene, **{key: over.last})
+    assert over.scene_at(over.last).digest == over.written_at(over.last).digest == wanted.digest
+    spring = wanted.upper.termination.spring
+    assert spring == pytest.approx(scene.upper.termination.spring, rel=1e-12)

@@ -215,6 +215,43 @@ def test_the_boundary_over_a_coefficient_is_where_the_stability_changes():
     assert stable == [True, False]
 
 
+@pytest.mark.parametrize("key", ["slab.log10_r", "slab.thickness"])
+def test_the_boundary_over_slabs_leaves_a_machine_as_it_is(key):
+    """A machine in Pa/m keeps its spring where slabs get thicker: the points of a sweep do, and so does the boundary."""
+    face = {"kind": "machine", "stiffness": 2e8, "impedance": 0.0, "mass": 0.0}
+    scene = sw.read_scene("paper-si", **{"slab.face": face})
+    along = np.linspace(-2.9, -2.5, 5) if key == "slab.log10_r" else np.linspace(0.02, 0.05, 5)
+    axes = {"r": (along, key, "1"), "v": (np.linspace(80.0, 150.0, 5), "drive.velocity", "1")}
+    (line,) = onset_lines(lattice(axes, scene_toml=sw.show(scene)))[0]
+    at = len(line.up) // 2
+    root = sw.stability(scene, **{key: float(line.across[at]), "V": float(line.up[at])}).summary["leading_roots"][0]
+    assert abs(root[0]) < 1e-6 * abs(root[1])
+
+
+@pytest.mark.parametrize(
+    ("scene", "key", "label"),
+    [
+        ("paper-si", "slab.thickness", "thickness H / m"),
+        ("paper-si", "interface.normal_stress", "normal stress σ / Pa"),
+        ("steel-on-pmma", "upper.face.stiffness", "stiffness of the face's spring of the upper slab / (Pa/m)"),
+        ("machine", "slab.face.stiffness", "stiffness of the face's spring / (ε/r)"),
+        ("grip", "slab.face.stiffness", "stiffness of the face's spring / (ε/r)"),
+    ],
+)
+def test_an_axis_of_bare_numbers_says_their_unit(scene, key, label):
+    axes = {"x": (np.array([1.0, 2.0]), key, "1")}
+    assert chart_of_sweep(lattice(axes, scene_toml=sw.show(scene))).panels[0].x.label == label
+
+
+def test_a_sweep_of_stability_shows_stability_and_its_figures():
+    single, double = (
+        sw.sweep("paper", vary=axes, measure="stability", workers=1)
+        for axes in ({"log10_r": [-2.72, -2.6]}, {"log10_r": [-2.72, -2.6], "V": [100.0, 120.0]})
+    )
+    assert [panel.y.label for panel in sw.map(single).chart().panels] == ["unstable roots", "stable"]
+    assert [panel.name for panel in sw.map(double, plain=True).chart().panels] == ["delay: stable"]
+
+
 def test_an_axis_of_words_is_drawn_with_its_words():
     data = lattice(
         {"w": (["ageing", "slip", "own"], "interface.law", "1"), "v": ([1.0, 2.0, 4.0], "drive.velocity", "1")},
