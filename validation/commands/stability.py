@@ -36,6 +36,11 @@ _CRITICAL = {
 
 _PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "decay_time": "s", "frequency": "Hz"}
 
+_OWN_FACES = (
+    "log10_r_c and epsilon_c, and with a grip the critical thickness, hold for faces that keep their ratios to the slabs; --set "
+    "leaves a face in units of its own as it is"
+)
+
 _POINTS, _CYCLES, _BELOW = 1000, 1.4, 30.0
 """Points of a curve; its end, in cycles per transit, and its beginning, below the frequency at which faces are judged."""
 
@@ -195,6 +200,8 @@ class StabilityResult(Result):
                 f"infinitely many roots accumulate at Re s = {found.essential_abscissa:.6g} V*/L, right of all that are listed: "
                 "no finite list holds those that decay most slowly"
             )
+        if found.log10_r_c == found.log10_r_c and _has_own_faces(self.scene):
+            notes.append(_OWN_FACES)
         absent = self._absent() if family_of(found.model) else []  # no family: a truncation that no scene is computed with
         return [*notes, *found.missing, *(self.physical.missing if self.physical else ()), *absent]
 
@@ -220,6 +227,14 @@ def stability(source: SceneSource, options: _StabilityOptions) -> StabilityResul
     scene, model = options.scene_of(source), options.model
     found = replace(analyse(scene, one_port_of(model)), model=DELAY.name if model == "auto" else model)
     return StabilityResult(scene, found)
+
+
+def _has_own_faces(scene: Scene) -> bool:
+    """Whether an outer face that is not rigid is given in units of its own, not relative to its slab."""
+    tables = [(scene.tables or {}).get(name, {}).get("face", {}) for name in ("slab", "upper", "lower")]
+    measured = any(isinstance(value, str) for table in tables for key, value in table.items() if key != "kind")
+    own = scene.units is not None and any(slab.face.is_own for _, slab in scene.named_slabs)
+    return not scene.is_held_rigidly and (own or measured)
 
 
 def _frequencies(scene: Scene, omega: float) -> Array:

@@ -168,7 +168,14 @@ class Variation:
 
     def key_of(self, name: str) -> str:
         """The full key of the scene that ends in `name`; `name` itself if there is none."""
-        return _key_of(self.base, name)
+        if name not in self._found:
+            self._found[name] = _key_of(self.base, name)
+        return self._found[name]
+
+    @cached_property
+    def _found(self) -> dict[str, str]:
+        """Full keys that were looked up; not shared by equal scenes, whose tables may differ."""
+        return {}
 
 
 @dataclass(frozen=True)
@@ -408,7 +415,9 @@ def _measured(name: str, key: str, scenes: Variation, text: str) -> tuple[float,
 
 
 def _unit_of_machine(base: Scene, key: str) -> str:
-    """The SI unit of bare numbers at the `key` of a machine, of the whole one if it has an area; empty for any other key."""
+    """The unit of bare numbers at the `key` of a machine, in SI, of the whole one if it has an area; empty for any other key."""
+    if key == "machine.k":
+        return "1/m" if base.units else "1/L"
     *path, last = key.split(".")
     table: Any = base.tables or {}
     for part in path:
@@ -418,7 +427,6 @@ def _unit_of_machine(base: Scene, key: str) -> str:
     return allowed.units["area" in table] if allowed and len(allowed.units) > 1 else ""
 
 
-@lru_cache(maxsize=256)
 def _key_of(base: Scene, name: str) -> str:
     if name in PARAMETERS and not _has_key(base, name, name):
         return name

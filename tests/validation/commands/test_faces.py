@@ -130,3 +130,20 @@ def test_figures_that_do_not_exist_have_a_reason(answer):
         "no finite list holds those that decay most slowly",
         "no critical values: friction does not weaken with the slip rate, so that steady sliding is always stable",
     ]
+
+
+@pytest.mark.parametrize(
+    ("scene", "face", "told"),
+    [
+        ("paper-si", {"kind": "grip", "stiffness": "0.2 GPa/m", "impedance": 3.0}, True),
+        ("paper-si", {"kind": "machine", "stiffness": 2e8, "impedance": 0.0, "mass": 0.0}, True),
+        ("paper-si", {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}, False),
+        ("paper", {"kind": "machine", "stiffness": 10.0, "impedance": 0.0, "mass": 0.0}, False),
+    ],
+)
+def test_critical_values_say_where_a_setting_does_not_lead_to_them(scene, face, told):
+    """They are those of faces that change with the slabs; one in units of its own does not when a key of its slab is set."""
+    found = slipwave.stability(scene, **{"slab.face": face})
+    there = slipwave.stability(scene, **{"slab.face": face, "log10_r": found.log10_r_c})
+    assert bool(abs(there.leading_roots[0].real) > 1e-6) is told
+    assert any("a face in units of its own" in note for note in found.notes) is told

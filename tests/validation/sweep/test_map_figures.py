@@ -235,6 +235,8 @@ def test_the_boundary_over_slabs_leaves_a_machine_as_it_is(key):
         ("paper-si", "interface.normal_stress", "normal stress σ / Pa"),
         ("steel-on-pmma", "upper.face.stiffness", "stiffness of the face's spring of the upper slab / (Pa/m)"),
         ("machine", "slab.face.stiffness", "stiffness of the face's spring / (ε/r)"),
+        ("paper-si", "machine.k", "stiffness of the whole sample over normal stress k / (1/m)"),
+        ("paper", "machine.k", "stiffness of the whole sample over normal stress k / (1/L)"),
         ("grip", "slab.face.stiffness", "stiffness of the face's spring / (ε/r)"),
     ],
 )

@@ -84,6 +84,16 @@ def test_the_scene_of_a_point_is_the_scene_with_its_changes(scene, axes):
         assert (found, found.digest, found.tables) == (wanted, wanted.digest, wanted.tables)
 
 
+def test_equal_scenes_written_in_other_tables_have_keys_of_their_own():
+    slab = {"epsilon": 2.8e-5, "r": 0.002}
+    scenes = [
+        sw.read_scene({"interface": sw.read_scene("paper").tables["interface"], "drive": {"velocity": 100.0}} | slabs)
+        for slabs in ({"slab": slab}, {"upper": slab, "lower": slab})
+    ]
+    assert scenes[0] == scenes[1]
+    assert [Variation(scene).key_of("r") for scene in scenes] == ["slab.r", "r"]
+
+
 def test_a_point_does_not_depend_on_the_points_before_it():
     """Tables that are made once for many runs: random points in random order, and each alone with all tables made anew."""
     axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
