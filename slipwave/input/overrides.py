@@ -85,6 +85,7 @@ def label_of(key: str, unit: str = "") -> str:
     words, slash, own = str(titled.title if titled else key).partition(" / ")
     unit = unit or next((one.units[0] for one in allowed_in(titled) if isinstance(one, Physical)) if titled else iter(()), "")
     of_slab = f" of the {first} slab" if first in ("upper", "lower") else ""
+    unit = f"1{unit}" if unit.startswith("/") else unit
     shown = (f"({unit})" if {"/", " "} & set(unit) else unit) or own
     return words.replace(" of a slab", "") + of_slab + (f" / {shown}" if slash or unit else "")
 

@@ -105,8 +105,11 @@ class Variation:
         if self.sets:
             keys = {key: value for key, value in (keys | self._set(given)).items() if _is_in(key, given)}
         scene = slipwave.read(self.base, keys) if keys else self.base
+        transit = scene.transit
         for name in [name for name in given if name in PARAMETERS]:
             scene = PARAMETERS[name](scene, _allowed(name, given[name]))
+        if scene.until is not None and isinstance((self.base.tables or {}).get("run", {}).get("until"), str):
+            scene = replace(scene, until=scene.until * transit / scene.transit)  # so many seconds
         return scene
 
     @cached_property

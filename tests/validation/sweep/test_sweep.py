@@ -94,6 +94,14 @@ def test_equal_scenes_written_in_other_tables_have_keys_of_their_own():
     assert [Variation(scene).key_of("r") for scene in scenes] == ["slab.r", "r"]
 
 
+@pytest.mark.parametrize("scene", ["paper-si", "steel-on-pmma"])
+def test_points_over_r_last_as_many_seconds_as_asked_for(scene):
+    base = sw.read_scene(scene, **{"run.until": "2 ms"})
+    what = plan_of(Variation(base), [axis_of("log10_r", [-4.7, -4.5])], ["delay"], "run")
+    points = [what.scene(number) for number in range(2)]
+    assert [one.until * one.transit * base.units.time for one in points] == pytest.approx([2e-3, 2e-3], rel=1e-12)
+
+
 def test_a_point_does_not_depend_on_the_points_before_it():
     """Tables that are made once for many runs: random points in random order, and each alone with all tables made anew."""
     axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
