@@ -108,8 +108,9 @@ class Variation:
         transit = scene.transit
         for name in [name for name in given if name in PARAMETERS]:
             scene = PARAMETERS[name](scene, _allowed(name, given[name]))
-        if scene.until is not None and isinstance((self.base.tables or {}).get("run", {}).get("until"), str):
-            scene = replace(scene, until=scene.until * transit / scene.transit)  # so many seconds
+        in_seconds = isinstance((self.base.tables or {}).get("run", {}).get("until"), str)
+        if in_seconds and scene.until is not None and scene.transit != transit:
+            scene = replace(scene, until=scene.until * transit / scene.transit)
         return scene
 
     @cached_property
