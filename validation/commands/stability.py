@@ -200,7 +200,7 @@ class StabilityResult(Result):
                 f"infinitely many roots accumulate at Re s = {found.essential_abscissa:.6g} V*/L, right of all that are listed: "
                 "no finite list holds those that decay most slowly"
             )
-        if found.log10_r_c == found.log10_r_c and _has_own_faces(self.scene):
+        if not math.isnan(found.log10_r_c) and _has_own_faces(self.scene):
             notes.append(_OWN_FACES)
         absent = self._absent() if family_of(found.model) else []  # no family: a truncation that no scene is computed with
         return [*notes, *found.missing, *(self.physical.missing if self.physical else ()), *absent]
