@@ -174,7 +174,7 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
         law=law(**{key: in_scene(f"interface.{key}", interface[key], units, keys.VELOCITY) for key in law._fields}),
         upper=upper,
         lower=lower,
-        drive=_drive(tables.drive, units, upper.round_trip),
+        drive=drive_of(tables.drive, units, upper.round_trip),
         start=Start(StartKind(start.kind), _DEFAULT_SIZES[start.kind] if start.size is None else start.size),
         until=None if run.until is None else in_scene("run.until", run.until, units, keys.UNTIL, upper.round_trip),
         record=frozenset(run.record),
@@ -394,7 +394,8 @@ def _layers(key: str, tables: list[keys.LayerTable] | None) -> tuple[Layer, ...]
     return tuple(Layer(table.fraction / total, table.impedance) for table in tables)
 
 
-def _drive(table: keys.DriveTable, units: Units | None, transit: float) -> Drive:
+def drive_of(table: keys.DriveTable, units: Units | None, transit: float) -> Drive:
+    """The drive of a table, in transits of the upper slab. Raises SceneError for values out of range, and times that fall."""
     key, given = "drive.velocity", table.velocity
     times = [in_scene(key, time, units, keys.TIME, transit) for time, _ in given]
     velocities = [in_scene(key, v, units, keys.LATER_VELOCITY if k else keys.VELOCITY) for k, (_, v) in enumerate(given)]

@@ -12,10 +12,10 @@ from typing import Any, TypeAlias
 import slipwave
 from reduced.parameters import LABELS, PARAMETERS
 from slipwave.errors import SceneError
-from slipwave.input.assemble import SceneSource
+from slipwave.input.assemble import SceneSource, drive_of, moment
 from slipwave.input.overrides import full_key, kinds_of, label_of, words_of_scenes
 from slipwave.input.quantity import KINDS, Quantity, quantity
-from slipwave.input.schema import KeyTable, Numbers, Physical, allowed_in
+from slipwave.input.schema import DriveTable, KeyTable, Numbers, Physical, allowed_in
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from validation.models.expression import FUNCTIONS, Undefined, Value, value_at
@@ -105,13 +105,10 @@ class Variation:
         if self.sets:
             keys = {key: value for key, value in (keys | self._set(given)).items() if _is_in(key, given)}
         scene = slipwave.read(self.base, keys) if keys else self.base
-        transit = scene.transit
+        tables, transit = scene.tables or {}, scene.transit
         for name in [name for name in given if name in PARAMETERS]:
             scene = PARAMETERS[name](scene, _allowed(name, given[name]))
-        in_seconds = isinstance((self.base.tables or {}).get("run", {}).get("until"), str)
-        if in_seconds and scene.until is not None and scene.transit != transit:
-            scene = replace(scene, until=scene.until * transit / scene.transit)
-        return scene
+        return scene if scene.transit == transit else _with_times_of(tables, scene)
 
     @cached_property
     def _read(self) -> frozenset[str]:
@@ -416,6 +413,16 @@ def _measured(name: str, key: str, scenes: Variation, text: str) -> tuple[float,
     if name not in scenes.variables:
         slipwave.read(scenes.base, {key: text})
     return _number_of_variable(name, text)
+
+
+def _with_times_of(tables: Mapping[str, Any], scene: Scene) -> Scene:
+    """The scene with the times of its tables, read again: other transits are as many seconds as before."""
+    until, drive = tables.get("run", {}).get("until"), tables.get("drive")
+    if until is not None:
+        scene = replace(scene, until=moment("run.until", until, scene))
+    if drive is None or scene.drive.is_constant:
+        return scene
+    return replace(scene, drive=drive_of(DriveTable.model_validate(drive), scene.units, scene.transit))
 
 
 def _unit_of_machine(base: Scene, key: str) -> str:

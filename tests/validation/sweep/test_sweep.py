@@ -95,11 +95,16 @@ def test_equal_scenes_written_in_other_tables_have_keys_of_their_own():
 
 
 @pytest.mark.parametrize("scene", ["paper-si", "steel-on-pmma"])
-def test_points_over_r_last_as_many_seconds_as_asked_for(scene):
-    base = sw.read_scene(scene, **{"run.until": "2 ms"})
+def test_times_in_seconds_are_as_many_at_every_r(scene):
+    knots = [[0.0, "1 mm/s"], [0.5, "2 mm/s"], ["1 ms", "2 mm/s"], ["1.5 ms", "1 mm/s"]]
+    base = sw.read_scene(scene, **{"run.until": "2 ms", "drive.velocity": knots})
     what = plan_of(Variation(base), [axis_of("log10_r", [-4.7, -4.5])], ["delay"], "run")
-    points = [what.scene(number) for number in range(2)]
-    assert [one.until * one.transit * base.units.time for one in points] == pytest.approx([2e-3, 2e-3], rel=1e-12)
+    for point in map(what.scene, range(2)):
+        transit = point.transit * base.units.time
+        assert (point.until * transit, *(time * transit for time in point.drive.times[2:])) == pytest.approx(
+            (2e-3, 1e-3, 1.5e-3), rel=1e-12
+        )
+        assert point.drive.times[:2] == (0.0, 0.5)
 
 
 def test_a_point_does_not_depend_on_the_points_before_it():
