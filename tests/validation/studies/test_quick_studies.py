@@ -89,7 +89,9 @@ STUDIES = {
     ),
     "orders": Expected(43, (), {"dg:2 order": (3.9972, 5e-4), "error, fem:2, alike": (5.73e-5, 0.02)}),
     "stability-attacks": Expected(48),
-    "energy": Expected(21, (), {"order of dg:2": (5.0217, 1e-4)}),
+    "energy": Expected(
+        21, (), {"order of dg:2": (5.0217, 5e-4)}
+    ),  # rounding, 6e-16 of the least residual of 4e-13, moves it by 1e-4
     "onset": Expected(
         25, (), {"log10 r_c, quasistatic": (-2.698970004336, 1e-11), "error of (27) at V = 1e4": (-0.07672436, 1e-6)}
     ),
