@@ -123,8 +123,11 @@ def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
             functions = (lambda values: there(10.0**values), lambda values: np.log10(np.maximum(back(values), 1e-300)))
         other: Any = axes.secondary_xaxis("top", functions) if which == "x" else axes.secondary_yaxis("right", functions)
         other.set(**{f"{which}label": label})
+        marks = getattr(other, f"{which}axis")
         if axis.kind == "log" and not is_power:
-            _label_powers(getattr(other, f"{which}axis"), *(factor * end for end in axis.ends))
+            _label_powers(marks, *(factor * end for end in axis.ends))
+        else:
+            marks.set_major_formatter("{x:g}")  # a power of ten at the end of the scale would meet the words of the other one
 
 
 def _label_powers(lines: Any, low: float, high: float) -> None:

@@ -147,6 +147,16 @@ def test_what_is_drawn():
     assert [text.get_text() for text in left.get_legend().get_texts()] == ["wave", r"ramp $\Delta\mu$", "count"]
 
 
+def test_small_numbers_of_a_second_scale_are_whole_where_they_stand():
+    """A power of ten at its end would meet the words of the other second scale."""
+    sides = [Scale(name, second=Second(f"{name} / s", 1e-10)) for name in ("t", "T")]
+    (axes,) = draw(Chart([Panel("", *sides, [Trace("", [1.0, 3.0], [1.0, 3.0])])])).axes
+    axes.figure.draw_without_rendering()
+    for marks in (axes.child_axes[0].xaxis, axes.child_axes[1].yaxis):
+        assert marks.get_offset_text().get_text() == ""
+        assert "2e−10" in [text.get_text() for text in marks.get_ticklabels()]
+
+
 def test_thinning_keeps_every_extremum_and_changes_no_number():
     x = np.arange(50_000.0)
     y = np.zeros(x.size)
