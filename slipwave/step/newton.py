@@ -31,7 +31,7 @@ from slipwave.step.nodal import Interface, Nodal, constant_guess, nodal_of
 _MAX_NEWTON = 25
 _RESOLVED = 1e-3  # of the tolerance: what sweeps need not resolve
 _LARGEST_CHANGE = 2.0
-_LOST = 1e4  # error of an iteration that has left the solution: at most 300 in those that converge, also after a jump
+_LOST = 1e4  # error from which a shorter step, or another guess, is cheaper than more iterations; one of 300 was seen to converge
 _SWEPT, _FINE = 3, 1e-12  # iterations that may sweep over strongly coupled nodes; tolerance below which none does
 _ROUNDING = 1e-14  # of a stress, and of an iteration's error
 _MOST_CORRECTIONS = 10
