@@ -20,6 +20,22 @@ def scaled(scene: Scene, round_trip: float = 1.0, epsilon: float = 1.0, velocity
     )
 
 
+def held(scene: Scene, before: Scene) -> Scene:
+    """The scene, whose slabs were other ones `before`, with its faces as they were then in what was given in SI."""
+    if not (before.upper.face.own or before.lower.face.own) or (scene.upper, scene.lower) == (before.upper, before.lower):
+        return scene
+    upper, lower = (
+        dataclasses.replace(slab, face=slab.face.moved(slab.epsilon / old.epsilon, slab.round_trip / old.round_trip))
+        for slab, old in ((scene.upper, before.upper), (scene.lower, before.lower))
+    )
+    return dataclasses.replace(scene, upper=upper, lower=lower)
+
+
+def scaling(scene: Scene) -> Scene:
+    """The scene with faces that keep their ratios to the slabs, whatever they were given in."""
+    return _both(scene, lambda slab: dataclasses.replace(slab, face=dataclasses.replace(slab.face, own=frozenset())))
+
+
 def _both(scene: Scene, change: Callable[[Slab], Slab]) -> Scene:
     return dataclasses.replace(scene, upper=change(scene.upper), lower=change(scene.lower))
 
@@ -32,7 +48,9 @@ def _face(name: str) -> Callable[[Scene, float], Scene]:
     def change(slab: Slab, value: float) -> Slab:
         """The slab with this field of its face changed, if its kind of face has that field."""
         face: Any = slab.face
-        return dataclasses.replace(slab, face=dataclasses.replace(face, **{name: value})) if name in vars(face) else slab
+        if name not in vars(face):
+            return slab
+        return dataclasses.replace(slab, face=dataclasses.replace(face, own=face.own - {name}, **{name: value}))
 
     return lambda scene, value: _both(scene, lambda slab: change(slab, value))
 

@@ -2,16 +2,17 @@
 
 In SI it is the thickness of the slabs and the normal stress at which stability is lost. A normal stress multiplied by s divides
 both epsilons by s. Round trips and the clock L/V* do not depend on it, and faces are relative to the slabs, so the critical one
-is sigma epsilon/epsilon_c. Both thicknesses multiplied by s multiply both round trips by s. A testing machine is unchanged:
-relative to thicker slabs its spring is stiffer and its mass smaller.
+is sigma epsilon/epsilon_c. Both thicknesses multiplied by s multiply both round trips by s. A face that is given in SI is
+unchanged: relative to thicker slabs its spring is stiffer and its mass smaller.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TypeVar
 
 from reduced.impedance import is_exact
+from reduced.parameters import held, scaled
 from reduced.stability.characteristic import characteristic
 from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.crossing import critical_factor
@@ -141,17 +142,13 @@ def stability_in_si(scene: Scene, stability: Stability) -> PhysicalStability | N
 
 
 def thickened(scene: Scene, factor: float) -> Scene:
-    """The scene with both slabs `factor` times as thick, of the same material, held by the same machines."""
-    upper, lower = (
-        replace(slab, round_trip=slab.round_trip * factor, face=slab.face.thickened(factor))
-        for slab in (scene.upper, scene.lower)
-    )
-    return replace(scene, upper=upper, lower=lower)
+    """The scene with both slabs `factor` times as thick, of the same material, held by the same faces."""
+    return held(scaled(scene, round_trip=factor), scene)
 
 
 def _critical_factor(scene: Scene, stability: Stability) -> float:
     """Factor of both thicknesses at which steady sliding loses or regains stability."""
-    if not any(slab.face.is_own for slab in scene.slabs):
+    if not (scene.upper.face.own or scene.lower.face.own):
         return float(10.0**stability.log10_r_c) / scene.transit
     if not friction_slopes(scene.law, scene.velocity).weakening:
         return math.nan

@@ -251,6 +251,7 @@ def _outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: f
     area = given.pop("area", None)
     if area is not None:
         _require_units(f"{key}.area", f"{area:g}", units, "left out")
+    own = {name for name, value in given.items() if isinstance(value, Quantity) or (kind.is_own and units and name in slab)}
     for name, value in given.items():
         is_measured = isinstance(value, Quantity)
         text = f'"{value.text}"' if is_measured else f"{value:g}"
@@ -259,13 +260,13 @@ def _outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: f
         if is_measured or (kind.is_own and name in slab):
             per_area = _per_area(key, name, value, area)
             result = per_area / (slab[name] * units.face[name] if units else 1.0)
-            own = next(item for item in allowed_in(type(table).model_fields[name]) if isinstance(item, Numbers))
-            allowed = Numbers(own.low, min(own.high, _LARGEST_RATIO))
+            numbers = next(item for item in allowed_in(type(table).model_fields[name]) if isinstance(item, Numbers))
+            allowed = Numbers(numbers.low, min(numbers.high, _LARGEST_RATIO))
             if not allowed.low <= result <= allowed.high:
                 relative = "" if result == value else f" is {result:.9g} relative to the slab, which"
                 raise SceneError(f"{key}.{name} = {text}:{relative} must be {allowed}")
             given[name] = result
-    return kind(**given)
+    return kind(**given, own=frozenset(own))
 
 
 def _per_area(key: str, name: str, given: float | Quantity, area: float | None) -> float:
@@ -316,7 +317,8 @@ def _in_machine(tables: keys.SceneTable, slabs: tuple[Slab, Slab], units: Units 
     if left <= 1.0 / (_LARGEST_RATIO * value * length):
         unit = "1/m" if units else "1/L"
         raise SceneError(f"machine.k = {text}: must be below {1.0 / (own * length):.6g} {unit}, the stiffness of the slabs alone")
-    upper, lower = (replace(one, face=MachineFace(2.0 / left * one.round_trip / one.epsilon, 0.0, 0.0)) for one in slabs)
+    springs = (MachineFace(2.0 / left * one.round_trip / one.epsilon, 0.0, 0.0, own=frozenset(["stiffness"])) for one in slabs)
+    upper, lower = (replace(one, face=spring) for one, spring in zip(slabs, springs, strict=True))
     return upper, lower
 
 

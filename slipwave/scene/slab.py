@@ -78,17 +78,20 @@ class Face:
     `face_sizes` are relative to the slab."""
 
     is_own: ClassVar[bool] = False
-    """Whether it is an apparatus: in SI where the scene has units, and unchanged if the slab is thickened."""
+    """Whether bare numbers of it, an apparatus, are in SI where the scene has units."""
+
+    own: frozenset[str] = field(default=frozenset(), kw_only=True, compare=False, repr=False)
+    """The fields that were given in SI: they stay as they are where the slab changes (`moved`)."""
 
     def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
         """The face as numbers (time in L/V*) on a slab of `epsilon` and `round_trip` with impedance `outermost` of the outermost
         layer."""
         raise NotImplementedError
 
-    def thickened(self, factor: float) -> Self:
-        """The same face on a slab `factor` times as thick."""
-        sizes = face_sizes(1.0, factor) if self.is_own else {}
-        return replace(self, **{name: value / sizes.get(name, 1.0) for name, value in vars(self).items()})
+    def moved(self, epsilon: float, round_trip: float) -> Self:
+        """The same face on a slab of so many times the epsilon and the round trip."""
+        sizes = face_sizes(epsilon, round_trip)
+        return replace(self, **{name: getattr(self, name) / sizes[name] for name in self.own})
 
 
 @dataclass(frozen=True)

@@ -276,6 +276,8 @@ def test_a_solid_that_creeps_has_no_finite_list_of_leading_roots():
 MACHINE = GRANITE | {
     "slab": GRANITE["slab"] | {"thickness": 0.2, "face": {"kind": "machine", "stiffness": 1.6e9, "impedance": 2e6, "mass": 400.0}}
 }
+GRIP = GRANITE | {"slab": GRANITE["slab"] | {"face": {"kind": "grip", "stiffness": "10 GPa/m", "impedance": 0.0}}}
+"""1/k = 2 (h/G + 1/K) is L/((b - a) sigma) at h = 3 m; over 5 GPa/m is needed for any h."""
 OTHER = {"density": 1190.0, "shear_modulus": 2e9, "thickness": 0.4}
 UNLIKE = {key: value for key, value in GRANITE.items() if key != "slab"} | {"upper": GRANITE["slab"], "lower": OTHER}
 VISCOUS = GRANITE | {"slab": GRANITE["slab"] | {"viscosity": {"kind": "kelvin-voigt", "time": 1e-6}}}
@@ -301,7 +303,9 @@ def test_granite_by_hand():
     assert found.frequency == pytest.approx(math.sqrt(0.29) / (2.0 * math.pi * 10.0), rel=1e-5)
 
 
-@pytest.mark.parametrize("tables", [GRANITE, MACHINE, UNLIKE, VISCOUS], ids=["granite", "machine", "unlike", "viscous"])
+@pytest.mark.parametrize(
+    "tables", [GRANITE, MACHINE, GRIP, UNLIKE, VISCOUS], ids=["granite", "machine", "grip", "unlike", "viscous"]
+)
 def test_the_scene_read_again_at_its_critical_values_is_neutral(tables):
     scene = slipwave.read(tables)
     found = stability_in_si(scene, analyse(scene))
@@ -313,6 +317,17 @@ def test_the_scene_read_again_at_its_critical_values_is_neutral(tables):
         keys = ("upper", "lower") if "upper" in tables else ("slab",)
         thick = slipwave.read(tables, [f"{key}.thickness={tables[key]['thickness'] * factor!r}" for key in keys])
         assert abs(leading(thick)) < 1e-8
+
+
+def test_a_grip_in_si_stays_as_it_is_where_the_critical_thickness_is_looked_for():
+    """By hand, up to inertia: 3 m behind 10 GPa/m, none behind 4 GPa/m; a grip relative to the slab scales with it."""
+    scene = slipwave.read(GRIP)
+    assert stability_in_si(scene, analyse(scene)).critical_thickness == pytest.approx(3.0, rel=1e-6)
+    soft = slipwave.read(GRIP, ["slab.face.stiffness='4 GPa/m'"])
+    assert math.isnan(stability_in_si(soft, analyse(soft)).critical_thickness)
+    relative = slipwave.read(GRIP, [f"slab.face.stiffness={scene.upper.face.stiffness!r}"])
+    critical = 10.0 * 10.0 ** analyse(relative).log10_r_c / relative.transit
+    assert stability_in_si(relative, analyse(relative)).critical_thickness == pytest.approx(critical, rel=1e-12)
 
 
 def test_a_thicker_slab_keeps_its_machine():

@@ -12,6 +12,7 @@ from slipwave.friction.slip import Slip
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind, steady_drive
 from slipwave.scene.slab import (
+    Face,
     GripFace,
     KelvinVoigtViscosity,
     Layer,
@@ -67,9 +68,9 @@ def test_steady_sliding_is_at_the_drive_before_the_run(law, velocity):
     assert chosen.steady_stress == pytest.approx(0.5 - 0.02 * math.log(velocity), rel=1e-15)
 
 
-NOT_PHYSICS = {"name", "record", "units", "tables", "material"}
-"""What a scene is called, which of its quantities are kept, the names of its units, how it was written and what slabs of known
-impedance are made of change no number."""
+NOT_PHYSICS = {"name", "record", "units", "tables", "material", "own"}
+"""What a scene is called, which of its quantities are kept, the names of its units, how it was written, what slabs of known
+impedance are made of and which numbers of their faces were in SI change no number."""
 
 FULL = Slab(2.0, 3.0, GripFace(0.5, 9.0), StandardLinearViscosity(0.3, 0.6), LAYERED)
 BASE = Scene("test", Ageing(0.5, 0.01, 0.03), FULL, FULL, Drive((0.0, 5.0), (7.0, 8.0)), Start(StartKind.JUMP, 0.5), 40.0)
@@ -78,7 +79,7 @@ BASE = Scene("test", Ageing(0.5, 0.01, 0.03), FULL, FULL, Drive((0.0, 5.0), (7.0
 def changed(value):
     """Every way to change one fact in `value`, by hand of its type: dataclasses, laws and tuples field by field."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        is_told = isinstance(value, Scene | Slab)
+        is_told = isinstance(value, Scene | Slab | Face)
         names = [field.name for field in dataclasses.fields(value) if not (is_told and field.name in NOT_PHYSICS)]
         return [dataclasses.replace(value, **{name: other}) for name in names for other in changed(getattr(value, name))]
     if hasattr(value, "_fields"):
@@ -115,9 +116,10 @@ def test_what_is_no_physics_leaves_the_digest_alone():
     units = slipwave.read("paper-si").units
     same = [{"name": "other"}, {"record": frozenset({"fields"})}, {"units": units}]
     assert {dataclasses.replace(BASE, **change).digest for change in same} == {BASE.digest}
-    told = dataclasses.replace(BASE, upper=dataclasses.replace(FULL, material=Material(2700.0, 3e10)))
+    own = dataclasses.replace(FULL.face, own=frozenset(["stiffness"]))
+    told = dataclasses.replace(BASE, upper=dataclasses.replace(FULL, material=Material(2700.0, 3e10), face=own))
     assert (told.digest, told) == (BASE.digest, BASE)
-    assert {field.name for kind in (Scene, Slab) for field in dataclasses.fields(kind)} >= NOT_PHYSICS
+    assert {field.name for kind in (Scene, Slab, Face) for field in dataclasses.fields(kind)} >= NOT_PHYSICS
 
 
 EPSILON, ROUND_TRIP, OUTERMOST = 3e-5, 0.002, 2.0

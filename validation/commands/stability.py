@@ -37,8 +37,8 @@ _CRITICAL = {
 _PHYSICAL = {"critical_thickness": "m", "critical_normal_stress": "Pa", "growth_time": "s", "decay_time": "s", "frequency": "Hz"}
 
 _OWN_FACES = (
-    "log10_r_c and epsilon_c, and with a grip the critical thickness, hold for faces that keep their ratios to the slabs; --set "
-    "leaves a face in units of its own as it is"
+    "log10_r_c and epsilon_c hold for faces that keep their ratios to the slabs; --set and the critical thickness leave a face "
+    "in units of its own as it is"
 )
 
 _POINTS, _CYCLES, _BELOW = 1000, 1.4, 30.0

@@ -223,5 +223,5 @@ def _kind_of(part: Face | Viscosity) -> str:
 
 
 def _fields_in_words(part: Any) -> str:
-    """The fields of a dataclass as in "stiffness 2, impedance 0.5"."""
-    return ", ".join(f"{field.name} {getattr(part, field.name):g}" for field in fields(part))
+    """The numbers of a dataclass as in "stiffness 2, impedance 0.5"."""
+    return ", ".join(f"{field.name} {getattr(part, field.name):g}" for field in fields(part) if field.compare)

@@ -10,6 +10,7 @@ from reduced.continuation.start import orbits_at
 from reduced.orbit.approach import Guess
 from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import count_unstable, is_decided
+from reduced.parameters import scaling
 from reduced.stability.critical import critical_round_trip
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import ALWAYS_STABLE, friction_slopes
@@ -139,8 +140,7 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
-    # without tables: r changes faces in units of their own too, as for the onset
-    over = Over(_NAME, first=first, last=last, scenes=Variation(replace(scene)))
+    over = Over(_NAME, first=first, last=last, scenes=Variation(scaling(scene)))  # as for the onset
     points: list[OrbitPoint] = []
     try:
         for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST, outside=0.0)):

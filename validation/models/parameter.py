@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache
 from typing import Any, TypeAlias
 
 import slipwave
-from reduced.parameters import LABELS, PARAMETERS
+from reduced.parameters import LABELS, PARAMETERS, held
 from slipwave.errors import SceneError
 from slipwave.input.assemble import SceneSource, drive_of, moment
 from slipwave.input.overrides import full_key, kinds_of, label_of, words_of_scenes
@@ -31,7 +31,6 @@ SHORT = {
 }
 """Key of a scene -> short name."""
 _KEYS = {short: key for key, short in SHORT.items()}
-_APART = 1e-3  # of two values of a short name whose scenes are compared
 
 _TAKEN = {
     "cycle",
@@ -100,27 +99,17 @@ class Variation:
         """The scene with these values of parameters, by name. Keys are read; a short name is set in the scene that was read, of
         both slabs by the same factor, in a hundredth of the time. Raises SceneError for a value out of range, naming its key."""
         given = {**values, **self.fixed, **values}  # in the order of `values`
-        given = {_KEYS[name] if name in self._read else name: value for name, value in given.items()}
+        if {"slab", "machine"} <= (self.base.tables or {}).keys():  # springs follow from the slabs and the stiffness of all
+            given = {_KEYS.get(name, name): value for name, value in given.items()}
         keys = {name: value for name, value in given.items() if name not in PARAMETERS and name not in self.variables}
         if self.sets:
             keys = {key: value for key, value in (keys | self._set(given)).items() if _is_in(key, given)}
         scene = slipwave.read(self.base, keys) if keys else self.base
-        tables, transit = scene.tables or {}, scene.transit
+        read, tables = scene, scene.tables or {}
         for name in [name for name in given if name in PARAMETERS]:
             scene = PARAMETERS[name](scene, _allowed(name, given[name]))
-        return scene if scene.transit == transit else _with_times_of(tables, scene)
-
-    @cached_property
-    def _read(self) -> frozenset[str]:
-        """Short names whose key must be read: a machine in units of its own stays as it is where the slabs change, but set in the
-        scene that was read they would change it too."""
-        found = set[str]()
-        for name, key in _KEYS.items():
-            with suppress(SceneError):
-                other = _present(name, self.base) + _APART
-                if slipwave.read(self.base, {key: other}).upper.face != PARAMETERS[name](self.base, other).upper.face:
-                    found.add(name)
-        return frozenset(found)
+        scene = held(scene, read)
+        return scene if scene.transit == read.transit else _with_times_of(tables, scene)
 
     def at(self, varied: Iterable[Parameter], values: Iterable[float | str]) -> Scene:
         """The scene with these values of what is `varied`."""

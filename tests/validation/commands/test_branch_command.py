@@ -4,6 +4,7 @@ import json
 import math
 import re
 import signal
+import tomllib
 from dataclasses import replace
 from itertools import islice
 
@@ -411,6 +412,34 @@ def test_a_branch_over_the_slabs_leaves_a_face_in_units_of_its_own_as_it_is(face
     scene = sw.read_scene("paper-si", **{"slab.face": own})
     over, key = over_range(text, scene), text.partition("=")[0]
     wanted = sw.read_scene(scene, **{key: over.last})
-    assert over.scene_at(over.last).digest == over.written_at(over.last).digest == wanted.digest
-    spring = wanted.upper.termination.spring
-    assert spring == pytest.approx(scene.upper.termination.spring, rel=1e-12)
+    assert over.written_at(over.last).digest == wanted.digest
+    there = over.scene_at(over.last).upper
+    assert there.round_trip == pytest.approx(wanted.upper.round_trip, rel=1e-12)
+    for slab in (wanted.upper, there):
+        assert slab.termination.spring == pytest.approx(scene.upper.termination.spring, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["log10_r", "r", "epsilon", "ratio_r", "ratio_epsilon"])
+@pytest.mark.parametrize("face", [{"stiffness": "200 MPa/m", "impedance": 0.5}, {"stiffness": 2.0, "impedance": "20 kPa s/m"}])
+def test_a_branch_over_slabs_that_differ_leaves_faces_in_units_of_their_own_as_they_are(face, name):
+    """Both slabs change by one factor, or the lower one alone; a face does in what was given relative to its slab."""
+    slab = {"density": 784.0, "shear_modulus": 1e6, "thickness": 0.03, "face": {"kind": "grip", **face}}
+    tables = tomllib.loads(sw.show("paper-si")) | {"upper": slab, "lower": slab | {"thickness": 0.06, "density": 1000.0}}
+    del tables["slab"]
+    scene = sw.read(tables)
+    over = over_range(f"{name}=0.002:0.004" if not name.startswith("log10") else f"{name}=-2.7:-2.4", scene)
+    there = over.scene_at(over.last)
+    factors = [
+        tuple(getattr(new, key) / getattr(old, key) for new, old in ((there.upper, scene.upper), (there.lower, scene.lower)))
+        for key in ("round_trip", "epsilon")
+    ]
+    here = {"ratio_r": scene.lower.round_trip / scene.transit, "ratio_epsilon": scene.lower.epsilon / scene.upper.epsilon}
+    here |= {"log10_r": scene.transit, "r": scene.transit, "epsilon": scene.upper.epsilon}
+    factor = (10.0**over.last if name == "log10_r" else over.last) / here[name]
+    changed, kept = factors if name.endswith("_r") or name == "r" else reversed(factors)
+    assert changed == pytest.approx((1.0 if name.startswith("ratio") else factor, factor), rel=1e-12)
+    assert kept == pytest.approx((1.0, 1.0), rel=1e-12)
+    for new, old in ((there.upper, scene.upper), (there.lower, scene.lower)):
+        own, relative = ("spring", "impedance") if face["impedance"] == 0.5 else ("dashpot", "stiffness")
+        assert getattr(new.termination, own) == pytest.approx(getattr(old.termination, own), rel=1e-12)
+        assert getattr(new.face, relative) == getattr(old.face, relative)
