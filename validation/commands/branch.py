@@ -11,13 +11,14 @@ from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
 from reduced.orbit.closing import Closed
 from slipwave.errors import SceneError
 from slipwave.extras import require
 from slipwave.files import FIGURES
 from slipwave.input.assemble import SceneSource
 from slipwave.input.wording import shorten
-from slipwave.scene import Scene
 from slipwave.scene.scene import doubts
 from validation.chart import BLUE, GREY, INK, ORANGE, Chart, Look, Panel, Scale, Trace, with_gaps
 from validation.chart.looks import NAMES
@@ -25,12 +26,12 @@ from validation.commands.options import ModelOptions, announced, command, option
 from validation.commands.result import Output, PointOfBranch, Result, aligned, finite, rounded, thinned
 from validation.commands.wording import header
 from validation.data.datasets import Dataset, new_dataset
-from validation.data.variables import EVENTS, variables
+from validation.data.variables import EVENTS, si_factor, variables
 from validation.models.branch import FollowedBranch
 from validation.models.ends import CurveEnd, SpecialEnds
 from validation.models.followed import End, Followed, pursue, write_followed
 from validation.models.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
-from validation.models.parameter import Values, names_of, over_range, range_text
+from validation.models.parameter import Over, Values, names_of, over_range, range_text
 from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 from validation.models.provenance import provenance
 
@@ -255,11 +256,11 @@ class BranchResult(FollowedResult):
         have their plain names, indexed by the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
         from validation.models.along import along
 
-        found, scene = self.found, self.found.over.base
-        values = _columns("point", BranchPoint._fields, found.shown, scene)
+        found = self.found
+        values = _columns("point", BranchPoint._fields, found.shown, found.over)
         plain = {name.removeprefix("point_"): value for name, value in values.items()}
         plain |= {found.over.column: plain.pop("value")}
-        values |= plain | _columns("special", SpecialPoint._fields, found.shown_special, scene)
+        values |= plain | _columns("special", SpecialPoint._fields, found.shown_special, found.over)
         data = new_dataset(values, attrs=self.options.origin(self.found)).set_coords(["point_value", "special_value"])
         return along(data, found.over.column)
 
@@ -346,12 +347,19 @@ def _telling(values: list[float]) -> int:
     return next(enough, 17)
 
 
-def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], scene: Scene) -> dict[str, Any]:
-    """Columns of points as variables; `stable` is -1 where undecided."""
+def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], over: Over) -> dict[str, Any]:
+    """Columns of points as variables, in SI each by the units of its own scene, which the parameter may change; `stable` is -1
+    where undecided."""
     found: dict[str, Any] = {}
+    scenes = [over.scene_at(row[names.index("value")]) for row in rows] if over.base.units else []
     for name, values in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
         if name in EVENTS:
-            twins = variables(kind, {name: list(values)}, EVENTS, scene)
+            twins = variables(kind, {name: list(values)}, EVENTS, over.base)
+            for twin in twins.keys() - {name}:
+                sizes = [si_factor(EVENTS[name], scene) for scene in scenes]
+                twins[twin] = (kind, np.multiply(values, sizes), twins[twin][2])
+                if len({*sizes}) > 1:
+                    del twins[name][2]["si_factor"]
             found |= {f"{kind}_{label}": variable for label, variable in twins.items()}
         else:
             numbers = [-1 if value is None else value for value in values]

@@ -19,6 +19,7 @@ from reduced.stability.critical import critical_round_trip
 from tests.copies import interrupted
 from validation.commands.branch import BranchOptions, BranchResult
 from validation.commands.cli import INTERRUPTED
+from validation.data.variables import EVENTS, cycle_in_si
 from validation.models import followed
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
@@ -209,6 +210,19 @@ def test_a_range_may_have_units(printed):
     assert first[0] != second[0]
     transit = over.scene_at(float(first[0])).transit * sw.read("paper-si").units.time
     assert float(first[2]) == pytest.approx(float(first[1]) * transit, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("over", "changed"), [("slab.thickness=31 mm:34 mm", "period"), ("interface.normal_stress=900 Pa:1.1 kPa", "stress_drop")]
+)
+def test_figures_in_si_are_those_of_the_scene_of_their_point(over, changed):
+    """The one parameter changes the length of a transit, the other the unit of stress."""
+    found = sw.branch("paper-si", over, "kelvin-voigt", tol=1e-4, most_points=3)
+    data, point = found.dataset, found.points[-1]
+    known = cycle_in_si({name: point[name] for name in ("period", "stress_drop", "v_max")}, point.scene)["si"]
+    del known["transit_s"]
+    assert {name: float(data[name][-1]) for name in known} == pytest.approx(known, rel=1e-12)
+    assert {name for name in EVENTS if name in data and "si_factor" not in data[name].attrs} >= {changed}
 
 
 def test_a_branch_ends_at_its_longest_period(answer):
