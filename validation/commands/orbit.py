@@ -2,6 +2,7 @@
 multipliers.
 """
 
+import math
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import fields, replace
@@ -247,6 +248,6 @@ def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
 def _period(given: float | str | None, scene: Scene) -> float | None:
     """The period in transits. Raises SceneError unless it is a positive time."""
     period = None if given is None else moment("near_period", given, scene)
-    if period is None or period > 0.0:
+    if period is None or 0.0 < period < math.inf:
         return period
     raise SceneError(f"near_period = {shorten(given)}: must be above 0, in transits or with a unit of time")
