@@ -21,7 +21,9 @@ from slipwave.input.wording import key_text, listed, shorten
 _SYMBOLS = {"V": "velocity"}
 """Symbol that commands print -> key."""
 
-_SAME_QUANTITY = {"r", "log10_r", "thickness"}
+SAME_QUANTITY = {"r", "log10_r", "thickness"}
+"""Keys of a slab that state the same."""
+
 _BARE_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
 _FRESH_TABLES = ("face", "viscosity")
@@ -169,8 +171,8 @@ def _set(data: dict[str, Any], key: list[str], value: Any) -> None:
     last = key[-1]
     if last == "kind" and key[-2:-1] and key[-2] in _FRESH_TABLES and table.get("kind") != value:
         table.clear()
-    if last in _SAME_QUANTITY and len(key) == 2:
-        for other in _SAME_QUANTITY - {last}:
+    if last in SAME_QUANTITY and len(key) == 2:
+        for other in SAME_QUANTITY - {last}:
             table.pop(other, None)
     table[last] = value
 

@@ -167,8 +167,8 @@ def curve(source: "SceneSource | None" = None, options: CurveOptions = _UNCHANGE
     over, second = over_ranges({"--over": str(options.over), "--and": str(options.along)}, scenes)
     if kind not in SPECIAL_KINDS:
         raise SceneError(f"--of {shorten(kind)}: must be one of {', '.join(SPECIAL_KINDS)}")
-    if over.name == second.name:
-        raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over")
+    if over.quantity == second.quantity:
+        raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over {shorten(over.name)}")
     model = announced(*flowing(options.model, scenes.base))
     found = Curve(kind, over, second, model, options.tol or BRANCH_TOLERANCE, begun)
     found.require_start()

@@ -59,7 +59,7 @@ class SpecialEnds:
         if not all(np.diff(found) > 0.0) and not all(np.diff(found) < 0.0):
             raise SceneError(f"--ends {shorten(text)}: values must rise or fall throughout")
         first, second = pairs[-1]
-        if first.name == second.name:
+        if first.quantity == second.quantity:
             raise SceneError(f"--ends {shorten(text)}: must be another parameter than --over")
         return first.beside(second, found[0]), cls(second, tuple(found))
 

@@ -13,7 +13,7 @@ import slipwave
 from reduced.parameters import LABELS, PARAMETERS, held
 from slipwave.errors import SceneError
 from slipwave.input.assemble import SceneSource, drive_of, moment
-from slipwave.input.overrides import full_key, kinds_of, label_of, words_of_scenes
+from slipwave.input.overrides import SAME_QUANTITY, full_key, kinds_of, label_of, words_of_scenes
 from slipwave.input.quantity import KINDS, Quantity, quantity
 from slipwave.input.schema import DriveTable, KeyTable, Numbers, Physical, allowed_in
 from slipwave.input.wording import shorten
@@ -68,6 +68,14 @@ class Parameter:
     def column(self) -> str:
         """Its name in datasets: slab_thickness for slab.thickness."""
         return self.name.replace(".", "_")
+
+    @property
+    def quantity(self) -> str:
+        """What it states, under whatever name: r for slab.r, slab.thickness, slab.log10_r and log10_r."""
+        path, dot, last = self.name.rpartition(".")
+        name = f"{path}{dot}r" if last in SAME_QUANTITY else self.name
+        short = SHORT.get(name, name)
+        return short.removeprefix("log10_") if short in PARAMETERS else short
 
     def label_in(self, base: Scene | None) -> str:
         """Its label in figures of scenes like `base`, if that is known: title, symbol and unit."""

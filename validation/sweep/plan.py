@@ -221,9 +221,9 @@ def require_plan(plan: Plan) -> None:
         raise SceneError("--vary: missing; must be KEY=FROM:TO:COUNT, as in log10_r=-2.75:-2.2:200")
     if plan.size > MOST:
         raise SceneError(f"--vary: {plan.size} points; must be at most 1e8; divide the sweep, or --refine")
-    keys = [axis.name for axis in plan.axes]
-    if len(set(keys)) < len(keys):
-        raise SceneError(f"--vary: {max(keys, key=keys.count)} is given twice")
+    stated = [axis.quantity for axis in plan.axes]
+    if twice := [axis.name for axis in plan.axes if stated.count(axis.quantity) > 1]:
+        raise SceneError(f"--vary: {twice[0]} is given twice" + ("" if len({*twice}) == 1 else f", also as {twice[-1]}"))
     for name in (axis.name for axis in plan.axes if "." not in axis.name):
         if name not in plan.scenes.variables and name not in PARAMETERS:
             raise SceneError(f"--vary {name}: is neither a key of the scene nor a variable that a --set names")
