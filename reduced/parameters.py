@@ -52,7 +52,14 @@ def _face(name: str) -> Callable[[Scene, float], Scene]:
             return slab
         return dataclasses.replace(slab, face=dataclasses.replace(face, own=face.own - {name}, **{name: value}))
 
-    return lambda scene, value: _both(scene, lambda slab: change(slab, value))
+    def change_both(scene: Scene, value: float) -> Scene:
+        """Raises SceneError if no face has that field: a coefficient of 1 is a rigid face."""
+        if not any(name in vars(slab.face) for _, slab in scene.named_slabs):
+            whole = f"of a scene whose slab.face.kind has it the whole key, slab.face.{name}, can be varied"
+            raise SceneError(f"slab.face.{name} = {value:g}: no outer face of scene {scene.name!r} has one; {whole}")
+        return _both(scene, lambda slab: change(slab, value))
+
+    return change_both
 
 
 def _lower(name: str) -> Callable[[Scene, float], Scene]:
