@@ -144,28 +144,28 @@ def _numbers(scene: Scene) -> Iterator[_Number]:
     known = validate(tables_of(scene)[1])
     for name in ("interface", "slab", "upper", "lower", "machine"):
         if (table := getattr(known, name)) is not None:
-            yield from _numbers_in(table, name)
+            yield from _numbers_in(table, name, scene)
     [(_, velocity)] = known.drive.velocity
-    yield _number(known.drive, "velocity", velocity, "drive.velocity")
+    yield _number(known.drive, velocity, "drive.velocity", scene)
 
 
-def _numbers_in(table: KeyTable, path: str) -> Iterator[_Number]:
+def _numbers_in(table: KeyTable, path: str, scene: Scene) -> Iterator[_Number]:
     for field, value in table:
         key = f"{path}.{field}"
         if key.endswith("].fraction"):  # shares add up to 1, so that none changes alone
             continue
         if isinstance(value, KeyTable):
-            yield from _numbers_in(value, key)
+            yield from _numbers_in(value, key, scene)
         elif isinstance(value, list):
             for k, layer in enumerate(value):
-                for one in _numbers_in(layer, f"{key}[{k}]"):
+                for one in _numbers_in(layer, f"{key}[{k}]", scene):
                     yield replace(one, layers=(key, k, one.name.rpartition(".")[2]))
         elif isinstance(value, int | float | Quantity) and not isinstance(value, bool):
-            yield _number(table, field, value, key)
+            yield _number(table, value, key, scene)
 
 
-def _number(table: KeyTable, field: str, value: float | Quantity, key: str) -> _Number:
-    number, written, shown = number_in(table, field, value)
+def _number(table: KeyTable, value: float | Quantity, key: str, scene: Scene) -> _Number:
+    number, written, shown = number_in(table, key, value, scene)
     return _Number(key, written, number, shown) if number else _Number(key)
 
 

@@ -100,7 +100,7 @@ def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...
         elif sign:
             raise SceneError(f"--free {name.strip()}: is no variable that a --set names; a key begins at its value in the scene")
         else:
-            found.append(_free(full_key(name.split("."), "free", data), known))
+            found.append(_free(full_key(name.split("."), "free", data), known, scenes.base))
     names = [one.name for one in found]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
@@ -131,7 +131,7 @@ def _variable(name: str, text: str) -> Free:
     return Free(name=name, unit=unit, start=start, low=low, high=high, is_positive=start > 0.0, shown_unit=unit)
 
 
-def _free(key: Sequence[str], known: Any) -> Free:
+def _free(key: Sequence[str], known: Any, base: Scene) -> Free:
     name, table = key_text(key), known
     for part in key[:-1]:
         table = getattr(table, part, None)
@@ -144,7 +144,7 @@ def _free(key: Sequence[str], known: Any) -> Free:
     if isinstance(value, bool) or not isinstance(value, int | float | Quantity):
         raise SceneError(f"--free {name} = {shorten(value)}: must be a number of the scene")
     allowed = allowed_numbers(table, key[-1])
-    start, written, unit = number_in(table, key[-1], value)
+    start, written, unit = number_in(table, name, value, base)
     is_positive = allowed.low >= 0.0
     if is_positive and start <= 0.0:
         raise SceneError(f"--free {name} = {start:g}: must start above 0")

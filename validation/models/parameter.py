@@ -317,13 +317,14 @@ def allowed_numbers(table: KeyTable, field: str) -> Numbers:
     return next(one for one in allowed_in(type(table).model_fields[field]) if isinstance(one, Numbers))
 
 
-def number_in(table: KeyTable, field: str, value: float | Quantity) -> tuple[float, str, str]:
-    """The number of a key with this `value` in a checked table, the unit that it is written with (none for a bare number), and
-    the unit that it is in."""
+def number_in(table: KeyTable, key: str, value: float | Quantity, base: Scene) -> tuple[float, str, str]:
+    """The number of a `key` of the scene with this `value` in a checked table, the unit that it is written with (none for a bare
+    number), and the unit that it is in, if that is one of SI."""
     if isinstance(value, Quantity):
         return value.value, value.unit, value.unit
-    allowed = allowed_numbers(table, field)
-    return float(value), "", allowed.units[0] if isinstance(allowed, Physical) else ""
+    allowed = allowed_numbers(table, key.rpartition(".")[2])
+    machine = _unit_of_machine(base, key) if base.units else ""
+    return float(value), "", allowed.units[0] if isinstance(allowed, Physical) else machine
 
 
 def range_text(values: Values | None) -> str | None:

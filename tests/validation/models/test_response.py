@@ -18,7 +18,9 @@ from slipwave.errors import NumericsError
 from slipwave.friction.law import friction_slopes
 from slipwave.step.flow import Push
 from validation.commands.cli import main
+from validation.fit.parameters import begun
 from validation.models.orbit_start import first_event
+from validation.models.parameter import Variation
 
 FIGURES = ("period", "stress_drop", "v_max", "v_min")
 FACE = {"kind": "machine", "stiffness": "2e8 Pa/m", "impedance": "14 Pa s/m", "mass": "13 kg/m2"}
@@ -94,6 +96,17 @@ def test_derivatives_in_si_scale_as_the_units_do():
     stresses = ("interface.normal_stress", "slab.shear_modulus", "slab.density")
     assert effect("stress_drop_Pa", *stresses) == pytest.approx(1.0, rel=1e-6)
     assert effect("period_s", *stresses) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_bare_numbers_of_a_machine_are_in_si():
+    """Of the whole machine, if its area is given; those of a grip are relative to its slab."""
+    bare = {"kind": "machine", "stiffness": 2e6, "impedance": 0.14, "mass": 0.13, "area": "100 cm2"}
+    keys = sw.orbit("paper-si", tol=1e-4, set={"slab.face": bare}).response["keys"]
+    units = {"stiffness": "N/m", "impedance": "N s/m", "mass": "kg", "area": "m2"}
+    assert {name: keys[f"slab.face.{name}"]["unit"] for name in units} == units
+    of_fit = {"slab.face": {**bare, "area": "1 m2"}}, {"slab.face": {"kind": "grip", "stiffness": 2.0, "impedance": 3.0}}
+    free = [begun(Variation(sw.read("paper-si", changes)), ["stiffness", "impedance"])[1] for changes in of_fit]
+    assert [[one.shown_unit for one in both] for both in free] == [["N/m", "N s/m"], ["", ""]]
 
 
 @pytest.mark.parametrize(
