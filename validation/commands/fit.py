@@ -47,6 +47,7 @@ _ASTRAY, _UNEXPLAINED = 1.3, 3.0  # times the noise: a residual that needs a wor
 
 _MEASURED = "#7fb0d6"
 _LABELS = {"a_star": "$a_*$", "a": "$a$", "b": "$b$", "memory_length": "$L$", "reference_velocity": "$V_*$"}
+_PREFIXED = ("m", "m/s", "s", "Pa", "Pa/m", "Pa s/m", "N/m", "N s/m")
 _IN_A_LINE = 4
 _FEW = 200  # points, that are drawn large, with twice their standard errors
 _SURE = 2.0
@@ -255,6 +256,9 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
         raise SceneError("--data: missing; must be a file of measured friction")
     if not set(words).difference(NUISANCES):
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
+    contents = {f"contents of {name}": hashlib.sha256(content_of(Path(name), repr(name))).hexdigest()[:12] for name in files}
+    if len({*contents.values()}) < len(files):
+        raise SceneError(f"--data {', '.join(files)}: a record is given twice, and would count twice")
     scenes, free = begun(scenes, words)
     scene = scenes.base
     model = _default_model(scene) if options.model == "auto" else options.model
@@ -263,7 +267,6 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scenes, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
-    contents = {f"contents of {name}": hashlib.sha256(content_of(Path(name), repr(name))).hexdigest()[:12] for name in files}
     facts = {"scene": scene.digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}
     best = Best.kept(options.checkpoint, next(problem.starts()), facts)
     stopped, waves = False, next((one for one in problem.models if isinstance(one, CycleOfOrbit)), None)
@@ -306,7 +309,7 @@ def _going_on(source: SceneSource, options: _FitOptions) -> _FitOptions:
     """The options completed by those of a file of results."""
     if not is_stored(source):
         return options
-    stored, names = read_stored(str(source)), ("data", "free", "window", *options.reading)
+    stored, names = read_stored(str(source)), ("data", "free", "window", "tol", *options.reading)
     known: dict[str, Any] = {name: getattr(options, name) or stored.options.get(name) for name in names}
     model = stored.model if options.model == "auto" else options.model
     whole = replace(options, **{name: value for name, value in known.items() if value}, model=model)
@@ -415,7 +418,7 @@ def _values_in_words(parameters: Mapping[str, Mapping[str, Any]]) -> str:
 def _value_in_words(key: str, row: Mapping[str, Any]) -> str:
     word, value, unit = key.rpartition(".")[2], row["value"], row["unit"]
     label = _LABELS.get(word, word.replace("_", " "))
-    power = power_of(value) if unit and value else 0
+    power = power_of(value) if unit in _PREFIXED and value else 0
     size = 10.0**power
     half = 0.5 * (row["high"] - row["low"]) / size
     text = barred(value / size, half).replace("+-", "±") if row["determined"] else f"{value / size:.3g}, not determined"

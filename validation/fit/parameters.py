@@ -142,7 +142,8 @@ def _free(key: Sequence[str], known: Any, base: Scene) -> Free:
         there = f"; did you mean {guess}?" if guess else f"; there {choices([*fields, *NUISANCES])} can be" if fields else ""
         raise SceneError(f"--free {name}: the scene gives no value to start from{there}")
     if isinstance(value, bool) or not isinstance(value, int | float | Quantity):
-        raise SceneError(f"--free {name} = {shorten(value)}: must be a number of the scene")
+        there = f" = {value}" if isinstance(value, str) else ""
+        raise SceneError(f"--free {name}{there}: must be a number of the scene, that does not change with time")
     allowed = allowed_numbers(table, key[-1])
     start, written, unit = number_in(table, name, value, base)
     is_positive = allowed.low >= 0.0

@@ -257,7 +257,7 @@ def variables_of(varied: Sequence[str], pairs: Sequence[tuple[str, Any]]) -> fro
     found = {
         name
         for name in names | {key for key in keys - taken if varied and key.isidentifier()}
-        if any(is_expression(text, [name]) for _, text in pairs)
+        if any(is_expression(text, [name]) for key, text in pairs if key.rpartition(".")[2] not in ("kind", "law"))
     }
     for name in found & taken:
         must = "must have a name that no key, parameter, law or kind of a scene, function or figure of a result has"

@@ -17,7 +17,7 @@ from validation.fit.least_squares import Best, intervals, minimise
 from validation.fit.parameters import Variants, begun, schedule_of
 from validation.fit.problem import problem_of
 from validation.fit.records import Experiment, experiment_of
-from validation.models.parameter import Variation
+from validation.models.parameter import Variation, variables_of
 
 Made = OfReduction | OfSolver | CycleOfReduction
 KEYS = ["interface.a", "interface.b", "interface.memory_length"]
@@ -102,6 +102,17 @@ def test_a_level_and_its_drift_are_free_where_asked(steps, tmp_path):
     rows = found.summary["parameters"]
     assert_held(found, TRUTH)
     assert rows["drift"]["value"] == pytest.approx(1e-4 * 299.0, rel=1e-2)
+
+
+def test_a_file_of_a_fit_is_gone_on_from_with_its_tolerance(steps, tmp_path):
+    found = sw.fit("velocity-steps", data=[str(steps)], free=["a"], settings=THIN, tol=1e-5)
+    found.to_netcdf(tmp_path / "fit.nc")
+    assert sw.fit(tmp_path / "fit.nc").options["tol"] == found.options["tol"] == 1e-5
+
+
+def test_a_key_named_as_its_law_may_be_free():
+    """As `cutoff` of examples/own_law.py: the name of the law is no expression in it."""
+    assert variables_of(["slip"], [("interface.law", "slip"), ("interface.a", "0.03")]) == frozenset()
 
 
 def test_parameters_that_only_act_together_are_named(steps):
@@ -329,9 +340,11 @@ def test_a_figure_says_the_values_and_shows_holds_over_time():
     rows = {
         "interface.a": {"value": 0.0100113, "low": 0.0099561, "high": 0.0100665, "unit": "", "determined": True},
         "interface.memory_length": {"value": 9.959e-6, "low": 9.899e-6, "high": 1.0019e-5, "unit": "m", "determined": True},
+        "slab.density": {"value": 2700.0, "low": 2690.0, "high": 2710.0, "unit": "kg/m3", "determined": True},
         "level": {"value": -0.25, "low": -9.0, "high": 9.0, "unit": "", "determined": False},
     }
-    told = ["$a$ = 0.010011 ± 0.000055", "$L$ = (9.959 ± 0.060) μm", "level = -0.25, not determined   (95 %)"]
+    told = ["$a$ = 0.010011 ± 0.000055", "$L$ = (9.959 ± 0.060) μm", "density = (2700 ± 10) kg/m3"]
+    told += ["level = -0.25, not determined   (95 %)"]
     assert _values_in_words(rows).split(",   ") == told
     above, beside, below, last = _chart(records, [friction - 0.001] * 2, "quasidynamic", rows, True).panels
     assert [panel.x.label for panel in (below, last)] == ["time / s", "displacement of the load point / μm"]
