@@ -57,6 +57,9 @@ def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iter
     """Fill `found` with progress, yielding its end after each point. Raises NumericsError where it cannot be followed."""
     try:
         end: End = found.begin() if resume is None else _read_followed(resume, found)
+        if end is None and len(found.points) > limits.points:  # Hopf points are found all at once
+            del found.points[limits.points :]
+            found.notes.append(f"stopped after {limits.points} points: --most-points goes further")
         if end is not None:
             yield end
             with progress(f"{found.over.base.name}, {found.model}, points of the {found.what}", limits.points) as report:

@@ -295,6 +295,8 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
         closed = onset_of(sw.read("paper").law, 2.8e-5, point["V"])
         assert 10.0 ** point["log10_r"] == pytest.approx(closed["delay"], rel=1e-10)
         assert point["period"] == pytest.approx(2.0 * math.pi / (closed["omega_c"] * closed["delay"]), rel=1e-10)
+    few = sw.curve("paper", "HB", "log10_r=-2.8:-2.6", "V=90:110", "delay", most_points=3).summary
+    assert (few["points"], few["notes"]) == (points[:3], ["stopped after 3 points: --most-points goes further"])
     monkeypatch.setattr("validation.commands.curve.pursue", lambda *parts: (None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100, "point": None}
