@@ -34,9 +34,11 @@ class Responding:
     multiplier is 1, so that the orbit has no derivative."""
 
     def __init__(self, closed: Closed) -> None:
-        others, _ = floquet(closed.monodromy, closed.flow.idle)
-        if np.abs(others - 1.0).min(initial=np.inf) < _NEUTRAL:
-            raise NumericsError("another multiplier is 1 within 1e-6, as in a fold: the orbit has no derivative by a parameter")
+        others, defect = floquet(closed.monodromy, closed.flow.idle)
+        neutral = max(_NEUTRAL, 2.0 * defect)  # in a fold errors move both multipliers from 1 by the root of their size
+        if np.abs(others - 1.0).min(initial=np.inf) < neutral:
+            reason = f"another multiplier is 1 within {neutral:.1g}, as in a fold"
+            raise NumericsError(f"{reason}: the orbit has no derivative by a parameter")
         self._meshes, self._slowest = [(closed, _inverse(closed))], float(np.abs(others).max(initial=0.0))
 
     def by(

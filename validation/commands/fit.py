@@ -68,7 +68,7 @@ class _FitOptions(RecordOptions, ModelOptions):
         "slipwave fit granite.toml --data a.csv --data b.csv --free a,b,memory_length,level --model delay --out fit.nc",
     )
 
-    data: Iterable[str] = option(
+    data: Iterable[str | Path] = option(
         "a record, CSV or columns of text: time and friction (or shear stress), perhaps the load point's displacement; may be "
         "repeated",
         (),
@@ -252,6 +252,7 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     began = time.perf_counter()
     options = _going_on(source, options)
     files, words, scenes = _listed(options.data), options.words, options.scenes_of(source)
+    options = replace(options, data=files)
     if not files:
         raise SceneError("--data: missing; must be a file of measured friction")
     if not set(words).difference(NUISANCES):
@@ -370,7 +371,7 @@ def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) ->
         yield f"the data do not determine {' and '.join(wide)}" + (f" ({'; '.join(together)})" if together else "")
 
 
-def _listed(given: Iterable[str]) -> list[str]:
+def _listed(given: Iterable[str | Path]) -> list[str]:
     return [given] if isinstance(given, str | Path) else [str(one) for one in given]
 
 

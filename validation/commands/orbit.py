@@ -214,7 +214,9 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
     if isinstance(source, PointOfBranch):
         if source.closed is not None and options.is_default:
             known = {"tol": source.tolerance, "near_period": source["period"]}
-            return OrbitResult(_neutral_orbit(source.closed, source.tolerance), known, time.perf_counter() - began)
+            closed = replace(source.closed, flow=source.closed.flow.of(source.scene))  # whose keys are known
+            found = _neutral_orbit(closed, source.tolerance)
+            return OrbitResult(found, known, time.perf_counter() - began, bool(options.response))
         if source.get("type") == "HB" and options.near_period is None:
             raise SceneError(
                 "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"

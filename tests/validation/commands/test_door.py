@@ -94,6 +94,8 @@ def test_the_orbit_of_a_special_point_is_neutral(turning):
     assert ((orbit.period, orbit.stable), orbit.multipliers.dtype) == ((fold.period, None), complex)
     assert orbit.multipliers[0] == pytest.approx(1.0, abs=1e-2)
     assert orbit.error_estimate.period == pytest.approx(1e-4 * fold.period)
+    told = sw.orbit(fold, response=True).summary
+    assert (told["response"], "as in a fold" in told["notes"][-1]) == (None, True)
     assert sw.stability(turning.points[0]).log10_r_c == pytest.approx(-2.69955, abs=1e-5)
     with pytest.raises(sw.SceneError, match="at a Hopf point the orbit shrinks to steady sliding"):
         sw.orbit(turning.special[0])

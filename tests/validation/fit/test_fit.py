@@ -105,9 +105,10 @@ def test_a_level_and_its_drift_are_free_where_asked(steps, tmp_path):
 
 
 def test_a_file_of_a_fit_is_gone_on_from_with_its_tolerance(steps, tmp_path):
-    found = sw.fit("velocity-steps", data=[str(steps)], free=["a"], settings=THIN, tol=1e-5)
+    found = sw.fit("velocity-steps", data=[steps], free=["a"], settings=THIN, tol=1e-5)
     found.to_netcdf(tmp_path / "fit.nc")
-    assert sw.fit(tmp_path / "fit.nc").options["tol"] == found.options["tol"] == 1e-5
+    again = sw.fit(tmp_path / "fit.nc").options
+    assert (again["tol"], again["data"]) == (found.options["tol"], found.options["data"]) == (1e-5, [str(steps)])
 
 
 def test_a_key_named_as_its_law_may_be_free():
