@@ -57,11 +57,12 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str] | Mapping[
 
 def full_key(key: Sequence[str], value: Any, data: Mapping[str, Any]) -> list[str]:
     """`key`, or, if its first word is no table of a scene, the only full key of the scene `data` that ends in its words. A key
-    without match is returned unchanged. Raises SceneError if several match: `kind = ...: which of ...?`.
+    without match is returned unchanged. Raises SceneError, with the `value` unless it is empty, if several match.
     """
     keys = endings(key, data)
     if len(keys) > 1:
-        raise SceneError(f"{key_text(key)} = {shorten(value)}: give the whole key, {listed(map(key_text, keys))}")
+        given = "" if value == "" else f" = {shorten(value)}"
+        raise SceneError(f"{key_text(key)}{given}: give the whole key, {listed(map(key_text, keys))}")
     return list(keys[0] if keys else key)
 
 

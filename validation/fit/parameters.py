@@ -100,7 +100,7 @@ def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...
         elif sign:
             raise SceneError(f"--free {name.strip()}: is no variable that a --set names; a key begins at its value in the scene")
         else:
-            found.append(_free(full_key(name.split("."), "free", data), known, scenes.base))
+            found.append(_free(full_key(name.split("."), "", data), known, scenes.base))
     names = [one.name for one in found]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, product
 
@@ -225,7 +226,10 @@ def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of
         return float(np.log(scene.stiffness * scene.velocity / sizes(scene)[0] / steep))
 
     low, high = free[k].inner(free[k].low), free[k].inner(free[k].high)
-    return float(brentq(short, low, high, xtol=1e-3)) if short(low) * short(high) < 0.0 else float(inner[k])
+    with suppress(SceneError):  # there may be no scene so far away
+        if short(low) * short(high) < 0.0:
+            return float(brentq(short, low, high, xtol=1e-3))
+    return float(inner[k])
 
 
 def _word(one: Free) -> str:

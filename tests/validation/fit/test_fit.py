@@ -197,6 +197,17 @@ def test_errors_of_dates_are_in_the_interval_of_the_period_and_common_to_frictio
     assert 0.4 < whole < 1.6  # intervals are scaled by it
 
 
+def test_starts_are_sought_where_a_bound_is_no_scene():
+    """The round trip of a ten-thousandth of the thickness is too short."""
+    scenes, times = Variation(sw.read(STICKING)), np.linspace(0.0, 200.0, 2001)
+    record = experiment_of(Series("saw", {"time": times, "friction": 0.1 * (times / 10.0 % 1.0)}), scenes.base)
+    words = ["slab.thickness", "interface.a"]
+    with pytest.raises(SceneError, match="result in r = 3e-10"):
+        scenes.scene({"slab.thickness": 5e-6})
+    found = list(problem_of(scenes, begun(scenes, words)[1], words, [record], "quasidynamic", 1e-7).starts())
+    assert len(found) > 1
+
+
 def test_stick_slip_of_a_thin_sample_in_a_machine_takes_few_steps_and_gives_its_values_back(tmp_path):
     """2 mm of rock, whose period is 1.6e8 transits; the record is by scipy, of a spring and a dashpot."""
     a, b, length, velocity, stress, stiffness = 0.006, 0.01, 1e-5, 1e-6, 5e6, 1.6e9
