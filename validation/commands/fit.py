@@ -436,7 +436,7 @@ def _default_model(scene: Scene) -> str:
 def _missing_in(model: str, scene: Scene) -> tuple[str, ...]:
     """A line on what a cheap `model` leaves out of the `scene`; none for other models."""
     mass = "the mass on the outer face and " if model in _LADDER[:2] and "mass" in features_of(scene) else ""
-    return (f"model {model} leaves out {mass}waves that return",) if model in _LADDER[:-1] else ()
+    return (f"model {model} leaves out {mass}waves that return",) if model in (*_LADDER[:-1], "block8") else ()
 
 
 def _next_model(model: str, scene: Scene, length: float) -> str:

@@ -390,6 +390,7 @@ def _range(text: str, scenes: Variation, option: str) -> Over:
         require(ends[0][1] == ends[1][1], "FROM and TO must have units of one kind")
     (first, unit), (last, _) = ends
     require(first != last, "FROM and TO must differ")
+    require(name.partition(".")[0] not in ("start", "run"), "changes a run, and no orbit of its scene")
     require(
         name in PARAMETERS or name in scenes.variables or "." in name,
         f"{shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, a key of the scene with its dots, as "

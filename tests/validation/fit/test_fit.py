@@ -9,7 +9,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.input.assemble import read
 from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
-from validation.commands.fit import _chart, _values_in_words
+from validation.commands.fit import _chart, _missing_in, _values_in_words
 from validation.data.series import Series
 from validation.fit.cycles import CycleOfReduction, disturbed
 from validation.fit.forward import OfReduction, OfSolver, solved
@@ -343,6 +343,11 @@ def test_a_mass_on_the_face_lengthens_the_period_and_can_be_free():
     shift = np.array([0.0, 1e-3])
     difference = (heavy.friction(inner + shift)[0] - heavy.friction(inner - shift)[0]) / 2e-3
     assert by[1] == pytest.approx(difference, rel=1e-3)
+
+
+@pytest.mark.parametrize("model", ["quasidynamic", "block8", "block12", "fitted:0"])
+def test_a_model_without_waves_says_what_it_leaves_out(model):
+    assert _missing_in(model, sw.read("paper-si")) == (f"model {model} leaves out waves that return",)
 
 
 def test_a_figure_says_the_values_and_shows_holds_over_time():
