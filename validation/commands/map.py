@@ -110,16 +110,18 @@ def map(source: "SceneSource | Result", options: _MapOptions) -> MapResult:
     data = _gathered(source)
     if options.size is not None and options.size not in SIZES:
         raise SceneError(f"--size = {options.size!r}: must be {' or '.join(SIZES)}")
-    looks = options.title, options.size
-    if options.against is not None:
-        return MapResult(data, _difference(data, options.against), (), options.show, [], *looks)
-    if options.model is not None and "model" in data.dims:
-        names = [str(name) for name in data["model"].values]
+    differences = None if options.against is None else _difference(data, options.against)
+    shown = data if differences is None else differences
+    if options.model is not None and "model" in shown.dims:
+        names = [str(name) for name in shown["model"].values]
         if options.model not in names:
-            raise SceneError(f"model = {options.model!r}: must be one of the sweep's, {', '.join(names)}")
-        data = data.sel(model=options.model)
-    boundaries, notes = ((), []) if options.plain else onset_lines(data)
-    return MapResult(data, None, (*boundaries, *lines_of_curve(options.curve, data)), options.show, notes, *looks)
+            which = "one of the sweep's" if differences is None else f"a model to compare with {options.against}"
+            raise SceneError(f"model = {options.model!r}: must be {which}, {', '.join(names)}")
+        shown = shown.sel(model=[options.model] if differences is not None else options.model)
+    boundaries, notes = ((), []) if options.plain or differences is not None else onset_lines(shown)
+    lines = (*boundaries, *lines_of_curve(options.curve, shown))
+    parts = (shown, None) if differences is None else (data, shown)
+    return MapResult(*parts, lines, options.show, notes, options.title, options.size)
 
 
 def _gathered(source: "SceneSource | Result") -> Dataset:
@@ -152,14 +154,16 @@ def _difference(data: Dataset, reference: str) -> Dataset:
     ours, others = data.sel(model=reference), data.sel(model=[name for name in names if name != reference])
     here, there = (decided_regimes(flag_numbers(one["verdict"])) for one in (ours, others))
     decided = (here >= 0) & (there >= 0)
-    differences = others[["verdict"]].rename(verdict="other_regime")
+    differences = others[["verdict", "status"]].rename(verdict="other_regime")
+    status, own = (one["status"].where(flag_numbers(one["verdict"]) < 0, 0) for one in (others, ours))  # of a cell: its verdict's
+    differences["status"] = status.where(own == 0, own)
     differences["other_regime"] = others["verdict"].copy(data=np.where(decided, here != there, np.nan))
     differences["other_regime"].attrs = {"long_name": f"regime differs from that of {reference}", "units": "1"}
     both = (here == REGIME_OF["periodic"]) & (there == REGIME_OF["periodic"])
     for name in _COMPARED:
         differences[name] = others[name] / ours[name] - 1.0
         differences[name].values[~both] = np.nan
-        differences[name].attrs = {"long_name": f"relative difference of {name.replace('_', ' ')} from {reference}", "units": "1"}
+        differences[name].attrs = {"long_name": f"{name.replace('_', ' ')} / that of {reference} − 1", "units": "1"}
     return differences
 
 

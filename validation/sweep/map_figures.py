@@ -169,6 +169,8 @@ def _absent(data: Dataset, numbers: Any, first: int) -> DataArray:
 def figures_on_clock(data: Dataset, column: str) -> tuple[DataArray, str]:
     """A column with its label: in SI for a scene in units, and periods in L/V* where the transit changes along an axis."""
     name = column.replace("_", " ")
+    if "other_regime" in data:  # a map of differences
+        return data[column], str(data[column].attrs["long_name"])
     for ending, unit in (("_s", "s"), ("_Pa", "Pa"), ("_m_per_s", "(m/s)")):
         if f"{column}{ending}" in data:
             return data[f"{column}{ending}"], f"{name} / {unit}"

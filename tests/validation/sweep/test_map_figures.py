@@ -281,6 +281,22 @@ def test_points_without_a_regime_are_hatched_by_their_reason():
     assert sorted(hatched) == sorted(HATCHES.values())
 
 
+def test_differences_of_models_are_drawn_and_chosen(tmp_path):
+    vary = {"log10_r": (-2.7, -2.6, 3), "V": [90.0, 100.0]}
+    options = {"models": "block8,block12,kelvin-voigt", "until": 1500, "tol": 1e-6, "workers": 1}
+    found = sw.sweep("paper", vary=vary, out=tmp_path / "out", **options)
+    panels = sw.map(found, against="block12").chart().panels
+    assert [panel.name.partition(":")[0] for panel in panels] == ["block8"] * 3 + ["kelvin-voigt"] * 3
+    assert panels[1].traces[-1].name == "period / that of block12 − 1"
+    one = sw.map(found, against="block12", model="block8")
+    assert [row["model"] for row in one.summary["differences"]] == ["block8"]
+    assert len(one.chart().panels) == 3
+    with pytest.raises(SceneError, match="model = 'block12': must be a model to compare with block12, block8, kelvin-voigt"):
+        sw.map(found, against="block12", model="block12")
+    with pytest.raises(SceneError, match="is no netCDF file"):
+        sw.map(found, against="block12", curve=["none.nc"])
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_a_figure_has_the_size_of_a_column(swept, tmp_path, size):
     found = sw.map(swept[0], size=size, title="Slabs in SI", plain=True)

@@ -385,6 +385,7 @@ def test_difference_of_two_models_in_per_cent_of_the_area():
     data = xarray.Dataset(
         {
             "verdict": (("model", "a"), np.array([here, there])),
+            "status": (("model", "a"), np.zeros((2, here.size), dtype=np.int8)),
             "period": (("model", "a"), np.array([period, 1.1 * period])),
             "stress_drop": (("model", "a"), np.array([period, 0.8 * period])),
         },
