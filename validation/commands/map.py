@@ -107,6 +107,7 @@ def map(source: "SceneSource | Result", options: _MapOptions) -> MapResult:
     """Figures of a sweep over one or two axes: of a folder, a file, or a result of `slipwave.sweep`.
 
     Raises SceneError for a file or folder without a sweep."""
+    options.require_unset((), "a map draws a sweep as it was computed")
     data = _gathered(source)
     if options.size is not None and options.size not in SIZES:
         raise SceneError(f"--size = {options.size!r}: must be {' or '.join(SIZES)}")

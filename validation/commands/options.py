@@ -140,6 +140,17 @@ class SceneOptions(Frozen):
         """What the command varies, by name."""
         return ()
 
+    def require_unset(self, names: Iterable[str], gives: str) -> None:
+        """Raises SceneError if a key of the scene is set, or an option of these names: what `gives` the scene gives them."""
+        known = options_of(type(self))
+        for one in (known[name] for name in names):
+            if getattr(self, one.name) != one.default:
+                raise SceneError(f"{one.flag}: leave it out; {gives}")
+        for key, value in self._pairs:
+            guess = nearest(key, known)
+            hint = f"; did you mean {guess}?" if guess else ""
+            raise SceneError(f"{shorten(key)[1:-1]} = {shorten(value)}: leave it out; {gives}{hint}")
+
     def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
         """The scene of a call: `source` with `settings`, `set` and `changes` and, if given, another length. Doubts about it are
         logged."""

@@ -35,6 +35,7 @@ from validation.sweep.store import STATUS, Store
 from validation.sweep.sweep import forecast, perform_sweep, plan_of, stored_plan
 
 _SHOWN = 5  # reasons why points have no figures
+_OF_A_PLAN = ("vary", "models", "rows", "out", "until", "tol", "cells", "refine")
 _FEW = 12  # points that are printed one by one
 GATHERED = "sweep.nc"
 """The file that `--gather` writes into the folder of a sweep."""
@@ -228,8 +229,11 @@ def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
     began = time.perf_counter()
     folder = Path(source) if isinstance(source, str | Path) and Path(source).is_dir() else None
     plan = stored_plan(folder) if folder is not None else _plan(source, options)
-    folder = folder or options.out
     is_own = plan.measure not in MEASURES
+    if folder is not None:
+        another = () if is_own or options.measure == plan.measure else ("measure",)
+        options.require_unset((*_OF_A_PLAN, *another), f"{str(folder)!r} holds a sweep, which goes on as it began")
+    folder = folder or options.out
     if not options.gather and is_own and plan.measure != measure_name(options.measure):
         needs = f"--measure {sentence(plan.measure)}, which is a function of your own: no folder says what is run"
         raise SceneError(f"SCENE = {str(folder)!r}: going on needs {needs}")

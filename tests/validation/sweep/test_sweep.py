@@ -370,6 +370,19 @@ def test_another_sweep_in_the_folder_is_refused(tmp_path, refused):
     assert len(told) - len(out) < 300
 
 
+def test_what_a_folder_gives_is_not_asked_for_again(tmp_path, refused):
+    computed(plan((3, 2)), tmp_path / "map")
+    folder = str(tmp_path / "map")
+    for words in (["--until", "10"], ["--tol", "1e-3"], ["--vary", "V=1,2"], ["--models", "fd"], ["--refine", "1"]):
+        assert f"slipwave: {words[0]}: leave it out; {folder!r} holds a sweep" in refused("sweep", folder, *words)
+    assert "V = '50': leave it out" in refused("sweep", folder, "--set", "V=50")
+    assert "V = '50': leave it out" in refused("map", folder, "--set", "V=50")
+    with pytest.raises(SceneError, match=r"shwo = 'verdict': leave it out; .*; did you mean show\?"):
+        sw.map(folder, shwo="verdict")
+    sw.sweep("paper", vary={"V": [90.0, 100.0]}, until=10, workers=1, out=tmp_path / "other")
+    assert "--measure: leave it out" in refused("sweep", str(tmp_path / "other"), "--measure", "run")
+
+
 def test_a_dry_sweep_computes_nothing(tmp_path, answer, monkeypatch):
     monkeypatch.setattr("validation.sweep.engine.time.perf_counter", itertools.count(0.0, 0.25).__next__)
     told = answer("sweep", "paper", "--vary", "a=0.01:0.02:30", "--measure", DISC, "--out", str(tmp_path / "x"), "--dry")
