@@ -140,8 +140,12 @@ def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, 
     """Text of the subject; its rows, computed on iteration; notes on omissions."""
     families = [] if options.family is None else load_families(options.family)
     if options.law is not None:
+        if options.model != "auto":
+            raise SceneError("--model: leave it out; the rows of a law have their own")
         return _of_laws(source or _SCENE, options, options.law)
     if source is not None:
+        if families and options.model == "auto":
+            raise SceneError("--model: missing; must name the member of --family that computes the scene")
         scene = options.scene_of(source)
         model = _member(_USUAL if options.model == "auto" else options.model)
         refusal = grid_of(model)[0].refusal(scene)
@@ -151,6 +155,7 @@ def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, 
             () if starts_smoothly(scene) else ("its start or its drive jumps: only the ledger is judged, no order is promised",)
         )
         return f"scene {scene.name} with {model}", rows_on_scene(model, scene), left
+    options.require_unset((), "without SCENE a scheme is judged on scenes of its rows")
     if options.model != "auto":
         models = [_member(options.model)]
     elif families:

@@ -122,6 +122,16 @@ def test_a_law_that_the_compiler_refuses_is_a_row(file, capsys):
     assert missed(["verify", "--law", str(file)], capsys) == (NUMERICS_FAILED, ["It compiles into the solvers"])
 
 
+def test_what_no_row_would_use_is_refused(file):
+    with pytest.raises(SceneError, match="V = 50: leave it out; without SCENE a scheme is judged"):
+        sw.verify(model="sbp:6", V=50)
+    with pytest.raises(SceneError, match="--model: leave it out; the rows of a law"):
+        sw.verify(law=ROOT / "examples" / "own_law.py", model="sbp:6")
+    file.write_text(RIGHT)
+    with pytest.raises(SceneError, match="--model: missing; must name the member of --family"):
+        sw.verify("paper", family=file)
+
+
 def test_a_file_of_reductions_alone(file):
     file.write_text('from slipwave.family import Family\nA = Family("a", f"{__name__}:a", "a")\ndef a(scene, name): pass\n')
     with pytest.raises(SceneError, match="declares no full wave"):
