@@ -395,6 +395,8 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         records.close()
         raise
     notes += _on_default(default) if default else []
+    if kept.begin >= solver.time:
+        notes.append(f"nothing is kept: the window begins at t = {kept.begin:g}, the run ended at t = {solver.time:g} transits")
     for note in notes:
         log.info("note: %s", note)
     parts = done, records, built.choice or default, notes, options.stored, exponent

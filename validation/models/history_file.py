@@ -242,7 +242,11 @@ def _step(rate: float | str, scene: Scene) -> float:
         per = math.nan
     if not 0.0 < per < math.inf:
         raise SceneError(f"rate = {shorten(rate)}: must be a positive number of samples per transit, or a frequency as in 1kHz")
-    return moment("rate", f"{1.0 / per:.17g} s", scene) if measured else 1.0 / per
+    if not measured:
+        return 1.0 / per
+    if scene.units is None:
+        raise SceneError(f"rate = {shorten(rate)}: needs a scene in SI; here it is a number of samples per transit")
+    return moment("rate", f"{1.0 / per:.17g} s", scene)
 
 
 def _memory() -> float:

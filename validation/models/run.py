@@ -288,7 +288,7 @@ def _represented(judged: JudgedHalf, drive: Drive, until: float) -> tuple[Motion
     if verdict.repeats:
         return verdict, repeating(cycles, verdict.multiplicity) if verdict.multiplicity else cycles
     levels = [stage for stage in stages_of(drive, until) if stage.kind not in ("ramp", "hold") and stage.end > 0.5 * until]
-    return verdict._replace(kind="protocol") if levels else verdict, NO_EVENTS
+    return verdict._replace(kind="protocol", needed=math.nan) if levels else verdict, NO_EVENTS
 
 
 def reconsidered(run: Run, model: str) -> Run:

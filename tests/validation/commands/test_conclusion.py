@@ -92,6 +92,8 @@ def test_an_empty_comparison_says_how_long_a_run_must_be(runs, capsys):
     assert told in [text.get_text() for text in found.plot().axes[0].texts]
     steady = sw.compare("paper", "delay", until=10, size=0, r=1e-3)
     assert steady.notes == ["nothing to compare: the second half of the run of delay is steady"]
+    stages = sw.compare("velocity-steps", "quasistatic")  # no longer run has cycles: steady sliding is stable
+    assert stages.notes == ["nothing to compare: the second half of the run of quasistatic is protocol"]
 
 
 def test_the_overlay_has_the_last_cycle_of_each_model():

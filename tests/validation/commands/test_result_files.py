@@ -14,6 +14,7 @@ import xarray
 
 import slipwave
 import slipwave as sw
+from slipwave.errors import SceneError
 from slipwave.friction.law import LAWS
 from slipwave.friction.own import LAW_FILES
 from slipwave.input.assemble import gallery_names
@@ -73,8 +74,11 @@ def test_thinning_and_window_keep_what_they_say(tmp_path):
     xarray.testing.assert_equal(part, inside)
     text = sw.run("paper", "block8", until=60, every=7, window="20:45.5").dataset
     xarray.testing.assert_equal(part, text)
-    none = sw.run("paper", "block8", until=20, window=(30.0, 40.0)).dataset
-    assert none["interface_psi"].size == 0
+    none = sw.run("paper", "block8", until=20, window=(30.0, 40.0))
+    assert none.dataset["interface_psi"].size == 0
+    assert none.notes == ["nothing is kept: the window begins at t = 30, the run ended at t = 20 transits"]
+    with pytest.raises(SceneError, match="rate = '5GHz': needs a scene in SI"):
+        sw.run("paper", "block8", until=20, rate="5GHz")
 
 
 @pytest.mark.parametrize(
