@@ -6,6 +6,7 @@ import json
 import math
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import reduce
 from typing import Any, NamedTuple
@@ -20,7 +21,7 @@ from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, c
 from validation.chart.colors import PAPER, REGIMES
 from validation.data.datasets import DataArray, Dataset, flag_numbers, flag_words, load_dataset
 from validation.models.by_name import one_port_of
-from validation.models.parameter import SHORT, Parameter, Variation, scenes_with
+from validation.models.parameter import SHORT, Parameter, Variation, measured_value, scenes_with
 
 _COLOURS = REGIMES | {"driven": "#1a1a1a", "protocol": "#1a1a1a", "too short": PAPER, "no": "#e69f00", "yes": "#f4f8fc"}
 _OTHER = {"the same regime": "#dfe6ec", "another regime": "#66152f"}
@@ -352,6 +353,22 @@ def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
         names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
         if any(axis not in names for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")
-        first, second = (np.asarray(curve[names[axis]].values, dtype=float) for axis in axes)
-        lines.append(Line(f"{curve.attrs.get('type', 'curve')}, {curve.attrs.get('model', '')}", first, second, ""))
+        first, second = (np.asarray(curve[names[axis]].values, dtype=float) / _bare(data[axis], _base_of(data)) for axis in axes)
+        lines.append(Line(f"{curve['type'].values[0]}, {curve.attrs['model']}", first, second, ""))
     return tuple(lines)
+
+
+def _bare(coordinate: DataArray, base: Scene) -> float:
+    """One unit of an axis as the number that its key takes without a unit, in which curves are. Raises SceneError for a key whose
+    bare numbers are no SI."""
+    own, first = _parameter_of(coordinate), float(coordinate[0])
+    if not own.unit:
+        return 1.0
+    size, _ = measured_value(f"1 {own.unit}")
+    if own.name in _VELOCITIES and base.units:
+        return size / base.units.reference_velocity
+    value, _ = measured_value(str(own.written(first)))
+    with suppress(SceneError):
+        if slipwave.read(base, {own.name: value}).digest == Variation(base).at([own], [first]).digest:
+            return size
+    raise SceneError(f"--curve: {own.name} has no unit there; the sweep has it in {own.unit}, which is another number")

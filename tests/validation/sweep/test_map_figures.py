@@ -16,7 +16,7 @@ from slipwave.errors import SceneError
 from validation.chart import Chart, Panel, Scale, cell_edges
 from validation.chart.draw import draw
 from validation.data.datasets import as_flags
-from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, chart_of_sweep, figures_on_clock, in_print, onset_lines
+from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, _bare, chart_of_sweep, figures_on_clock, in_print, onset_lines
 from validation.sweep.measures import VERDICTS
 
 SEEN = {
@@ -150,6 +150,23 @@ def test_the_boundary_over_thickness_is_that_over_the_round_trip():
     assert curve == pytest.approx(
         np.interp(at, *np.array(sorted(zip(np.log10(theirs.up), theirs.across, strict=True))).T), abs=2e-3
     )
+
+
+def test_a_curve_lies_on_the_boundary_over_an_axis_in_another_unit(tmp_path):
+    """The curve's numbers are in m and V*, the axes in mm and um/s; V* is 2 um/s."""
+    scene = sw.read("paper-si", {"interface.reference_velocity": 2e-6, "V": 50.0})
+    of = {"of": "HB", "over": "slab.thickness=0.02:0.06", "along": "V=40:60"}
+    sw.curve(scene, model="block8", **of).to_netcdf(tmp_path / "hb.nc")
+    vary = {"slab.thickness": ["20 mm", "60 mm"], "V": ["80 um/s", "120 um/s"]}
+    found = sw.sweep(scene, vary=vary, models="block8", measure="stability", workers=1)
+    onset, curve = sw.map(found, curve=[str(tmp_path / "hb.nc")]).boundaries
+    assert curve.name == "HB, block8"
+    assert 80.0 <= min(curve.up) < max(curve.up) <= 120.0
+    assert curve.across == pytest.approx(np.interp(curve.up, *np.array(sorted(zip(onset.up, onset.across, strict=True))).T), 1e-3)
+    grip = {"face.kind": "grip", "face.impedance": 3.0, "face.stiffness": "20 MPa/m"}
+    held = sw.sweep(scene, vary={"face.stiffness": ["20 MPa/m", "40 MPa/m"]}, set=grip, models="block8", until=1.0, workers=1)
+    with pytest.raises(SceneError, match="has no unit there; the sweep has it in MPa/m"):
+        _bare(held.dataset["slab_face_stiffness"], sw.read(scene, grip))
 
 
 def test_the_boundary_over_variables_is_that_of_the_scenes_written_out():
