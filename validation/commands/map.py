@@ -121,8 +121,8 @@ def map(source: "SceneSource | Result", options: _MapOptions) -> MapResult:
         shown = shown.sel(model=[options.model] if differences is not None else options.model)
     boundaries, notes = ((), []) if options.plain or differences is not None else onset_lines(shown)
     lines = (*boundaries, *lines_of_curve(options.curve, shown))
-    parts = (shown, None) if differences is None else (data, shown)
-    return MapResult(*parts, lines, options.show, notes, options.title, options.size)
+    data, differences = (shown, None) if differences is None else (data, shown)
+    return MapResult(data, differences, lines, options.show, notes, options.title, options.size)
 
 
 def _gathered(source: "SceneSource | Result") -> Dataset:

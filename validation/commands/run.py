@@ -394,9 +394,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     except BaseException:
         records.close()
         raise
-    notes += _on_default(default) if default else []
-    if kept.begin >= solver.time:
-        notes.append(f"nothing is kept: the window begins at t = {kept.begin:g}, the run ended at t = {solver.time:g} transits")
+    notes += _afterwards(default, kept, solver.time)
     for note in notes:
         log.info("note: %s", note)
     parts = done, records, built.choice or default, notes, options.stored, exponent
@@ -431,9 +429,12 @@ def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, boo
         return None, f"interrupted at t = {done.solver.time:.6g} transits, before the Lyapunov exponent was known", True
 
 
-def _on_default(choice: "Choice") -> list[str]:
-    """A warning about a default grid that is too coarse; empty if it is good enough."""
-    if choice.error_estimate <= _TOO_COARSE:
+def _afterwards(choice: "Choice | None", kept: Kept, end: float) -> list[str]:
+    """Warnings about a run that ended at `end` (transits): of what is kept nothing was reached, or the default grid is too
+    coarse."""
+    if kept.begin >= end:
+        return [f"nothing is kept: the window begins at t = {kept.begin:g}, the run ended at t = {end:g} transits"]
+    if choice is None or choice.error_estimate <= _TOO_COARSE:
         return []
     known = math.isfinite(choice.error_estimate)
     error = f"{choice.error_estimate:.1e}" if known else "unknown, a coarser grid finds other cycles"
