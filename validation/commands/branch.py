@@ -356,7 +356,7 @@ def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]],
         if name in EVENTS:
             twins = variables(kind, {name: list(values)}, EVENTS, over.base)
             for twin in twins.keys() - {name}:
-                sizes = [si_factor(EVENTS[name], scene) for scene in scenes]
+                sizes = [si_factor(EVENTS[name], scene) or math.nan for scene in scenes]
                 twins[twin] = (kind, np.multiply(values, sizes), twins[twin][2])
                 if len({*sizes}) > 1:
                     del twins[name][2]["si_factor"]

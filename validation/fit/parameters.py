@@ -11,7 +11,7 @@ from slipwave.errors import SceneError
 from slipwave.input.assemble import tables_of, validate
 from slipwave.input.overrides import full_key
 from slipwave.input.quantity import Quantity
-from slipwave.input.wording import choices, key_text, nearest, shorten
+from slipwave.input.wording import choices, key_text, nearest
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
