@@ -369,7 +369,8 @@ def agree(ours: list[Held], known: list[Held]) -> bool:
 def _near(one: Held, other: Held) -> bool:
     bar, error = max(one.bar, other.bar), max(one.error, other.error)
     same = abs(one.bar - other.bar) < _NEAR * bar + _ROUNDING
-    return same and abs(one.error - other.error) < _NEAR * error + _LITTLE * bar + _ROUNDING
+    alike = one.error == other.error  # both are infinite where the numbers of cycles differ
+    return same and (alike or abs(one.error - other.error) < _NEAR * error + _LITTLE * bar + _ROUNDING)
 
 
 def main(words: list[str]) -> None:

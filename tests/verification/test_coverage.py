@@ -70,6 +70,10 @@ def test_what_is_not_what_is_recorded_is_told():
     assert not agree([Held("period", 0.5e-8, 1e-9)], known)
     assert not agree([Held("period", 1e-8, 0.0)], [Held("period", 1e-8, 3e-10)])  # held against itself
     assert not agree([], known)
+    wrong = [Held("cycles", 0.043, float("inf"))]
+    assert agree(wrong, wrong)
+    assert not agree(wrong, [Held("cycles", 0.043, 0.04)])
+    assert not agree([Held("cycles", 0.043, 0.04)], wrong)
 
 
 def test_a_record_goes_on_where_it_was_interrupted(tmp_path, monkeypatch):

@@ -253,13 +253,9 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     options = _going_on(source, options)
     files, words, scenes = _listed(options.data), options.words, options.scenes_of(source)
     options = replace(options, data=files)
-    if not files:
-        raise SceneError("--data: missing; must be a file of measured friction")
+    contents = _contents_of(files)
     if not set(words).difference(NUISANCES):
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
-    contents = {f"contents of {name}": hashlib.sha256(content_of(Path(name), repr(name))).hexdigest()[:12] for name in files}
-    if len({*contents.values()}) < len(files):
-        raise SceneError(f"--data {', '.join(files)}: a record is given twice, and would count twice")
     scenes, free = begun(scenes, words)
     scene = scenes.base
     model = _default_model(scene) if options.model == "auto" else options.model
@@ -304,6 +300,16 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
         failed=f"fit: {failed}" if failed else "",
         stopped=stopped,
     )
+
+
+def _contents_of(files: Sequence[str]) -> dict[str, str]:
+    """A digest of each file's contents; no file, and one record under two names, are refused."""
+    if not files:
+        raise SceneError("--data: missing; must be a file of measured friction")
+    contents = {f"contents of {name}": hashlib.sha256(content_of(Path(name), repr(name))).hexdigest()[:12] for name in files}
+    if len({*contents.values()}) < len(files):
+        raise SceneError(f"--data {', '.join(files)}: a record is given twice, and would count twice")
+    return contents
 
 
 def _going_on(source: SceneSource, options: _FitOptions) -> _FitOptions:

@@ -88,8 +88,9 @@ def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path):
     file = written(tmp_path / "paper.csv", HEADING, *seen(0.0349, 1e-3, 5))
     found = sw.fit("paper", "modal:2", data=[file], free=["a"], settings=AWAY)
     assert found.parameters["interface.a"]["value"] == pytest.approx(0.0349, rel=5e-3)
+    other = written(tmp_path / "other.csv", HEADING, *seen(0.0349, 1e-3, 6))
     with pytest.raises(SceneError, match="one record of stick-slip at a time"):
-        sw.fit("paper", "delay", data=[file, file], free=["a"])
+        sw.fit("paper", "delay", data=[file, other], free=["a"])
     with pytest.raises(SceneError, match="needs a parameter that changes the period"):
         sw.fit("paper", "delay", data=[file], free=["a_star"])
 
