@@ -38,6 +38,7 @@ class ReducedSlabs:
         self.reduction = reduce(scene)
         self.model = self.reduction.name
         self.remembered = int(_kept(self.reduction).sum())
+        self._stop = math.inf
 
     def of(self, scene: Scene) -> "ReducedSlabs":
         """As `Slabs`."""
@@ -65,8 +66,13 @@ class ReducedSlabs:
         return not self.reduction.is_fitted or self.reduction.transfer is not None
 
     def next_break(self, time: float) -> float:
-        """As `Slabs`: the knots of the drive."""
-        return self.scene.drive.knot_after(time + slack(time))
+        """As `Slabs`: the knots of the drive, and where it is to stop."""
+        after = time + slack(time)
+        return min(self._stop if self._stop > after else math.inf, self.scene.drive.knot_after(after))
+
+    def stop_at(self, time: float) -> None:
+        """Have a break point at `time` (transits) too, instead of the one told before."""
+        self._stop = time
 
 
 def impedance_at(reduction: Reduction, s: Array) -> Array:
@@ -190,11 +196,18 @@ class ReducedModel(PortMarch):
         longest = _LONGEST if not reduction.modes or scene.transit * max(scene.drive.velocities) < _RUSHES else 1
         slabs = ReducedSlabs(scene, self._reduce, stages)
         super().__init__(slabs, tolerance, 2.0**longest, _FIRST, longest - _SHORTEST + 1, reason)
+        self._reduced = slabs
         if longest == _LONGEST:
             self._limits = self._limits._replace(swing=_SWING * self._limits.growth)
         self.longest_after_break = _FIRST * min(1.0, 2.0 * math.pi / max(reduction.frequencies, default=1.0))
         slow = 0.0 if reduction.modes else _SLOW / (scene.transit * max(scene.drive.velocities))
         self._longest_in_cycle = 2.0 ** max(1, math.floor(math.log2(max(slow, 2.0))))
+
+    def stop_at(self, time: float) -> None:
+        """As `Stopping`."""
+        self._rest = None
+        self._reduced.stop_at(time)
+        self._take_stretch(self._now, self._next_length)
 
     def _reduce(self, scene: Scene) -> Reduction:
         """The reduction of `scene`; this one if the slabs are the same."""

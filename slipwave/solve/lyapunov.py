@@ -8,18 +8,18 @@ motion that repeats or lies on a torus: a shift in time neither grows nor decays
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import SAME, Array
 from slipwave.observe.statistics import margin_of_mean
-from slipwave.solve.follow import DAY, Foresight, follow
-from slipwave.solve.solver import Solver, State
+from slipwave.solve.follow import DAY, Foresight, follow, offers
+from slipwave.solve.solver import Solver, State, Stopping
 
 WHOLE = 2.0
-"""Transits: every march of equal or halved steps has a step that ends at their multiples."""
+"""Transits: every march of equal or halved steps has a step that ends at their multiples; others are told to end one there."""
 
 INTERVALS = 200
 """Intervals over which the growth is averaged."""
@@ -54,11 +54,14 @@ def largest_exponent(
     Raises NumericsError where a march fails and where the motion is steady sliding; SceneError if it would take more than
     `most_seconds`.
     """
+    _stop([solver], math.inf)
     interval, time = WHOLE * max(1, round(cycle / WHOLE)), WHOLE * math.ceil(solver.time / WHOLE + SAME)
     both = [(one, Foresight(one, time + (TRANSIENT + intervals) * interval, most_seconds)) for one in (solver, twin)]
+    _stop([solver], time)
     _march(both[:1], time)
     before = _moving(solver)
     time += WHOLE
+    _stop([solver], time)
     _march(both[:1], time)
     difference = {name: array - before[name] for name, array in _moving(solver).items()}
     scales = {name: _scale(array, before[name]) for name, array in difference.items()}
@@ -69,9 +72,10 @@ def largest_exponent(
         )
     rates: list[float] = []
     for count in range(TRANSIENT + intervals):
+        time += interval
+        _stop([solver, twin], time)
         share, state = _DISTANCE / _size(difference, scales), solver.state()
         twin.restore(state | {name: state[name] + share * array for name, array in difference.items()})
-        time += interval
         _march(both, time)
         difference = _difference(solver, twin)
         rates.append(math.log(_size(difference, scales) / _DISTANCE) / interval)
@@ -87,11 +91,19 @@ def _march(solvers: list[tuple[Solver, Foresight]], time: float) -> None:
         follow(solver, time, [foresight], leaps=False)
 
 
+def _stop(solvers: list[Solver], time: float) -> None:
+    """Let those that follow the motion alone end a step at `time` (transits)."""
+    for solver in solvers:
+        if offers(solver, Stopping):
+            cast(Stopping, solver).stop_at(time)
+
+
 def _moving(solver: Solver) -> State:
-    """The state without its bookkeeping and the time, the first entry of `now`."""
+    """The state without its bookkeeping and, in `now`, without the time, its first entry, and what helps the next guess, after
+    the fourth."""
     state = {name: array for name, array in solver.state().items() if name not in solver.bookkeeping}
     if "now" in state:
-        state["now"][0] = 0.0
+        state["now"][[0, *range(4, state["now"].size)]] = 0.0
     return state
 
 

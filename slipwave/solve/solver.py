@@ -113,6 +113,15 @@ class Cutting(Solver, Protocol):
         next piece to come. As they are, if that is within 2 transits."""
 
 
+@runtime_checkable
+class Stopping(Solver, Protocol):
+    """A solver whose steps end wherever the motion lets them, unless it is told where."""
+
+    def stop_at(self, time: float) -> None:
+        """End a step at `time` (transits), infinite for none, beyond the end of the last step, which is then the time reached:
+        what a cut left of it does not come."""
+
+
 @dataclass(frozen=True)
 class SlabSnapshot:
     """The fields of a slab: `depth` (m,) as a fraction of its one-way travel time, 0 at the interface and 1 at the outer face;

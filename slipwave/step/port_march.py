@@ -30,7 +30,7 @@ class PortMarch:
     relative error of the figures of a cycle. `reason` is added to the message if no step is short enough. One call of compiled
     code takes at most `most_steps`."""
 
-    bookkeeping = frozenset({"counts", "stretch"})
+    bookkeeping = frozenset({"counts", "stretch", "last", "rest"})
     longest_after_break = math.inf
     """Length (transits) with which steps begin behind a break point, unless those before it were shorter."""
 
@@ -71,6 +71,10 @@ class PortMarch:
         return float(self._memory.now[TIME])
 
     @property
+    def _next_length(self) -> float:
+        return float(self._port.length[self._memory.levels[NEXT]])
+
+    @property
     def longest(self) -> float:
         """Longest step (transits) between the last break and the next."""
         return float(self._port.length[0])
@@ -84,8 +88,7 @@ class PortMarch:
         steps, ended = 0, NOT_READY
         while ended != TOO_LONG and steps < self._most_steps and (ended == NOT_READY or self._now < until - slack(until)):
             if self._now >= self._stretch.stop - slack(self._now):
-                before = float(self._port.length[self._memory.levels[NEXT]])
-                self._take_stretch(self._stretch.stop, min(before, self.longest_after_break))
+                self._take_stretch(self._stretch.stop, min(self._next_length, self.longest_after_break))
             left = pieces.part(slice(steps, None))
             stretch, memory = self._stretch._replace(until=until), self._memory
             more, iterations, ended = march(

@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import t
 
 import slipwave
+from reduced.stability import spectrum
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import Pieces
 from slipwave.observe.events import Events
@@ -271,6 +272,38 @@ def test_irregular_motions_part(model, options):
     found = exponent(model, -2.5, 94.0, 32, **options)
     assert found.rate == pytest.approx(0.0166, abs=3.0 * found.margin)
     assert found.rate > found.margin > 0.0
+
+
+@pytest.mark.parametrize("log10_r", [-2.66, -2.6, -2.3])
+@pytest.mark.parametrize("model", ["block8", "block12"])
+def test_cycles_of_blocks_neither_part_nor_meet(model, log10_r):
+    """Their steps follow the motion and end at a given time only if they are told to."""
+    found = exponent(model, log10_r, 76.0, 64)
+    assert abs(found.rate) < min(max(found.margin, 1e-5), 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("model", "log10_r"),
+    [("quasidynamic", -2.656), ("block8", -2.703), ("block12", -2.703), ("modal:2", -2.703), ("kelvin-voigt", -2.703)],
+)
+def test_small_swings_part_as_their_root_says(model, log10_r):
+    """Near steady sliding the exponent is the growth rate of the characteristic equation's leading root."""
+    scene = slipwave.read("paper", {"slab.log10_r": log10_r, "start.kind": "jump", "start.size": 1e-3})
+    solver, twin = (build(model, scene) for _ in range(2))
+    rate = spectrum(scene, model).rate * scene.transit
+    assert rate < -2e-4
+    assert largest_exponent(solver, twin, 52.0).rate == pytest.approx(rate, rel=0.06)
+
+
+def test_an_exponent_begins_behind_a_step_that_a_run_cut():
+    scene = slipwave.read("paper", {"slab.log10_r": -2.3})
+    solver, twin = (build("block8", scene) for _ in range(2))
+    follow(solver, 1019.0)
+    while "rest" not in solver.state():
+        follow(solver, solver.time + 1.0)
+    found = largest_exponent(solver, twin, 76.0, intervals=8)
+    assert abs(found.rate) < 1e-3
+    assert solver.time == twin.time == WHOLE * round(solver.time / WHOLE)
 
 
 def test_motions_on_a_torus_do_not():

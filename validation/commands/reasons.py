@@ -31,8 +31,9 @@ def reasons(run: Run, model: str) -> list[str]:
     cycles = list[str]()
     if verdict.kind == "too short" and not found.stable:
         period = expected_period(scene)
-        expected = f"a cycle is expected to take about {_time(period, scene)}"
-        cycles = ["no cycle is expected: the drive hardly loads the interface" if math.isinf(period) else expected]
+        endless = math.isinf(period)
+        hardly = "no cycle is expected: the drive hardly loads the interface"
+        cycles = [hardly if endless else f"a cycle is expected to take about {_time(period, scene)}"]
     return [
         *changes,
         *cycles,
