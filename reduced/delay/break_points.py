@@ -421,8 +421,9 @@ class DelayBreaks(LeapingNetwork):
             return
         if verdict == TOO_MANY:
             raise NumericsError(
-                f"delay: more than {_RING} break points within a travel time at t = {self._memory.now[TIME]:.6g} transits (scene "
-                f"{self.scene.name!r}, digest {self.scene.digest})"
+                f"delay: more than {_RING} break points within a travel time at t = {self._memory.now[TIME]:.6g} transits: every "
+                f"jump comes back from each layer and face, and so does every echo; use dg:8, or start.kind = 'nudge' and a V "
+                f"without jumps (scene {self.scene.name!r}, digest {self.scene.digest})"
             )
         self._require_shorter(verdict)
         self._count = next_count(self._count)
