@@ -28,7 +28,7 @@ TRANSIENT = 40
 """Intervals before these, in which the difference turns to the direction of largest growth."""
 
 # of the change of the state in WHOLE transits: far above the errors of the marches, and small enough to be linear
-_DISTANCE = 1e-6
+_DISTANCE = 1e-5
 
 
 class Exponent(NamedTuple):
@@ -59,11 +59,13 @@ def largest_exponent(
     both = [(one, Foresight(one, time + (TRANSIENT + intervals) * interval, most_seconds)) for one in (solver, twin)]
     _stop([solver], time)
     _march(both[:1], time)
-    before = _moving(solver)
-    time += WHOLE
-    _stop([solver], time)
-    _march(both[:1], time)
-    difference = {name: array - before[name] for name, array in _moving(solver).items()}
+    before, now = State(), _moving(solver)
+    while not _fits(before, now):  # once, and again where the solver has refined its steps meanwhile
+        time += WHOLE
+        _stop([solver], time)
+        _march(both[:1], time)
+        before, now = now, _moving(solver)
+    difference = {name: array - before[name] for name, array in now.items()}
     scales = {name: _scale(array, before[name]) for name, array in difference.items()}
     if not any(scales.values()):
         raise NumericsError(
@@ -110,12 +112,16 @@ def _moving(solver: Solver) -> State:
 def _difference(solver: Solver, twin: Solver) -> State:
     """State of `twin` minus that of `solver`. Raises NumericsError if their steps differ."""
     ours, theirs = _moving(solver), _moving(twin)
-    if abs(solver.time - twin.time) > SAME or any(array.shape != theirs[name].shape for name, array in ours.items()):
+    if abs(solver.time - twin.time) > SAME or not _fits(ours, theirs):
         raise NumericsError(
             f"{solver.model}: two motions close by take different steps near t = {solver.time:.6g} transits, so that they cannot "
             f"be compared (scene {solver.scene.name!r})"
         )
     return {name: theirs[name] - array for name, array in ours.items()}
+
+
+def _fits(one: State, other: State) -> bool:
+    return {name: array.shape for name, array in one.items()} == {name: array.shape for name, array in other.items()}
 
 
 def _size(difference: State, scales: dict[str, float]) -> float:
