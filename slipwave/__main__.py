@@ -1,6 +1,7 @@
 """The command line: `slipwave`, or `python -m slipwave`."""
 
 import gc
+import signal
 import sys
 from importlib import import_module
 
@@ -8,10 +9,21 @@ from slipwave.hidden import hidden_package
 from slipwave.threads import one_thread_by_default
 
 _OBJECTS_BEFORE_COLLECTION = 1_000_000
+_INTERRUPTED = 130
 
 
 def main() -> int:
     """Run the command of the process; the exit status is 2 if a file of the user hides one of our packages."""
+    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:  # from a batch system or `timeout`: as Ctrl-C, what is known is kept
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return _run()
+    except KeyboardInterrupt:  # while the command line was still imported
+        print("slipwave: interrupted", file=sys.stderr)
+        return _INTERRUPTED
+
+
+def _run() -> int:
     line = hidden_package()
     if line:
         print(f"slipwave: {line}", file=sys.stderr)

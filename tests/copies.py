@@ -10,6 +10,7 @@ import time
 import traceback
 from concurrent.futures import ThreadPoolExecutor
 
+from slipwave.__main__ import main as main_of_process
 from validation.commands.cli import main
 from validation.models import progress
 
@@ -39,6 +40,7 @@ def _end_with(work, out, err):
         os.dup2(err, 2)
         sys.stdout, sys.stderr = (os.fdopen(number, "w", buffering=1) for number in (1, 2))
         signal.signal(signal.SIGINT, signal.default_int_handler)  # may be ignored where tests are run
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         status = work()
     except BaseException:
         traceback.print_exc()
@@ -57,7 +59,8 @@ def _hooked(words, folder, at, deed):
 
     os.chdir(folder)
     progress._Meter.__call__ = hooked
-    return main([*words])
+    sys.argv = ["slipwave", *words]
+    return main_of_process()
 
 
 def interrupted(words, at, folder, by=signal.SIGINT):

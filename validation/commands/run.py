@@ -15,7 +15,7 @@ from slipwave.observe.protocol import StageFigures
 from slipwave.observe.verdict import REPEATING
 from slipwave.scene.drive import StartKind
 from slipwave.scene.scene import doubts
-from slipwave.solve import Leaping, has_fields
+from slipwave.solve import Leaping, State, has_fields
 from slipwave.solve.checkpoint import saved_time
 from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_exponent
 from validation.chart import Chart
@@ -386,9 +386,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         watch = records.watch if scene.record else None
         done = simulate(solver, length, records.observers, options.most_seconds, watch, records.marks)
         done = done if done.stopped else reconsidered(done, one_port)
-        is_default = options.cells is None and options.tol is None and not done.failed and has_fields(solver)
-        default = judged_grid(solver, start, options.cfl, options.time) if is_default else None
-        exponent, failed, stopped = None, done.failed, done.stopped
+        exponent, (default, failed, stopped) = None, _default_grid(done, start, options)
         if options.lyapunov and not (failed or stopped):
             exponent, failed, stopped = _exponent(done, options)
     except BaseException:
@@ -399,6 +397,18 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         log.info("note: %s", note)
     parts = done, records, built.choice or default, notes, options.stored, exponent
     return RunResult(*parts, failed=failed, stopped=stopped)
+
+
+def _default_grid(done: Run, start: State, options: RunOptions) -> tuple["Choice | None", str, bool]:
+    """The default grid of a full wave with its estimated error, if it was used from this `start`; why the command ends early, if
+    it does, and whether the user stopped it: the figures of a run that is whole are kept then too."""
+    solver, failed, stopped = done.solver, done.failed, done.stopped
+    if options.cells is not None or options.tol is not None or failed or not has_fields(solver):
+        return None, failed, stopped
+    try:
+        return judged_grid(solver, start, options.cfl, options.time), failed, stopped
+    except KeyboardInterrupt:
+        return None, f"interrupted at t = {solver.time:.6g} transits, before the error of the grid was known", True
 
 
 def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, bool]:

@@ -4,6 +4,7 @@ import itertools
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
 from contextlib import redirect_stdout
@@ -79,17 +80,18 @@ def test_a_start_on_the_orbit_goes_on_without_looking_for_it_again(tmp_path, ans
     assert answer(*saving) | {"wall_s": 0} == direct | {"wall_s": 0}
 
 
-def stopped(words, at, folder, until):
+def stopped(words, at, folder, until, by=signal.SIGINT):
     """What an interrupted command prints, when it was interrupted, and how it can go on, from the last line of stderr."""
-    done = interrupted(words, at, folder)
+    done = interrupted(words, at, folder, by)
     found = re.fullmatch(rf"slipwave: interrupted at t = (\S+) of {until} transits; (.*)", done.stderr.splitlines()[-1])
     assert (done.returncode, bool(found)) == (INTERRUPTED, True), done.stderr
     return done.stdout, float(found[1]), found[2]
 
 
-def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path):
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path, by):
     words = ["run", "paper", "--model", "delay", "--until", "40000", "--json", "--out", "x.nc"]
-    out, time, how_to_resume = stopped(words, 2000.0, tmp_path, "40000")
+    out, time, how_to_resume = stopped(words, 2000.0, tmp_path, "40000", by)
     assert 2000.0 <= time < 4000.0
     assert how_to_resume.startswith("no checkpoint was kept") and "--checkpoint FILE.npz" in how_to_resume  # noqa: PT018
     result = json.loads(out)
@@ -98,6 +100,21 @@ def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path):
     with xarray.open_dataset(tmp_path / "x.nc") as data:
         assert (data.attrs["complete"], data.attrs["events"]) == (0, result["events"])
     assert (result["events"] > 20, [path.name for path in tmp_path.iterdir()]) == (True, ["x.nc"])
+
+
+def test_a_run_stopped_as_its_grid_is_judged_keeps_its_figures(tmp_path, monkeypatch, capsys):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("validation.commands.run.judged_grid", interrupt)
+    status = main([*BASE, "--until", "400", "--out", str(tmp_path / "x.nc")])
+    printed = capsys.readouterr()
+    line = "interrupted at t = 400 transits, before the error of the grid was known"
+    result = json.loads(printed.out)
+    assert (status, result["failed"], result["events"]) == (INTERRUPTED, line, 7)
+    assert f"slipwave: {line}" in printed.err
+    with xarray.open_dataset(tmp_path / "x.nc") as data:
+        assert (data.attrs["complete"], data.sizes["event"]) == (1, 6)  # the run is whole
 
 
 def test_a_run_with_checkpoints_names_the_last_one(tmp_path):
