@@ -101,6 +101,8 @@ class CurveResult(FollowedResult):
         found = self.found
         rows = [self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in found.points]
         data = table_of(rows, "point", found.over.base).assign_attrs(self.options.origin(found))
+        for one in (found.over, found.second):
+            data[one.column].attrs["units"] = one.si_unit or "1"
         from validation.models.along import along
 
         return along(data.set_coords(found.second.column), found.over.column)

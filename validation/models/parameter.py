@@ -199,6 +199,16 @@ class Over(Parameter):
         """Its label in figures."""
         return self.label_in(self.base)
 
+    @property
+    def si_unit(self) -> str:
+        """The unit of its values; empty for a pure number."""
+        if self.unit or self.name in PARAMETERS:
+            return self.unit
+        *path, last = self.name.split(".")
+        fields = (table.model_fields.get(last) for table in kinds_of(path).values())
+        physical = (one.units[0] for field in fields if field for one in allowed_in(field) if isinstance(one, Physical))
+        return next(physical, "") or (_unit_of_machine(self.base, self.name) if self.base.units else "")
+
     def scene_at(self, value: float) -> Scene:
         """The scene with this value of the parameter."""
         return self.scenes.at([self], [value])
