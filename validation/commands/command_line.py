@@ -65,6 +65,7 @@ def on_a_scene(
         """Take the words of the command line."""
         files = {one: _path_of(one, words.pop(one.name), json) for one in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
+        _require_files_of_their_own(files)
         try:
             act(source, kind(**given).load_own(), files, json)
         except SystemExit as end:
@@ -117,6 +118,14 @@ def _path_of(one: Output, path: Path | None, json: bool) -> Path | None:
     if path is not None:
         require_writable(path, one.suffixes, one.flag)
     return path
+
+
+def _require_files_of_their_own(files: Files) -> None:
+    """Raises SceneError if two outputs name one file."""
+    taken = dict[Path, str]()
+    for one, path in files.items():
+        if path is not None and taken.setdefault(path.resolve(), one.flag) != one.flag:
+            raise SceneError(f"{one.flag} {path}: must be another file than that of {taken[path.resolve()]}")
 
 
 def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> None:

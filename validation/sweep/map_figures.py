@@ -346,16 +346,33 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
 
 
 def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
-    """The special curves in files of `slipwave curve`. Raises SceneError for another file, or one over other parameters."""
+    """The special curves in files of `slipwave curve`. Raises SceneError for another file, or one over other parameters or of
+    another scene."""
     axes, lines = _axes_of(data), []
     for path in files:
         curve = load_dataset(path, f"--curve = {str(path)!r}: is no netCDF file")
         names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
         if any(axis not in names for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")
+        _require_same_scenes(path, curve, data, axes)
         first, second = (np.asarray(curve[names[axis]].values, dtype=float) / _bare(data[axis], _base_of(data)) for axis in axes)
         lines.append(Line(f"{curve['type'].values[0]}, {curve.attrs['model']}", first, second, ""))
     return tuple(lines)
+
+
+def _require_same_scenes(path: str, curve: Dataset, data: Dataset, axes: Sequence[str]) -> None:
+    """Raises SceneError unless the scenes of a `curve` and of a sweep are the same at the same values of the `axes`, but for the
+    start and the length of a run, which move no orbit."""
+    varied, values = [_parameter_of(data[axis]) for axis in axes], [data[axis].values[0].item() for axis in axes]
+    sets = json.loads(curve.attrs["options"]).get("set", {})
+    theirs = scenes_with(_base_of(curve), [one.name for one in varied], sets).at(varied, values)
+    ours = _scenes_over(data, axes).at(varied, values)
+    here, there = ((repr(one.law), repr(one.upper), repr(one.lower), repr(one.drive)) for one in (ours, theirs))
+    parts = ("friction law", "upper slab", "lower slab", "drive")
+    others = [part for part, one, other in zip(parts, here, there, strict=True) if one != other]
+    if others:
+        differ = f"{' and '.join(others)} differ{'s' if len(others) == 1 else ''}"
+        raise SceneError(f"--curve = {str(path)!r}: is of another scene, whose {differ} from the sweep's")
 
 
 def _bare(coordinate: DataArray, base: Scene) -> float:

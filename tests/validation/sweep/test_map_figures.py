@@ -162,6 +162,9 @@ def test_a_curve_lies_on_the_boundary_over_an_axis_in_another_unit(tmp_path):
     vary = {"slab.thickness": ["20 mm", "60 mm"], "V": ["80 um/s", "120 um/s"]}
     found = sw.sweep(scene, vary=vary, models="block8", measure="stability", workers=1)
     onset, curve = sw.map(found, curve=[str(tmp_path / "hb.nc")]).boundaries
+    other = sw.sweep(scene, settings=["a=0.036"], vary=vary, models="block8", measure="stability", workers=1)
+    with pytest.raises(SceneError, match=r"of another scene, whose friction law differs from the sweep's"):
+        sw.map(other, curve=[str(tmp_path / "hb.nc")])
     assert curve.name == "HB, block8"
     assert 80.0 <= min(curve.up) < max(curve.up) <= 120.0
     assert curve.across == pytest.approx(np.interp(curve.up, *np.array(sorted(zip(onset.up, onset.across, strict=True))).T), 1e-3)
