@@ -2,6 +2,8 @@
 
 import itertools
 import math
+from numbers import Real
+from types import FunctionType
 from typing import Any
 
 from slipwave.errors import SceneError
@@ -13,11 +15,35 @@ _WIDE = 0.5
 _TOLERANCE = 1e-6
 _PARAMETERS = (0.4, 0.02, 0.03)
 _SLOPES = ("v_z", "F_z", "F_psi", "G_z", "G_psi")
+_ARGUMENTS = {"respond": ("law", "z", "psi"), "steady_state": ("law", "v"), "rate_of": ("law", "z"), "unknown_of": ("law", "v")}
+_TAKEN = ("law", "normal_stress", "memory_length", "reference_velocity")  # keys of [interface] that every law has
 _ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
 
 
 class LawError(SceneError):
     """A law whose functions are wrong."""
+
+
+def check_form(name: Any, law: Any) -> None:
+    """Raises LawError for a name, a class of parameters or a function of the `Registered` law that no scene or solver can use."""
+    text = f"friction law {name!r}"
+    if not isinstance(name, str) or not name.strip() or not name.isprintable():
+        raise LawError(f"{text}: its name must be a text of printable characters")
+    if not isinstance(law.parameters, type) or not hasattr(law.parameters, "_fields"):
+        raise LawError(f"{text}: parameters = {law.parameters!r}: must be a class, a NamedTuple of numbers")
+    for field in law.parameters._fields:
+        default = law.parameters._field_defaults.get(field, 0.0)
+        if field in _TAKEN:
+            raise LawError(f"{text}: parameter {field!r}: is a key that every law has; give it another name")
+        if not isinstance(default, Real) or not math.isfinite(default):
+            raise LawError(f"{text}: parameter {field!r}: its default {default!r} must be a number")
+    for label, wanted in _ARGUMENTS.items():
+        function = getattr(law, label)
+        if not isinstance(function, FunctionType):
+            raise LawError(f"{text}: {label} = {function!r}: must be a function written with def")
+        given = function.__code__.co_varnames[: function.__code__.co_argcount]
+        if given[: len(wanted)] != wanted:
+            raise LawError(f"{text}: the arguments of {label} must be named {', '.join(wanted)}, not {', '.join(given)}")
 
 
 def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) -> None:

@@ -279,23 +279,33 @@ def register(
 ) -> None:
     """Make a law known to every solver under `name`.
 
-    A law from outside this package is checked first: its derivatives against finite differences, its steady state against G = 0.
-    Raises SceneError naming the first wrong function.
+    A law from outside this package is checked first: the form of its parts, its derivatives against finite differences, its
+    steady state against G = 0. Raises SceneError naming what is wrong first, and for a name or a class that another law has.
     """
-    law = Registered(parameters, respond, steady_state, rate_of, unknown_of)
-    if Path(respond.__code__.co_filename).parent != HOUSE:
-        from slipwave.friction.check import check_law
+    functions: Any = (getattr(one, "py_func", one) for one in (respond, steady_state, rate_of, unknown_of))  # as written
+    law = Registered(parameters, *functions)
+    if not _of_house(law):
+        from slipwave.friction.check import check_form, check_law
 
+        check_form(name, law)
+        if name in LAWS and _of_house(LAWS[name]):
+            raise SceneError(f"friction law {name!r}: is one of slipwave's own; give yours another name")
         check_law(name, law)
-    if LAWS.get(name, law) != law and LAWS[name].parameters is parameters:
+    owner = next((other for other, known in LAWS.items() if known.parameters is parameters), name)
+    if owner != name or (name in LAWS and LAWS[name].parameters is parameters and LAWS[name] != law):
         raise SceneError(
-            f"friction law {name!r} is already registered with the same parameter class; give the new one its own class"
+            f"friction law {name!r}: {owner!r} is already registered with the same parameter class; give this one its own class"
         )
     LAWS[name] = law
     for generic, version in zip(_GENERIC, law[1:], strict=True):
         generic.register(parameters)(version)
-    if rate_of is not _exponential:
+    if law.rate_of is not _exponential:
         law_of_step.register(parameters)(_of_step)
+
+
+def _of_house(law: Registered) -> bool:
+    code = getattr(law.respond, "__code__", None)
+    return code is not None and Path(code.co_filename).parent == HOUSE
 
 
 def name_of(law: Law) -> str:

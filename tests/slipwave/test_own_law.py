@@ -1,5 +1,6 @@
 """A law from outside: refused by name if it is wrong; its code is kept on disk until what shaped it changes."""
 
+import collections
 import math
 import runpy
 import types
@@ -8,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from numba import njit
 
 from reduced.delay.flow_kernel import logs_of_return
 from slipwave.compiled import allocating
@@ -73,6 +75,66 @@ def test_a_wrong_derivative_is_refused_by_name(wrong, fault):
 def test_other_faults_are_refused_with_their_reason(law, told):
     with pytest.raises(SceneError, match=told):
         check_law("mine", law)
+
+
+class Plain(NamedTuple):
+    a_star: float = 0.369
+    a: float = 0.0349
+    b: float = 0.0489
+
+
+def other_names(p, x, y):
+    return respond(p, x, y)
+
+
+@pytest.mark.parametrize(
+    ("name", "parameters", "function", "told"),
+    [
+        (5, Plain, respond, "law 5: its name must be a text"),
+        ("", Plain, respond, "its name must be a text"),
+        ("ageing", Plain, respond, "'ageing': is one of slipwave's own; give yours another name"),
+        ("mine", Ageing, respond, "'mine': 'ageing' is already registered with the same parameter class"),
+        ("mine", Plain(), respond, "must be a class, a NamedTuple of numbers"),
+        ("mine", NamedTuple("Keyed", [("law", float), ("a", float)]), respond, "parameter 'law': is a key that every law has"),
+        ("mine", collections.namedtuple("Text", "a", defaults=["x"]), respond, "parameter 'a': its default 'x' must be a number"),
+        ("mine", Plain, None, "respond = None: must be a function written with def"),
+        ("mine", Plain, other_names, "the arguments of respond must be named law, z, psi, not p, x, y"),
+    ],
+)
+def test_parts_that_no_scene_or_solver_can_use_are_refused_when_they_are_registered(name, parameters, function, told):
+    """Before, some spoilt every later command of the process, and some gave a built-in law the numbers of another."""
+    own = function and as_mine(function)
+    before = dict(LAWS)
+    with pytest.raises(SceneError, match=told):
+        register(name, parameters, own, steady_state)
+    assert before == LAWS
+
+
+def test_a_class_of_parameters_belongs_to_one_law():
+    """The functions of the second would be those of the first, too."""
+    parameters, own = NamedTuple("Once", [("a_star", float), ("a", float), ("b", float)]), as_mine(respond)
+    try:
+        register("first", parameters, own)
+        register("first", parameters, own)  # a cell of a notebook that runs again
+        with pytest.raises(SceneError, match="'second': 'first' is already registered with the same parameter class"):
+            register("second", parameters, own)
+        assert "second" not in LAWS
+    finally:
+        LAWS.pop("first", None)
+
+
+def test_a_function_that_numba_has_compiled_is_taken_as_written():
+    parameters, own = NamedTuple("Compiled", [("a_star", float), ("a", float), ("b", float)]), as_mine(respond)
+    try:
+        register("compiled", parameters, njit(own))
+        assert LAWS["compiled"].respond is own
+    finally:
+        LAWS.pop("compiled", None)
+
+
+def as_mine(function):
+    """The function as if written in a file of the user's."""
+    return types.FunctionType(function.__code__.replace(co_filename="mine.py"), function.__globals__)
 
 
 def test_the_documented_example_is_the_one_that_runs():
