@@ -29,9 +29,10 @@ def check_form(name: Any, law: Any) -> None:
     text = f"friction law {name!r}"
     if not isinstance(name, str) or not name.strip() or not name.isprintable():
         raise LawError(f"{text}: its name must be a text of printable characters")
-    if not isinstance(law.parameters, type) or not hasattr(law.parameters, "_fields"):
-        raise LawError(f"{text}: parameters = {law.parameters!r}: must be a class, a NamedTuple of numbers")
-    for field in law.parameters._fields:
+    kind, fields = law.parameters, getattr(law.parameters, "_fields", None)
+    if fields is None or not isinstance(kind, type):
+        raise LawError(f"{text}: parameters = {kind!r}: must be a class, a NamedTuple of numbers")
+    for field in fields:
         default = law.parameters._field_defaults.get(field, 0.0)
         if field in _TAKEN:
             raise LawError(f"{text}: parameter {field!r}: is a key that every law has; give it another name")

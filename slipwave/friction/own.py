@@ -1,5 +1,7 @@
 """Friction laws of the user's own: loaded from a Python file on request, and named by the digest of that file."""
 
+import re
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -32,3 +34,29 @@ def own_law(name: str) -> OwnFile | None:
     """The file of the law `name`, of its function or of its parameters; None if both are built in, or it is unknown."""
     parts: tuple[Any, ...] = (LAWS[name].respond, LAWS[name].parameters) if name in LAWS else ()
     return next(filter(None, map(own_file, parts)), None)
+
+
+def refused_by_compiler(error: Exception) -> Exception:
+    """What to raise for an `error` of numba: a SceneError that names the function of a user's law that cannot be compiled, with
+    the compiler's reason; if there is none, the error itself."""
+    from numba import float64, njit, typeof
+    from numba.core.errors import NumbaError
+
+    from slipwave.friction.check import sample_of
+
+    for name, law in LAWS.items():
+        own = own_law(name)
+        if own is None:
+            continue
+        sample = typeof(sample_of(name, law))
+        for label, function in zip(law._fields[1:], law[1:], strict=True):
+            try:
+                with warnings.catch_warnings(action="ignore"):
+                    njit(function).compile((sample, *[float64] * (function.__code__.co_argcount - 1)))
+            except NumbaError as refusal:
+                lines = [line.strip() for line in str(refusal).splitlines() if line.strip()]
+                why = next((line for line in lines if not line.startswith("Failed in nopython")), type(refusal).__name__)
+                place = re.findall(rf"{re.escape(own.path.name)}(?:\", line | \()(\d+)", str(refusal))
+                where = f" ({own.path}, line {place[-1]})" if place else ""
+                return SceneError(f"friction law {name!r}: numba cannot compile {label}{where}: {why.rstrip(':')}")
+    return error

@@ -10,7 +10,9 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 from numba import njit
+from numba.core.errors import NumbaError
 
+import slipwave
 from reduced.delay.flow_kernel import logs_of_return
 from slipwave.compiled import allocating
 from slipwave.compiled.frozen import frozen_parts
@@ -21,7 +23,7 @@ from slipwave.friction.ageing import respond_ageing as respond
 from slipwave.friction.check import check_law
 from slipwave.friction.law import Registered, register
 from slipwave.friction.law import steady_psi as steady_state
-from slipwave.friction.own import load_laws
+from slipwave.friction.own import load_laws, refused_by_compiler
 
 ROOT = Path(__file__).resolve().parents[2]
 ANSWERS = ("v", "v_z", "F", "F_z", "F_psi", "G", "G_z", "G_psi")
@@ -242,3 +244,28 @@ def test_what_cannot_be_told_is_never_kept(constant):
 def test_files_of_the_project_that_a_law_calls_are_named():
     _, files = frozen_parts([made(ageing.respond_ageing)])
     assert [path.name for path in files] == ["ageing.py"]
+
+
+def test_the_function_that_cannot_be_compiled_is_named_with_its_line(folder):
+    """Before, the compiler's two hundred lines ended every command that runs; bugs of ours stay bugs."""
+    text = MINE.replace("    v = math.exp(z)\n", '    v = math.exp(z) * {"one": 1.0, 2: z}["one"]\n')
+    path = folder / "mine.py"
+    path.write_text(text)
+    path.with_suffix(".txt").write_text("1.0")
+    load_laws(path)
+    line = text.splitlines().index('    v = math.exp(z) * {"one": 1.0, 2: z}["one"]') + 1
+    found = refused_by_compiler(NumbaError("of a solver"))
+    assert isinstance(found, SceneError)
+    assert str(found).startswith(f"friction law 'mine': numba cannot compile respond ({path}, line {line}): ")
+    assert "\n" not in str(found)
+    ask(folder, MINE, 1.0)
+    of_ours = NumbaError("of a solver")
+    assert refused_by_compiler(of_ours) is of_ours
+
+
+def test_a_command_says_so_in_one_line(folder):
+    path = folder / "mine.py"
+    path.write_text(MINE.replace("    v = math.exp(z)\n", '    v = math.exp(z) * {"one": 1.0, 2: z}["one"]\n'))
+    path.with_suffix(".txt").write_text("1.0")
+    with pytest.raises(SceneError, match=r"^friction law 'mine': numba cannot compile respond \(.*mine.py, line 14\): .+$"):
+        slipwave.run("paper", "block8", until=5.0, law=path, set={"interface.law": "mine"})

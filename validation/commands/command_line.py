@@ -12,9 +12,11 @@ from pathlib import Path
 from typing import Annotated, Any, TypeAlias, get_args
 
 import typer
+from numba.core.errors import NumbaError
 
 from slipwave.errors import Interrupted, NumericsError, SceneError
 from slipwave.files import reason_of, require_writable
+from slipwave.friction.own import refused_by_compiler
 from slipwave.input.assemble import gallery_names
 from slipwave.packages import ended
 from validation.commands.options import Option, SceneOptions, options_of
@@ -70,6 +72,8 @@ def on_a_scene(
             act(source, kind(**given).load_own(), files, json)
         except SystemExit as end:
             raise ended(end) from end
+        except NumbaError as error:
+            raise refused_by_compiler(error) from error
 
     parameters = [
         _parameter("source", *((Annotated[str | None, SCENE], None) if optional else (Annotated[str, SCENE], Parameter.empty))),

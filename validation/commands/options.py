@@ -27,11 +27,12 @@ from typing import (
 )
 
 import numpy as np
+from numba.core.errors import NumbaError
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction.own import load_laws
+from slipwave.friction.own import load_laws, refused_by_compiler
 from slipwave.input.assemble import SceneSource, is_stored, moment, read, read_scene
-from slipwave.input.schema import UNTIL
+from slipwave.input.schema import UNTIL, SceneTable
 from slipwave.input.stored import read_stored
 from slipwave.input.wording import listed, nearest, shorten
 from slipwave.packages import ended
@@ -155,7 +156,6 @@ class SceneOptions(Frozen):
         """The scene of a call: `source` with `settings`, `set` and `changes` and, if given, another length. Doubts about it are
         logged."""
         from slipwave.input.overrides import endings
-        from slipwave.input.schema import SceneTable
 
         source = source.scene if isinstance(source, PointOfBranch) else source
         if isinstance(source, Scene) and source.tables is None and until is not None:  # no tables to write the length into
@@ -356,7 +356,7 @@ def _fits(value: Any, hint: Any) -> bool:
         pairs = isinstance(value, tuple | list) and len(value) == len(parts)
         return pairs and all(map(_fits, value, parts))
     if kind is Mapping:
-        return isinstance(value, Mapping) and all(_fits(item, parts[1]) for item in value.values())
+        return isinstance(value, Mapping) and all(_fits(key, parts[0]) and _fits(item, parts[1]) for key, item in value.items())
     if kind in (Iterable, Sequence):
         return isinstance(value, kind) and not isinstance(value, Mapping) and all(_fits(one, parts[0]) for one in value)
     if parts:
@@ -406,11 +406,15 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
         except TypeError as error:
             raise SceneError(f"{compute.__name__}: {error}") from None
         source, changes = bound.pop("source", first.default), bound.pop("changes", {})
+        for name in [name for name, value in bound.items() if isinstance(value, Mapping) and name in SceneTable.model_fields]:
+            changes[name] = bound.pop(name)  # `interface` is an option of `run` and a table of the scene
         options = kind(**{name: known[name].checked(value) for name, value in bound.items()}, changes=changes)
         try:
             result = compute(source, options.load_own())
         except SystemExit as end:
             raise ended(end) from end
+        except NumbaError as error:
+            raise refused_by_compiler(error) from error
         if isinstance(result, Result) and (result.failed or result.stopped):
             raise (Stopped if result.stopped else NumericsError)(result.failed, result)
         return result

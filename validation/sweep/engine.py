@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
+from numba.core.errors import NumbaError
 
 from slipwave.errors import NumericsError, SceneError
+from slipwave.friction.own import refused_by_compiler
 from validation.data.variables import in_si
 from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
@@ -49,6 +51,8 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
         return {"status": "refused", "reason": str(refusal)}
     except NumericsError as failure:
         return {"status": "failed", "reason": str(failure)}
+    except NumbaError as error:
+        return {"status": "failed", "reason": str(refused_by_compiler(error)).partition("\n")[0]}
     except Exception as bug:
         return {"status": "failed", "reason": f"{type(bug).__name__}: {bug}"}
 
