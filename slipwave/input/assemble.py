@@ -194,7 +194,13 @@ def _dotted(changes: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, 
         if isinstance(value, Mapping):
             yield from _dotted(value, f"{above}{key}.")
         else:
-            yield f"{above}{key}", value
+            yield f"{above}{key}", _listed(value)
+
+
+def _listed(value: Any) -> Any:
+    """`value` with arrays and tuples, also those in lists, as lists, as they are in TOML."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    return [*map(_listed, value)] if isinstance(value, list | tuple) else value
 
 
 def validate(data: dict[str, Any]) -> keys.SceneTable:

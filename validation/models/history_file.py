@@ -8,12 +8,12 @@ import weakref
 import zlib
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import BinaryIO, Literal, NamedTuple, Self, TypeAlias
+from typing import Any, BinaryIO, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.files import reason_of
+from slipwave.files import part_of, reason_of, remove_leftovers
 from slipwave.friction import Law
 from slipwave.input.assemble import moment
 from slipwave.input.quantity import looks_measured, quantity
@@ -62,6 +62,17 @@ class Kept(NamedTuple):
 ALL = Kept()
 
 
+def temporary_samples() -> Path:
+    """A new, empty file for the samples of a run, in the folder for temporary files."""
+    import tempfile
+
+    folder = Path(tempfile.gettempdir())
+    remove_leftovers(folder)
+    handle, name = tempfile.mkstemp(prefix=".slipwave-", suffix=part_of(folder, ".samples").name)
+    os.close(handle)
+    return Path(name)
+
+
 class HistoryFile:
     """Observer that appends the `kept` samples to the file `path`, rows of five doubles. The file is removed when this is closed
     or garbage-collected, unless it `stays` for continued runs. A checkpoint holds the number of samples and their checksum; a
@@ -80,6 +91,17 @@ class HistoryFile:
         self._samples, self._checksum = 0, 0
         self._file: BinaryIO | None = None
         self._remove = None if stays else weakref.finalize(self, path.unlink, missing_ok=True)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """For copies and pickles, which hold the samples themselves."""
+        return vars(self) | {"_file": None, "_remove": None, "_content": b"".join(block.tobytes() for block in self._blocks())}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """A copy has a temporary file of its own."""
+        content = state.pop("_content")
+        vars(self).update(state, path=temporary_samples())
+        self._remove = weakref.finalize(self, self.path.unlink, missing_ok=True)
+        self._append(content)
 
     @property
     def whole_from(self) -> float:

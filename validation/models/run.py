@@ -10,7 +10,6 @@ checkpoints.
 """
 
 import math
-import os
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.files import part_of, remove_leftovers, require_writable
+from slipwave.files import require_writable
 from slipwave.friction.law import name_of
 from slipwave.input.assemble import moment
 from slipwave.input.wording import shorten
@@ -32,7 +31,7 @@ from slipwave.scene.drive import Drive
 from slipwave.solve import Energy, FieldSolver, Final, Mark, Observer, Resumable, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.follow import DAY, Foresight, named_observers, require_time
-from validation.models.history_file import ALL, HistoryFile, Kept
+from validation.models.history_file import ALL, HistoryFile, Kept, temporary_samples
 from validation.models.outlook import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, growth_rate, is_stable
 from validation.models.own import digests
 from validation.models.progress import LongRunAdvice, progress, share_of_run
@@ -137,7 +136,7 @@ def _history(solver: Solver, until: float, kept: Kept, samples: Path | None, che
     The samples that are `kept` are in the file `samples`, or in a temporary one, until it is closed. With a `checkpoint` they are
     in a file in its folder, which stays for continued runs.
     """
-    path = checkpoint.with_name(f"{checkpoint.name}.samples") if checkpoint else samples or _temporary_samples()
+    path = checkpoint.with_name(f"{checkpoint.name}.samples") if checkpoint else samples or temporary_samples()
     history = HistoryFile(solver.scene.law, solver.nodes, path, until, stays=checkpoint is not None, kept=kept)
     try:
         length = solver.transits_per_piece
@@ -146,16 +145,6 @@ def _history(solver: Solver, until: float, kept: Kept, samples: Path | None, che
         history.close()
         raise
     return history
-
-
-def _temporary_samples() -> Path:
-    import tempfile
-
-    folder = Path(tempfile.gettempdir())
-    remove_leftovers(folder)
-    handle, name = tempfile.mkstemp(prefix=".slipwave-", suffix=part_of(folder, ".samples").name)
-    os.close(handle)
-    return Path(name)
 
 
 def time_between(path: Path | None, every: float | str | None, scene: Scene) -> float | None:

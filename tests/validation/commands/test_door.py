@@ -1,12 +1,15 @@
 """`import slipwave`: the answers of the command line as objects, errors to catch; what works without the extras' libraries."""
 
+import copy
 import json
 import logging
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import slipwave as sw
@@ -27,6 +30,27 @@ def test_changes_may_be_tables_or_dotted_keys(changes):
     scene = sw.read_scene("paper", **changes)
     assert scene.digest == sw.read("paper", ["slab.log10_r=-2.3", "drive.velocity=50"]).digest
     assert (scene.transit, scene.velocity) == (10.0**-2.3, 50.0)
+
+
+@pytest.mark.parametrize("steps", [((0, 100), (10, 120)), np.array([[0.0, 100], [10, 120]]), [(0, 100), [10, np.float64(120)]]])
+def test_steps_of_the_drive_may_be_an_array_or_tuples(steps):
+    wanted = sw.read("paper", ["drive.velocity=[[0, 100], [10, 120]]"])
+    assert sw.read_scene("paper", V=steps).digest == sw.read_scene("paper", drive={"velocity": steps}).digest == wanted.digest
+
+
+def test_the_table_of_friction_is_changed_in_a_run_as_elsewhere():
+    """`interface` is an option of a run, too."""
+    changed = sw.run("paper", "block8", until=20.0, interface={"b": 0.05})
+    assert changed.final == sw.run("paper", "block8", until=20.0, b=0.05).final
+    assert changed.final != sw.run("paper", "block8", until=20.0).final
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda result: pickle.loads(pickle.dumps(result))])
+def test_a_run_with_its_history_is_copied_and_pickled(copied):
+    run = sw.run("paper", "block8", until=20.0, interface=True)
+    other = copied(run)
+    assert other.summary == run.summary
+    assert other.dataset.equals(run.dataset)
 
 
 def test_a_scene_of_a_program_runs_as_long_as_wanted_but_has_no_keys_to_change():
@@ -52,6 +76,7 @@ def test_a_scene_of_a_program_runs_as_long_as_wanted_but_has_no_keys_to_change()
         (lambda: sw.run("paper", settings=["slab.r=1", 3]), "^settings = .*: must be a list of texts$"),
         (lambda: sw.branch("paper", over=("log10_r", -2.7)), r"^over = \('log10_r', -2.7\): must be a text, \(a text, a number"),
         (lambda: sw.branch("paper", "log10_r", -2.7, -2.6), "^branch: too many positional arguments$"),
+        (lambda: sw.run("paper", set={5: 1.0}), r"^set = \{5: 1.0\}: must be \{a text: values\} or None$"),
         (lambda: sw.stability(), "^stability: missing a required argument: 'source'$"),
     ],
 )
