@@ -8,7 +8,7 @@ it was read from: written as TOML, or read again with changes.
 import copy
 import math
 import numbers
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -185,16 +185,15 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
 
 def read_scene(source: SceneSource, **changes: Any) -> Scene:
     """`read` with changes as keywords: tables, as slab={"log10_r": -2.6}, or dotted keys, as **{"slab.log10_r": -2.6}."""
-    return read(source, dict(_dotted(changes)))
+    return read(source, dotted(changes))
 
 
-def _dotted(changes: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Every value with its dotted key."""
+def dotted(changes: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    """Every value of nested tables by its dotted key."""
+    found: dict[str, Any] = {}
     for key, value in changes.items():
-        if isinstance(value, Mapping):
-            yield from _dotted(value, f"{above}{key}.")
-        else:
-            yield f"{above}{key}", _listed(value)
+        found |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": _listed(value)}
+    return found
 
 
 def _listed(value: Any) -> Any:

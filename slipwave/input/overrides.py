@@ -42,7 +42,8 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """A copy of `data` with every override set, in order, but every `kind` first; it shares the tables that do not change. Raises
+    """A copy of `data` with every override set, in order, but every `kind` and `law`, on which
+    other keys depend, first; it shares the tables that do not change. Raises
     SceneError on text that is not `key=value`."""
     if isinstance(overrides, Mapping):
         pairs = [(_key(str(key)), copy.deepcopy(value)) for key, value in overrides.items()]
@@ -50,7 +51,7 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str] | Mapping[
         texts = [overrides] if isinstance(overrides, str) or not isinstance(overrides, Iterable) else list(overrides)
         pairs = [_parse(text) for text in texts]
     data = dict(data)
-    for key, value in sorted(pairs, key=lambda pair: pair[0][-1] != "kind"):
+    for key, value in sorted(pairs, key=lambda pair: pair[0][-1] not in ("kind", "law")):
         _set(data, full_key(key, value, data), value)
     return data
 

@@ -31,7 +31,7 @@ from numba.core.errors import NumbaError
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.own import load_laws, refused_by_compiler
-from slipwave.input.assemble import SceneSource, is_stored, moment, read, read_scene
+from slipwave.input.assemble import SceneSource, dotted, is_stored, moment, read, read_scene
 from slipwave.input.schema import UNTIL, SceneTable
 from slipwave.input.stored import read_stored
 from slipwave.input.wording import listed, nearest, shorten
@@ -155,7 +155,7 @@ class SceneOptions(Frozen):
     def scene_of(self, source: SceneSource, until: float | str | None = None) -> Scene:
         """The scene of a call: `source` with `settings`, `set` and `changes` and, if given, another length. Doubts about it are
         logged."""
-        from slipwave.input.overrides import endings
+        from slipwave.input.overrides import apply_overrides, endings
 
         source = source.scene if isinstance(source, PointOfBranch) else source
         if isinstance(source, Scene) and source.tables is None and until is not None:  # no tables to write the length into
@@ -163,8 +163,10 @@ class SceneOptions(Frozen):
         length = [] if until is None else [f"run.until={until}"]
         given = read(source, [*self._texts, *length])
         changes = {**(self.set or {}), **self.changes}
+        law = {key: value for key, value in dotted(changes).items() if key.rpartition(".")[2] == "law"}  # its keys are known then
+        tables = apply_overrides(given.tables or {}, law)
         for key, value in changes.items():
-            if not endings(key.split("."), given.tables or {}):
+            if not endings(key.split("."), tables):
                 guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])
                 hint = f"; did you mean {guess}?" if guess else ""
                 raise SceneError(f"{shorten(key)[1:-1]} = {shorten(value)}: neither an option nor a key of a scene{hint}")

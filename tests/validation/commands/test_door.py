@@ -38,6 +38,14 @@ def test_steps_of_the_drive_may_be_an_array_or_tuples(steps):
     assert sw.read_scene("paper", V=steps).digest == sw.read_scene("paper", drive={"velocity": steps}).digest == wanted.digest
 
 
+@pytest.mark.parametrize("keys", [("interface.law", "cutoff_velocity"), ("cutoff_velocity", "interface.law")])
+def test_keys_of_a_law_are_short_in_the_call_that_chooses_it(keys):
+    values = {"interface.law": "ageing-cutoff", "cutoff_velocity": 1e4}
+    wanted = sw.read("paper", ["interface.law=ageing-cutoff", "interface.cutoff_velocity=1e4"])
+    assert sw.stability("paper", set={key: values[key] for key in keys}).summary == sw.stability(wanted).summary
+    assert sw.stability("paper", settings=[f"{key}={values[key]}" for key in keys]).summary == sw.stability(wanted).summary
+
+
 def test_the_table_of_friction_is_changed_in_a_run_as_elsewhere():
     """`interface` is an option of a run, too."""
     changed = sw.run("paper", "block8", until=20.0, interface={"b": 0.05})
