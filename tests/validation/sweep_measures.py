@@ -4,6 +4,8 @@ import os
 import time
 from pathlib import Path
 
+import numpy as np
+
 
 def disc(scene):
     """A regime inside a disc of (a, b) and another one outside, with a figure that is linear there."""
@@ -38,3 +40,27 @@ def deadly(scene):
 
 def wrong(scene):
     return {"inverse": 1.0 / (scene.law.a - 0.012)}
+
+
+def a_word(scene):
+    return {"x": "word"}
+
+
+def a_list(scene):
+    return {"x": np.arange(3.0)}
+
+
+def a_status(scene):
+    return {"status": 3.0}
+
+
+def a_number(scene):
+    return 1.0
+
+
+def two_lines(scene):
+    raise RuntimeError("no\nway")
+
+
+def sizes(scene):
+    return {"flag": np.bool_(True), "count": np.int64(3), "none": None}

@@ -32,7 +32,7 @@ from validation.sweep.map_figures import chart_of_sweep, figures_on_clock, onset
 from validation.sweep.measures import MEASURES, measure_name, measure_of
 from validation.sweep.plan import Axis, Plan, axis_of
 from validation.sweep.store import STATUS, Store
-from validation.sweep.sweep import forecast, perform_sweep, plan_of, stored_plan
+from validation.sweep.sweep import forecast, perform_sweep, plan_of, require_laws_in_files, stored_plan
 
 _SHOWN = 5  # reasons why points have no figures
 _OF_A_PLAN = ("vary", "models", "rows", "out", "until", "tol", "cells", "refine")
@@ -242,6 +242,8 @@ def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
     if options.dry:
         with no_exit(label):
             return SweepResult(plan, Store(folder or Path()), expected=forecast(plan, workers))
+    if options.executor is None and not options.gather:
+        require_laws_in_files(plan)
     store = Store(folder or Path(tempfile.mkdtemp(prefix="slipwave-sweep-")))
     if options.gather:
         result = SweepResult(plan, store)

@@ -54,7 +54,7 @@ def _point(plan: Plan, measure: Measure, point: int) -> Figures:
     except NumbaError as error:
         return {"status": "failed", "reason": str(refused_by_compiler(error)).partition("\n")[0]}
     except Exception as bug:
-        return {"status": "failed", "reason": f"{type(bug).__name__}: {bug}"}
+        return {"status": "failed", "reason": " ".join(f"{type(bug).__name__}: {bug}".split())}
 
 
 def _columns_of(measure: Measure, rows: list[Figures]) -> Columns:

@@ -5,6 +5,7 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from importlib import import_module
+from numbers import Real
 from typing import Any, NamedTuple, cast, get_args
 
 import numpy as np
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 
 import slipwave
 from slipwave.errors import NumericsError, SceneError
+from slipwave.input.wording import shorten
 from slipwave.observe.verdict import Kind
 from slipwave.packages import no_exit
 from slipwave.scene import Scene
@@ -168,7 +170,22 @@ def decided_regimes(verdict: Any) -> Any:
 def measure_of(name: str) -> Measure:
     """The measure called `name`; "module:function" is a user's own function of a scene that returns numbers by name; a number
     `regime`, if returned, distinguishes regimes. Nothing is imported before a point is computed."""
-    return MEASURES.get(name) or Measure(lambda scene, model, options: own_measure(name)(scene), regime=("regime",))
+    return MEASURES.get(name) or Measure(
+        lambda scene, model, options: _numbers(name, own_measure(name)(scene)), regime=("regime",)
+    )
+
+
+def _numbers(name: str, figures: Any) -> Figures:
+    """The `figures` of a user's measure. Raises NumericsError unless they are numbers by name: nothing else can be stored."""
+    label = f"--measure = {name!r}"
+    if not isinstance(figures, Mapping):
+        raise NumericsError(f"{label}: returns {shorten(figures)}; must return numbers by name, as {{'x': 1.0}}")
+    for key, value in figures.items():
+        if not isinstance(key, str) or key in ("status", "reason"):
+            raise NumericsError(f"{label}: returns a number called {shorten(key)}; its name must be another text")
+        if not (value is None or isinstance(value, Real | np.bool_)):
+            raise NumericsError(f"{label}: returns {key} = {shorten(value)}; must return numbers by name, as {{'x': 1.0}}")
+    return dict(figures)
 
 
 def own_measure(name: str) -> Callable[[Scene], Figures]:

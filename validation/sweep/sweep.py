@@ -16,7 +16,7 @@ from pydantic import BaseModel
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.friction.law import name_of
+from slipwave.friction.law import LAWS, name_of
 from slipwave.input.assemble import to_toml
 from slipwave.input.overrides import parse_toml
 from slipwave.solve.follow import DAY
@@ -53,13 +53,25 @@ def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], meas
     return plan
 
 
+def _laws_of(plan: Plan) -> set[str]:
+    """Names of the laws of a plan, and other words that it gives."""
+    given = chain(*(axis.values for axis in plan.axes), *(row.values() for row in plan.rows), plan.scenes.sets.values())
+    return {name_of(plan.base.law), *(value for value in given if isinstance(value, str))}
+
+
+def require_laws_in_files(plan: Plan) -> None:
+    """Raises SceneError for a law that the processes of a sweep do not find: their main part is not the user's."""
+    for name in sorted(_laws_of(plan) & LAWS.keys()):
+        if LAWS[name].parameters.__module__ == "__main__":
+            where = "in the main part of a script or in a notebook, where the processes of a sweep do not find it"
+            raise SceneError(f'friction law {name!r}: is registered {where}: write it to a file, and give law="FILE.py"')
+
+
 def _manifest_of(plan: Plan) -> dict[str, Any]:
     """The plan and the programs, ours and the user's, with which a folder must agree to be continued."""
     program = _versions() | {"code": source_digest()}
     source = {"scene_toml": to_toml(plan.base)}
-    given = chain(*(axis.values for axis in plan.axes), *(row.values() for row in plan.rows), plan.scenes.sets.values())
-    laws = {name_of(plan.base.law), *(value for value in given if isinstance(value, str))}
-    files = digests(laws, plan.models, None if plan.measure in MEASURES else own_measure(plan.measure))
+    files = digests(_laws_of(plan), plan.models, None if plan.measure in MEASURES else own_measure(plan.measure))
     return dict(json.loads(json.dumps(plan.manifest | source | {"program": program, "files": files})))
 
 

@@ -21,6 +21,7 @@ import xarray
 import slipwave as sw
 from reduced.delay import alike
 from slipwave.errors import SceneError
+from slipwave.friction import LAWS
 from validation.commands.cli import main
 from validation.commands.map import _difference, _difference_rows
 from validation.models.parameter import Variation
@@ -431,3 +432,35 @@ def test_a_map_takes_the_result_of_a_sweep_and_says_regimes(tmp_path):
         sw.map(swept).regimes("delay")
     with pytest.raises(SceneError, match="SCENE = RunResult: must be the result"):
         sw.map(sw.run("paper", model="quasidynamic", until=20.0))
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("a_word", "returns x = 'word'; must return numbers by name, as {'x': 1.0}"),
+        ("a_list", "returns x = array([0., 1., 2.]); must return numbers by name, as {'x': 1.0}"),
+        ("a_status", "returns a number called 'status'; its name must be another text"),
+        ("a_number", "returns 1.0; must return numbers by name, as {'x': 1.0}"),
+        ("two_lines", "RuntimeError: no way"),
+    ],
+)
+def test_a_measure_that_returns_no_numbers_says_so(name, reason):
+    """Before, its process died, and was said to have run out of memory."""
+    label = f"tests.validation.sweep_measures:{name}"
+    found = sw.sweep("paper", vary="b=0.049,0.05", measure=label, executor=Here()).dataset
+    wanted = reason if name == "two_lines" else f"--measure = {label!r}: {reason}"
+    assert [*found.reason.values.ravel()] == [wanted, wanted]
+
+
+def test_a_measure_may_return_numbers_of_numpy_and_none():
+    found = sw.sweep("paper", vary="a=0.03,0.04", measure="tests.validation.sweep_measures:sizes", executor=Here()).dataset
+    assert found["flag"].values.ravel().tolist() == [1.0, 1.0]
+    assert found["count"].values.ravel().tolist() == [3.0, 3.0]
+
+
+def test_a_law_of_a_notebook_is_refused_before_processes_look_for_it(monkeypatch):
+    monkeypatch.setattr(LAWS["slip"].parameters, "__module__", "__main__")
+    told = r"^friction law 'slip': is registered in the main part of a script or in a notebook, .*: write it to a file, and give"
+    with pytest.raises(SceneError, match=told):
+        sw.sweep("slip-law", vary="b=0.049,0.05", measure="stability", workers=1)
+    assert sw.sweep("slip-law", vary="b=0.049,0.05", measure="stability", executor=Here()).summary["done"] == 2
