@@ -253,3 +253,18 @@ def test_threads_of_blas_sleep_while_a_command_of_python_computes(work):
     if not by_a_product:
         pytest.skip("BLAS has one thread here")
     assert woken == 0
+
+
+def test_a_family_that_is_edited_and_loaded_again_is_the_one_that_is_analysed(tmp_path):
+    """Before, `stability` kept the numbers of the first."""
+    text = (
+        "from reduced.impedance.reduction import Reduction\nfrom slipwave.family import Family\n"
+        'EDITED = Family("edited", f"{__name__}:edited", "a block")\n'
+        "def edited(scene, name):\n    return Reduction(name, mass=1.0 / 12.0)\n"
+    )
+    path, found = tmp_path / "edited.py", []
+    for mass in ("12.0", "8.0"):
+        path.write_text(text.replace("12.0", mass))
+        found.append(sw.stability("paper", "edited", family=path).log10_r_c)
+    assert found == [sw.stability("paper", block).log10_r_c for block in ("block12", "block8")]
+    assert found[0] != found[1]
