@@ -42,9 +42,8 @@ def parse_toml(text: str) -> dict[str, Any]:
 
 
 def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
-    """A copy of `data` with every override set, in order, but every `kind` and `law`, on which
-    other keys depend, first; it shares the tables that do not change. Raises
-    SceneError on text that is not `key=value`."""
+    """A copy of `data` with every override set, in order, but every `kind` and `law`, on which other keys depend, first; it
+    shares the tables that do not change. Raises SceneError on text that is not `key=value`."""
     if isinstance(overrides, Mapping):
         pairs = [(_key(str(key)), copy.deepcopy(value)) for key, value in overrides.items()]
     else:

@@ -8,8 +8,6 @@ from typing import Any
 
 from fullwave.families import FullWave
 from reduced.families import REDUCTIONS
-from reduced.stability.characteristic import characteristic
-from reduced.stability.spectrum import certified, spectrum
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.friction.own import own_law
@@ -34,6 +32,9 @@ def load_families(path: Path) -> list[Family]:
     path, label = path.resolve(), f"--family = {str(path)!r}"
     module = run_file(path, f"own_family_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}", label)
     before = _OWN.pop(path, [])
+    from reduced.stability.characteristic import characteristic  # imported here to keep the start of runs fast
+    from reduced.stability.spectrum import certified, spectrum
+
     for known_by_name in (characteristic, spectrum, certified):  # of the families before
         known_by_name.cache_clear()
     lists: tuple[list[Any], ...] = (FAMILIES, GRIDS, REDUCTIONS)
