@@ -31,6 +31,11 @@ def held(scene: Scene, before: Scene) -> Scene:
     return dataclasses.replace(scene, upper=upper, lower=lower)
 
 
+def thickened(scene: Scene, factor: float) -> Scene:
+    """The scene with both slabs `factor` times as thick, of the same material, held by the same faces."""
+    return held(scaled(scene, round_trip=factor), scene)
+
+
 def scaling(scene: Scene) -> Scene:
     """The scene with faces that keep their ratios to the slabs, whatever they were given in."""
     return _both(scene, lambda slab: dataclasses.replace(slab, face=dataclasses.replace(slab.face, own=frozenset())))

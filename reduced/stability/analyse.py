@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from reduced.impedance import is_exact
-from reduced.parameters import held, scaled
+from reduced.parameters import thickened
 from reduced.stability.characteristic import characteristic
 from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.crossing import critical_factor
@@ -139,11 +139,6 @@ def stability_in_si(scene: Scene, stability: Stability) -> PhysicalStability | N
         frequency=abs(stability.leading_roots[0].imag) / (2.0 * math.pi * units.time) if stability.leading_roots else math.nan,
         missing=tuple(missing),
     )
-
-
-def thickened(scene: Scene, factor: float) -> Scene:
-    """The scene with both slabs `factor` times as thick, of the same material, held by the same faces."""
-    return held(scaled(scene, round_trip=factor), scene)
 
 
 def _critical_factor(scene: Scene, stability: Stability) -> float:

@@ -9,6 +9,7 @@ from one_port_scenes import EPSILON, EVERY, LOSSY, PAPER, ROUND_TRIP, paper, sce
 
 import slipwave
 from reduced import closed_forms
+from reduced.parameters import thickened
 from reduced.stability import (
     analyse,
     characteristic,
@@ -22,7 +23,7 @@ from reduced.stability import (
     spectrum,
     unstable_count,
 )
-from reduced.stability.analyse import stability_in_si, thickened
+from reduced.stability.analyse import stability_in_si
 from reduced.stability.spectrum import _polish, _zeros_in
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import respond, steady_state, unknown_of

@@ -9,9 +9,9 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import slipwave
-from reduced.parameters import scaled
+from reduced.parameters import scaled, thickened
 from reduced.stability import analyse, characteristic, unstable_count
-from reduced.stability.analyse import stability_in_si, thickened
+from reduced.stability.analyse import stability_in_si
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.ageing import Ageing, AgeingRegularised
 from slipwave.friction.slip import Slip, SlipRegularised
