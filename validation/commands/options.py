@@ -164,7 +164,7 @@ class SceneOptions(Frozen):
         given = read(source, [*self._texts, *length])
         changes = {**(self.set or {}), **self.changes}
         law = {key: value for key, value in dotted(changes).items() if key.rpartition(".")[2] == "law"}  # its keys are known then
-        tables = apply_overrides(given.tables or {}, law)
+        tables = apply_overrides(given.tables or {}, law) if law else given.tables or {}
         for key, value in changes.items():
             if not endings(key.split("."), tables):
                 guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])
