@@ -23,6 +23,7 @@ _ALIKE = (1e-3, 1e-4, 1e-5)
 """Relative changes of period and size from cycle to cycle at which Newton's method starts: at the first; if that fails, at the
 next."""
 
+_SPREAD = 0.03  # relative spread of sizes up to which cycles that do not settle in time are those around an orbit
 _LAST = 3
 _CYCLES = 24  # after so many that still change, it starts from the mean of so many more
 _RETURNS = 8  # closest returns from which an orbit is sought
@@ -164,11 +165,14 @@ def _between(solver: FlowingSolver, observer: EventObserver, tolerance: float, p
 
 
 def _require_orbit(solver: Solver, events: Events, most: float) -> None:
-    """Raises NumericsError if a run of `most` transits is not near an orbit; cycles that still grow may be near enough."""
+    """Raises NumericsError if a run of `most` transits is not near an orbit; cycles that still grow, or hardly change to and fro,
+    may be near enough."""
     count, sizes = events.time.size, events.elastic_stress_drop
-    if count >= _LAST and sizes[-1] > sizes[0]:
+    falls = count >= _LAST and _drifts(events)
+    if count >= _LAST and (sizes[-1] > sizes[0] or (not falls and np.ptp(sizes) < _SPREAD * sizes[-1])):
         return
-    made = f"made {count} cycles in its second half" + (", each smaller than the one before" if count >= _LAST else "")
+    became = ", each smaller than the one before" if falls else ", the last smaller than the first"
+    made = f"made {count} cycles in its second half" + (became if count >= _LAST else "")
     raise NumericsError(f"{solver.model}: a run of {most:.0f} transits {made}: no orbit near it; {_advice(solver.scene)}")
 
 
