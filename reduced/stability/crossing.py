@@ -64,6 +64,13 @@ def critical_factor(at: Callable[[float], Scene], model: str, start: float = 1.0
         """Whether a root lies in the right half plane for this exponent."""
         return unstable_count(problem(exponent)) > 0
 
+    def growing(exponent: float) -> complex:
+        """The leading root for this exponent."""
+        roots = leading_roots(problem(exponent), 2)
+        if not roots.size:
+            raise NumericsError("stability: the root that grows is neutral within rounding: friction and slabs balance at rest")
+        return complex(roots[0])
+
     last, step = math.log2(start), _FIRST_STEP
     began = unstable(last)
     while True:
@@ -77,13 +84,13 @@ def critical_factor(at: Callable[[float], Scene], model: str, start: float = 1.0
     for width in (1.0, 1e-4):
         low, high = _halved(unstable, low, high, width)
         try:
-            exponent, omega = between(problem, low, high, complex(leading_roots(problem(high), 2)[0]))
+            exponent, omega = between(problem, low, high, growing(high))
         except NumericsError:  # no single root can be followed from one end to the other
             continue
         if is_lost(lambda factor: problem(math.log2(factor)), 2.0**exponent):
             return 2.0**exponent, omega
     _, high = _halved(unstable, low, high, 1e-12 * max(1.0, abs(low)))
-    return 2.0**high, abs(float(leading_roots(problem(high), 1)[0].imag))
+    return 2.0**high, abs(growing(high).imag)
 
 
 def _halved(unstable: Callable[[float], bool], low: float, high: float, width: float) -> tuple[float, float]:

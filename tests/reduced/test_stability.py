@@ -15,6 +15,7 @@ from reduced.stability import (
     characteristic,
     critical_epsilon,
     critical_round_trip,
+    crossing,
     error_law,
     essential_abscissa,
     friction_slopes,
@@ -127,6 +128,13 @@ def test_critical_values_part_stable_from_unstable(name, model):
         return
     counts = [unstable_count(characteristic(scaled(scene, round_trip=r / scene.transit * f), model)) for f in (0.999, 1.001)]
     assert counts == [0, 2]
+
+
+def test_no_critical_r_is_told_where_the_root_that_grows_cannot_be_told_from_zero(monkeypatch):
+    """As without a spring at the critical epsilon, where steady sliding gives way at s = 0 whatever r."""
+    monkeypatch.setattr(crossing, "leading_roots", lambda *_: np.empty(0, dtype=complex))
+    with pytest.raises(NumericsError, match="neutral within rounding"):
+        crossing.critical_factor(lambda factor: paper(ROUND_TRIP * factor), "delay")
 
 
 @pytest.mark.parametrize("name", EVERY)
