@@ -46,7 +46,7 @@ def command_line(module: str, name: str) -> tuple[Callable[..., None], str, tupl
 
     def act(source: str | None, options: SceneOptions, files: Files, json: bool) -> None:
         """Compute, print, write."""
-        needed = made.wanted_for({one.name: path for one, path in files.items()})
+        needed = made.wanted_for({one.name: path for one, path in files.items()}, options)
         options = replace(options, **needed)
         _finish(compute(source, options), options, files, json)
 

@@ -150,8 +150,8 @@ class Result(Frozen, ABC):
         return ()
 
     @classmethod
-    def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
-        """The Python options required by files of these names (`Output.name`)."""
+    def wanted_for(cls, files: Mapping[str, Path | None], options: Any) -> dict[str, Any]:
+        """The Python options required by files of these names (`Output.name`). Raises SceneError for `options` that need more."""
         return {}
 
     @property

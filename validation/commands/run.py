@@ -126,9 +126,13 @@ class RunResult(Result):
     )
 
     @classmethod
-    def wanted_for(cls, files: Mapping[str, Path | None]) -> dict[str, Any]:
+    def wanted_for(cls, files: Mapping[str, Path | None], options: Any) -> dict[str, Any]:
         """The history for a record, and for a netCDF file if its scene records it; the fields for their files."""
         out, record = files["out"], {"interface": True} if files["series"] else {}
+        for name in ("every", "rate", "window"):
+            if getattr(options, name) is not None and not (out or record or (name == "window" and files["plot"])):
+                of = "the interface's history, and no file holds it: give --out FILE.nc or --series FILE.csv"
+                raise SceneError(f"--{name} = {getattr(options, name)}: keeps a part of {of}")
         if out is None:
             return {"interface": False, "fields": files["fields"] is not None} | record
         return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {}) | record
@@ -321,7 +325,8 @@ class RunResult(Result):
         if the run kept no history (`interface`), or if it cannot be written."""
         history = self.records.history
         if history is None or history.problem:
-            raise SceneError(history.problem if history else "a record needs the interface's history: run with interface=True")
+            why = "a record needs the interface's history: run with interface=True"
+            raise SceneError(why if history is None else history.problem)
         chosen = any(self.options[name] is not None for name in ("every", "rate", "window"))
         every = 1 if chosen else max(1, math.ceil(len(history) / MOST_LINES))
         if every > 1:
