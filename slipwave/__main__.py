@@ -14,8 +14,9 @@ _INTERRUPTED = 130
 
 def main() -> int:
     """Run the command of the process; the exit status is 2 if a file of the user hides one of our packages."""
-    if signal.getsignal(signal.SIGTERM) is signal.SIG_DFL:  # from a batch system or `timeout`: as Ctrl-C, what is known is kept
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for name in {"SIGTERM", "SIGHUP"} & {*dir(signal)}:  # from `timeout`, a terminal that closes: as Ctrl-C, results are kept
+        if signal.getsignal(getattr(signal, name)) is signal.SIG_DFL:
+            signal.signal(getattr(signal, name), signal.default_int_handler)
     try:
         return _run()
     except KeyboardInterrupt:  # while the command line was still imported

@@ -41,6 +41,7 @@ def _end_with(work, out, err):
         sys.stdout, sys.stderr = (os.fdopen(number, "w", buffering=1) for number in (1, 2))
         signal.signal(signal.SIGINT, signal.default_int_handler)  # may be ignored where tests are run
         signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        signal.signal(signal.SIGHUP, signal.SIG_DFL)
         status = work()
     except BaseException:
         traceback.print_exc()

@@ -123,7 +123,8 @@ class _OnStderr(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one message."""
-        typer.echo(record.getMessage(), err=True)
+        with suppress(OSError):  # a full disk, or a terminal that was closed, ends no run
+            typer.echo(record.getMessage(), err=True)
 
 
 _ON_STDERR = _OnStderr()
@@ -208,7 +209,8 @@ def _abandon_stdout() -> None:
 def _say(message: object, status: int) -> int:
     """Print one line on stderr, without control characters of a terminal."""
     line = " ".join(str(message).split())
-    print("slipwave: " + "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line), file=sys.stderr)
+    with suppress(OSError):  # a terminal that was closed
+        print("slipwave: " + "".join(sign if sign.isprintable() else repr(sign)[1:-1] for sign in line), file=sys.stderr)
     try:
         sys.stdout.flush()
     except OSError:

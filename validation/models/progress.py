@@ -7,7 +7,7 @@ import math
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -107,7 +107,8 @@ class _Meter:
     def close(self) -> None:
         """Remove the bar from the screen."""
         if self._bar is not None:
-            self._bar.stop()
+            with suppress(OSError):  # a terminal that was closed
+                self._bar.stop()
 
 
 def _in_words(left: tuple[float, float] | None) -> str:

@@ -1,5 +1,6 @@
 """Runs that are killed, interrupted or meet a full disk: what is kept, what is said, and how they go on."""
 
+import errno
 import itertools
 import json
 import os
@@ -22,6 +23,7 @@ from slipwave.solve import follow
 from tests.copies import interrupted, interrupted_within_a_callback, killed, on_small_disk
 from validation.commands.cli import INPUT_WRONG, INTERRUPTED, NUMERICS_FAILED, main
 from validation.models.build import build
+from validation.models.progress import progress
 
 BASE = ["run", "paper", "--model", "dg:7", "--json"]
 
@@ -88,7 +90,7 @@ def stopped(words, at, folder, until, by=signal.SIGINT):
     return done.stdout, float(found[1]), found[2]
 
 
-@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_run_without_checkpoints_keeps_what_it_has(tmp_path, by):
     words = ["run", "paper", "--model", "delay", "--until", "40000", "--json", "--out", "x.nc"]
     out, time, how_to_resume = stopped(words, 2000.0, tmp_path, "40000", by)
@@ -139,6 +141,7 @@ FULL = Path("/dev/full")
     [
         ("run paper --model delay --until 400 --out x.nc", "x.nc"),
         ('run paper --model delay --until 400 --out x.nc --set run.record=["events","interface"]', "samples"),
+        ("run paper --model delay --until 400 --series x.csv", "samples"),
         ("run paper --model fd --cells 16 --until 110 --fields x.nc", "x.nc"),
         ("compare paper --models delay --until 400 --out x.pdf", "x.pdf"),
     ],
@@ -159,6 +162,40 @@ def test_a_stdout_that_takes_nothing_is_one_line(tmp_path, words):
     told = "slipwave: the result cannot be written to stdout: no space left on device"
     assert (done.returncode, done.stderr.splitlines()[-1], "Traceback" in done.stderr) == (INPUT_WRONG, told, False)
     assert [path.name for path in tmp_path.iterdir()] == (["x.nc"] if "x.nc" in words else [])
+
+
+class Terminal(StringIO):
+    """A terminal that may be closed, after which nothing can be written to it."""
+
+    gone = False
+
+    def isatty(self):
+        return True
+
+    def write(self, text):
+        if self.gone:
+            raise OSError(errno.EIO, "Input/output error")
+        return super().write(text)
+
+
+@pytest.mark.parametrize(("words", "status"), [("run unlike --until 5 --out x.nc", 0), ("run no-such-scene", INPUT_WRONG)])
+def test_a_stderr_that_takes_nothing_changes_nothing(tmp_path, monkeypatch, words, status):
+    """Notes, the model that `auto` chose and the last line are written there."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    terminal.gone = True
+    assert main(words.split()) == status
+    assert [path.name for path in tmp_path.iterdir()] == (["x.nc"] if "x.nc" in words else [])
+
+
+def test_work_goes_on_when_the_terminal_of_its_bar_is_closed(monkeypatch):
+    monkeypatch.setattr("validation.models.progress.PATIENCE", 0.0)
+    monkeypatch.setattr(sys, "stderr", terminal := Terminal())
+    with progress("work", 1.0) as report:
+        report(0.5)
+        terminal.gone = True
+        report(0.7)
+    assert "work" in terminal.getvalue()
 
 
 COARSE = ["--set", "slab.r=1", "--until", "40"]
