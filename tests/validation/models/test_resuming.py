@@ -141,7 +141,6 @@ FULL = Path("/dev/full")
     [
         ("run paper --model delay --until 400 --out x.nc", "x.nc"),
         ('run paper --model delay --until 400 --out x.nc --set run.record=["events","interface"]', "samples"),
-        ("run paper --model delay --until 400 --series x.csv", "samples"),
         ("run paper --model fd --cells 16 --until 110 --fields x.nc", "x.nc"),
         ("compare paper --models delay --until 400 --out x.pdf", "x.pdf"),
     ],
@@ -151,6 +150,15 @@ def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, 
     assert (done.returncode, json.loads(done.stdout)["until"] in (110.0, 400.0)) == (INPUT_WRONG, True), done.stderr
     assert re.match(rf"slipwave: .*{file}.*cannot be written: file too large", done.stderr.splitlines()[-1])
     assert ("Traceback" in done.stderr, list(tmp_path.iterdir())) == (False, [])
+
+
+def test_a_history_of_which_nothing_could_be_written_names_its_file(tmp_path, monkeypatch, capsys):
+    """Its name is that of the checkpoint with an ending, which is too long."""
+    monkeypatch.chdir(tmp_path)
+    words = ["run", "paper", "--model", "block8", "--until", "20", "--checkpoint", f"{'e' * 250}.npz", "--series", "x.csv"]
+    assert main(words) == INPUT_WRONG
+    line = capsys.readouterr().err.splitlines()[-1]
+    assert line == f"slipwave: the interface's history in '{'e' * 250}.npz.samples' cannot be written: file name too long"
 
 
 @pytest.mark.skipif(not FULL.exists(), reason="this system has no /dev/full")
