@@ -151,7 +151,7 @@ class Result(Frozen, ABC):
 
     @classmethod
     def wanted_for(cls, files: Mapping[str, Path | None], options: Any) -> dict[str, Any]:
-        """The Python options required by files of these names (`Output.name`). Raises SceneError for `options` that need more."""
+        """The Python options required by files of these names (`Output.name`). Notes which `options` nothing uses."""
         return {}
 
     @property

@@ -131,8 +131,9 @@ class RunResult(Result):
         out, record = files["out"], {"interface": True} if files["series"] else {}
         for name in ("every", "rate", "window"):
             if getattr(options, name) is not None and not (out or record or (name == "window" and files["plot"])):
-                of = "the interface's history, and no file holds it: give --out FILE.nc or --series FILE.csv"
-                raise SceneError(f"--{name} = {getattr(options, name)}: keeps a part of {of}")
+                log.info(
+                    "note: --%s changes nothing: no file holds the interface's history (--out FILE.nc, --series FILE.csv)", name
+                )
         if out is None:
             return {"interface": False, "fields": files["fields"] is not None} | record
         return {"samples": part_of(out, ".samples")} | ({"fields": True} if files["fields"] else {}) | record

@@ -190,6 +190,18 @@ def test_a_doubt_is_a_note_on_stderr_and_in_the_json(command, capsys, tmp_path, 
     assert [line for line in printed.err.splitlines() if line.startswith("note: slab.")] == [f"note: {one}" for one in told]
 
 
+@pytest.mark.parametrize(
+    ("files", "told"), [("--json", "every rate"), ("--events x.csv", "every rate"), ("--out x.nc", ""), ("--series x.csv", "")]
+)
+def test_a_part_of_a_history_that_no_file_holds_is_noted(files, told, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    noted = []
+    for name in ("every", "rate"):
+        assert main(["run", "paper", "--model", "block8", "--until", "5", f"--{name}", "3", *files.split()]) == 0
+        noted += [name] if f"note: --{name} changes nothing" in capsys.readouterr().err else []
+    assert " ".join(noted) == told
+
+
 STIFF = ["interface.a=0.0296", "interface.b=0.0591", "drive.velocity=80", "slab.epsilon=7.2e-5", "slab.r=0.0124"]
 """Thirty-two cells of sbp:6 end at ln v = -6.27 after 60 transits where the delay system has -5.31."""
 

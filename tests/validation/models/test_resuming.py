@@ -67,7 +67,7 @@ def test_killed_run_goes_on_to_the_same_bits(tmp_path, uninterrupted, place):
 def test_what_does_not_belong_is_refused(tmp_path, printed, refused, monkeypatch, words, hint):
     monkeypatch.chdir(tmp_path)
     printed(*BASE, "--until", "200", "--checkpoint", "run.npz", "--checkpoint-every", "90")
-    options = {"--model": "dg:7", "--until": "200", "--checkpoint": "run.npz", "--plot": "x.png"} | dict([words])
+    options = {"--model": "dg:7", "--until": "200", "--checkpoint": "run.npz"} | dict([words])
     assert hint in refused("run", "paper", "--json", *itertools.chain(*options.items()))
 
 
