@@ -10,7 +10,6 @@ from reduced.impedance.reduction import Reduction
 from reduced.impedance.transmission_line import Complex, Jet, Ratio, pair_ratio
 from slipwave.scene import Scene
 
-_POLE_TOLERANCE = 1e-9
 _HIGHEST = 200.0  # radians per transit
 
 
@@ -46,9 +45,7 @@ def check_passivity(scene: Scene, model: str = "delay") -> tuple[bool, float, co
     if not is_exact(model):  # that is a chain of passive sections
         reduced = analysed(scene, model)
         s = np.append(s, 1j * np.maximum(reduced.sign_frequencies(), 1e-6))
-        poles, residues = reduced.poles_and_residues()
-        on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
-        bad = bool(np.any((poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))))
+        bad = not reduced.is_passive
     p, q = (jet.value for jet in ratio_of(scene, model)(Jet.variable(s / scene.transit)))
     real = (q * p.conj()).real / (np.abs(q) * np.abs(p) + 1e-300)  # relative to |Z|
     lowest = int(np.argmin(real))

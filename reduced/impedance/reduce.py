@@ -17,6 +17,7 @@ from reduced.families import REDUCTIONS
 from reduced.impedance.reduction import TABULATED, TAYLOR, Reduction, mode_count, reduction
 from reduced.impedance.transmission_line import Jet, drive_ratio, pair_ratio
 from slipwave.errors import SceneError
+from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.slab import Slab
 
@@ -125,8 +126,10 @@ def reduction_of(scene: Scene, name: str) -> Reduction:
     refusal = family.refusal(scene)
     if refusal:
         raise SceneError(f"model = {name!r}: cannot do {refusal}; use fitted:N, delay or a full wave for this scene")
-    made: Reduction = family.maker()(scene, name)
-    return made
+    made = family.maker()(scene, name)
+    if not isinstance(made, Reduction):
+        raise SceneError(f"model = {name!r}: {family.made_by} must return a Reduction, not {shorten(made)}")
+    return made.of_slabs()
 
 
 def analysed(scene: Scene, name: str) -> Reduction:

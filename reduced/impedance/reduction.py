@@ -33,13 +33,28 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from reduced.families import MOST_MODES, REDUCTIONS
 from reduced.impedance.transmission_line import Complex, Jet, Ratio
 from slipwave.errors import SceneError
+from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
+
+_POLE_TOLERANCE = 1e-9
+_ALLOWED: dict[str, tuple[int, Any, str]] = {
+    "mass": (0, 0.0, "a number from 0"),
+    "damping": (0, 0.0, "a number from 0"),
+    "spring": (0, 0.0, "a number from 0"),
+    "frequencies": (1, 1e-12, "a tuple of numbers above 0"),
+    "residues": (1, -math.inf, "a tuple of numbers"),
+    "decays": (1, 0.0, "a tuple of numbers from 0"),
+    "offsets": (1, -math.inf, "a tuple of numbers"),
+    "relaxations": (2, (-math.inf, 1e-12), "a tuple of pairs (strength, rate above 0)"),
+}
+"""Field -> depth of its tuples, least value, and what it must be."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +77,36 @@ class Reduction:
     spring: float = 1.0
     transfer: "Reduction | None" = None
     is_fitted: bool = False
+
+    def of_slabs(self) -> "Reduction":
+        """Itself. Raises SceneError, which names the first of its values that no passive slabs have."""
+        for key, (depth, least, form) in _ALLOWED.items():
+            value = getattr(self, key)
+            many = {len(self.frequencies), 0 if key in ("decays", "offsets") else len(self.frequencies)}
+            try:
+                numbers = np.asarray(value, dtype=float)
+                shaped = (numbers.ndim, numbers.shape[1:]) == (depth, np.shape(least)) and hash(value) is not None
+                fits = (depth > 0 and value == ()) or (shaped and bool(np.all((numbers >= least) & (numbers < math.inf))))
+            except (TypeError, ValueError):  # no numbers, or a list
+                fits = False
+            if not fits:
+                raise SceneError(f"model = {self.name!r}: {key} = {shorten(value)}: must be {form}")
+            if depth == 1 and len(value) not in many:
+                raise SceneError(f"model = {self.name!r}: {key} = {shorten(value)}: must be as many as frequencies")
+        if not self.is_passive:
+            raise SceneError(f"model = {self.name!r}: is not passive: Re Z(i omega) is negative; change its residues or offsets")
+        return self
+
+    @cached_property
+    def is_passive(self) -> bool:
+        """Whether Re Z >= 0 wherever its sign may change, no pole grows, and those on the axis have positive residues."""
+        poles, residues = self.poles_and_residues()
+        on_axis = np.abs(poles.real) <= _POLE_TOLERANCE
+        if np.any((poles.real > _POLE_TOLERANCE) | (on_axis & (residues.real < 0.0))):
+            return False
+        s = () if self.is_lossless else np.maximum(self.sign_frequencies(), 1e-6)
+        p, q = (jet.value / (np.abs(jet.value) + 1e-300) for jet in self.ratio(1.0, 1.0, Jet.variable(1j * np.array(s))))
+        return bool(np.all((q * p.conj()).real >= -1e-9))
 
     @cached_property
     def modes(self) -> tuple[tuple[float, float, float, float], ...]:

@@ -121,6 +121,24 @@ def test_a_full_wave_and_a_reduction_of_ones_own(file, answer):
     assert sw.models(family=file)["mine:P"] == "my elements"
 
 
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ("mass=-1.0", "mass = -1.0: must be a number from 0"),
+        ("frequencies=(6.0, 7.0), residues=(2.0,)", r"residues = \(2.0,\): must be as many as frequencies"),
+        ("mass=0.1, relaxations=((1.0, -2.0),)", r"relaxations = .*: must be a tuple of pairs \(strength, rate above 0\)"),
+        ("mass=0.1, frequencies=(6.0,), residues=(-0.5,)", "is not passive: Re Z"),
+        ("damping=0.1, frequencies=(6.0,), residues=(0.1,), decays=(0.1,), offsets=(-5.0,)", "is not passive: Re Z"),
+    ],
+)
+def test_values_that_no_slabs_have_are_named(file, values, told):
+    """Before, some made a traceback, some a critical r, and runs blamed the numerics."""
+    file.write_text(ELEMENTS.replace("mass=0.1", values))
+    for command in (sw.stability, sw.run):
+        with pytest.raises(sw.SceneError, match=rf"^model = 'block10': {told}"):
+            command("paper", "block10", family=file)
+
+
 def test_a_file_that_is_loaded_again_replaces_its_own(file):
     load_families(file)
     file.write_text(ELEMENTS.replace("my elements", "better elements"))
