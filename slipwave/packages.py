@@ -58,6 +58,22 @@ def own_file(thing: Any) -> OwnFile | None:
 
 
 @contextmanager
+def kept_if_wrong(name: str, *known: Any) -> Iterator[None]:
+    """Context in which a user's file becomes the module `name`; an error puts back what that and the lists and tables `known`
+    were before."""
+    module, contents = sys.modules.get(name), [one.copy() for one in known]
+    try:
+        yield
+    except BaseException:
+        if module:
+            sys.modules[name] = module
+        for one, content in zip(known, contents, strict=True):
+            one.clear()
+            (one.update if isinstance(one, dict) else one.extend)(content)
+        raise
+
+
+@contextmanager
 def no_exit(label: str) -> Iterator[None]:
     """Context in which the user's code cannot end the program: if it tries, `ended` is raised."""
     try:

@@ -7,7 +7,7 @@ from typing import Any
 
 from slipwave.errors import SceneError
 from slipwave.friction.law import LAWS
-from slipwave.packages import OwnFile, own_file, run_file
+from slipwave.packages import OwnFile, kept_if_wrong, own_file, run_file
 
 LAW_FILES: dict[Path, None] = {}
 """The files that were run, in order; processes that are started later run them too."""
@@ -18,12 +18,13 @@ def load_laws(path: Path) -> list[str]:
 
     It is called on the user's request only, never by a scene. Raises SceneError if the file cannot be run or registers no law.
     """
-    label = f"--law = {str(path)!r}"
+    label, name = f"--law = {str(path)!r}", f"own_law_{path.stem}"
     before = dict(LAWS)
-    run_file(path, f"own_law_{path.stem}", label)
-    names = [name for name, law in LAWS.items() if before.get(name) is not law]
-    if not names:
-        raise SceneError(f"{label}: registers no friction law: call slipwave.friction.register(...) in it")
+    with kept_if_wrong(name, LAWS):
+        run_file(path, name, label)
+        names = [name for name, law in LAWS.items() if before.get(name) is not law]
+        if not names:
+            raise SceneError(f"{label}: registers no friction law: call slipwave.friction.register(...) in it")
     LAW_FILES[path.resolve()] = None
     for name in names:
         own_law(name)  # its digest is that of the text that was run

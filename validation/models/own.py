@@ -11,7 +11,7 @@ from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.friction.own import own_law
-from slipwave.packages import OwnFile, own_file, run_file
+from slipwave.packages import OwnFile, kept_if_wrong, own_file, run_file
 from slipwave.solve import FieldSolver
 from validation.models.by_name import FAMILIES, GRIDS, add_family, family_of
 
@@ -30,25 +30,25 @@ def load_families(path: Path) -> list[Family]:
 
     Raises SceneError if the file cannot be run or declares none, for a name that is taken, and as `require_members`."""
     path, label = path.resolve(), f"--family = {str(path)!r}"
-    module = run_file(path, f"own_family_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}", label)
-    before = _OWN.pop(path, [])
-    from reduced.stability.characteristic import characteristic  # imported here to keep the start of runs fast
-    from reduced.stability.spectrum import certified, spectrum
-
-    for known_by_name in (characteristic, spectrum, certified):  # of the families before
-        known_by_name.cache_clear()
+    name = f"own_family_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
     lists: tuple[list[Any], ...] = (FAMILIES, GRIDS, REDUCTIONS)
-    for known in lists:
-        known[:] = [one for one in known if one not in before]
-    of_others = {id(one) for one in FAMILIES}
-    declared = [one for one in vars(module).values() if isinstance(one, Family) and id(one) not in of_others]
-    if not declared:
-        raise SceneError(
-            f'{label}: declares no family of models: NAME = FullWave("name", f"{{__name__}}:Class", ...), see docs/extending.md'
-        )
-    for family in declared:
-        _require_members(family, label)
-        add_family(family, label)
+    with kept_if_wrong(name, *lists):
+        module = run_file(path, name, label)
+        from reduced.stability.characteristic import characteristic  # imported here to keep the start of runs fast
+        from reduced.stability.spectrum import certified, spectrum
+
+        for known_by_name in (characteristic, spectrum, certified):  # of the families before
+            known_by_name.cache_clear()
+        for known in lists:
+            known[:] = [one for one in known if one not in _OWN.get(path, [])]
+        of_others = {id(one) for one in FAMILIES}
+        declared = [one for one in vars(module).values() if isinstance(one, Family) and id(one) not in of_others]
+        if not declared:
+            hint = 'NAME = FullWave("name", f"{__name__}:Class", ...), see docs/extending.md'
+            raise SceneError(f"{label}: declares no family of models: {hint}")
+        for family in declared:
+            _require_members(family, label)
+            add_family(family, label)
     own_file(module)  # its digest is that of the text that was run
     _OWN[path] = declared
     return declared

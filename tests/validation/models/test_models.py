@@ -147,6 +147,17 @@ def test_a_file_that_is_loaded_again_replaces_its_own(file):
     assert own_files() == [file.resolve()]
 
 
+@pytest.mark.parametrize(("old", "new"), [("mass=0.1", "mass=0.1]"), (":block10", ":no"), (ELEMENTS, "import math")])
+def test_a_file_that_is_wrong_when_it_is_loaded_again_leaves_its_families_as_they_were(file, old, new):
+    """Before, the families of the version before it were gone, or made by what there was of the wrong one."""
+    before = sw.run("paper", "block10", family=file, until=5.0).final
+    file.write_text(ELEMENTS.replace(old, new, 1))
+    with pytest.raises(sw.SceneError, match="--family = "):
+        load_families(file)
+    assert sw.run("paper", "block10", until=5.0).final == before
+    assert sw.models()["mine:P"] == "my elements"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
