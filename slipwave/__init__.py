@@ -6,7 +6,6 @@ used, so that `import slipwave` stays light: numba and pydantic take longer than
 """
 
 from importlib import import_module
-from typing import Any
 
 with open(f"{__file__}i", encoding="utf-8") as _stub:  # pathlib takes longer to import than all of this
     _PLACES = {words[-1]: words[1] for words in map(str.split, _stub) if words[:1] == ["from"]}
@@ -15,7 +14,7 @@ with open(f"{__file__}i", encoding="utf-8") as _stub:  # pathlib takes longer to
 __all__ = list(_PLACES)
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """What has this `name`; for a command, raises ImportError naming the user's file that hides one of our packages."""
     if name == "__version__":
         return import_module("importlib.metadata").version("slipwave")

@@ -5,9 +5,6 @@ import signal
 import sys
 from importlib import import_module
 
-from slipwave.hidden import hidden_package
-from slipwave.threads import one_thread_by_default
-
 _OBJECTS_BEFORE_COLLECTION = 1_000_000
 _INTERRUPTED = 130
 
@@ -19,12 +16,15 @@ def main() -> int:
             signal.signal(getattr(signal, name), signal.default_int_handler)
     try:
         return _run()
-    except KeyboardInterrupt:  # while the command line was still imported
+    except KeyboardInterrupt:  # while the command line was still imported, as little as possible of it before this function
         print("slipwave: interrupted", file=sys.stderr)
         return _INTERRUPTED
 
 
 def _run() -> int:
+    from slipwave.hidden import hidden_package
+    from slipwave.threads import one_thread_by_default
+
     line = hidden_package()
     if line:
         print(f"slipwave: {line}", file=sys.stderr)
