@@ -7,8 +7,9 @@ wrong values follow from the field.
 import inspect
 import math
 import numbers
+import re
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cache, wraps
 from inspect import Parameter, Signature, get_annotations
@@ -346,7 +347,8 @@ def announced(model: str, why: str) -> str:
 
 def _plain(value: Any, hint: Any) -> Any:
     """Convert numpy numbers to Python's, and iterators to lists."""
-    if get_origin(hint) is Iterable and isinstance(value, Iterable) and not isinstance(value, str | Mapping):
+    are_listed = get_origin(hint) is Iterable and isinstance(value, Iterable) and not isinstance(value, str | Mapping)
+    if are_listed or isinstance(value, Iterator):
         return list(value)
     return value.item() if isinstance(value, np.generic) else value
 
@@ -417,6 +419,10 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
             raise ended(end) from end
         except NumbaError as error:
             raise refused_by_compiler(error) from error
+        except SceneError as error:
+            names = {one.flag: one.name for one in known.values()}
+            text = re.sub(r"(?<![\w-])--[a-z][a-z-]*", lambda flag: names.get(flag[0], flag[0]), str(error))
+            raise type(error)(text) from error
         if isinstance(result, Result) and (result.failed or result.stopped):
             raise (Stopped if result.stopped else NumericsError)(result.failed, result)
         return result

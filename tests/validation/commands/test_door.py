@@ -85,6 +85,9 @@ def test_a_scene_of_a_program_runs_as_long_as_wanted_but_has_no_keys_to_change()
         (lambda: sw.branch("paper", over=("log10_r", -2.7)), r"^over = \('log10_r', -2.7\): must be a text, \(a text, a number"),
         (lambda: sw.branch("paper", "log10_r", -2.7, -2.6), "^branch: too many positional arguments$"),
         (lambda: sw.run("paper", set={5: 1.0}), r"^set = \{5: 1.0\}: must be \{a text: values\} or None$"),
+        (lambda: sw.curve("paper", "LP", "V=90:95"), "^along: missing; must be given, as in along V=100:120$"),
+        (lambda: sw.branch("paper", "V=90:95", stop_at="no--over"), "^stop_at 'no--over': must be one of HB"),
+        (lambda: sw.sweep("paper", vary=iter(["V=1:2:2", "V=3:4:2"]), dry=True), "^vary: drive.velocity is given twice"),
         (lambda: sw.stability(), "^stability: missing a required argument: 'source'$"),
     ],
 )

@@ -162,7 +162,7 @@ def test_axes_of_words(tmp_path):
     assert [trace.name for trace in shown] == [
         f"delay, {law}, {kind}" for law in ("ageing", "slip") for kind in ("rigid", "grip")
     ]
-    with pytest.raises(SceneError, match=r"^--refine: interface\."):
+    with pytest.raises(SceneError, match=r"^refine: interface\."):
         sw.sweep("paper", vary=words | {"face.kind": ["rigid"]}, refine=1)
 
 
