@@ -85,3 +85,4 @@ REDUCTIONS = [
     ),
 ]
 FAMILIES = (DELAY, *REDUCTIONS)
+"""Those of slipwave; a user's own reductions are in `REDUCTIONS` alone."""

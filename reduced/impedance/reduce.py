@@ -10,10 +10,11 @@ beta_1 + beta_2 = k pi.
 """
 
 import math
+from typing import cast
 
 import numpy as np
 
-from reduced.families import REDUCTIONS
+from reduced.families import FAMILIES, REDUCTIONS
 from reduced.impedance.reduction import TABULATED, TAYLOR, Reduction, mode_count, reduction
 from reduced.impedance.transmission_line import Jet, drive_ratio, pair_ratio
 from slipwave.errors import SceneError
@@ -127,6 +128,8 @@ def reduction_of(scene: Scene, name: str) -> Reduction:
     if refusal:
         raise SceneError(f"model = {name!r}: cannot do {refusal}; use fitted:N, delay or a full wave for this scene")
     made = family.maker()(scene, name)
+    if family in FAMILIES:
+        return cast(Reduction, made)
     if not isinstance(made, Reduction):
         raise SceneError(f"model = {name!r}: {family.made_by} must return a Reduction, not {shorten(made)}")
     return made.of_slabs()

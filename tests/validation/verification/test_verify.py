@@ -125,10 +125,10 @@ def test_a_law_that_the_compiler_refuses_is_a_row(file, capsys):
 def test_what_no_row_would_use_is_refused(file):
     with pytest.raises(SceneError, match="V = 50: leave it out; without SCENE a scheme is judged"):
         sw.verify(model="sbp:6", V=50)
-    with pytest.raises(SceneError, match="^model: leave it out; the rows of a law"):
+    with pytest.raises(SceneError, match=r"^model: leave it out; the rows of a law"):
         sw.verify(law=ROOT / "examples" / "own_law.py", model="sbp:6")
     file.write_text(RIGHT)
-    with pytest.raises(SceneError, match="^model: missing; must name the member of family"):
+    with pytest.raises(SceneError, match=r"^model: missing; must name the member of family"):
         sw.verify("paper", family=file)
 
 
