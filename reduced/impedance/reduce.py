@@ -18,8 +18,10 @@ from reduced.families import FAMILIES, REDUCTIONS
 from reduced.impedance.reduction import TABULATED, TAYLOR, Reduction, mode_count, reduction
 from reduced.impedance.transmission_line import Jet, drive_ratio, pair_ratio
 from slipwave.errors import SceneError
+from slipwave.friction.ageing import Ageing
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
+from slipwave.scene.drive import Drive
 from slipwave.scene.slab import Slab
 
 _NOT_COUPLED = 1e-9
@@ -215,7 +217,9 @@ def fitted(scene: Scene, name: str) -> Reduction:
         return block12(scene, name)
     from reduced.impedance.fit import fit_scene
 
-    return fit_scene(scene, name, mode_count(name), _relaxed_spring(scene))
+    drive = Drive((0.0,), (1.0,)) if scene.drive.is_constant else scene.drive
+    slabs = Scene("", Ageing(0.0, 0.0, 0.0), scene.upper, scene.lower, drive)  # one fit, whatever the friction and V
+    return fit_scene(slabs, name, mode_count(name), _relaxed_spring(scene))
 
 
 def _slab_slope(x: float, rho: float) -> float:

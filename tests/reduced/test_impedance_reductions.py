@@ -1,5 +1,7 @@
 """The exact one-port and reductions as impedances: closed forms, by hand, passive at every frequency."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from one_port_scenes import EPSILON, EVERY, LAYERS, LOSSLESS, LOSSY, ROUND_TRIP, paper, scene_of, slab
@@ -9,6 +11,7 @@ import slipwave
 from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, reduction_of
 from reduced.impedance.reduction import Reduction
 from slipwave.errors import SceneError
+from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, StandardLinearViscosity
 from tests.one_port_by_hand import pair_impedance
 
@@ -89,6 +92,16 @@ def test_fits_below_half_the_first_mode_against_impedances_by_hand(name, count, 
     assert error.max() < allowed
     slow = 1e-4j / longest
     assert impedance(scene, slow, f"fitted:{count}") == pytest.approx(pair_impedance(scene, slow), rel=2e-5)
+
+
+@pytest.mark.parametrize("name", ["grip below", "standard linear"])
+def test_one_fit_serves_every_friction_and_constant_velocity(name):
+    scene = LOSSY[name]
+    direct = fit.fit_scene(scene, "fitted:3", 3, scene.stiffness / EPSILON)
+    fit.fit_scene.cache_clear()
+    others = [replace(scene, law=scene.law._replace(a=a), drive=Drive((0.0,), (v,))) for a, v in ((0.03, 1.0), (0.04, 50.0))]
+    assert [reduction_of(one, "fitted:3").residues for one in (scene, *others)] == [direct.residues] * 3
+    assert fit.fit_scene.cache_info().misses == 1
 
 
 @pytest.mark.parametrize(("share", "refused"), [(0.045, False), (-0.045, False), (0.056, True), (-0.056, True)])
