@@ -421,8 +421,8 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
             raise refused_by_compiler(error) from error
         except SceneError as error:
             names = {one.flag: one.name for one in known.values()}
-            error.args = (re.sub(r"(?<![\w-])--[a-z][a-z-]*", lambda flag: names.get(flag[0], flag[0]), str(error)),)
-            raise
+            text = re.sub(r"(?<![\w-])--[a-z][a-z-]*", lambda flag: names.get(flag[0], flag[0]), str(error))
+            raise type(error)(text).with_traceback(error.__traceback__) from None
         if isinstance(result, Result) and (result.failed or result.stopped):
             raise (Stopped if result.stopped else NumericsError)(result.failed, result)
         return result
