@@ -19,15 +19,18 @@ _STEP = 0.02  # of the rectangle's side
 _ROUNDS = 12
 _FAST = 0.1  # of the change before, at most, with an old matrix
 _DIFFERENCE = 1e-6
+_STILL = 1e-4  # change of the scaled parameters over that of ln omega, at most, where the frequency falls to 0
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """One curve on which a pair of roots is neutral: values of the `first` and `second` parameter, and `omega` (1/(L/V*))."""
+    """One curve on which a pair of roots is neutral: values of the `first` and `second` parameter, and `omega` (1/(L/V*));
+    `vanishing`: which of its ends (0, -1) are where the pair meets at s = 0."""
 
     first: Array
     second: Array
     omega: Array
+    vanishing: tuple[int, ...] = ()
 
 
 def boundary(
@@ -36,7 +39,8 @@ def boundary(
     """The stability boundaries under `model` of the scenes at two parameters, found in the rectangle `ranges` of these.
 
     A curve is found where the certified number of unstable roots changes along one of a few lines per parameter. It is followed
-    both ways until it leaves the rectangle, closes, or comes to where there is no scene.
+    both ways until it leaves the rectangle, closes, comes to where there is no scene, or its frequency falls to 0: without a
+    spring it ends where a single root crosses.
     """
     plane = _Plane(scene_at, model, np.array(ranges, dtype=float))
     curves: list[Array] = []
@@ -44,8 +48,8 @@ def boundary(
         apart = (np.linalg.norm(curve[:, 1:] - start[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - start[0]) for curve in curves)
         if all(distances.min() > 2.0 * _STEP for distances in apart):
             curves.append(_trace(plane, start))
-    points = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0])) for curve in curves]
-    return [Boundary(values[:, 0], values[:, 1], omega) for values, omega in points]
+    points = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0]), _vanishing(curve)) for curve in curves]
+    return [Boundary(values[:, 0], values[:, 1], omega, ends) for values, omega, ends in points]
 
 
 @dataclass(frozen=True)
@@ -121,7 +125,8 @@ def _crossings(plane: _Plane, low: Array, high: Array, growing: int) -> list[Arr
     for root in leading_roots(problem(1.0), growing)[::-1]:  # the last is the most likely to have crossed last
         with contextlib.suppress(NumericsError):
             share, omega = between(problem, 0.0, 1.0, complex(root))
-            return [np.concatenate([[math.log(omega)], low + share * (high - low)])]
+            if omega > 0.0:  # no single root, which crosses at s = 0
+                return [np.concatenate([[math.log(omega)], low + share * (high - low)])]
     return []
 
 
@@ -152,8 +157,20 @@ def _march(plane: _Plane, start: Array, direction: float) -> list[Array]:
             tangent = _tangent(_central_differences(plane.residual, trial), tangent)
         except SceneError:  # at the end of what a scene allows
             break
+        if _falls(tangent):
+            break
         size = min(_STEP, 1.5 * size)
     return points
+
+
+def _falls(step: Array, still: float = _STILL) -> bool:
+    """Whether the frequency falls over a `step` in which the parameters hardly change."""
+    return bool(np.linalg.norm(step[1:]) < -still * step[0])
+
+
+def _vanishing(curve: Array) -> tuple[int, ...]:
+    """The ends of a curve of two points or more towards which its frequency falls to 0."""
+    return tuple(end for end, inside in ((0, 1), (-1, -2)) if len(curve) > 1 and _falls(curve[end] - curve[inside], 2.0 * _STILL))
 
 
 def _tangent(jacobian: Array, before: Array | None) -> Array:

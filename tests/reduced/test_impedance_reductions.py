@@ -10,6 +10,7 @@ import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, reduction_of
 from reduced.impedance.reduction import Reduction
+from reduced.parameters import scaled
 from slipwave.errors import SceneError
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, StandardLinearViscosity
@@ -94,14 +95,17 @@ def test_fits_below_half_the_first_mode_against_impedances_by_hand(name, count, 
     assert impedance(scene, slow, f"fitted:{count}") == pytest.approx(pair_impedance(scene, slow), rel=2e-5)
 
 
-@pytest.mark.parametrize("name", ["grip below", "standard linear"])
-def test_one_fit_serves_every_friction_and_constant_velocity(name):
+@pytest.mark.parametrize(("name", "factor"), [("grip", 1.1), ("machine", 0.7), ("grip below", 1.0), ("standard linear", 1.0)])
+def test_one_fit_serves_every_friction_constant_velocity_and_without_viscosity_round_trip(name, factor):
     scene = LOSSY[name]
-    direct = fit.fit_scene(scene, "fitted:3", 3, scene.stiffness / EPSILON)
     fit.fit_scene.cache_clear()
     others = [replace(scene, law=scene.law._replace(a=a), drive=Drive((0.0,), (v,))) for a, v in ((0.03, 1.0), (0.04, 50.0))]
-    assert [reduction_of(one, "fitted:3").residues for one in (scene, *others)] == [direct.residues] * 3
+    others += [scaled(scene, round_trip=factor, epsilon=factor**3)]
+    made = [reduction_of(one, "fitted:3") for one in (scene, *others)]
+    assert all(one == made[0] for one in made)
     assert fit.fit_scene.cache_info().misses == 1
+    direct = fit.fit_scene(scene, "fitted:3", 3, made[0].spring)
+    assert made[0].residues == pytest.approx(direct.residues, rel=1e-9)  # an ill-conditioned fit: 1e-11 was measured
 
 
 @pytest.mark.parametrize(("share", "refused"), [(0.045, False), (-0.045, False), (0.056, True), (-0.056, True)])

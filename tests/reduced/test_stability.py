@@ -25,6 +25,7 @@ from reduced.stability import (
     unstable_count,
 )
 from reduced.stability.analyse import stability_in_si
+from reduced.stability.boundary import boundary
 from reduced.stability.spectrum import _polish, _zeros_in
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction import respond, steady_state, unknown_of
@@ -32,7 +33,7 @@ from slipwave.friction.ageing import Ageing, AgeingRegularised
 from slipwave.friction.cutoff import AgeingCutoff, SlipCutoff
 from slipwave.friction.slip import Slip, SlipRegularised
 from slipwave.friction.spinodal import Spinodal
-from slipwave.scene.slab import KelvinVoigtViscosity, StandardLinearViscosity
+from slipwave.scene.slab import KelvinVoigtViscosity, ReflectingFace, StandardLinearViscosity
 from tests.granite import GRANITE
 
 SLOPES = friction_slopes(PAPER, 100.0)
@@ -135,6 +136,16 @@ def test_no_critical_r_is_told_where_the_root_that_grows_cannot_be_told_from_zer
     monkeypatch.setattr(crossing, "leading_roots", lambda *_: np.empty(0, dtype=complex))
     with pytest.raises(NumericsError, match="neutral within rounding"):
         crossing.critical_factor(lambda factor: paper(ROUND_TRIP * factor), "delay")
+
+
+def test_a_boundary_ends_where_its_frequency_falls_to_zero():
+    """Z(0) = epsilon (1 + R)/(1 - R) of a face without a spring: a single root crosses at V = (b - a)/Z(0), whatever r."""
+    scene = scene_of(slab(face=ReflectingFace(0.5)), slab())
+    ranges = (0.001, 0.02), (100.0, 220.0)
+    (found,) = boundary(lambda r, v: scaled(scene, round_trip=r / scene.transit, velocity=v), "fitted:2", ranges)
+    (end,) = found.vanishing
+    assert found.second[end] == pytest.approx((PAPER.b - PAPER.a) / (3.0 * EPSILON), rel=1e-4)
+    assert found.omega[end] < 0.01 * found.omega.max()
 
 
 @pytest.mark.parametrize("name", EVERY)
