@@ -19,6 +19,7 @@ _STEP = 0.02  # of the rectangle's side
 _ROUNDS = 12
 _FAST = 0.1  # of the change before, at most, with an old matrix
 _DIFFERENCE = 1e-6
+_APART = 0.05  # of a step: distance in the scaled parameters of points there that are kept
 _STILL = 1e-4  # change of the scaled parameters over that of ln omega, at most, where the frequency falls to 0
 
 
@@ -48,8 +49,13 @@ def boundary(
         apart = (np.linalg.norm(curve[:, 1:] - start[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - start[0]) for curve in curves)
         if all(distances.min() > 2.0 * _STEP for distances in apart):
             curves.append(_trace(plane, start))
-    points = [(plane.values(curve[:, 1:]), np.exp(curve[:, 0]), _vanishing(curve)) for curve in curves]
-    return [Boundary(values[:, 0], values[:, 1], omega, ends) for values, omega, ends in points]
+    found = []
+    for curve in curves:
+        ends = _vanishing(curve)
+        kept = _thinned(curve) if ends else curve
+        first, second = plane.values(kept[:, 1:]).T
+        found.append(Boundary(first, second, np.exp(kept[:, 0]), ends))
+    return found
 
 
 @dataclass(frozen=True)
@@ -128,6 +134,15 @@ def _crossings(plane: _Plane, low: Array, high: Array, growing: int) -> list[Arr
             if omega > 0.0:  # no single root, which crosses at s = 0
                 return [np.concatenate([[math.log(omega)], low + share * (high - low)])]
     return []
+
+
+def _thinned(curve: Array) -> Array:
+    """The curve without most of the points where its frequency falls to 0 and the parameters hardly change."""
+    kept = [curve[0]]
+    for point in curve[1:-1]:
+        if np.linalg.norm(point[1:] - kept[-1][1:]) > _APART * _STEP:
+            kept.append(point)
+    return np.array([*kept, curve[-1]])
 
 
 def _trace(plane: _Plane, start: Array) -> Array:

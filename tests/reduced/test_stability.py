@@ -146,6 +146,8 @@ def test_a_boundary_ends_where_its_frequency_falls_to_zero():
     (end,) = found.vanishing
     assert found.second[end] == pytest.approx((PAPER.b - PAPER.a) / (3.0 * EPSILON), rel=1e-4)
     assert found.omega[end] < 0.01 * found.omega.max()
+    assert np.count_nonzero(found.second > 1.01 * found.second[end]) > 20  # few points where it hardly moves
+    assert np.count_nonzero(found.second < 1.01 * found.second[end]) < 20
 
 
 @pytest.mark.parametrize("name", EVERY)
