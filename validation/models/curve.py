@@ -71,7 +71,7 @@ class Curve:
                 for end in found.vanishing:
                     at = f"{self.over.name} = {found.first[end]:.6g}, {self.second.name} = {found.second[end]:.6g}"
                     self.notes.append(
-                        f"the curve ends where its period grows without bound, at {at}; a single root crosses there"
+                        f"the curve ends where its period grows without bound, near {at}; a single root crosses there"
                     )
                 for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
                     if self._holds(first, second):
