@@ -12,6 +12,7 @@ from pathlib import Path
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
+from slipwave.packages import log
 
 CONVENTIONS = "CF-1.11"
 """The conventions that netCDF files follow; `make cf` checks them."""
@@ -32,6 +33,7 @@ _PATIENCE = 10  # seconds for a pipe without a writer
 _PROBE = 1 << 20  # bytes; a disk with less space counts as full
 
 _HOST = re.sub(r"\W", "", platform.node())[:_LONGEST_STEM]
+_told: set[str] = set()
 _PART = re.compile(rf"\..*-{_HOST}-(\d+)\.(nc|png|pdf|svg|npz|csv|vtu|xdmf|h5|samples|html|json|xml|patch)")
 
 
@@ -90,6 +92,18 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
         raise SceneError(f"{str(path)!r} cannot be written: {reason_of(reason)}") from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def going_on() -> Iterator[None]:
+    """Context that writes a file for later, such as a checkpoint: if it cannot be written, the reason is told once, and nothing
+    ends, because the next try may succeed and what is computed must not be lost with it."""
+    try:
+        yield
+    except SceneError as error:
+        if str(error) not in _told:
+            log.warning("note: %s; the computation goes on", error)
+        _told.add(str(error))
 
 
 @contextmanager

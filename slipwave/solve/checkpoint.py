@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from slipwave.errors import SceneError
-from slipwave.files import whole_or_absent
+from slipwave.files import going_on, whole_or_absent
 from slipwave.observe.pieces import SAME, Array
 from slipwave.solve.solver import Resumable, Solver
 from slipwave.sources import source_digest
@@ -61,9 +61,11 @@ class Checkpoints:
         return self._due if self._due < self.until else math.inf
 
     def act(self) -> None:
-        """As `Mark`. At the end of the run nothing is saved; the mark stays due for a run that continues."""
+        """As `Mark`. At the end of the run nothing is saved; the mark stays due for a run that continues. A file that cannot be
+        written does not end the run."""
         if self._solver.time < self.until - SAME:
-            self.save()
+            with going_on():
+                self.save()
             self._schedule()
 
     def save(self) -> None:

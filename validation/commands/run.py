@@ -145,7 +145,7 @@ class RunResult(Result):
             return "no checkpoint was kept: --checkpoint FILE.npz keeps one to go on from"
         if path.exists():
             return f"{str(path)!r} holds the run up to t = {saved_time(path):.6g}: the same command goes on from there"
-        return f"no checkpoint was due yet: --checkpoint-every TRANSITS|TIME keeps them more often in {str(path)!r}"
+        return f"no checkpoint was written yet: --checkpoint-every TRANSITS|TIME keeps them more often in {str(path)!r}"
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, the run with its verdict, cycles, stages, the state at the end, and the energy balance."""

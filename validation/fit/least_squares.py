@@ -11,7 +11,7 @@ import numpy as np
 from scipy import optimize, stats
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.files import require_writable, whole_or_absent
+from slipwave.files import going_on, require_writable, whole_or_absent
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
 from validation.models.progress import News
@@ -106,7 +106,7 @@ class Best:
             self.inner, self.cost = inner.copy(), cost
             if self.file is not None:
                 known = {"facts": self.facts, "best": [*inner], "cost": cost, "evaluations": self.evaluations}
-                with whole_or_absent(self.file) as temporary:
+                with going_on(), whole_or_absent(self.file) as temporary:
                     temporary.write_text(json.dumps(known, indent=1), encoding="utf-8")
         far = math.sqrt(self.cost / residual.size)
         self.news("fit: %d evaluations, the best residual is %.3g times the noise", self.evaluations, far)

@@ -294,6 +294,15 @@ def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wal
     assert (np.abs(found.inner - 1.0).max() < 1e-4) is not bool(line)
 
 
+def test_a_fit_goes_on_where_its_checkpoint_cannot_be_written(tmp_path, caplog):
+    best = Best(start := np.array([-3.0, 4.0]), file=tmp_path / "gone" / "best.json")
+    found = minimise(Walled(1.5), [start], best)
+    assert (found.failed, np.abs(found.inner - 1.0).max() < 1e-4) == ("", True)
+    assert [line for line in caplog.messages if "cannot be written" in line] == [
+        f"note: {str(best.file)!r} cannot be written: no such file or directory; the computation goes on"
+    ]
+
+
 @pytest.mark.parametrize(("excess", "fails"), [(1.02, True), (1.0, False)])
 def test_a_residual_that_noise_does_not_explain_fails_with_its_values_and_the_next_model(excess, fails, steps, tmp_path):
     times, friction = np.loadtxt(steps, delimiter=",", skiprows=1).T

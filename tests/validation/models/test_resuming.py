@@ -152,6 +152,14 @@ def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, 
     assert ("Traceback" in done.stderr, list(tmp_path.iterdir())) == (False, [])
 
 
+def test_a_checkpoint_that_cannot_be_written_does_not_end_the_run(tmp_path):
+    words = ["run", "paper", "--model", "delay", "--until", "400", "--checkpoint", "c.npz", "--checkpoint-every", "100", "--json"]
+    done = on_small_disk(words, 4000, tmp_path)
+    told = "'c.npz' cannot be written: file too large; the computation goes on"
+    assert (done.returncode, json.loads(done.stdout)["until"]) == (0, 400.0), done.stderr
+    assert (done.stderr.count(told), list(tmp_path.iterdir())) == (1, [])
+
+
 def test_a_history_of_which_nothing_could_be_written_names_its_file(tmp_path, monkeypatch, capsys):
     """Its name is that of the checkpoint with an ending, which is too long."""
     monkeypatch.chdir(tmp_path)
