@@ -33,6 +33,11 @@ from slipwave.observe.pieces import Array, Basis, Pieces
 # and -min of the friction stress
 DIRECTION, BEGIN, END, BEGAN, ENDED, DATE, RECORDS = 0, 1, 2, 3, 4, 5, 6
 COLUMNS = RECORDS + 4
+# the detector's memory: the running swing; of the rise of v in it, the level of z, row after that of the piece in which v reached
+# its maximum (0: the date is known), first and last (exclusive) of the pieces that are kept; y at the end of the last piece, NaN
+# before the first; number of complete swings
+LEVEL, RISING, FRONT, KEPT, LAST, COUNT = COLUMNS, COLUMNS + 1, COLUMNS + 2, COLUMNS + 3, COLUMNS + 4, COLUMNS + 5
+_SLOTS = COLUMNS + 6
 
 SHARE = 0.1
 """Smallest fall that counts, as a share of the largest fall in the judged window."""
@@ -111,10 +116,6 @@ _SCRATCH = 4
 """Rows of scratch; the first is not used here."""
 
 _FLAT = 1e-14  # relative; a smaller change of y within a piece is rounding
-# slots of the memory of a rise: level of z, row after that of the piece in which v reached its maximum (0: the date is known),
-# first and last (exclusive) of the pieces that are kept
-LEVEL, RISING, FRONT, KEPT = 0, 1, 2, 3
-SLOTS = 4
 _TIME, _LENGTH, _LOWEST = 0, 1, 2  # columns of a piece that is kept, before its values of z
 FIRST_NODE = 3
 _FIRST_SIZE, MOST_KEPT = 256, 1 << 17  # pieces; of a rise over half as many from half to full height every other one is kept
@@ -200,59 +201,56 @@ class _Piece(NamedTuple):
 
 
 class _Detector(NamedTuple):
-    """State of the detector: `law`, `basis` of the pieces, `floor` of a fall (normal stress); the `running` swing; the `rise` of
-    v in it (see the slots above) and the pieces `kept` for that; y at the end of the `last` piece (1,), NaN before the first;
-    `scratch` (4, nodes); rows for complete `swings`, of which the first `filled` (1,) are in use."""
+    """State of the detector: `law`, `basis` of the pieces, `floor` of a fall (normal stress); its `memory` (see the slots above);
+    the pieces `kept` of a rise; `scratch` (4, nodes); rows for complete `swings`."""
 
     law: Law
     basis: Basis
     floor: float
-    running: Array
-    rise: Array
+    memory: Array
     kept: Array
-    last: Array
     scratch: Array
     swings: Array
-    filled: Array
 
 
 def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> _Detector:
     """A detector before the first piece, with rows for `swings` swings."""
     n = basis.nodes.size
-    memory = np.zeros(COLUMNS), np.zeros(SLOTS), rise_buffer(n), np.full(1, np.nan), np.empty((_SCRATCH, max(n, 2)))
-    return _Detector(law, basis, floor, *memory, np.empty((swings, COLUMNS)), np.zeros(1))
+    memory = np.zeros(_SLOTS)
+    memory[LAST] = math.nan
+    return _Detector(law, basis, floor, memory, rise_buffer(n), np.empty((_SCRATCH, max(n, 2))), np.empty((swings, COLUMNS)))
 
 
 @njit
 def scan(pieces: Pieces, first: int, found: _Detector) -> int:
     """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if the free rows
     may not hold all swings that the next piece completes. If there are no pieces, the running swing is dated."""
-    running, last, nodes = found.running, found.last, found.basis.nodes
+    memory, nodes = found.memory, found.basis.nodes
     n = nodes.size
     for k in range(first, pieces.time.size):
-        if found.filled[0] + n + 1 > found.swings.shape[0]:
+        if memory[COUNT] + n + 1 > found.swings.shape[0]:
             return k
         piece = _Piece(pieces.time[k], pieces.length[k], pieces.z[k], pieces.psi[k, 0], pieces.mu[k], pieces.y[k])
-        if math.isnan(last[0]):
-            last[0] = evaluate(found.basis, piece.y, 0.0)
-            _begin(piece, 0.0, 1.0 if piece.y[n - 1] >= last[0] else -1.0, found)
-        turns, stirs = _look(found.basis.derivative, piece, running, last[0])
-        if turns or stirs or running[DIRECTION] < 0.0:
+        if math.isnan(memory[LAST]):
+            memory[LAST] = evaluate(found.basis, piece.y, 0.0)
+            _begin(piece, 0.0, 1.0 if piece.y[n - 1] >= memory[LAST] else -1.0, found)
+        turns, stirs = _look(found.basis.derivative, piece, memory, memory[LAST])
+        if turns or stirs or memory[DIRECTION] < 0.0:
             begin = _split(piece, found) if turns else 0.0
             _take(piece, begin, nodes[n - 1], found)
-        last[0] = running[END] = piece.y[n - 1]
-        running[ENDED] = piece.time + piece.length * nodes[n - 1]
+        memory[LAST] = memory[END] = piece.y[n - 1]
+        memory[ENDED] = piece.time + piece.length * nodes[n - 1]
     if not pieces.time.size:
         _date(found)
     return pieces.time.size
 
 
 @inlined
-def _look(derivative: Array, piece: _Piece, running: Array, left: float) -> tuple[bool, bool]:
+def _look(derivative: Array, piece: _Piece, memory: Array, left: float) -> tuple[bool, bool]:
     """Whether the elastic stress, `left` at the end of the piece before, turns in the piece or at its beginning, and whether the
-    rate or the friction stress may exceed a record of the `running` swing. Most pieces need only this loop. The last row
+    rate or the friction stress may exceed a record of the running swing. Most pieces need only this loop. The last row
     of `derivative` gives the slope at the end of the piece."""
-    y, z, mu, direction = piece.y, piece.z, piece.mu, running[DIRECTION]
+    y, z, mu, direction = piece.y, piece.z, piece.mu, memory[DIRECTION]
     n = y.size
     slope, back = 0.0, False
     low_z, top_z, low_mu, top_mu = z[0], z[0], mu[0], mu[0]
@@ -263,24 +261,24 @@ def _look(derivative: Array, piece: _Piece, running: Array, left: float) -> tupl
         low_z, top_z = min(low_z, z[j]), max(top_z, z[j])
         low_mu, top_mu = min(low_mu, mu[j]), max(top_mu, mu[j])
     by_z, by_mu = overshoot(top_z - low_z, n), overshoot(top_mu - low_mu, n)
-    quiet = top_z + by_z <= running[RECORDS] and by_z - low_z <= running[RECORDS + 1]
-    quiet = quiet and top_mu + by_mu <= running[RECORDS + 2] and by_mu - low_mu <= running[RECORDS + 3]
+    quiet = top_z + by_z <= memory[RECORDS] and by_z - low_z <= memory[RECORDS + 1]
+    quiet = quiet and top_mu + by_mu <= memory[RECORDS + 2] and by_mu - low_mu <= memory[RECORDS + 3]
     return back or direction * slope < 0.0, not quiet
 
 
 @inlined
 def _split(piece: _Piece, found: _Detector) -> float:
     """Complete the swings that end in the piece; returns the point where the running one begins."""
-    y, slopes, basis, running = piece.y, found.scratch[0], found.basis, found.running
+    y, slopes, basis, memory = piece.y, found.scratch[0], found.basis, found.memory
     bottom, top = bounds(y)
     if top - bottom <= _FLAT * abs(y[0]):
-        if running[DIRECTION] * (y[y.size - 1] - found.last[0]) < 0.0:
+        if memory[DIRECTION] * (y[y.size - 1] - memory[LAST]) < 0.0:
             _turn(piece, 0.0, found)
         return 0.0
     differentiate(basis, y, slopes)
     begin, left, slope = 0.0, 0.0, evaluate(basis, slopes, 0.0)
     for j in range(y.size):
-        direction = running[DIRECTION]
+        direction = memory[DIRECTION]
         if direction * slopes[j] < 0.0:
             point = find_root(basis, slopes, 0.0, left, basis.nodes[j]) if direction * slope > 0.0 else left
             if point > begin:
@@ -294,14 +292,15 @@ def _split(piece: _Piece, found: _Detector) -> float:
 @njit
 def _turn(piece: _Piece, point: float, found: _Detector) -> None:
     """End the running swing at `point` of the piece and begin the next one."""
-    running, count = found.running, int(found.filled[0])
-    running[END] = evaluate(found.basis, piece.y, point)
-    running[ENDED] = piece.time + piece.length * point
+    memory = found.memory
+    count = int(memory[COUNT])
+    memory[END] = evaluate(found.basis, piece.y, point)
+    memory[ENDED] = piece.time + piece.length * point
     _date(found)
     for column in range(COLUMNS):
-        found.swings[count, column] = running[column]
-    found.filled[0] = _thin(found.swings, count + 1, found.floor)
-    _begin(piece, point, -running[DIRECTION], found)
+        found.swings[count, column] = memory[column]
+    memory[COUNT] = _thin(found.swings, count + 1, found.floor)
+    _begin(piece, point, -memory[DIRECTION], found)
 
 
 @njit
@@ -309,10 +308,10 @@ def _date(found: _Detector) -> None:
     """Set the date of the running swing, if it is a fall and v has risen to a new maximum: the time (transits), within the fall,
     at which z last passed the level before the highest node of the piece of that maximum. The search may be long; therefore it
     waits until the date is asked for, or the pieces that it needs are dropped."""
-    basis, memory, kept = found.basis, found.rise, found.kept
-    if not (found.running[DIRECTION] < 0.0 and memory[RISING] > 0.0):
+    basis, memory, kept = found.basis, found.memory, found.kept
+    if not (memory[DIRECTION] < 0.0 and memory[RISING] > 0.0):
         return
-    n, last, node, date = basis.nodes.size, int(memory[RISING]) - 1, 0, found.running[BEGAN]
+    n, last, node, date = basis.nodes.size, int(memory[RISING]) - 1, 0, memory[BEGAN]
     memory[RISING] = 0.0
     for j in range(1, n):
         if kept[last, FIRST_NODE + j] > kept[last, FIRST_NODE + node]:
@@ -322,47 +321,47 @@ def _date(found: _Detector) -> None:
         z, before = kept[piece, FIRST_NODE:], node if piece == last else n
         point = _last_passage(law_of_step(found.law, 0.0), basis, z, kept[piece, _LOWEST], level, before, found.scratch)
         if point >= 0.0:
-            date = max(found.running[BEGAN], kept[piece, _TIME] + kept[piece, _LENGTH] * point)
+            date = max(memory[BEGAN], kept[piece, _TIME] + kept[piece, _LENGTH] * point)
             break
-    found.running[DATE] = date
+    memory[DATE] = date
 
 
 @njit
 def _begin(piece: _Piece, point: float, direction: float, found: _Detector) -> None:
     """Begin a swing in `direction` (1 up, -1 down) at `point` of the piece."""
-    running = found.running
-    running[DIRECTION] = direction
-    running[BEGIN] = running[END] = evaluate(found.basis, piece.y, point)
-    running[BEGAN] = running[ENDED] = piece.time + piece.length * point
-    running[DATE] = math.nan
+    memory = found.memory
+    memory[DIRECTION] = direction
+    memory[BEGIN] = memory[END] = evaluate(found.basis, piece.y, point)
+    memory[BEGAN] = memory[ENDED] = piece.time + piece.length * point
+    memory[DATE] = math.nan
     for slot in range(RECORDS, COLUMNS):
-        running[slot] = -math.inf
+        memory[slot] = -math.inf
     if direction < 0.0:
-        found.rise[LEVEL] = -math.inf
-        found.rise[RISING] = found.rise[FRONT] = found.rise[KEPT] = 0.0
+        memory[LEVEL] = -math.inf
+        memory[RISING] = memory[FRONT] = memory[KEPT] = 0.0
 
 
 @njit
 def _take(piece: _Piece, begin: float, end: float, found: _Detector) -> None:
     """Update the running swing's records with the part [begin, end] of the piece and, in a fall, follow the rise of v."""
-    basis, running, slopes, law = found.basis, found.running, found.scratch[1], law_of_step(found.law, piece.psi)
-    highest = running[RECORDS]
-    _raise_rate(law, found.law, basis, piece.z, found.scratch, running, RECORDS, begin, end)
-    raise_record(basis, piece.mu, slopes, running, RECORDS + 2, begin, end)
-    if running[DIRECTION] < 0.0:
-        _follow_rise(piece, running[RECORDS] > highest, found)
+    basis, memory, slopes, law = found.basis, found.memory, found.scratch[1], law_of_step(found.law, piece.psi)
+    highest = memory[RECORDS]
+    _raise_rate(law, found.law, basis, piece.z, found.scratch, memory, RECORDS, begin, end)
+    raise_record(basis, piece.mu, slopes, memory, RECORDS + 2, begin, end)
+    if memory[DIRECTION] < 0.0:
+        _follow_rise(piece, memory[RECORDS] > highest, found)
 
 
 @njit
 def _follow_rise(piece: _Piece, raised: bool, found: _Detector) -> None:
     """Add a piece of the running fall; `raised` is true if the largest z in the fall lies in it."""
-    memory, kept = found.rise, found.kept
+    memory, kept = found.memory, found.kept
     if memory[KEPT] == kept.shape[0]:
         _date(found)
     last = _keep(piece, memory, kept)
     if raised:
         memory[RISING] = last + 1.0
-        memory[LEVEL] = unknown_of(found.law, 0.5 * rate_of(found.law, found.running[RECORDS]))
+        memory[LEVEL] = unknown_of(found.law, 0.5 * rate_of(found.law, memory[RECORDS]))
         while memory[FRONT] + 1 < last and kept[int(memory[FRONT]) + 1, kept.shape[1] - 1] < memory[LEVEL]:
             memory[FRONT] += 1.0
     elif kept[last, _LOWEST] < memory[LEVEL]:

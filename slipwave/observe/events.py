@@ -26,10 +26,12 @@ from slipwave.friction.law import friction_slopes
 from slipwave.observe.detector import (
     BEGIN,
     COLUMNS,
+    COUNT,
     DATE,
     END,
     ENDED,
     KEPT,
+    LAST,
     MOST_KEPT,
     RECORDS,
     RISING,
@@ -87,7 +89,7 @@ class EventObserver:
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        used, kept, more = int(self._found.rise[KEPT]), self._found.kept, pieces.time.size
+        used, kept, more = int(self._found.memory[KEPT]), self._found.kept, pieces.time.size
         if used + more > len(kept) and len(kept) < MOST_KEPT:  # a rise may last through all of the pieces
             self._found = self._found._replace(kept=rise_buffer(self._found.basis.nodes.size, kept[:used], more))
         self._judged.clear()
@@ -112,10 +114,10 @@ class EventObserver:
         the next pieces."""
         if after not in self._judged:
             found = self._found
-            if found.rise[RISING] > 0.0:
+            if found.memory[RISING] > 0.0:
                 scan(empty_pieces(0, found.basis.nodes.size), 0, found)
-            running = np.empty((0, COLUMNS)) if math.isnan(found.last[0]) else found.running[None, :]
-            swings = np.concatenate((found.swings[: int(found.filled[0])], running))
+            running = np.empty((0, COLUMNS)) if math.isnan(found.memory[LAST]) else found.memory[None, :COLUMNS]
+            swings = np.concatenate((found.swings[: int(found.memory[COUNT])], running))
             self._judged[after] = judge_swings(swings, found.floor, after, self._loading, self._least, self._drifts)
         return self._judged[after]
 
@@ -146,16 +148,15 @@ class EventObserver:
 
     def state(self) -> dict[str, Array]:
         """All that is remembered, as arrays, for a checkpoint."""
-        found = self._found
-        memory, kept = np.concatenate((found.running, found.rise, found.last)), found.kept[: int(found.rise[KEPT])].copy()
-        return {"memory": memory, "rise": kept, "swings": found.swings[: int(found.filled[0])].copy()}
+        found, memory = self._found, self._found.memory
+        kept, swings = found.kept[: int(memory[KEPT])].copy(), found.swings[: int(memory[COUNT])].copy()
+        return {"memory": memory[:COUNT].copy(), "rise": kept, "swings": swings}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
         found, swings = self._found, state["swings"]
         self._judged.clear()
-        n, at = found.basis.nodes.size, found.running.size
-        found.running[:], found.rise[:], found.last[:] = np.split(state["memory"], [at, at + found.rise.size])
-        found.filled[0] = len(swings)
+        n = found.basis.nodes.size
+        found.memory[:] = *state["memory"], len(swings)
         swings = np.concatenate((swings, np.empty((_FIRST_SIZE + n, COLUMNS))))
         self._found = found._replace(kept=rise_buffer(n, state["rise"]), swings=swings)
