@@ -95,7 +95,7 @@ def run_file(path: Path, name: str, label: str) -> ModuleType:
     spec = importlib.util.spec_from_file_location(name, path)
     assert spec is not None
     assert spec.loader is not None
-    _RUN.add(str(path))
+    _RUN.add(str(spec.origin))  # as tracebacks name it, also where `path` is relative
     module = sys.modules[name] = importlib.util.module_from_spec(spec)  # where compiled code on disk looks for its classes
     try:
         with no_exit(label):

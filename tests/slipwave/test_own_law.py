@@ -269,3 +269,10 @@ def test_a_command_says_so_in_one_line(folder):
     path.with_suffix(".txt").write_text("1.0")
     with pytest.raises(SceneError, match=r"^friction law 'mine': numba cannot compile respond \(.*mine.py, line 14\): .+$"):
         slipwave.run("paper", "block8", until=5.0, law=path, set={"interface.law": "mine"})
+
+
+def test_a_mistake_in_a_file_named_by_its_relative_path_has_its_line(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    Path("mine.py").write_text("x = 1 / 0")
+    with pytest.raises(SceneError, match=r"division by zero \(.*mine.py, line 1, in <module>\)"):
+        load_laws(Path("mine.py"))
