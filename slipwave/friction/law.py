@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from slipwave.compiled import njit
 from slipwave.compiled.dispatch import ByClass, by_class
 from slipwave.errors import SceneError
+from slipwave.packages import line_of_user
 
 Array = NDArray[np.float64]
 
@@ -218,13 +219,24 @@ class FrictionSlopes:
         return np.asarray((self.direct * s + self.healing * self.steady) / (s + self.healing))
 
 
+def steady_sliding(law: Law, velocity: float) -> tuple[float, Response]:
+    """psi_ss and what `law` answers in steady sliding at `velocity` (V*). Raises SceneError for parameters with which a user's
+    law has none, as with the logarithm of a negative number: its keys have no ranges."""
+    try:
+        psi = steady_state(law, velocity)
+        return psi, respond(law, unknown_of(law, velocity), psi)
+    except (ArithmeticError, ValueError) as error:
+        values = ", ".join(f"{key} = {value:g}" for key, value in law._asdict().items())
+        why = ", ".join(filter(None, [f"{type(error).__name__}: {error}", line_of_user(error)]))
+        raise SceneError(f"law {name_of(law)!r}: no steady sliding at V = {velocity:g} with {values}: {why}") from error
+
+
 def friction_slopes(law: Law, velocity: float) -> FrictionSlopes:
     """Slopes of `law` in steady sliding at `velocity` (V*), from its derivatives in the unknowns (z, psi):
 
     F_v = F_z/v_z,  G_phi = -G_psi (psi' = G),  F_ss' = F_v - F_psi G_z/(G_psi v_z).
     """
-    psi = steady_state(law, velocity)
-    _, v_z, _, f_z, f_psi, _, g_z, g_psi = respond(law, unknown_of(law, velocity), psi)
+    _, (_, v_z, _, f_z, f_psi, _, g_z, g_psi) = steady_sliding(law, velocity)
     return FrictionSlopes(f_z / v_z, -g_psi, (f_z - f_psi * g_z / g_psi) / v_z)
 
 

@@ -10,7 +10,8 @@ from dataclasses import InitVar, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from slipwave.friction import Law, respond, steady_state, unknown_of
+from slipwave.friction import Law
+from slipwave.friction.law import steady_sliding
 from slipwave.scene.drive import Drive, Forcing, Start
 from slipwave.scene.slab import Slab
 from slipwave.scene.units import Units
@@ -105,12 +106,12 @@ class Scene:
     @cached_property
     def steady_psi(self) -> float:
         """psi_ss(V)."""
-        return steady_state(self.law, self.velocity)
+        return steady_sliding(self.law, self.velocity)[0]
 
     @cached_property
     def steady_stress(self) -> float:
         """mu_ss(V)."""
-        return float(respond(self.law, unknown_of(self.law, self.velocity), self.steady_psi)[2])
+        return float(steady_sliding(self.law, self.velocity)[1][2])
 
     @cached_property
     def forcing(self) -> Forcing:

@@ -21,7 +21,7 @@ from slipwave.friction import LAWS, ageing
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.ageing import respond_ageing as respond
 from slipwave.friction.check import check_law
-from slipwave.friction.law import Registered, register
+from slipwave.friction.law import Registered, friction_slopes, register
 from slipwave.friction.law import steady_psi as steady_state
 from slipwave.friction.own import load_laws, refused_by_compiler
 
@@ -269,6 +269,15 @@ def test_a_command_says_so_in_one_line(folder):
     path.with_suffix(".txt").write_text("1.0")
     with pytest.raises(SceneError, match=r"^friction law 'mine': numba cannot compile respond \(.*mine.py, line 14\): .+$"):
         slipwave.run("paper", "block8", until=5.0, law=path, set={"interface.law": "mine"})
+
+
+def test_parameters_without_steady_sliding_are_wrong_input_with_the_line_of_the_law():
+    """Before, a traceback; a fit whose search came to such values was lost."""
+    load_laws(ROOT / "examples" / "own_law.py")
+    scene = slipwave.read("paper", {"interface.law": "cutoff", "interface.cutoff": -0.02})
+    for ask in (lambda: scene.steady_psi, lambda: scene.steady_stress, lambda: friction_slopes(scene.law, 100.0)):
+        with pytest.raises(SceneError, match=r"'cutoff': no steady sliding at V = 100 with .*cutoff = -0.02: .*own_law.py, line"):
+            ask()
 
 
 def test_a_mistake_in_a_file_named_by_its_relative_path_has_its_line(folder, monkeypatch):
