@@ -18,6 +18,7 @@ from slipwave.input.quantity import KINDS, Quantity, quantity
 from slipwave.input.schema import DriveTable, KeyTable, Numbers, Physical, allowed_in
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
+from slipwave.scene.slab import FACES, face_sizes
 from validation.models.expression import FUNCTIONS, Undefined, Value, value_at
 from validation.models.points import BranchPoint, CurvePoint
 
@@ -435,16 +436,20 @@ def _with_times_of(tables: Mapping[str, Any], scene: Scene) -> Scene:
 
 
 def _unit_of_machine(base: Scene, key: str) -> str:
-    """The unit of bare numbers at the `key` of a machine, in SI, of the whole one if it has an area; empty for any other key."""
+    """The unit of bare numbers at the `key` of a machine, in SI, of the whole one if it has an area, or of a user's own kind of
+    face with numbers of its own (`Face.is_own`); empty for any other key."""
     if key == "machine.k":
         return "1/m" if base.units else "1/L"
     *path, last = key.split(".")
     table: Any = base.tables or {}
     for part in path:
         table = table.get(part, {})
-    field = kinds_of(path)["machine"].model_fields.get(last) if table.get("kind") == "machine" else None
-    allowed = next((one for one in allowed_in(field) if isinstance(one, Numbers)), None) if field and base.units else None
-    return allowed.units["area" in table] if allowed and len(allowed.units) > 1 else ""
+    kind = FACES.get(table.get("kind"))
+    if base.units is None or kind is None or not kind.is_own or last not in face_sizes(1.0, 1.0):
+        return ""
+    field = kinds_of(path)[table["kind"]].model_fields.get(last)
+    allowed = next((one for one in allowed_in(field) if isinstance(one, Numbers)), None) if field else None
+    return allowed.units[-1 if "area" in table else 0] if allowed and allowed.units else ""
 
 
 def _key_of(base: Scene, name: str) -> str:

@@ -158,6 +158,10 @@ def test_an_outer_face(reader):
         bolt, machine = reader.json(*(f"stability {scene} {face}" for face in words))
         for key in ("log10_r_c", "leading_roots", "si"):
             assert bolt.get(key) == machine.get(key)
+    bolt = "{'face.kind': 'bolt', 'face.stiffness': 5e7, 'face.mass': 2.0}"
+    ask = f"print(over_range('slab.face.stiffness=4e7:5e7', slipwave.read('paper-si', {bolt})).si_unit)"
+    assert reader.run(f'python -c "import slipwave; from validation.models.parameter import over_range; {ask}"') == 0
+    assert reader.output == "Pa/m\n"
     wrong = "--set slab.face.kind=bolt --set slab.face.mass=0 --set slab.face.stiffness=0"
     assert reader.run(f"slipwave run paper {wrong}") == 2
     assert "slab.face.stiffness = 0: must be a number from 1e-09" in reader.output
