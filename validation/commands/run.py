@@ -314,7 +314,8 @@ class RunResult(Result):
 
     def _facts(self) -> dict[str, Any]:
         facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
-        return facts | {"ended": self.done.ended or "failed", "reasons": "; ".join(self.reasons)}
+        observed = {f"{label}_{name}": x for label, one in self.records.named.items() for name, x in one.figures().items()}
+        return facts | {"ended": self.done.ended or "failed", "reasons": "; ".join(self.reasons)} | observed
 
     def write_events(self, path: str | Path) -> None:
         """Write one line for each complete cycle to a .csv file, in SI if the scene has units."""

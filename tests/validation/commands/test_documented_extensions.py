@@ -197,9 +197,11 @@ def test_an_observer(reader):
     """In one file; in two if `slipwave run` is to show it by name."""
     reader.follow(EXTENDING["Adding an observer"])
     assert reader.changed == {"slip.py", "slipwave/observe/excess.py", "slipwave/scene/recorded.py"}
-    run = 'run paper --until 2000 --set \'run.record=["events", "excess"]\' --checkpoint run.npz'
+    run = 'run paper --until 2000 --set \'run.record=["events", "excess"]\' --checkpoint run.npz --out run.nc'
     found = reader.json(run)[0]["observed"]["excess"]["slip"]
     assert found == pytest.approx(0.00209 * 2000 * 100 * 0.8, rel=0.25)
+    assert reader.run("slipwave show run.nc") == 0
+    assert f"# excess_slip = {found}" in reader.output
 
 
 def test_a_scene_key(reader):
