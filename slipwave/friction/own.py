@@ -1,12 +1,13 @@
 """Friction laws of the user's own: loaded from a Python file on request, and named by the digest of that file."""
 
+import copyreg
 import re
 import warnings
 from pathlib import Path
 from typing import Any
 
 from slipwave.errors import SceneError
-from slipwave.friction.law import LAWS
+from slipwave.friction.law import LAWS, Law
 from slipwave.packages import OwnFile, kept_if_wrong, own_file, run_file
 
 LAW_FILES: dict[Path, None] = {}
@@ -28,7 +29,24 @@ def load_laws(path: Path) -> list[str]:
     LAW_FILES[path.resolve()] = None
     for name in names:
         own_law(name)  # its digest is that of the text that was run
+        copyreg.pickle(LAWS[name].parameters, _packed)
     return names
+
+
+def _packed(law: Law) -> str | tuple[Any, ...]:
+    """A pickle of `law` names its file: another process cannot import the file, but runs it."""
+    name = next((name for name, known in LAWS.items() if known.parameters is type(law)), "")
+    return (_unpacked, (name, own_law(name), tuple(law))) if name else law.__reduce_ex__(2)  # "": of a file loaded anew since
+
+
+def _unpacked(name: str, own: OwnFile, values: tuple[float, ...]) -> Law:
+    """The law. Raises SceneError if its file is not there, or has changed."""
+    if name not in LAWS:
+        load_laws(own.path)
+    known = own_law(name)
+    if known is None or known.digest != own.digest:
+        raise SceneError(f"friction law {name!r}: is not that of {str(own.path)!r} with the digest {own.digest}, as it is needed")
+    return LAWS[name].parameters(*values)
 
 
 def own_law(name: str) -> OwnFile | None:

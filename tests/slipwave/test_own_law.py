@@ -2,7 +2,9 @@
 
 import collections
 import math
+import pickle
 import runpy
+import sys
 import types
 from pathlib import Path
 from typing import NamedTuple
@@ -285,3 +287,17 @@ def test_a_mistake_in_a_file_named_by_its_relative_path_has_its_line(folder, mon
     Path("mine.py").write_text("x = 1 / 0")
     with pytest.raises(SceneError, match=r"division by zero \(.*mine.py, line 1, in <module>\)"):
         load_laws(Path("mine.py"))
+
+
+def test_a_pickled_law_is_that_of_its_file_in_a_process_that_has_not_loaded_it(folder):
+    """Before, such a process could read no scene or result with a law of the user's own."""
+    ask(folder, MINE, 1.0)
+    law = LAWS["mine"].parameters(0.3, 0.02, 0.03)
+    kept = pickle.dumps(law)
+    LAWS.pop("mine")
+    sys.modules.pop("own_law_mine")
+    assert pickle.loads(kept) == law
+    assert "mine" in LAWS
+    ask(folder, MINE + "# another", 1.0)
+    with pytest.raises(SceneError, match=r"'mine': is not that of '.*mine.py' with the digest"):
+        pickle.loads(kept)

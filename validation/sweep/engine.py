@@ -3,17 +3,19 @@
 import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, wait
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from numba.core.errors import NumbaError
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction.own import refused_by_compiler
+from slipwave.friction.own import LAW_FILES, load_laws, refused_by_compiler
 from validation.data.variables import in_si
+from validation.models.own import load_families, own_files
 from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
 from validation.sweep.store import STATUS, Columns, Store
@@ -33,9 +35,16 @@ Computed: TypeAlias = tuple[Columns, float]
 """Columns of the points of a part, and the time that they took (s)."""
 
 
-def compute(plan: Plan, points: Indices) -> Computed:
-    """The figures of these points, computed in this process, and the time that took (s). Never raises: a point that cannot be
-    computed has a status and a reason."""
+def compute(plan: Plan, points: Indices, laws: Iterable[Path] = (), families: Iterable[Path] = ()) -> Computed:
+    """The figures of these points, computed in this process, and the time that took (s); the user's files of laws and families
+    are loaded before. Never raises, but a SceneError for one of these: a point that cannot be computed has a status and a
+    reason."""
+    for path in laws:
+        if path not in LAW_FILES:
+            load_laws(path)
+    for path in families:
+        if path not in own_files():
+            load_families(path)
     began = time.perf_counter()
     measure = measure_of(plan.measure)
     rows = [_point(plan, measure, int(point)) for point in points]
@@ -125,7 +134,7 @@ class Engine:
             while waiting and not broken and len(flying) < self._most(waiting, flying):
                 part, deaths = self._next(waiting)
                 try:
-                    flying[executor.submit(compute, self.plan, part)] = part, deaths
+                    flying[executor.submit(compute, self.plan, part, [*LAW_FILES], own_files())] = part, deaths
                     self._refusals = 0
                 except Exception as error:  # whatever the executor raises: `compute` itself never does
                     waiting.appendleft((part, deaths))
@@ -137,6 +146,8 @@ class Engine:
                 part, deaths = flying.pop(future)
                 try:
                     columns, seconds = future.result()
+                except SceneError as error:
+                    raise NumericsError(f"no part can be computed there: {error}; finished parts are kept") from None
                 except (Exception, CancelledError):
                     broken = True
                     self._again(waiting, part, max(deaths, 1) + alone)

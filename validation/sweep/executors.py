@@ -8,14 +8,11 @@ import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
 from contextlib import contextmanager, suppress
-from pathlib import Path
 from typing import Any, TypeAlias
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
-from slipwave.friction.own import LAW_FILES, load_laws
 from slipwave.threads import VARIABLES
-from validation.models.own import load_families, own_files
 from validation.models.stopwatch import cores
 from validation.sweep.workers import environment, starting
 
@@ -35,7 +32,7 @@ def processes(workers: int) -> Iterator[Callable[[], Executor]]:
             kill(made.pop())
         context = starting()
         with environment(dict.fromkeys(VARIABLES, "1")):
-            pool = ProcessPoolExecutor(workers, context, _begin, ([*LAW_FILES], own_files(), dict(os.environ)))
+            pool = ProcessPoolExecutor(workers, context, _begin, (dict(os.environ),))
             made.append(pool)
             with suppress(BrokenExecutor):  # a process killed as it starts: the next submission raises
                 for _ in range(workers):
@@ -64,17 +61,12 @@ def _end_group(leader: int) -> None:
             end(leader, signal.SIGKILL)
 
 
-def _begin(laws: list[Path], families: list[Path], inherited: dict[str, str]) -> None:
-    """Initialise a worker: it leads a group of processes, which Ctrl-C does not reach, ends with its parent, and loads the user's
-    laws and families."""
+def _begin(inherited: dict[str, str]) -> None:
+    """Initialise a worker: it leads a group of processes, which Ctrl-C does not reach, and ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.setsid()
     os.environ.clear()  # what the fork server was started with
     os.environ.update(inherited)
-    for path in laws:
-        load_laws(path)
-    for path in families:
-        load_families(path)
     parent = multiprocessing.parent_process()
 
     def watch() -> None:

@@ -1,8 +1,10 @@
 """Models by name, what `auto` takes, the error of a chosen grid; laws, families and measures of the user's own files."""
 
 import importlib
+import multiprocessing
 import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -380,6 +382,14 @@ def test_a_digest_is_that_of_the_user_s_text_as_it_was_loaded_with_what_it_impor
     assert digest().path == here / "parts" / "whole.py"
     assert digest() == digest() != own_file(test_a_digest_is_that_of_the_user_s_text_as_it_was_loaded_with_what_it_imports)
     assert own_file(sw.read_scene) is None
+
+
+def test_processes_of_the_users_load_the_law_and_the_family(file, here):
+    """Before, they died, because no process can import these files."""
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as executor:
+        words = {"law": "law.py", "family": file, "set": {"interface.law": "cutoff"}, "models": "block10"}
+        found = sw.sweep("paper", vary="V=50,100", measure="stability", executor=executor, **words)
+    assert found.summary["done"] == 2
 
 
 END = "import sys\n"
