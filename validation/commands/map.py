@@ -1,5 +1,6 @@
 """`slipwave map`: Draw a sweep: regimes with the boundaries that theory gives, figures, differences between two models."""
 
+import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from validation.chart import Chart
 from validation.commands.options import SceneOptions, command, option
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.data.datasets import Dataset, flag_numbers, load_dataset, words_of_flags
+from validation.models.own import require_files
 from validation.sweep.gather import dataset_of, filled_arrays
 from validation.sweep.map_figures import SIZES, Line, chart_of_sweep, in_print, lines_of_curve, onset_lines
 from validation.sweep.measures import REGIME_OF, decided_regimes
@@ -139,6 +141,7 @@ def _gathered(source: "SceneSource | Result") -> Dataset:
     data = load_dataset(path, f"SCENE = {str(source)!r}: neither a folder nor a netCDF file")
     if "manifest" not in data.attrs:
         raise SceneError(f"SCENE = {str(source)!r}: holds no sweep; slipwave sweep DIR --gather writes one")
+    require_files(f"SCENE = {str(source)!r}", json.loads(data.attrs["manifest"]).get("files", {}))
     return words_of_flags(data, ("verdict", "stable"))
 
 

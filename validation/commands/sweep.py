@@ -228,7 +228,7 @@ def sweep(source: SceneSource, options: _SweepOptions) -> SweepResult:
     """
     began = time.perf_counter()
     folder = Path(source) if isinstance(source, str | Path) and Path(source).is_dir() else None
-    plan = stored_plan(folder) if folder is not None else _plan(source, options)
+    plan = stored_plan(folder, not options.gather) if folder is not None else _plan(source, options)
     is_own = plan.measure not in MEASURES
     if folder is not None:
         another = () if is_own or options.measure == plan.measure else ("measure",)

@@ -1,7 +1,7 @@
 """Families of models that a user declares in a Python file."""
 
 import hashlib
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from fullwave.families import FullWave
 from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.family import Family
+from slipwave.friction import LAWS
 from slipwave.friction.own import own_law
 from slipwave.packages import OwnFile, kept_if_wrong, own_file, run_file
 from slipwave.solve import FieldSolver
@@ -66,6 +67,19 @@ def digests(laws: Iterable[str], models: Iterable[str], measure: Callable[..., A
     roles = [("law", own_law(name)) for name in laws] + [("family", own_family(name)) for name in models]
     roles.append(("measure", own_file(measure) if measure else None))
     return {f"{role} {own.path.name}": own.digest for role, own in roles if own}
+
+
+def require_files(label: str, files: Mapping[str, str]) -> None:
+    """Raises SceneError, which begins with `label`, unless the user's files with these `digests` are loaded as they were; a
+    measure and a family may be absent."""
+    loaded = digests(LAWS, [family.example for family in FAMILIES])
+    for role, digest in files.items():
+        kind, _, name = role.partition(" ")
+        known = digest if digest in loaded.values() else loaded.get(role, "")
+        if kind == "law" and not known:
+            raise SceneError(f"{label}: needs the friction law of the file {name} (digest {digest}): give --law FILE.py")
+        if known and known != digest:
+            raise SceneError(f"{label}: was computed with another {role}: digest {digest}; that of --{kind} is {known}")
 
 
 def _require_members(family: Family, label: str) -> None:

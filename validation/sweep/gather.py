@@ -10,6 +10,7 @@ from slipwave.errors import SceneError
 from slipwave.scene.units import IN_SI
 from validation.data.datasets import Dataset, new_dataset, words_of_flags
 from validation.data.variables import Meaning, attributes
+from validation.models.own import digests
 from validation.models.provenance import provenance
 from validation.sweep.measures import VERDICTS, Measure, measure_of
 from validation.sweep.plan import Plan
@@ -62,7 +63,8 @@ def dataset_of(plan: Plan, arrays: dict[str, Array]) -> Dataset:
         for name, values in arrays.items()
     }
     facts = provenance("sweep", plan.base, ", ".join(plan.models), {**plan.options, "measure": plan.measure})
-    data = new_dataset(variables, coords=_coordinates(plan), attrs=facts | {"manifest": json.dumps(plan.manifest)})
+    manifest = plan.manifest | {"files": digests(plan.laws, plan.models)}
+    data = new_dataset(variables, coords=_coordinates(plan), attrs=facts | {"manifest": json.dumps(manifest)})
     data = words_of_flags(data, measure.words)
     return data if len(plan.models) > 1 else data.isel(model=0)
 

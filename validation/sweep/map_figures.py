@@ -21,6 +21,7 @@ from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, c
 from validation.chart.colors import PAPER, REGIMES
 from validation.data.datasets import DataArray, Dataset, flag_numbers, flag_words, load_dataset
 from validation.models.by_name import one_port_of
+from validation.models.own import require_files
 from validation.models.parameter import SHORT, Parameter, Variation, measured_value, scenes_with
 
 _COLOURS = REGIMES | {"driven": "#1a1a1a", "protocol": "#1a1a1a", "too short": PAPER, "no": "#e69f00", "yes": "#f4f8fc"}
@@ -351,6 +352,8 @@ def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
     axes, lines = _axes_of(data), []
     for path in files:
         curve = load_dataset(path, f"--curve = {str(path)!r}: is no netCDF file")
+        if "law_digest" in curve.attrs:
+            require_files(f"--curve = {str(path)!r}", {f"law {curve.attrs['law_file']}": curve.attrs["law_digest"]})
         names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
         if any(axis not in names for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")

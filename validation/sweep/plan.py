@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from itertools import chain
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy.typing as npt
 
 from reduced.parameters import PARAMETERS
 from slipwave.errors import SceneError
+from slipwave.friction.law import name_of
 from slipwave.input.assemble import tables_of
 from slipwave.input.overrides import apply_overrides
 from slipwave.input.schema import UNIT_KEYS
@@ -198,6 +200,12 @@ class Plan:
             differ = {one.name: now[one.name] for one in fields(Scene) if one.init and now[one.name] != before[one.name]}
             self._known[key, value] = differ, scene
         return self._known[key, value]
+
+    @property
+    def laws(self) -> set[str]:
+        """Names of its laws, and other words that it gives."""
+        given = chain(*(axis.values for axis in self.axes), *(row.values() for row in self.rows), self.scenes.sets.values())
+        return {name_of(self.base.law), *(value for value in given if isinstance(value, str))}
 
     @cached_property
     def manifest(self) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import cache
 from importlib.metadata import version
-from itertools import chain
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -16,13 +15,13 @@ from pydantic import BaseModel
 
 import slipwave
 from slipwave.errors import SceneError
-from slipwave.friction.law import LAWS, name_of
+from slipwave.friction.law import LAWS
 from slipwave.input.assemble import to_toml
 from slipwave.input.overrides import parse_toml
 from slipwave.solve.follow import DAY
 from slipwave.sources import source_digest
 from validation.models.by_name import parse, resolve
-from validation.models.own import digests
+from validation.models.own import digests, require_files
 from validation.models.parameter import Variation, scenes_with
 from validation.models.progress import progress
 from validation.models.stopwatch import cores
@@ -53,15 +52,9 @@ def plan_of(scenes: Variation, axes: Sequence[Axis], models: Sequence[str], meas
     return plan
 
 
-def _laws_of(plan: Plan) -> set[str]:
-    """Names of the laws of a plan, and other words that it gives."""
-    given = chain(*(axis.values for axis in plan.axes), *(row.values() for row in plan.rows), plan.scenes.sets.values())
-    return {name_of(plan.base.law), *(value for value in given if isinstance(value, str))}
-
-
 def require_laws_in_files(plan: Plan) -> None:
     """Raises SceneError for a law that the processes of a sweep do not find: their main part is not the user's."""
-    for name in sorted(_laws_of(plan) & LAWS.keys()):
+    for name in sorted(plan.laws & LAWS.keys()):
         if LAWS[name].parameters.__module__ == "__main__":
             where = "in the main part of a script or in a notebook, where the processes of a sweep do not find it"
             raise SceneError(f'friction law {name!r}: is registered {where}: write it to a file, and give law="FILE.py"')
@@ -71,7 +64,7 @@ def _manifest_of(plan: Plan) -> dict[str, Any]:
     """The plan and the programs, ours and the user's, with which a folder must agree to be continued."""
     program = _versions() | {"code": source_digest()}
     source = {"scene_toml": to_toml(plan.base)}
-    files = digests(_laws_of(plan), plan.models, None if plan.measure in MEASURES else own_measure(plan.measure))
+    files = digests(plan.laws, plan.models, None if plan.measure in MEASURES else own_measure(plan.measure))
     return dict(json.loads(json.dumps(plan.manifest | source | {"program": program, "files": files})))
 
 
@@ -96,24 +89,31 @@ class _Stored(BaseModel):
     options: dict[str, int | float]
     rows: tuple[dict[str, float | str], ...]
     set: dict[str, Any] = {}
+    files: dict[str, str] = {}
 
 
-def stored_plan(folder: Path) -> Plan:
+def stored_plan(folder: Path, to_go_on: bool = False) -> Plan:
     """The plan of a folder, checked as one that is made; nothing is imported for its measure. Raises SceneError if it holds no
-    sweep, or none that may be planned."""
-    manifest = Store(folder).manifest
+    sweep, or none that may be planned, or needs a user's file that is not loaded as it was, unless `to_go_on`, which says so
+    later."""
+    label, manifest = f"SCENE = {str(folder)!r}", Store(folder).manifest
     if manifest is None:
-        raise SceneError(f"SCENE = {str(folder)!r}: a folder without a sweep (no manifest.json)")
+        raise SceneError(f"{label}: a folder without a sweep (no manifest.json)")
+    files = dict[str, str]()
     try:
         said = _Stored(**manifest)
+        files = said.files
         axes = tuple(replace(axis_of(axis.key, [*axis.values]), unit=axis.unit) for axis in said.axes)
         scene = slipwave.read_scene(parse_toml(said.scene_toml))
         names = [axis.name for axis in axes] + [key for row in said.rows for key in row]
         plan = Plan(scenes_with(scene, names, said.set), axes, said.models, said.measure, said.options, said.rows)
         require_plan(plan)
     except (ValueError, RecursionError) as error:
+        require_files(label, files)
         reason = error if isinstance(error, SceneError) else "it is damaged, or of another version"
         raise SceneError(f"{str(folder / MANIFEST)!r}: holds no plan of a sweep: {reason}") from None
+    if not to_go_on:
+        require_files(label, files)
     return plan
 
 

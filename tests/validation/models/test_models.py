@@ -15,6 +15,7 @@ import slipwave as sw
 from fullwave.adapt import _difference_of, _probe
 from slipwave.errors import SceneError
 from slipwave.family import features_of
+from slipwave.friction import LAWS
 from slipwave.input.stored import read_stored
 from slipwave.packages import own_file
 from slipwave.solve import follow
@@ -361,6 +362,22 @@ def test_what_was_computed_with_a_file_that_has_changed_is_not_gone_on_with(name
     sys.modules.pop("mine", None)
     path.write_text(text)
     printed(*again)
+
+
+def test_a_sweep_is_drawn_and_gathered_with_its_law_only(here, refused, printed):
+    """Before, an edited law drew its boundary over the regimes of the first, and without any the nearest of ours was advised."""
+    printed("sweep", "paper", *OWN_LAW, "--vary", "V=50,100", "--measure", "stability", "--workers", "1", "--out", "map")
+    printed("sweep", "map", "--law", "law.py", "--gather")
+    drawn = (["map", "map"], ["map", "map/sweep.nc"], ["sweep", "map", "--gather"])
+    del LAWS["cutoff"]
+    for words in (*drawn, ["sweep", "map"]):
+        assert "': needs the friction law of the file law.py (digest" in refused(*words)
+    (here / "law.py").write_text(LAW + "\n# another\n")
+    for words in drawn:
+        assert "was computed with another law law.py: digest" in refused(*words, "--law", "law.py")
+    (here / "law.py").write_text(LAW)
+    for words in drawn:
+        printed(*words, "--law", "law.py")
 
 
 def test_a_digest_is_that_of_the_user_s_text_as_it_was_loaded_with_what_it_imports(here):
