@@ -244,7 +244,10 @@ def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tup
     basis, stages, mu, slope = basis_of(pieces), pieces.z.shape[1], pieces.mu.ravel(), rows[0]
     ends = [_extreme(basis, slope, node // stages) for node in event]
     levels = [0.5 * sum(evaluate(basis, one[piece], share) for piece, share in ends) for one in (pieces.mu, *rows[1:])]
-    above = event[0] + int(np.flatnonzero(mu[event[0] : event[1]] > levels[0])[-1])
+    before = np.flatnonzero(mu[event[0] : event[1]] > levels[0])
+    if before.size == 0:
+        raise NumericsError(f"an event at t = {pieces.time[event[0] // stages]:.6g} transits has no date: ripples hide its fall")
+    above = event[0] + int(before[-1])
     piece = (above + 1) // stages
     share = find_root(basis, pieces.mu[piece], levels[0], 0.0, 1.0)
     date = float(pieces.time[piece] + share * pieces.length[piece])

@@ -10,6 +10,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from reduced.families import REDUCTIONS
+from reduced.impedance.reduce import reduction_of
 from slipwave.errors import SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -20,9 +21,6 @@ from validation.fit.parameters import NUISANCES, Free, Variants, sizes
 from validation.fit.records import FINEST, Experiment
 from validation.models.by_name import requested
 from validation.models.parameter import Variation
-
-RINGING = ("kelvin-voigt", "modal")
-"""Reductions that oscillate during stick."""
 
 _FACTORS = (
     ("memory_length", 0.1),
@@ -125,7 +123,7 @@ def problem_of(
     family, _, number, _ = requested(model, scenes.base, tolerance=tolerance)
     kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
     name = family.called(family.default if number is None else number)
-    with_waves = any(one.cycle for one in records) and (kind is OfSolver or family.name in RINGING)
+    with_waves = any(one.cycle for one in records) and (kind is OfSolver or _rings(scenes.base, name))
     if with_waves and len(records) > 1:
         raise SceneError(f"model = {name!r}: with every wave one record of stick-slip at a time can be fitted")
 
@@ -140,6 +138,12 @@ def problem_of(
 
     compared, models = zip(*map(seen, records), strict=True)
     return FrictionProblem(free, compared, models, tuple(name for name in NUISANCES if name in words))
+
+
+def _rings(scene: Scene, model: str) -> bool:
+    """Whether the slabs of a reduction oscillate during stick without end."""
+    reduction = reduction_of(scene, model)
+    return bool(reduction.frequencies) and reduction.is_lossless
 
 
 def _with_waves(variants: Variants, record: Experiment, model: str) -> tuple[Experiment, CycleOfOrbit]:

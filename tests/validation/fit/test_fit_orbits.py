@@ -13,6 +13,7 @@ from validation.fit.forward import OfSolver
 from validation.fit.least_squares import Best
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import Variants, begun, schedule_of
+from validation.models.own import load_families
 from validation.models.parameter import Variation
 
 HEADING = "time [transits],mu"
@@ -93,6 +94,32 @@ def test_reductions_that_ring_are_fitted_in_the_same_way(tmp_path):
         sw.fit("paper", "delay", data=[file, other], free=["a"])
     with pytest.raises(SceneError, match="needs a parameter that changes the period"):
         sw.fit("paper", "delay", data=[file], free=["a_star"])
+
+
+OWN = """
+from dataclasses import replace
+from reduced.impedance.reduction import reduction
+from slipwave.family import Family
+COPY = Family("my-copy", f"{__name__}:copy", "modal:2")
+DAMPED = Family("my-damped", f"{__name__}:damped", "an oscillator that is slowly damped")
+def copy(scene, name):
+    return replace(reduction("modal:2"), name=name)
+def damped(scene, name):
+    return replace(reduction("kelvin-voigt"), name=name, decays=(0.001,))
+"""
+
+
+def test_the_same_reduction_under_another_name_is_fitted_in_the_same_way(tmp_path):
+    """Before, only those named kelvin-voigt and modal were; the others had another answer, or a traceback."""
+    file = written(tmp_path / "paper.csv", HEADING, *seen(0.0349, 1e-3, 5))
+    (tmp_path / "own.py").write_text(OWN)
+    load_families(tmp_path / "own.py")
+    ours, *same = (sw.fit("paper", model, data=[file], free=["a"], settings=AWAY) for model in ("modal:2", "my-copy", "fitted:2"))
+    for one in same:
+        assert one.parameters["interface.a"]["value"] == pytest.approx(ours.parameters["interface.a"]["value"], rel=1e-9)
+        assert one.data[0]["samples"] == ours.data[0]["samples"]
+    damped = sw.fit("paper", "my-damped", data=[file], free=["a", "b"], settings=["interface.a=0.0345"])
+    assert 1.2 < damped.residual["over_noise"] < 3.0
 
 
 @pytest.mark.parametrize(("scene", "work", "line"), [("paper", 3e6, "after 3[0-9] orbits"), ("unlike", 1e4, "after 0 orbits")])
