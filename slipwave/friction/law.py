@@ -309,10 +309,25 @@ def register(
             f"friction law {name!r}: {owner!r} is already registered with the same parameter class; give this one its own class"
         )
     LAWS[name] = law
+    for operator, function in (("__eq__", _equal), ("__ne__", _unequal), ("__hash__", _hash)):
+        setattr(parameters, operator, function)
     for generic, version in zip(_GENERIC, law[1:], strict=True):
         generic.register(parameters)(version)
     if law.rate_of is not _exponential:
         law_of_step.register(parameters)(_of_step)
+
+
+def _equal(law: Law, other: Any) -> bool:
+    """Equality of laws, and with them of scenes, in plans and caches: tuples of the same numbers would be the same law."""
+    return type(law) is type(other) and tuple(law) == tuple(other)
+
+
+def _unequal(law: Law, other: Any) -> bool:
+    return not _equal(law, other)
+
+
+def _hash(law: Law) -> int:
+    return hash((type(law), *law))
 
 
 def _of_house(law: Registered) -> bool:

@@ -33,6 +33,14 @@ def of(upper, lower, velocity=7.0):
     return Scene("test", Ageing(0.5, 0.01, 0.03), upper, lower, steady_drive(velocity))
 
 
+def test_laws_of_the_same_numbers_make_other_scenes():
+    """Before, caches gave a scene the roots of the same one with another law, and a sweep over laws and V was that of one law."""
+    one, other = (dataclasses.replace(of(ELASTIC, ELASTIC), law=law(0.5, 0.01, 0.03)) for law in (Ageing, Slip))
+    assert one != other
+    assert len({one, other}) == 2
+    assert len({one, of(ELASTIC, ELASTIC)}) == 1
+
+
 # A slab of impedance e = rho c and one-way travel time T = H/c has G = e c, hence H/G = T/e: compliance per unit shear stress.
 # Round trips are 2 T. Stiffness per transit is the upper slab's round trip over the sum of both slabs' H/G.
 COMPLIANCES = [

@@ -70,6 +70,7 @@ def same(one, other):
     ("scene", "axes"),
     [
         ("paper", {"slab.log10_r": "-2.7:-2.2:3", "V": "1:900:3:log", "interface.a": "0.005,0.012"}),
+        ("paper", {"interface.law": "ageing,slip", "V": "10,100"}),
         ("rock", {"slab.thickness": "0.5m:20m:3:log", "slab.shear_modulus": "20GPa,30GPa", "drive.velocity": "1um/s,10um/s"}),
         ("unlike", {"ratio_r": "0.5:2:3", "log10_r": "-2.7,-2.3", "V": "10,100"}),
         ("machine", {"face.stiffness": "0.5,1", "ratio_epsilon": "1,3", "V": "10,100"}),
