@@ -46,7 +46,14 @@ def _both(scene: Scene, change: Callable[[Slab], Slab]) -> Scene:
 
 
 def _law(name: str) -> Callable[[Scene, float], Scene]:
-    return lambda scene, value: dataclasses.replace(scene, law=scene.law._replace(**{name: value}))
+    def change(scene: Scene, value: float) -> Scene:
+        """Raises SceneError for a user's law without that parameter."""
+        if name not in scene.law._fields:
+            own = ", ".join(f"interface.{key}" for key in scene.law._fields)
+            raise SceneError(f"interface.{name} = {value:g}: the law of scene {scene.name!r} has none; must be one of {own}")
+        return dataclasses.replace(scene, law=scene.law._replace(**{name: value}))
+
+    return change
 
 
 def _face(name: str) -> Callable[[Scene, float], Scene]:

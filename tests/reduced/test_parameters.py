@@ -1,5 +1,8 @@
 """Parameters by name: each takes the value, and all others keep theirs."""
 
+from dataclasses import replace
+from typing import NamedTuple
+
 import pytest
 
 import slipwave
@@ -48,3 +51,10 @@ def test_it_takes_the_value_and_all_others_keep_theirs(kind, name):
 def test_a_name_that_is_no_parameter_is_refused():
     with pytest.raises(SceneError, match="did you mean 'log10_r'"):
         with_parameter(SCENES["machine"], "log_r", -3.0)
+
+
+def test_a_law_of_the_users_without_the_parameter_is_told_its_own():
+    """Before, a traceback."""
+    scene = replace(SCENES["machine"], law=NamedTuple("Bare", [("strength", float)])(0.4))
+    with pytest.raises(SceneError, match=r"interface.a = 0.03: the law of scene .* has none; must be one of interface.strength"):
+        with_parameter(scene, "a", 0.03)
