@@ -9,7 +9,7 @@ Observers that a scene records by name: `run.record = ["events", "NAME"]`.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Protocol, TypeGuard, cast, runtime_checkable
@@ -193,8 +193,8 @@ def _in_words(seconds: float) -> str:
 class NamedObserver(Observer, Resumable, Protocol):
     """An observer that adds `figures` to the results of a run and continues from checkpoints."""
 
-    def figures(self) -> dict[str, float]:
-        """Name -> value, of the run so far."""
+    def figures(self) -> Mapping[str, float | None]:
+        """Name -> value, of the run so far; None or NaN where there is none yet."""
 
 
 def named_observers(solver: Solver) -> dict[str, NamedObserver]:

@@ -181,8 +181,8 @@ class RunResult(Result):
             rate = {"v": done.final.v} if done.final.v <= 0.0 else {"ln v": done.final.ln_v}
             state = rate | {"psi": done.final.psi, "mu": done.final.mu}
             yield "\nat the end: " + ", ".join(f"{name} = {rounded(value, 12)}" for name, value in state.items())
-        for label, one in self.records.named.items():
-            yield f"{label}: " + ", ".join(f"{name} = {rounded(value, 6)}" for name, value in one.figures().items())
+        for label, figures in self._observed.items():
+            yield f"{label}: " + ", ".join(f"{name} = {rounded(value, 6)}" for name, value in figures.items())
         if self.energy:
             yield "energy: " + ", ".join(f"{name} {rounded(value, 6)}" for name, value in self.energy.items())
         if done.solver.failures:
@@ -235,10 +235,16 @@ class RunResult(Result):
         more = {
             "protocol": stage_results(self.stages, done.solver.scene) if self.stages else [],
             "lyapunov": self.exponent._asdict() if self.exponent else None,
-            "observed": {name: one.figures() for name, one in self.records.named.items()},
+            "observed": self._observed,
             "notes": [*doubts(done.solver.scene), *self.notes],
         }
         return result | {name: value for name, value in more.items() if value}
+
+    @property
+    def _observed(self) -> dict[str, dict[str, float]]:
+        """The figures of observers by name, also those of numpy, as numbers that every file holds; NaN where there is none."""
+        named = {label: one.figures() for label, one in self.records.named.items()}
+        return {label: {name: float("nan" if x is None else x) for name, x in one.items()} for label, one in named.items()}
 
     @property
     def _march(self) -> str | None:
@@ -314,7 +320,7 @@ class RunResult(Result):
 
     def _facts(self) -> dict[str, Any]:
         facts = provenance("run", self.done.solver.scene, self.done.solver.model, self.options)
-        observed = {f"{label}_{name}": x for label, one in self.records.named.items() for name, x in one.figures().items()}
+        observed = {f"{label}_{name}": x for label, figures in self._observed.items() for name, x in figures.items()}
         return facts | {"ended": self.done.ended or "failed", "reasons": "; ".join(self.reasons)} | observed
 
     def write_events(self, path: str | Path) -> None:

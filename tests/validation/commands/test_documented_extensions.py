@@ -194,9 +194,11 @@ def test_a_discretisation(reader):
 
 
 def test_an_observer(reader):
-    """In one file; in two if `slipwave run` is to show it by name."""
+    """In one file; in two if `slipwave run` is to show it by name. Numbers of numpy are figures too."""
     reader.follow(EXTENDING["Adding an observer"])
     assert reader.changed == {"slip.py", "slipwave/observe/excess.py", "slipwave/scene/recorded.py"}
+    more = '{"slip": self._slip, "count": np.int64(3), "late": np.bool_(True), "never": None}'
+    reader.change("slipwave/observe/excess.py", '{"slip": self._slip}', more)
     run = 'run paper --until 2000 --set \'run.record=["events", "excess"]\' --checkpoint run.npz --out run.nc'
     found = reader.json(run)[0]["observed"]["excess"]["slip"]
     assert found == pytest.approx(0.00209 * 2000 * 100 * 0.8, rel=0.25)
