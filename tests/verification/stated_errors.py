@@ -289,7 +289,7 @@ KINDS = {
     "chosen grids": Kind("`--tol` of full waves: estimated error", _KNOWN, WITNESS, chosen_grid, 135),
     "default grids": Kind("default grids of full waves: estimated error", _KNOWN, WITNESS, default_grid, 110),
     "extrapolation": Kind("Richardson’s limit of three grids", "delay system", WITNESS, limits_of_grids, 104),
-    "means": Kind("means of motions that never repeat: margin", "1000 cycles more", SELF, irregular_means, 165),
+    "means": Kind("means of motions that never repeat: margin", "1000 cycles more", SELF, irregular_means, 330),
     "exponents": Kind("largest Lyapunov exponents: margin", "600 intervals more", SELF, exponents, 175),
 }
 """Kinds by name."""
