@@ -96,8 +96,8 @@ class FlowByHand:
     def remeshed(self, cycle, finer):
         return replace(self, steps=math.ceil(finer * self.steps - 1e-9)), cycle.start
 
-    def loosened(self, cycle, scenes):
-        return self, cycle.start
+    def loosened(self, start, scenes):
+        return self, start
 
     def roughness(self, cycle, tolerance):
         return self.roughest * np.ptp(cycle.pieces.psi) * (6.0 / self.steps) ** self.nodes.size / tolerance

@@ -26,15 +26,18 @@ class FlowFamily:
     """The flow of the scenes `scene_at(p)` on the mesh of `flow`: calling it gives the flow at the parameter p."""
 
     def __init__(self, flow: Flow, scene_at: Callable[[float], Scene]) -> None:
-        self._scene_at = scene_at
+        self._scene_at, self._size = scene_at, flow.size
         self._at = lru_cache(maxsize=8)(lambda parameter: flow.of(scene_at(parameter)))
 
     def __call__(self, parameter: float) -> Flow:
-        """The flow at a parameter. Raises NumericsError where there is no such scene."""
+        """The flow at a parameter. Raises NumericsError where there is no such scene, or none with states of this size."""
         try:
-            return self._at(parameter)
+            found = self._at(parameter)
         except SceneError as error:
             raise NumericsError(f"there is no scene at parameter = {parameter:.10g}: {error}") from None
+        if found.size != self._size:
+            raise NumericsError(f"waves at parameter = {parameter:.10g} need a state of {found.size} values, not {self._size}")
+        return found
 
     def on(self, flow: Flow) -> "FlowFamily":
         """The same scenes on the mesh of `flow`."""

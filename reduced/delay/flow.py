@@ -70,16 +70,19 @@ class DelayFlow:
         return np.append(np.zeros(self.size - 1), self.scene.steady_psi)
 
     def of(self, scene: Scene) -> "DelayFlow":
-        """As `Flow`."""
-        return DelayFlow(scene, 1.0 / self.length, self._divides)
+        """As `Flow`: where travel times differ, in as many steps of the longest, so that a state has as many values. It has more
+        where these steps are too long for a wave, and others where slabs are one pair in one of both scenes."""
+        travel, other = self._lines.travel, lines_of(scene).travel
+        longer = 1.0 if _are_same(travel, other) else float(other.max() / travel.max())
+        return DelayFlow(scene, 1.0 / (longer * self.length), self._divides and _are_same(travel, other))
 
     def mesh_state(self) -> State:
         """As `Flow`: steps per transit."""
-        return {"per_transit": np.array([1.0 / self.length])}
+        return {"per_transit": np.array([1.0 / self.length]), "divides": np.array([float(self._divides)])}
 
     def on_mesh(self, state: State) -> "DelayFlow":
         """As `Flow`."""
-        return DelayFlow(self.scene, float(state["per_transit"][0]))
+        return DelayFlow(self.scene, float(state["per_transit"][0]), bool(state["divides"][0]))
 
     def march(self, start: Array, period: float, push: Push = NO_PUSH) -> Cycle:
         """As `Flow`."""
@@ -195,20 +198,23 @@ class DelayFlow:
 
     def remeshed(self, cycle: Cycle, finer: float) -> "tuple[DelayFlow, Array]":
         """As `Flow`."""
-        return self._onto(DelayFlow(self.scene, finer / self.length), cycle)
+        return self._onto(DelayFlow(self.scene, finer / self.length, self._divides), cycle.start)
 
-    def loosened(self, cycle: Cycle, scenes: Sequence[Scene]) -> "tuple[DelayFlow, Array]":
-        """As `Flow`: where travel times differ, on shorter steps of which none is a whole number."""
+    def loosened(self, start: Array, scenes: Sequence[Scene]) -> "tuple[DelayFlow, Array]":
+        """As `Flow`: where travel times differ, on shorter steps of which none is a whole number, and which are short enough for
+        every wave of the `scenes`."""
         travel, others = self._lines.travel, [lines_of(scene).travel for scene in scenes]
-        if all(travel.size == other.size and np.allclose(travel, other, _SAME, 0.0) for other in others):
-            return self, cycle.start
-        steps = np.linspace(*_LOOSE, _TRIED) / self.length
+        others = [other for other in others if other.size == travel.size and not _are_same(travel, other)]
+        if not others:
+            return self, start
+        shortest = min(float(min(other.min(), 1.0 / _FEWEST) / other.max()) for other in others)
+        steps = np.linspace(*_LOOSE, _TRIED) * max(1.0 / self.length, 1.0 / (shortest * travel.max()))
         parts = np.outer(steps, travel) % 1.0
         best = int(np.minimum(parts, 1.0 - parts).min(axis=1).argmax())
-        return self._onto(DelayFlow(self.scene, float(steps[best]), False), cycle)
+        return self._onto(DelayFlow(self.scene, float(steps[best]), False), start)
 
-    def _onto(self, new: "DelayFlow", cycle: Cycle) -> "tuple[DelayFlow, Array]":
-        waves, rest = np.split(cycle.start, [math.prod(self._shape)])
+    def _onto(self, new: "DelayFlow", start: Array) -> "tuple[DelayFlow, Array]":
+        waves, rest = np.split(start, [math.prod(self._shape)])
         return new, new.sampled(waves.reshape(self._shape), self.length, rest)
 
     def sampled(self, waves: Array, length: float, rest: Array) -> Array:
@@ -279,6 +285,11 @@ class DelayFlow:
             faces[slab, LOAD] += self.length * network.spring[slab] * (later @ velocity)
             faces[slab, VELOCITY] = here @ velocity
         return faces
+
+
+def _are_same(travel: Array, other: Array) -> bool:
+    """Whether travel times are the same, but for rounding."""
+    return travel.size == other.size and bool(np.allclose(travel, other, _SAME, 0.0))
 
 
 def _idle_states(step: Array) -> Array:

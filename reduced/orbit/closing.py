@@ -10,7 +10,7 @@ reduce it.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, NamedTuple, TypeVar
 
 import numpy as np
@@ -179,6 +179,12 @@ class _Equations:
 def close(flow: Flow, state: Array, period: float, tolerance: float = CLOSES_TO) -> Closed:
     """The orbit of `flow` near `state` and `period`. Raises NumericsError if Newton's method does not converge to one."""
     return close_family(lambda _: flow, state, period, tolerance=tolerance)
+
+
+def close_exactly(flow: Flow, state: Array, period: float) -> Closed:
+    """As `close`, to rounding, with the orbit's own monodromy matrix."""
+    closed = close(flow, state, period, 0.0)
+    return replace(closed, monodromy=flow.tangent(closed.cycle))
 
 
 def close_family(

@@ -133,8 +133,8 @@ class Flow(Protocol):
         """A flow whose mesh suits the motion of `cycle`, with steps shorter by the factor `finer`, and the start of `cycle` as
         its state."""
 
-    def loosened(self, cycle: Cycle, scenes: Sequence[Scene]) -> "tuple[Flow, Array]":
-        """A flow whose motion is smooth between these `scenes`, itself if it is, and the start of `cycle` as its state."""
+    def loosened(self, start: Array, scenes: Sequence[Scene]) -> "tuple[Flow, Array]":
+        """A flow whose motion is smooth between these `scenes`, itself if it is, and `start` as its state."""
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """The largest highest Legendre coefficient of z and psi in a step of `cycle`, over the one that fits `tolerance`."""

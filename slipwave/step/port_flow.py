@@ -148,9 +148,9 @@ class PortFlow:
             self._slabs, _mesh_of(self._slabs, cycle.start, cycle.period, longest, resolution, mesh.growth / finer)
         ), cycle.start
 
-    def loosened(self, cycle: Cycle, scenes: Sequence[Scene]) -> "tuple[PortFlow, Array]":
+    def loosened(self, start: Array, scenes: Sequence[Scene]) -> "tuple[PortFlow, Array]":
         """As `Flow`: itself, since no wave arrives within a step."""
-        return self, cycle.start
+        return self, start
 
     def roughness(self, cycle: Cycle, tolerance: float) -> float:
         """As `Flow`."""

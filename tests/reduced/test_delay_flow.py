@@ -277,3 +277,13 @@ def test_no_period_gains_energy_while_friction_holds_its_state(scene, period):
     flow = DelayFlow(scene, 6.0)
     waves = flow.tangent(flow.march(flow.steady, period), frozen=True)
     assert np.abs(np.linalg.eigvals(waves[:-1, :-1])).max() < 1.0 + 1e-12
+
+
+@pytest.mark.parametrize("ratio", [0.1, 1.3, 1.9, 2.1, 3.7])
+def test_a_state_has_as_many_values_where_one_slab_alone_changes(ratio):
+    """In steps that are short enough for both scenes, on a mesh that a file may keep."""
+    flow = DelayFlow(unlike(2.0), 4.0)
+    loose, start = flow.loosened(flow.steady, [unlike(ratio)])
+    there = loose.of(unlike(ratio))
+    assert start.size == loose.size == there.size == there.on_mesh(there.mesh_state()).size
+    assert there.march(there.steady, 3.0).end == pytest.approx(there.steady, abs=1e-12)

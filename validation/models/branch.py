@@ -20,13 +20,14 @@ from reduced.continuation.start import (
     stored,
     without_derivatives,
 )
-from reduced.orbit.closing import Closed
+from reduced.orbit.closing import Closed, close_exactly
 from reduced.orbit.periodic import amplitude, difference_of_parts
 from reduced.stability.characteristic import characteristic
 from reduced.stability.onsets import ONSET_WIDTH, Onset, onsets
 from reduced.stability.spectrum import unstable_count
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import name_of
+from slipwave.scene import Scene
 from slipwave.solve import State
 from slipwave.sources import source_digest
 from validation.models.by_name import one_port_of
@@ -179,8 +180,13 @@ class FollowedBranch:
 
     def family_at(self, parameter: float, period: float) -> FlowFamily:
         """The model's flows, on a mesh that resolves steady sliding and its slow oscillations with `period` (transits)."""
-        solver = moving(self.model, self.over.scene_at(parameter), self.cells)
-        return FlowFamily(solver.flow(period, self.tolerance)[0], self.over.scene_at)
+        flow, start = moving(self.model, self.over.scene_at(parameter), self.cells).flow(period, self.tolerance)
+        return FlowFamily(flow.loosened(start, self._end_scenes)[0], self.over.scene_at)
+
+    @property
+    def _end_scenes(self) -> list[Scene]:
+        """The scenes at both ends of the range: a mesh serves them both."""
+        return [self.over.scene_at(value) for value in self.over.ends]
 
     def named(self) -> dict[str, int]:
         """Name of each special point within the range, as NS2 for the second torus point, and its index."""
@@ -236,10 +242,12 @@ class FollowedBranch:
         value, metric = unstable[0], metric_for(*over.ends)
         other = sum(over.ends) - value
         beside = value + _BESIDE * (other - value)
-        flow_at = self.family_at(value, 1.0)
-        if flow_at(value).size != flow_at(beside).size:  # at the value alone slabs are one pair, or round trips have a divisor
+        flow = self.family_at(value, 1.0)(value)
+        if flow.size != flow.of(over.scene_at(beside)).size:  # at the value alone slabs are one pair
             value = beside
         found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
+        loose, start = found.flow.loosened(found.cycle.start, self._end_scenes)
+        found = found if loose is found.flow else close_exactly(loose, start, found.cycle.period)
         return self._first(from_orbit(FlowFamily(found.flow, over.scene_at), found, value, other, metric), metric)
 
     def _from_doubling(self) -> _BranchEnd:

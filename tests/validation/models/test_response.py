@@ -41,7 +41,7 @@ def differences(result, key, value, unit="", step=1e-5):
     def orbit(moved):
         flow, start = finer.flow.of(sw.read(result.found.scene, {key: f"{moved!r} {unit}" if unit else moved})), finer.cycle.start
         if flow.size != finer.flow.size or getattr(flow, "length", 0.0) != getattr(finer.flow, "length", 0.0):
-            flow, start = finer.flow._onto(flow, finer.cycle)
+            flow, start = finer.flow._onto(flow, finer.cycle.start)
         figures = figures_of(close(flow, start, finer.cycle.period, 0.0))
         return np.array([figures[name] for name in FIGURES])
 
