@@ -225,7 +225,9 @@ class DelayMarch:
     seconds_per_piece = 2e-6  # 0.9 to 1.9 measured
     transits_per_piece = math.nan
     failed_at = math.nan
-    bookkeeping = frozenset({"counts", "levels", "origin", "waiting", "leaps", "tries", "past", "past.incoming", "arrivals"})
+    bookkeeping = frozenset(
+        {"counts", "levels", "origin", "guess", "waiting", "leaps", "tries", "past", "past.incoming", "arrivals"}
+    )
     settings: dict[str, Any]
     _memory: DelayMemory
 

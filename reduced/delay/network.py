@@ -66,14 +66,15 @@ class DelayNetwork(DelayMarch):
             self._refine(verdict)
 
     def state(self) -> State:
-        """As `Solver`: the ring of waves launched in past steps, and the present state (`NetworkLines`, `DelayMemory`); `counts`:
-        steps in the span that they divide, steps done since `origin`, ring index, failures, iterations."""
+        """As `Solver`: the waves launched in past steps, oldest first, so that states at any two times can be compared, and the
+        present state (`NetworkLines`, `DelayMemory`); `counts`: steps in the span that they divide, steps done since `origin`,
+        ring index, failures, iterations."""
         lines, memory = self._lines, self._memory
-        counts = (self._count, self._done, lines.cursor[0], self.failures, self.iterations)
+        counts = (self._count, self._done, 0, self.failures, self.iterations)
         return {
             "counts": np.array(counts, dtype=float),
             "origin": np.array([self._origin]),
-            "waves": lines.waves.copy(),
+            "waves": np.roll(lines.waves, -int(lines.cursor[0]), axis=2),
             "tops": lines.tops.copy(),
             "guess": np.stack(memory.guess),
             "now": memory.now.copy(),

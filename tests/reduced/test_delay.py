@@ -98,6 +98,16 @@ def test_noise_between_incommensurate_slabs_does_not_grow(ratio):
     assert loose.steps == 8.0
 
 
+@pytest.mark.parametrize("name", ["unlike", "unlike-irrational"])
+def test_a_state_has_its_waves_oldest_first(name):
+    """So that states at any two times can be compared: the first disturbance of a Lyapunov exponent is such a difference."""
+    solver = DelayNetwork(read(name))
+    follow(solver, 7.3)
+    before = solver.state()["waves"]
+    steps = solver.advance(solver.time + 0.5).time.size
+    np.testing.assert_array_equal(solver.state()["waves"][:, :, :-steps], before[:, :, steps:])
+
+
 def test_steps_that_follow_breaks_let_no_noise_grow():
     """Behind a faint kink; equal steps without a projection came to 96 per transit at this ratio. Measured: 6e-9 at t = 600."""
     drive = [[0.0, 100.0], [20.3, 100.0], [25.7, 100.001]]
