@@ -10,6 +10,7 @@ from slipwave.errors import SceneError
 from slipwave.observe.envelope import Envelope, Ranges
 from slipwave.observe.pieces import Array
 from slipwave.observe.protocol import StageFigures
+from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
 from slipwave.solve import Leaping
 from validation.chart import GREY, GUIDE, POINTS, Chart, Look, Panel, Scale, Second, Trace, outline
@@ -103,7 +104,7 @@ def return_map(run: Run) -> Chart:
     period = run.events.period[run.events.time >= second_half(run.solver, run.until)]
     if period.size < 2:
         raise SceneError("a return map needs two complete cycles in the second half of the run")
-    margin = 0.05 * (np.ptp(period) or 1.0)
+    margin = max(0.05 * np.ptp(period), REPEATS * period.mean())  # the rounding of periods that repeat is no cloud
     ends = float(period.min() - margin), float(period.max() + margin)
     cycles = Trace("cycles", period[:-1], period[1:], POINTS.but(size=2.0))
     repeats = Trace("repeats", [-np.inf, np.inf], [-np.inf, np.inf], GUIDE.but(color=GREY))
