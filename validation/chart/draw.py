@@ -1,5 +1,7 @@
 """Draws a chart with matplotlib: legible on paper; dashes and markers distinguish traces without colour."""
 
+import re
+import textwrap
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -52,6 +54,8 @@ _HATCHED = "#888888"
 _MANY, _SMALL = 12, 8.5  # entries of a legend, from which on its letters are small
 _CLOUD = 5000  # points, from which on they are drawn as a picture
 _DECADES, _PLAIN = 300.0, (1e-4, 1e5)  # ratio and values of the ends of a scale with ticks at 1, 2 and 5
+_WHOLE = (1e-4, 1e6)  # values of the larger end of a linear scale whose ticks need no power of ten
+_LETTERS = 12.0  # of a label, in an inch of the panel
 _FINE = 6  # points of a spline for each interval
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 
@@ -77,7 +81,7 @@ def draw(chart: Chart) -> Drawing:
         grid: Any = whole.grid
         places = figure.subplot_mosaic(grid, empty_sentinel=EMPTY, **ratios)
         for number, panel in enumerate(whole.panels):
-            _draw_panel(places[number], panel)
+            _draw_panel(places[number], panel, _LETTERS * chart.width / (len(grid[0]) * chart.letters))
         _share(places, whole)
         keys = _keys(chart.keys or [trace for panel in chart.panels for trace in panel.traces])
         if chart.title:
@@ -89,9 +93,10 @@ def draw(chart: Chart) -> Drawing:
         return figure
 
 
-def _draw_panel(axes: Axes, panel: Panel) -> None:
-    for which, axis in (("x", panel.x), ("y", panel.y)):
-        axes.set(**{f"{which}scale": axis.kind, f"{which}label": axis.label, f"{which}lim": axis.ends})
+def _draw_panel(axes: Axes, panel: Panel, letters: float) -> None:
+    """Draw a panel in whose width there is room for so many `letters`."""
+    for which, label, axis in (("x", _in_lines(panel.x.label, int(letters)), panel.x), ("y", panel.y.label, panel.y)):
+        axes.set(**{f"{which}scale": axis.kind, f"{which}label": label, f"{which}lim": axis.ends})
         _draw_scale(axes, which, axis)
     axes.set_title(panel.name)
     if panel.grid:
@@ -105,8 +110,14 @@ def _draw_panel(axes: Axes, panel: Panel) -> None:
         axes.legend(handles=keys, loc=place)
 
 
+def _in_lines(label: str, letters: int) -> str:
+    """A label in lines of at most so many letters, each formula and unit whole."""
+    kept = re.sub(r"\$[^$]*\$| / .*", lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), label)
+    return "\n".join(textwrap.wrap(kept, letters, break_long_words=False)).replace("\N{NO-BREAK SPACE}", " ")
+
+
 def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
-    from matplotlib.ticker import MaxNLocator
+    from matplotlib.ticker import LogFormatterSciNotation, MaxNLocator
 
     lines: Any = getattr(axes, f"{which}axis")
     if axis.ticks is not None:
@@ -115,6 +126,9 @@ def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
         lines.set_minor_formatter("")
     elif axis.kind == "log":
         _label_powers(lines, *axis.ends)
+    elif which == "x" and not _WHOLE[0] <= np.abs(axis.ends).max() < _WHOLE[1]:  # one power of ten would meet the label
+        lines.set_major_locator(MaxNLocator(5, steps=(1, 2, 5, 10)))
+        lines.set_major_formatter(LogFormatterSciNotation(minor_thresholds=(np.inf, np.inf)))
     if axis.second:
         label, factor, is_power = axis.second
         functions: Any = (lambda values: factor * values, lambda values: values / factor)

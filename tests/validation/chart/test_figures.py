@@ -157,6 +157,19 @@ def test_small_numbers_of_a_second_scale_are_whole_where_they_stand():
         assert "2e−10" in [text.get_text() for text in marks.get_ticklabels()]
 
 
+def test_a_long_label_stays_below_its_panel_and_meets_no_power_of_ten():
+    """Of two panels side by side, and of numbers that matplotlib would write as 1, 2 and a 1e8 in the label."""
+    label = "stiffness of the face's spring of the lower slab, of $a = b$ / (Pa/m)"
+    panels = [Panel("", Scale(label), Scale(), [Trace("", [5e6, 3e8], [1.0, 2.0])])] * 2
+    figure = draw(Chart(panels, columns=2))
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        assert axes.xaxis.label.get_window_extent().width < axes.get_window_extent().width
+        assert axes.get_xlabel().replace("\n", " ") == label
+        assert axes.xaxis.get_offset_text().get_text() == ""
+        assert r"$\mathdefault{2\times10^{8}}$" in [text.get_text() for text in axes.get_xticklabels()]
+
+
 def test_thinning_keeps_every_extremum_and_changes_no_number():
     x = np.arange(50_000.0)
     y = np.zeros(x.size)
