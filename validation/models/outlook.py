@@ -277,15 +277,18 @@ def amplified_rounding(scene: Scene, model: str, until: float, tolerance: float 
     else:
         leading = next(iter(spectrum(scene, model).leading), 0j)
     growth = complex(leading) * scene.transit
+    knots = zip(scene.drive.times, scene.drive.velocities, strict=True)
+    changes = [time for (time, before), (_, after) in pairwise(knots) if before != after]
+    until = min(until, *changes, math.inf)  # a change of V is a disturbance of its own, far above rounding
     if not growth.real > 0.0 or math.log(_rounding(scene)) + growth.real * until <= math.log(wanted):
         return None
     share = _share(scene, growth)
     grows = f"steady sliding is unstable, disturbances grow at {growth.real:.3g} per transit"
     if share >= 1.0:
-        note = (
-            f"not determined: {grows}, and rounding outgrows the start {share:.1e} times: it decides when sliding is left, and "
-            "all that follows; use start.kind = 'jump'"
-        )
+        outgrown, advice = f"rounding outgrows the start {share:.1e} times", "start.kind = 'jump'"
+        if math.isinf(share):
+            outgrown, advice = "the start disturbs nothing", "a start.size other than 0"
+        note = f"not determined: {grows}, and {outgrown}: rounding decides when it is left, and all that follows; use {advice}"
     else:
         note = (
             f"not determined beyond {share:.1e}: {grows}, and rounding is that share of what leaves it: events are dated to "

@@ -236,6 +236,15 @@ def test_a_scene_that_is_determined_says_nothing():
     assert amplified_rounding(slipwave.read("paper", ["slab.r=0.5"]), "delay", 0.3) is None  # rounding has not grown yet
 
 
+@pytest.mark.parametrize(("step", "is_told"), [(20, False), (5000, True)])
+def test_a_velocity_step_disturbs_more_than_rounding(step, is_told):
+    """Without a nudge, sliding at log10 r = -2.5 is left by the step, or, if that comes late, by rounding before it."""
+    keys = ["start.size=0", "slab.log10_r=-2.5", f"drive.velocity=[[0, 100], [{step}, 100], [{step}, 150]]"]
+    told = amplified_rounding(slipwave.read("paper", keys), "delay", 6000.0)
+    assert (told is not None) == is_told
+    assert not is_told or "the start disturbs nothing: rounding decides" in told[1]
+
+
 def test_a_run_that_rounding_decides_says_so():
     """`printed.txt` has a run in which its share is small."""
     (note,) = slipwave.run("paper", "quasidynamic", until=10, r=0.5).notes
