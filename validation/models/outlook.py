@@ -337,11 +337,12 @@ def costly_steps(solver: Solver) -> list[str]:
         if any(abs(time / step - round(time / step)) >= _ON_A_STEP for time in jumps):
             return [
                 f"steps of V are placed to within one time step ({step:.3g} transits) by this model: their error falls with the "
-                "step, not with the order of the scheme; the delay system, and full waves with --time exact, place them exactly"
+                "step, not with the order of the scheme; the delay system of elastic slabs, and full waves with --time exact, "
+                "place them exactly"
             ]
     if not jumps or solver.settings.get("time") is None:
         return []
     return [
         "no grid resolves the front of a step of V: the error of this model falls as the size of its cells, whatever its order; "
-        "the delay system has no such error"
+        "the delay system of elastic slabs has no such error"
     ]

@@ -280,3 +280,4 @@ def test_what_a_step_of_the_drive_costs_is_told(model, jump, options, told):
     found = slipwave.run("paper", model, until=2, **options, **{"drive.velocity": drive})
     lines = {"steps": "steps of V are placed to within one time step (", "no": "no grid resolves the front of a step of V: "}
     assert [word for word, line in lines.items() for note in found.notes if note.startswith(line)] == told
+    assert all("the delay system of elastic slabs" in note for note in found.notes if note.startswith(tuple(lines.values())))
