@@ -1,6 +1,8 @@
 """Every planted fault has its place in the sources, and the tests that should notice it exist."""
 
 import ast
+import subprocess
+import sys
 from functools import cache
 
 import pytest
@@ -29,3 +31,11 @@ def test_every_fault_still_has_its_place_and_its_check(fault):
 def test_names_differ_and_every_room_has_faults():
     assert len({fault.name for fault in FAULTS}) == len(FAULTS) >= 80
     assert {fault.room for fault in FAULTS} == set(ROOMS)
+
+
+def test_pytest_finds_every_check_with_its_parameters():
+    """A renamed value would end the whole of `make faults`."""
+    checks = sorted({check for fault in FAULTS for check in fault.check})
+    words = [sys.executable, "-m", "pytest", "--collect-only", "-q", "-p", "no:cacheprovider", *checks]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-2000:]
