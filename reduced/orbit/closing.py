@@ -9,7 +9,7 @@ method. There the Jacobian is kept, with Broyden's (1965) updates, while the res
 reduce it.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Generic, NamedTuple, TypeVar
 
@@ -17,6 +17,7 @@ import numpy as np
 
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
+from slipwave.scene import Scene
 from slipwave.step.flow import Cycle, Flow
 from slipwave.threads import one_thread
 
@@ -25,6 +26,8 @@ _MOST_HALVINGS = 6
 _SERVES = 0.25  # reduction of the residual from which the corrected derivative serves again
 _STALLED = 0.5  # reduction that counts as none
 _ROUNDING = 1e-9  # residuals that no longer shrink are accepted below this
+
+_SHORTER = 1.5  # steps of a mesh on which an orbit could not be closed, over those that are tried next
 
 _Motion = TypeVar("_Motion")
 
@@ -181,10 +184,18 @@ def close(flow: Flow, state: Array, period: float, tolerance: float = CLOSES_TO)
     return close_family(lambda _: flow, state, period, tolerance=tolerance)
 
 
-def close_exactly(flow: Flow, state: Array, period: float) -> Closed:
-    """As `close`, to rounding, with the orbit's own monodromy matrix."""
-    closed = close(flow, state, period, 0.0)
-    return replace(closed, monodromy=flow.tangent(closed.cycle))
+def closed_between(found: Closed, scenes: Sequence[Scene]) -> Closed:
+    """`found` if its motion is smooth between these `scenes`; else the same orbit on a mesh where it is, closed to rounding, with
+    its own monodromy matrix. Raises NumericsError as `close`."""
+    flow, start = found.flow.loosened(found.cycle.start, scenes)
+    if flow is found.flow:
+        return found
+    try:
+        closed = close(flow, start, found.cycle.period, 0.0)
+    except NumericsError:  # no step ends on the front of a slip event any more: it needs shorter ones
+        finer, start = found.flow.remeshed(found.cycle, _SHORTER)
+        closed = close(*finer.loosened(start, scenes), found.cycle.period, 0.0)
+    return replace(closed, monodromy=closed.flow.tangent(closed.cycle))
 
 
 def close_family(

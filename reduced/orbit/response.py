@@ -13,7 +13,7 @@ from functools import cached_property
 
 import numpy as np
 
-from reduced.orbit.closing import Closed, close_exactly
+from reduced.orbit.closing import Closed, closed_between
 from reduced.orbit.multipliers import floquet
 from reduced.orbit.phase import PhaseResponse
 from slipwave.errors import NumericsError, SceneError
@@ -103,11 +103,10 @@ class Responding:
         """The orbit on its own mesh, or, where travel times change, on one of whose steps none is a whole number; and the inverse
         of its bordered matrix."""
         closed = self._meshes[0][0]
-        flow, start = closed.flow.loosened(closed.cycle.start, scenes)
-        if flow is closed.flow:
+        if closed.flow.loosened(closed.cycle.start, scenes)[0] is closed.flow:
             return self._meshes[0]
         if len(self._meshes) == 1:
-            loose = close_exactly(flow, start, closed.cycle.period)
+            loose = closed_between(closed, scenes)
             self._meshes.append((loose, _inverse(loose)))
         return self._meshes[1]
 

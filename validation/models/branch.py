@@ -20,7 +20,7 @@ from reduced.continuation.start import (
     stored,
     without_derivatives,
 )
-from reduced.orbit.closing import Closed, close_exactly
+from reduced.orbit.closing import Closed, closed_between
 from reduced.orbit.periodic import amplitude, difference_of_parts
 from reduced.stability.characteristic import characteristic
 from reduced.stability.onsets import ONSET_WIDTH, Onset, onsets
@@ -246,8 +246,7 @@ class FollowedBranch:
         if flow.size != flow.of(over.scene_at(beside)).size:  # at the value alone slabs are one pair
             value = beside
         found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
-        loose, start = found.flow.loosened(found.cycle.start, self._end_scenes)
-        found = found if loose is found.flow else close_exactly(loose, start, found.cycle.period)
+        found = closed_between(found, self._end_scenes)
         return self._first(from_orbit(FlowFamily(found.flow, over.scene_at), found, value, other, metric), metric)
 
     def _from_doubling(self) -> _BranchEnd:

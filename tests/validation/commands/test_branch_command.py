@@ -120,6 +120,14 @@ def test_without_a_hopf_point_it_begins_with_an_orbit(answer):
     assert found["notes"] == [f"the branch leaves the range at log10_r = -2.69{FOR_GOOD}"]
 
 
+def test_over_one_round_trip_it_begins_where_a_first_mesh_cannot_follow_the_slip_event():
+    """A mesh for both ends of the range, none of whose steps is a wave's time, needs shorter steps than that of the orbit."""
+    slabs = {"upper.log10_r": -2.632, "lower.log10_r": -2.622, "upper.epsilon": 2.34e-5, "lower.epsilon": 2.31e-5}
+    found = sw.branch(sw.read("unlike", slabs), "upper.r=0.0024439249845710424:0.0021995", most_points=2)
+    orbit = sw.orbit("unlike", **slabs | {"upper.r": 0.0024439249845710424}).summary
+    assert found.summary["points"][0]["period"] == pytest.approx(orbit["period"], rel=1e-10)
+
+
 def test_a_branch_that_dips_out_of_its_range_comes_back(whole, tmp_path):
     """Its fold at -2.70021 is not listed, its orbits there are in the file alone, and the chart has a gap."""
     found = sw.branch("paper", "log10_r=-2.70:-2.69", "kelvin-voigt", tol=1e-4, out=tmp_path / "x.nc")
