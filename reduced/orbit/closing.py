@@ -27,7 +27,7 @@ _SERVES = 0.25  # reduction of the residual from which the corrected derivative 
 _STALLED = 0.5  # reduction that counts as none
 _ROUNDING = 1e-9  # residuals that no longer shrink are accepted below this
 
-_SHORTER = 1.5  # steps of a mesh on which an orbit could not be closed, over those that are tried next
+_SHORTER = 1.0, 1.25, 1.6, 2.0, 2.5, 3.0  # numbers of steps that are tried, relative
 
 _Motion = TypeVar("_Motion")
 
@@ -187,15 +187,19 @@ def close(flow: Flow, state: Array, period: float, tolerance: float = CLOSES_TO)
 def closed_between(found: Closed, scenes: Sequence[Scene]) -> Closed:
     """`found` if its motion is smooth between these `scenes`; else the same orbit on a mesh where it is, closed to rounding, with
     its own monodromy matrix. Raises NumericsError as `close`."""
-    flow, start = found.flow.loosened(found.cycle.start, scenes)
-    if flow is found.flow:
+    if found.flow.loosened(found.cycle.start, scenes)[0] is found.flow:
         return found
-    try:
-        closed = close(flow, start, found.cycle.period, 0.0)
-    except NumericsError:  # no step ends on the front of a slip event any more: it needs shorter ones
-        finer, start = found.flow.remeshed(found.cycle, _SHORTER)
-        closed = close(*finer.loosened(start, scenes), found.cycle.period, 0.0)
-    return replace(closed, monodromy=closed.flow.tangent(closed.cycle))
+    failed: NumericsError | None = None
+    for shorter in _SHORTER:  # no step ends on the front of a slip event any more, which may need shorter ones
+        flow, start = found.flow.remeshed(found.cycle, shorter)
+        try:
+            closed = close(*flow.loosened(start, scenes), found.cycle.period, 0.0)
+        except NumericsError as error:
+            failed = failed or error
+            continue
+        return replace(closed, monodromy=closed.flow.tangent(closed.cycle))
+    assert failed is not None
+    raise failed
 
 
 def close_family(
