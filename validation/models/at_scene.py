@@ -36,6 +36,7 @@ _BACK = 0.002  # how far back beyond the onset, where orbits of smaller r than t
 _MOST = 400  # points
 _LONGEST = 600.0  # transits; one orbit of 22,444 takes 6 s, a branch hundreds of orbits
 _TOLERANCE = 1e-6
+_FAR = 2e-3  # relative distance from the period that was asked for, of which a note tells
 
 
 def orbit_at_scene(
@@ -87,6 +88,8 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
     if failed is not None and not candidates:
         raise failed
     nearest, source = min(candidates, key=lambda known: abs(known[0].cycle.period - near))
+    if abs(nearest.cycle.period / near - 1.0) > _FAR:
+        source += f"; none was found that is nearer to a period of {near:.7g} transits, though there may be one"
     return _chosen(nearest, [one for one, _ in candidates], scene, tolerance, source, searched)
 
 

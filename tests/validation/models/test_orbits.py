@@ -296,7 +296,10 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     found = at_scene.orbit_at_scene("by hand", flow.scene, 1e-8, near=near)
     assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
     assert found.found.multipliers.stable is (s == 0.8)
-    assert (found.source == "from the run") is (s == own and s not in (on_branch or ()))
+    assert found.source.startswith("from the run") is (s == own and s not in (on_branch or ()))
+    assert "none was found that is nearer to a period of 5." in found.source
+    exactly = at_scene.orbit_at_scene("by hand", flow.scene, 1e-8, near=1.001 * SUBCRITICAL.period(s))
+    assert "nearer" not in exactly.source
     assert [str(one) for one in found.others] == ([f"{SUBCRITICAL.period(other):.7g} ({word})"] if other else [])
 
 
