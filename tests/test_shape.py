@@ -19,6 +19,7 @@ ROLES = {"run", "answer", "main"}
 """What every study, and every program, calls its own."""
 OF_LIBRARIES = {
     "dispatcher._cache", "dispatcher.get_call_template", "dispatcher.get_overload", "dispatcher._compiler._get_implementation",
+    "dispatcher.compile",
     "_brief.maxstring", "_brief.maxother", "_brief.maxlevel", "_brief.maxlist", "_brief.maxdict", "_brief.maxtuple",
     "node.body",
     "sys.stdout", "sys.stderr", "sys.unraisablehook", "context.Process", "process._Popen",

@@ -56,6 +56,26 @@ def add_choices(generic: Callable[..., Any], choices: Choices) -> None:
     _choices.append((_file_of(generic), choices))
 
 
+COMPILING: list[float] = []
+"""Seconds of each time that this process compiled functions or loaded them from the disk: no part of a run's time."""
+_running: list[float] = []
+
+
+def timed(compile_for: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    """`compile_for` with its time taken; what it compiles in turn is a part of it."""
+
+    def compiled(signature: Any) -> Any:
+        _running.append(time.perf_counter())
+        try:
+            return compile_for(signature)
+        finally:
+            began = _running.pop()
+            if not _running:
+                COMPILING.append(time.perf_counter() - began)
+
+    return compiled
+
+
 class _Trouble:
     """Errors of the cache folder in this process: the first is printed; after a failed write nothing more is written."""
 

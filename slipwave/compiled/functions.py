@@ -7,7 +7,7 @@ from typing import Any, TypeVar, cast
 import numba
 from numba.types import unliteral
 
-from slipwave.compiled.cache import DiskCache
+from slipwave.compiled.cache import DiskCache, timed
 from slipwave.compiled.parts import PartCompiler, WholeCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -52,6 +52,7 @@ def _dispatcher(function: Function, counts: bool, is_part: bool, inline: bool) -
     compiler = PartCompiler if is_part else WholeCompiler
     dispatcher = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True, pipeline_class=compiler, **options)(function)
     dispatcher._cache = DiskCache(function, is_part)
+    dispatcher.compile = timed(dispatcher.compile)
     return dispatcher
 
 

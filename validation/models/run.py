@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from slipwave.compiled.cache import COMPILING
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import require_writable
 from slipwave.friction.law import name_of
@@ -173,8 +174,8 @@ def second_half(solver: Solver, until: float) -> float:
 class Run:
     """The result of a run of `solver` to `until` (transits), where it `ended` for one of four reasons. `watch`, of its events,
     and the `verdict` on the second half are None if events are not recorded. `statistics`: of the second half's cycles, of none
-    if they do not represent the motion. `wall_s` in seconds; `failed`: what, where and when the numerics failed or the user
-    `stopped` the run, or empty: the rest is then what was computed before.
+    if they do not represent the motion. `wall_s` in seconds, without those to compile code; `failed`: what, where and when
+    the numerics failed or the user `stopped` the run, or empty: the rest is then what was computed before.
     """
 
     solver: Solver
@@ -226,7 +227,7 @@ def simulate(
     final: Final | None = None
     judged: JudgedHalf | None = None
     ended: Ended | None = None
-    until, failed, stopped, began = 0.0, "", False, time.perf_counter()
+    until, failed, stopped, began = 0.0, "", False, time.perf_counter() - sum(COMPILING)
     try:
         for end in wanted.ends(solver.time):
             if work.seconds(end) > wanted.most_seconds:
@@ -248,7 +249,8 @@ def simulate(
         failed = str(error)
     except KeyboardInterrupt:
         failed, stopped = f"interrupted at t = {solver.time:.6g} of {until:g} transits", True
-    judged, seconds = judged or _judged(solver, watch, until, final), time.perf_counter() - began
+    judged = judged or _judged(solver, watch, until, final)
+    seconds = time.perf_counter() - sum(COMPILING) - began
     verdict, cycles = _represented(judged, solver.scene.drive, until)
     figures, energy = summarise(cycles, not (verdict and verdict.wanders)), None if failed else solver.energy()
     reason = None if failed else ended or "limit"
