@@ -24,6 +24,7 @@ import uuid
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from pathlib import Path
+from time import perf_counter
 from typing import Any, TypeAlias
 
 import llvmlite  # type: ignore[import-untyped]
@@ -65,13 +66,13 @@ def timed(compile_for: Callable[[Any], Any]) -> Callable[[Any], Any]:
     """`compile_for` with its time taken; what it compiles in turn is a part of it."""
 
     def compiled(signature: Any) -> Any:
-        _running.append(time.perf_counter())
+        _running.append(perf_counter())
         try:
             return compile_for(signature)
         finally:
             began = _running.pop()
             if not _running:
-                COMPILING.append(time.perf_counter() - began)
+                COMPILING.append(perf_counter() - began)
 
     return compiled
 
