@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from reduced.delay.march import Clock, DelayMarch, DelayMemory, alike_lines, dense_resolution, march_delay, next_count, present
 from reduced.delay.transmission_lines import NODES
 from slipwave.errors import SceneError
-from slipwave.friction import allows_rest, rates, respond, unknown_of
+from slipwave.friction import allows_rest, rates, respond
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
@@ -313,8 +313,7 @@ def first_waves(scene: Scene, mesh: TransitMesh, nodes: Array) -> Array:
 def first_steps(scene: Scene, stages: int) -> int:
     """First number of steps per transit, from the fastest possible acceleration: (ln v)' <= r b / Z where radiation limits v
     (with 8 nodes, in the paper's scene: 3 at log10 r = -2.68, 14 at -2.3)."""
-    z = unknown_of(scene.law, scene.velocity)
-    _, v_z, _, _, friction_psi, _, g_z, _ = respond(scene.law, z, scene.steady_psi)
+    _, v_z, _, _, friction_psi, _, g_z, _ = scene.steady_response
     fastest = scene.transit * abs(friction_psi * g_z) / (scene.impedance * v_z)
     guess = 3.0 * (fastest / 7.3) ** 1.7 * math.sqrt(_TIGHT_NODES / stages)
     steps = int(np.clip(guess, _FEWEST_STEPS, MOST_FIRST_STEPS))

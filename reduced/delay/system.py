@@ -16,7 +16,7 @@ from reduced.delay.alike import MOST_FIRST_STEPS, Delay, TransitMesh, first_step
 from reduced.delay.march import EXTREMES, DelayMemory, extremes, present
 from reduced.delay.multirevolution import Past
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
-from slipwave.friction import rates, respond, unknown_of
+from slipwave.friction import rates, respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import NUDGE_CENTRE, NUDGE_REACH, StartKind
@@ -231,7 +231,7 @@ def _hides_breaks(scene: Scene, lines: Lines, tolerance: float) -> bool:
         return False
     velocities = scene.drive.velocities
     jump = max(velocities) - min(velocities)
-    friction_z = respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3]
+    friction_z = scene.steady_response[3]
     bend = max(top.spring / top.mass * lines.impedance[last] for top, last in zip(lines.tops, lines.last, strict=True))
     return bool(jump * bend * ((_LONGEST_STEP / (NODES - 1)) ** 2 / 8.0) < tolerance * friction_z)
 

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from slipwave.friction import rate_of, rates, respond, unknown_of
+from slipwave.friction import rate_of, rates
 from slipwave.friction.law import friction_slopes
 from slipwave.observe.detector import (
     BEGIN,
@@ -75,7 +75,7 @@ class EventObserver:
     whole_from = math.inf
 
     def __init__(self, scene: Scene, nodes: Array) -> None:
-        by_rate = abs(respond(scene.law, unknown_of(scene.law, scene.velocity), scene.steady_psi)[3])
+        by_rate = abs(scene.steady_response[3])
         floor = _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress)
         self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_SIZE + nodes.size)
         slopes = friction_slopes(scene.law, scene.velocity)

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import Any
 
 from slipwave.friction import Law
-from slipwave.friction.law import steady_sliding
+from slipwave.friction.law import Response, steady_sliding
 from slipwave.scene.drive import Drive, Forcing, Start
 from slipwave.scene.slab import Slab
 from slipwave.scene.units import Units
@@ -104,14 +104,23 @@ class Scene:
         return self.transit / (self.upper.compliance + self.lower.compliance)
 
     @cached_property
+    def _steady(self) -> tuple[float, Response]:
+        return steady_sliding(self.law, self.velocity)
+
+    @property
     def steady_psi(self) -> float:
         """psi_ss(V)."""
-        return steady_sliding(self.law, self.velocity)[0]
+        return self._steady[0]
 
-    @cached_property
+    @property
+    def steady_response(self) -> Response:
+        """What the law answers in steady sliding at V."""
+        return self._steady[1]
+
+    @property
     def steady_stress(self) -> float:
         """mu_ss(V)."""
-        return float(steady_sliding(self.law, self.velocity)[1][2])
+        return float(self.steady_response[2])
 
     @cached_property
     def forcing(self) -> Forcing:

@@ -3,7 +3,7 @@
 
 import math
 from functools import cache
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, cast
 
 import numpy as np
 
@@ -80,14 +80,14 @@ class Limits(NamedTuple):
 
 def nodal_of(stages: int) -> Nodal:
     """Values of a step of `stages` nodes, zero."""
-    record: Nodal = np.zeros(1, dtype=_kind_of(stages)).view(np.recarray)[0]
-    return record
+    return cast(Nodal, np.zeros(1, dtype=_kind_of(stages))[0])
 
 
 @cache
 def _kind_of(stages: int) -> np.dtype[np.void]:
     shapes = {"state": (stages, 2 * stages + 1), "rate": (stages, stages + 1)}
-    return np.dtype([(name, np.float64, shapes.get(name, (stages,))) for name in Nodal.__annotations__], align=True)
+    kind = np.dtype([(name, np.float64, shapes.get(name, (stages,))) for name in Nodal.__annotations__], align=True)
+    return np.dtype((np.record, kind))  # a record's fields are its attributes too
 
 
 def constant_guess(psi: float, z: float, stages: int) -> Interface:

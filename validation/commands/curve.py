@@ -131,7 +131,7 @@ class CurveResult(FollowedResult):
             "stress drop": self._column(listed, "stress_drop"),
             "bracket": self._column(listed, "bracket", 2),
             "kind": [one.kind for one in listed],
-            "multiplier": [f"{one.multiplier_re:.6f} +- {abs(one.multiplier_im):.6f} i" for one in listed],
+            "multiplier": [f"{re:.6f}" + (f" +- {abs(im):.6f} i" if im else "") for re, im in (one.multiplier for one in listed)],
         }
         return self._table(f"{found.kind} {SPECIAL_KINDS[found.kind]}, {len(found.points)} points", columns)
 

@@ -208,7 +208,8 @@ def orbits(count):
 
 
 def test_a_curve_has_both_parameters_and_the_period_in_their_places():
-    points = [CurvePoint(row[0], 100.0 + k, *row[1:], 1e-9, 1, 0, 0.6, 0.8, "NS") for k, row in enumerate(orbits(3))]
+    passing = [(-1.0, 0.0), (0.6, 0.8), (0.6, 0.8)]
+    points = [CurvePoint(row[0], 100.0 + k, *row[1:], 1e-9, 1, 0, *passing[k], "NS") for k, row in enumerate(orbits(3))]
     found = CurveResult(Curve("NS", *RANGES, "delay", 1e-6, points=points), CurveOptions(), 1.0)
     first, second, period = ([getattr(point, name) for point in points] for name in ("first", "second", "period"))
     left, right = found.plot().axes
@@ -218,5 +219,6 @@ def test_a_curve_has_both_parameters_and_the_period_in_their_places():
         "\n".join(found.lines({})).splitlines(), ["log10_r", "V", "period", "stress drop", "bracket", "kind", "multiplier"]
     )
     assert list(rows[1].values()) == ["-2.727", "101", "50.5", "0.101", "1e-09", "NS", "0.600000 +- 0.800000 i"]
-    for name, wanted in (("log10_r", first), ("V", second), ("period", period), ("multiplier_im", [0.8] * 3)):
+    assert rows[0]["multiplier"] == "-1.000000"
+    for name, wanted in (("log10_r", first), ("V", second), ("period", period), ("multiplier_im", [0.0, 0.8, 0.8])):
         assert found.dataset[name].values.tolist() == wanted
