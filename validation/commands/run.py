@@ -184,7 +184,8 @@ class RunResult(Result):
         for label, figures in self._observed.items():
             yield f"{label}: " + ", ".join(f"{name} = {rounded(value, 6)}" for name, value in figures.items())
         if self.energy:
-            yield "energy: " + ", ".join(f"{name} {rounded(value, 6)}" for name, value in self.energy.items())
+            entries = ", ".join(f"{name} {rounded(value, 6)}" for name, value in self.energy.items())
+            yield f"energy to t = {done.marched:.8g}: {entries}"
         if done.solver.failures:
             yield f"interface solves that did not converge: {done.solver.failures}"
         yield f"wall time {done.wall_s:.3g} s"
@@ -218,6 +219,7 @@ class RunResult(Result):
             "margins": found.margins if done.verdict and done.verdict.wanders else None,
             "final": asdict(done.final) if done.final else None,
             "energy": self.energy,
+            "energy_until": done.marched if self.energy else None,
             "ended": done.ended,
             "reasons": self.reasons,
             "failures": done.solver.failures,

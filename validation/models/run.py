@@ -174,8 +174,9 @@ def second_half(solver: Solver, until: float) -> float:
 class Run:
     """The result of a run of `solver` to `until` (transits), where it `ended` for one of four reasons. `watch`, of its events,
     and the `verdict` on the second half are None if events are not recorded. `statistics`: of the second half's cycles, of none
-    if they do not represent the motion. `wall_s` in seconds, without those to compile code; `failed`: what, where and when
-    the numerics failed or the user `stopped` the run, or empty: the rest is then what was computed before.
+    if they do not represent the motion. `energy` counts to the end of the last step, at `marched` (transits). `wall_s` in
+    seconds, without those to compile code; `failed`: what, where and when the numerics failed or the user `stopped` the run, or
+    empty: the rest is then what was computed before.
     """
 
     solver: Solver
@@ -185,6 +186,7 @@ class Run:
     statistics: RunStatistics
     final: Final | None
     energy: Energy | None
+    marched: float
     wall_s: float
     failed: str = ""
     ended: Ended | None = "until"
@@ -254,7 +256,7 @@ def simulate(
     verdict, cycles = _represented(judged, solver.scene.drive, until)
     figures, energy = summarise(cycles, not (verdict and verdict.wanders)), None if failed else solver.energy()
     reason = None if failed else ended or "limit"
-    return Run(solver, until, watch, verdict, figures, final, energy, seconds, failed, reason, stopped)
+    return Run(solver, until, watch, verdict, figures, final, energy, solver.time, seconds, failed, reason, stopped)
 
 
 def _judged(solver: Solver, watch: EventObserver | None, until: float, final: Final | None) -> JudgedHalf:

@@ -222,3 +222,16 @@ def test_a_curve_has_both_parameters_and_the_period_in_their_places():
     assert rows[0]["multiplier"] == "-1.000000"
     for name, wanted in (("log10_r", first), ("V", second), ("period", period), ("multiplier_im", [0.0, 0.8, 0.8])):
         assert found.dataset[name].values.tolist() == wanted
+
+
+def test_the_energy_balance_says_to_which_time_it_counts():
+    """That of the last step's end; the same run to there has the same balance, and the motion at its own end."""
+    paper = sw.read("paper", {"drive.velocity": 2000.0, "slab.log10_r": -2.68})
+    found = sw.run(paper, "dg:7", until=9.7)
+    assert found.energy_until == pytest.approx(9.75, abs=1e-12)
+    there = sw.run(paper, "dg:7", until=9.75)
+    assert there.energy_until == pytest.approx(9.75, abs=1e-12)
+    assert there.energy == pytest.approx(found.energy, rel=1e-12, abs=1e-15)
+    assert abs(there.final["mu"] - found.final["mu"]) > 1e-6
+    assert "energy to t = 9.75: input" in "\n".join(found.lines({}))
+    assert sw.run(paper, "delay", until=9.7).energy_until is None
