@@ -27,6 +27,7 @@ from slipwave.input.quantity import KINDS, Quantity, looks_measured, quantity
 from slipwave.input.schema import Numbers, allowed_in
 from slipwave.input.stored import read_stored
 from slipwave.input.wording import nearest, one_line, sentence, shorten
+from slipwave.observe.pieces import slack
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.scene.scene import doubt
@@ -402,9 +403,13 @@ def _layers(key: str, tables: list[keys.LayerTable] | None) -> tuple[Layer, ...]
 
 
 def drive_of(table: keys.DriveTable, units: Units | None, transit: float) -> Drive:
-    """The drive of a table, in transits of the upper slab. Raises SceneError for values out of range, and times that fall."""
+    """The drive of a table, in transits of the upper slab; times that differ by rounding are the same, as for every march.
+    Raises SceneError for values out of range, and times that fall."""
     key, given = "drive.velocity", table.velocity
-    times = [in_scene(key, time, units, keys.TIME, transit) for time, _ in given]
+    times = list[float]()
+    for written, _ in given:
+        time = in_scene(key, written, units, keys.TIME, transit)
+        times.append(times[-1] if times and abs(time - times[-1]) <= slack(time) else time)
     velocities = [in_scene(key, v, units, keys.LATER_VELOCITY if k else keys.VELOCITY) for k, (_, v) in enumerate(given)]
     is_rising = all(earlier <= later for earlier, later in pairwise(times))
     if not is_rising or any(times[k] == times[k - 2] for k in range(2, len(times))):

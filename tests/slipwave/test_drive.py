@@ -214,3 +214,11 @@ def test_a_full_wave_shows_the_stages_of_the_delay_system():
     for stage, name in ((1, "direct_effect"), (1, "evolution"), (1, "slip_to_recovery"), (2, "relaxation"), (3, "healing")):
         assert grid[stage][name] == pytest.approx(exact[stage][name], rel=3e-3)  # 4e-4 measured
         assert abs(still[stage][name] / exact[stage][name] - 1) > 1e-2
+
+
+@pytest.mark.parametrize("later", [0.1 + 0.2, np.nextafter(0.3, 0.0)])
+def test_times_that_differ_by_rounding_are_a_step(later):
+    """Before, a ramp of 1e-16 transits whose stage had no direct effect, or a refusal: times must rise."""
+    drive = slipwave.read("paper", {"drive.velocity": [[0.0, 100.0], [0.3, 100.0], [later, 1000.0], [0.31, 1000.0]]}).drive
+    assert drive == Drive((0.0, 0.3, 0.3, 0.31), (100.0, 100.0, 1000.0, 1000.0))
+    assert [stage.kind for stage in stages_of(drive, 10.0)] == ["start", "step"]
