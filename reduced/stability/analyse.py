@@ -18,7 +18,7 @@ from reduced.stability.critical import critical_epsilon, critical_round_trip
 from reduced.stability.crossing import critical_factor
 from reduced.stability.essential import essential_abscissa
 from reduced.stability.spectrum import spectrum
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import friction_slopes
 from slipwave.scene import Scene
 
@@ -94,10 +94,11 @@ def analyse(scene: Scene, model: str = "delay") -> Stability:
 
 
 def _value_or(otherwise: Value, name: str, find: Callable[[], Value], missing: list[str]) -> Value:
-    """Result of `find`; `otherwise`, with a line about `name` in `missing`, if it raises NumericsError."""
+    """Result of `find`; `otherwise`, with a line about `name` in `missing`, if it raises NumericsError, or SceneError for a scene
+    on the way to it that the model cannot compute."""
     try:
         return find()
-    except NumericsError as error:
+    except (NumericsError, SceneError) as error:
         missing.append(f"{name} was not found: {str(error).removeprefix('stability: ')}")
         return otherwise
 

@@ -117,9 +117,10 @@ def _averaged(motion: MeasuredMotion, most: float) -> _Averaged:
 def _centred(cycle: OneCycle, time: Array, stress: Array) -> _Averaged:
     """A model's cycle, with one of its `stress`es as friction, at `time` since its event; its second half precedes the event."""
     phase = np.concatenate((cycle.time - cycle.period, cycle.time))
-    phase -= min(slip_events(phase, np.tile(cycle.stress, 2)).date, key=abs, default=0.0)  # dated as the record
-    friction = np.interp(time, phase, np.tile(stress, 2))
     rate = np.tile(cycle.slip_rate, 2)
+    slip = np.cumsum(rate * np.gradient(phase))
+    phase -= min(slip_events(phase, np.tile(cycle.stress, 2), slip).date, key=abs, default=0.0)  # dated as the record
+    friction = np.interp(time, phase, np.tile(stress, 2))
     rate = np.exp(np.interp(time, phase, np.log(rate))) if (rate > 0.0).all() else np.interp(time, phase, rate)
     level = float(np.trapezoid(friction, time) / (time[-1] - time[0]))
     return _Averaged(time, friction - level, np.zeros_like(friction), rate, level)

@@ -4,6 +4,9 @@ Events of runs are dated by their slip rate (`slipwave.observe`). A record has n
 of a gauge, and a machine rings after each slip. The passage of the middle of a large fall needs no slope and no smoothing:
 `compare` and `fit` date a record by it. Drops and slip rates need smoothing, by a local parabola over some samples (Savitzky and
 Golay). Its effect is measured by halving it.
+
+Waves that stay in a stiff sample let friction at the interface fall by more than half of an event's fall, hundreds of times after
+each; but nothing slips then. So where a record has the slip too, and in a model, falls with hardly any slip are no events.
 """
 
 import math
@@ -26,6 +29,7 @@ FALL = 0.4
 _ABOVE = 8.0  # times the noise: the smallest fall that is distinguished from it
 _BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
 _WHOLE = 0.8  # of the median fall: a smaller one is cut off if it lasts longer than what is between it and an end of the record
+_SLIPS = 0.1  # of the slip in the fall with most: with less a wave rings (steel on PMMA: 1e-5)
 _SHARE = 0.25  # of the duration of a fall: the smoothing that is chosen
 _QUIET = 1e-6  # share of the range of friction below which a record has no noise
 
@@ -41,16 +45,17 @@ class SlipEvents(NamedTuple):
     date: Array
 
 
-def slip_events(time: Array, friction: Array) -> SlipEvents:
+def slip_events(time: Array, friction: Array, slip: Array | None = None) -> SlipEvents:
     """The slip events of a record: falls by at least `FALL` of the range of friction, or of its means over so many samples that
-    noise is hidden; none that an end of the record cuts off. The date is when friction last falls through the middle between its
-    maximum and its minimum."""
+    noise is hidden, in which the interface slips, if `slip` is known; none that an end of the record cuts off. The date is when
+    friction last falls through the middle between its maximum and its minimum."""
     spans: list[tuple[int, int]] = []
     for together in sorted({max(1, time.size // blocks) for blocks in (time.size, *_BLOCKS)}):
-        means = friction[: time.size // together * together].reshape(-1, together).mean(axis=1)
+        means = _means(friction, together)
         least = FALL * float(np.ptp(means))
-        if least > _ABOVE * noise_of(np.arange(means.size), means):
-            spans = _without_cut(falls(means, least), means)
+        if least > _ABOVE * noise_of(np.arange(means.size, dtype=float), means):
+            found = falls(means, least)
+            spans = _without_cut(found if slip is None else without_waves(found, _means(slip, together)), means)
             break
     first, last = np.array(spans, dtype=np.intp).reshape(-1, 2).T
     top, bottom = together * first, np.minimum(together * last + together, time.size) - 1
@@ -59,6 +64,26 @@ def slip_events(time: Array, friction: Array) -> SlipEvents:
     above = top + np.array(passages, dtype=np.intp)
     share = (friction[above] - middle) / (friction[above] - friction[above + 1])
     return SlipEvents(top, bottom, above, means[first] - means[last], time[above] + share * (time[above + 1] - time[above]))
+
+
+def _means(values: Array, together: int) -> Array:
+    """Means of so many values each."""
+    return np.asarray(values[: values.size // together * together].reshape(-1, together).mean(axis=1))
+
+
+def without_waves(spans: list[tuple[int, int]], slip: Array) -> list[tuple[int, int]]:
+    """The falls of friction between which the `slip`, or what differs from it by a slow motion, moves."""
+    moved = [abs(float(slip[bottom] - slip[top])) for top, bottom in spans]
+    return [span for span, far in zip(spans, moved, strict=True) if far >= _SLIPS * max(moved)]
+
+
+def slip_in(series: Series) -> Array | None:
+    """The slip by its own column or by that of the slip rate, in a unit of its own; None without both."""
+    if "slip" in series or "slip_rate" not in series:
+        return series.columns.get("slip")
+    from scipy.integrate import cumulative_trapezoid
+
+    return np.asarray(cumulative_trapezoid(series["slip_rate"], series["time"], initial=0))
 
 
 def _without_cut(spans: list[tuple[int, int]], values: Array) -> list[tuple[int, int]]:
@@ -123,7 +148,8 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     time, friction = own["time"], own.friction(1.0)
     if smooth is not None and not 1 <= smooth <= time.size // 2:
         raise SceneError(f"smooth = {smooth}: must be from 1 to {time.size // 2}, half of the samples in {series.source!r}")
-    slips, noise = slip_events(time, friction), noise_of(time, friction)
+    slip = slip_in(own)
+    slips, noise = slip_events(time, friction, slip), noise_of(time, friction)
     if slips.date.size < 2:
         count = ("no slip event", "one slip event only")[slips.date.size]
         text = f": no fall of friction exceeds the range of noise, {_ABOVE * noise:.2g}"
@@ -133,7 +159,7 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     level, rate, rate_from = _smooth_motion(own, scene, friction, samples)
     cycles = _cycles(slips, level, rate)
     half = _cycles(slips, *_smooth_motion(own, scene, friction, max(1, samples // 2))[:2])
-    effect = _effect(samples, slips.date, slip_events(time, level).date, cycles, half)
+    effect = _effect(samples, slips.date, slip_events(time, level, slip).date, cycles, half)
     return MeasuredMotion(series.source, time, level, rate, rate_from, slips.date, cycles, noise, effect)
 
 

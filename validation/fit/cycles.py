@@ -16,7 +16,7 @@ from slipwave.observe.extrema import evaluate, find_root
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
-from validation.data.events import FALL, SlipEvents, falls, noise_of, slip_events
+from validation.data.events import FALL, SlipEvents, falls, noise_of, slip_events, without_waves
 from validation.fit.forward import OfReduction, basis_of, sampled
 from validation.fit.parameters import Variants, sizes
 
@@ -58,9 +58,9 @@ class MeanCycle(NamedTuple):
     early: int
 
 
-def _dated_events(name: str, times: Array, friction: Array) -> SlipEvents:
+def _dated_events(name: str, times: Array, friction: Array, slip: Array | None) -> SlipEvents:
     """The slip events of a record. Raises SceneError for fewer than three."""
-    events = slip_events(times, friction)
+    events = slip_events(times, friction, slip)
     if (count := events.date.size) < 3:
         number = f"{count} slip events" if count else "no slip event"
         raise SceneError(
@@ -70,10 +70,10 @@ def _dated_events(name: str, times: Array, friction: Array) -> SlipEvents:
     return events
 
 
-def mean_cycle(name: str, times: Array, friction: Array) -> MeanCycle:
-    """The mean cycle of a record, without unsettled first cycles and without a significant drift from cycle to cycle. Raises
-    SceneError for fewer than three slip events."""
-    noise, events = noise_of(times, friction), _dated_events(name, times, friction)
+def mean_cycle(name: str, times: Array, friction: Array, slip: Array | None = None) -> MeanCycle:
+    """The mean cycle of a record, without unsettled first cycles and without a significant drift from cycle to cycle. `slip`: in
+    any unit, if it is known. Raises SceneError for fewer than three slip events."""
+    noise, events = noise_of(times, friction), _dated_events(name, times, friction, slip)
     early = _unsettled(np.diff(events.date), _date_errors(times, friction, events, noise))
     events = SlipEvents._make(column[early:] for column in events)
     dates, periods = events.date, np.diff(events.date)
@@ -213,7 +213,7 @@ class CycleOfReduction(OfReduction):
     def _falls(self, pieces: Pieces) -> list[tuple[int, int]]:
         """Events of the later half of a march, and earlier ones that are as large."""
         late = pieces.mu[pieces.mu.shape[0] // 2 :]
-        return falls(pieces.mu.ravel(), max(FALL * float(np.ptp(late)), 1e-6))[:-1]
+        return without_waves(falls(pieces.mu.ravel(), max(FALL * float(np.ptp(late)), 1e-6)), pieces.y.ravel())[:-1]
 
     def _seen(self, scene: Scene, pieces: Pieces, by: Sequence[Array]) -> list[Array]:
         """Period and friction of the last whole cycle, and their derivatives."""
@@ -280,10 +280,10 @@ class FoldedRecord(NamedTuple):
     noise: float
 
 
-def folded(name: str, times: Array, friction: Array, transit: float) -> FoldedRecord:
+def folded(name: str, times: Array, friction: Array, slip: Array | None, transit: float) -> FoldedRecord:
     """The samples of whole cycles away from events, sorted by phase. Raises SceneError for a record whose cycles are not
     equal."""
-    dates = _dated_events(name, times, friction).date
+    dates = _dated_events(name, times, friction, slip).date
     count = np.arange(dates.size)
     period, first = np.polyfit(count, dates, 1)
     astray, step = float(np.std(dates - first - period * count)), float(np.median(np.diff(times)))

@@ -17,7 +17,7 @@ from reduced.orbit.closing import Closed, by_parameter, close, close_family
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.step.flow import Flow
-from validation.data.events import falls
+from validation.data.events import falls, without_waves
 from validation.fit.cycles import FoldedRecord, model_date, slope_of
 from validation.fit.forward import Forward, sampled
 from validation.fit.parameters import Variants, sizes
@@ -195,7 +195,7 @@ class CycleOfOrbit(Forward):
         clock = sizes(known.closed.flow.scene)[0]
         twice = Pieces.joined([cycle.pieces, cycle.pieces._replace(time=cycle.pieces.time + cycle.period)])
         slope = slope_of(twice)
-        top, bottom = falls(twice.mu.ravel(), 0.5 * float(np.ptp(cycle.pieces.mu)))[0]
+        top, bottom = without_waves(falls(twice.mu.ravel(), 0.5 * float(np.ptp(cycle.pieces.mu))), twice.y.ravel())[0]
         date = model_date(twice, (top, bottom), [slope])[0]
         since = (times - count * self.period(known) - late * self.transit) / clock
         return sampled(twice, (date + since) % cycle.period, [twice.mu])[0]

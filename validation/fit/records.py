@@ -4,7 +4,7 @@ import math
 import re
 from collections.abc import Sequence
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
-from validation.data.events import noise_of
+from validation.data.events import noise_of, slip_in
 from validation.data.series import UNREAD, Series
 from validation.fit.cycles import MeanCycle, mean_cycle
 from validation.fit.parameters import schedule_of, sizes
@@ -32,11 +32,15 @@ FINEST = 1e-4
 """Least assumed noise of a record, as a share of the range of friction."""
 
 
+Samples: TypeAlias = tuple[Array, Array, Array | None]
+"""Times, friction, and the slip if it is known."""
+
+
 class Experiment(NamedTuple):
     """`friction` at `times` since the start of the scene (s, or transits in a scene without units), the `schedule` of the load
     point, its displacement `travel` at these times (m, or L), and `notes` on how they were determined. Residuals are multiplied
     by `weight`. With `cycle` it is the mean cycle of stick-slip: the first sample is its period, then friction in its bins;
-    `samples`: the averaged times and friction. `together` (samples, k): effect of one standard deviation of each error common to
+    `samples`: what was averaged. `together` (samples, k): effect of one standard deviation of each error common to
     the samples."""
 
     name: str
@@ -47,7 +51,7 @@ class Experiment(NamedTuple):
     notes: tuple[str, ...] = ()
     weight: Array | float = 1.0
     cycle: MeanCycle | None = None
-    samples: tuple[Array, Array] | None = None
+    samples: Samples | None = None
     together: Array | None = None
 
     @property
@@ -92,10 +96,11 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
     if times[0] < 0.0 or times[0] > known.times[-1] > 0.0:
         notes.append(f"the file's clock begins at {times[0]:g}: its first sample is taken for the start of drive.velocity")
         times = times - times[0]
+    slip = slip_in(series)
     times, friction = times[inside], friction[inside]
     if known.is_constant:
         try:
-            return _stick_slip(series.source, times, friction, known, notes)
+            return _stick_slip(series.source, (times, friction, slip if slip is None else slip[inside]), known, notes)
         except SceneError as error:
             unread = "".join(f"; {note}" for note in series.notes if note.startswith(UNREAD))
             raise SceneError(f"{error}{unread}") from None
@@ -148,9 +153,9 @@ def _inside(series: Series, scene: Scene, window: str | None) -> slice:
     return slice(first, last)
 
 
-def _stick_slip(name: str, times: Array, friction: Array, schedule: Drive, notes: list[str]) -> Experiment:
+def _stick_slip(name: str, samples: Samples, schedule: Drive, notes: list[str]) -> Experiment:
     """The mean cycle of a record at one velocity. Raises SceneError if it has no slip events."""
-    cycle = mean_cycle(name, times, friction)
+    cycle = mean_cycle(name, *samples)
     values, errors = (np.append(a, b) for a, b in ((cycle.period, cycle.friction), (cycle.period_error, cycle.friction_error)))
     where = np.append(0.0, cycle.phases) * cycle.period
     text = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
@@ -160,7 +165,7 @@ def _stick_slip(name: str, times: Array, friction: Array, schedule: Drive, notes
         text += f"; {cycle.early} cycles before them are left out: in these the motion settles"
     travel = where * schedule.velocities[0]
     notes = [*notes, text]
-    return Experiment(name, where, values, travel, schedule, tuple(notes), 1.0 / errors, cycle, (times, friction), cycle.together)
+    return Experiment(name, where, values, travel, schedule, tuple(notes), 1.0 / errors, cycle, samples, cycle.together)
 
 
 def followed(times: Array, moved: Array) -> Drive:

@@ -281,3 +281,12 @@ def test_what_a_step_of_the_drive_costs_is_told(model, jump, options, told):
     lines = {"steps": "steps of V are placed to within one time step (", "no": "no grid resolves the front of a step of V: "}
     assert [word for word, line in lines.items() for note in found.notes if note.startswith(line)] == told
     assert all("the delay system of elastic slabs" in note for note in found.notes if note.startswith(tuple(lines.values())))
+
+
+def test_a_limit_on_the_way_to_which_the_model_has_no_answer_ends_nothing():
+    """Before, `run` and `stability` of this scene were refused: thin slabs have no passive fit of order 4."""
+    found = slipwave.stability("steel-on-pmma", "fitted:4")
+    assert "the critical thickness was not found: model = 'fitted:4': no passive fit" in found.summary["notes"][-1]
+    assert found.summary["stable"] is False
+    reasons = slipwave.run("steel-on-pmma", "fitted:4", until=1000.0).summary["reasons"]
+    assert reasons[-1].endswith("it would slide steadily with a normal stress under 158 kPa (here 2 MPa)")

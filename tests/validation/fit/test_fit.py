@@ -265,6 +265,15 @@ def test_a_block_is_marched_through_its_stops_as_a_run_is():
     assert made.friction(np.empty(0))[0] == pytest.approx(30.95, abs=0.1)
 
 
+def test_a_models_cycle_goes_from_slip_to_slip_where_its_waves_ring():
+    """Before, from one wave to the next: 0.47 ms."""
+    scene = sw.read("steel-on-pmma")
+    variants = disturbed(Variants(Variation(scene), (), schedule_of(scene)))
+    assert scene.units
+    last = sw.run(scene, "fitted:4", until=150000.0).done.events.period[-1] * scene.transit * scene.units.time
+    assert CycleOfReduction(variants, 0.28, "fitted:4", 1e-7).friction(np.empty(0))[0] == pytest.approx(last, rel=1e-3)
+
+
 class Walled:
     """A square in two unknowns whose minimum, at 1 and 1, lies behind a wall."""
 

@@ -71,7 +71,7 @@ def test_what_does_not_repeat_or_is_of_another_model_has_no_interval(tmp_path):
     assert refused.value.result.parameters["interface.a"]["value"] == pytest.approx(0.034, rel=0.03)
     late = times + np.sin(times / 150.0)
     with pytest.raises(SceneError, match="transits off equal cycles"):
-        folded("late", late, friction, 1.0)
+        folded("late", late, friction, None, 1.0)
     bent = written(tmp_path / "bent.csv", HEADING, times, 0.3 + 1.1 * (friction - 0.3))
     with pytest.raises(NumericsError, match="no orbit of the model is the record's"):
         sw.fit("paper", "delay", data=[bent], free=["b"], settings=AWAY)
