@@ -10,8 +10,8 @@ the knots of the drive:
 
 A stage has settled if it ends within the run and, in its last tenth, the slip rate is within 1 % of V. It stick-slips if it has
 not settled and the slip rate changes by more than a factor e in its third quarter and in its last, there as much as before: a
-ringing that decays changes less. Figures that need a settled stage are None where it has not settled; all are None where it
-stick-slips.
+ringing that decays changes less. The last stage ends with the run, wherever that is. Figures that need a settled stage are None
+where it has not settled; all are None where it stick-slips.
 """
 
 import math
@@ -43,6 +43,8 @@ _POINTS, _MORE_POINTS = 33, 257  # of a piece, its ends included; of one longer 
 _LONG = 2.0  # transits
 _BETWEEN = 0.1  # of the range of its nodal values: so far above these a piece may rise between its nodes
 _AT_ONCE, _LONG_AT_ONCE = 256, 8  # pieces that are searched for a peak
+_PARTS = 1024  # of the time since the last stage began: its quarters end within half of one
+_SHORTEST = 2.0**-20  # transits
 _FALLEN = 0.01  # of its rise to the peak: a stress that has fallen less may still rise
 _NEAR = 1.2  # nodes this close to the stress that is looked for: it may lie between them
 
@@ -162,6 +164,43 @@ def _figures(stage: Stage, seen: _Measured, earlier: StageFigures | None, before
 _LEFT = math.exp(-1.0)
 """Share of the peak's height over the steady stress at which the stress counts as recovered."""
 
+
+class _Course:
+    """The lowest and highest rate unknown in each of some equal parts of the time since a stage began, whose end may move or be
+    unknown: where all parts are used, they are joined in pairs."""
+
+    def __init__(self) -> None:
+        self._length, self._lowest, self._highest = _SHORTEST, np.full(_PARTS, math.inf), np.full(_PARTS, -math.inf)
+
+    def take(self, since: Array, z: Array) -> None:
+        """Take the rate unknowns `z` at rising times `since` the stage began (transits)."""
+        while since[-1] >= _PARTS * self._length:
+            unused = np.full(_PARTS // 2, math.inf)
+            self._lowest = np.append(self._lowest.reshape(-1, 2).min(axis=1), unused)
+            self._highest = np.append(self._highest.reshape(-1, 2).max(axis=1), -unused)
+            self._length *= 2.0
+        parts = (np.maximum(since, 0.0) / self._length).astype(int)
+        first = np.flatnonzero(np.diff(parts, prepend=-1))
+        here = parts[first]
+        self._lowest[here] = np.minimum(self._lowest[here], np.minimum.reduceat(z, first))
+        self._highest[here] = np.maximum(self._highest[here], np.maximum.reduceat(z, first))
+
+    def between(self, begin: float, end: float) -> Array:
+        """The lowest and highest unknowns of all parts from `begin` to `end`, times since the stage began."""
+        here = slice(*(round(min(time / self._length, _PARTS)) for time in (begin, end)))
+        known = self._lowest[here] <= self._highest[here]
+        return np.concatenate([self._lowest[here][known], self._highest[here][known]])
+
+    def state(self) -> dict[str, Array]:
+        """For a checkpoint."""
+        return {"part_length": np.array([self._length]), "parts": np.stack([self._lowest, self._highest])}
+
+    def restore(self, state: dict[str, Array]) -> None:
+        """Continue from what `state` returned."""
+        self._length = float(state["part_length"][0])
+        self._lowest, self._highest = state["parts"].copy()
+
+
 Sampling: TypeAlias = tuple[Array, Array, Array]
 """Points of a piece; rows that evaluate its polynomial there; rows that integrate it from 0 to each point."""
 
@@ -173,6 +212,7 @@ class ProtocolObserver:
         self._scene = scene
         self.stages = stages_of(scene.drive, until)
         self._seen = [_Measured() for _ in self.stages]
+        self._course = _Course()  # of the last stage, which ends with the run
         self._slip, self._last, self._now = 0.0, math.nan, 0  # `_now`: the first stage that is not over
         # pieces of a grid hold equal steps and are not cut at jumps of V: between their nodes they would overshoot
         self._nodes, self._cut = nodes, nodes[0] > 0.0
@@ -199,8 +239,21 @@ class ProtocolObserver:
         begun = max((k + 1 for k, here in enumerate(self._seen) if here.reached > -math.inf), default=0)
         for k, (stage, seen) in enumerate(zip(self.stages[:begun], self._seen, strict=False)):
             earlier, before_hold = (figures[k - 1], self._seen[k - 1].before) if k else (None, math.nan)
+            if stage is self.stages[-1]:
+                stage, seen = self._until_now(stage, seen)
             figures.append(_figures(stage, seen, earlier, before_hold))
         return figures
+
+    def _until_now(self, stage: Stage, seen: _Measured) -> tuple[Stage, _Measured]:
+        """The last stage, which ends here if the length of the run was not given, and what was measured in it, with the ranges of
+        ln v in its later parts."""
+        stage = stage._replace(end=seen.reached) if stage.end == math.inf else stage
+        lasts = stage.end - stage.start
+        third, fourth, late = (
+            self._extended(_Measured().late, self._course.between(begin * lasts, end * lasts))
+            for begin, end in ((0.5, 0.75), (0.75, math.inf), (1.0 - LATE, math.inf))
+        )
+        return stage, seen._replace(third=third, fourth=fourth, late=late)
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order. Figures are the same to the bit, however many come at once."""
@@ -281,15 +334,17 @@ class ProtocolObserver:
         seen = self._seen[k]
         if math.isnan(seen.before):  # the stage begins
             seen, self._slip = seen._replace(before=mu[0] if math.isnan(self._last) else self._last), 0.0
+        self._last = float(mu[-1])
+        seen = self._seen[k] = seen._replace(last=self._last, reached=reached)
+        if stage is self.stages[-1]:
+            self._course.take(time - stage.start, z)
+            return
         half, last, late = np.searchsorted(time, [stage.end - share * (stage.end - stage.start) for share in (0.5, 0.25, LATE)])
         self._seen[k] = seen._replace(
-            last=float(mu[-1]),
             third=self._extended(seen.third, z[half:last]),
             fourth=self._extended(seen.fourth, z[last:]),
             late=self._extended(seen.late, z[late:]),
-            reached=reached,
         )
-        self._last = float(mu[-1])
 
     def _extended(self, ends: tuple[float, float], z: Array) -> tuple[float, float]:
         """A range of ln v, extended to the rate unknowns `z`, with which v rises."""
@@ -309,7 +364,7 @@ class ProtocolObserver:
     def state(self) -> dict[str, Array]:
         """What was measured, one row per stage, for a checkpoint."""
         seen = np.array([np.hstack(seen) for seen in self._seen], dtype=float)
-        return {"seen": seen, "slip": np.array([self._slip, self._last])}
+        return {"seen": seen, "slip": np.array([self._slip, self._last]), **self._course.state()}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned. Raises ValueError for the state of a run with another number of stages."""
@@ -322,6 +377,7 @@ class ProtocolObserver:
         self._seen = [_Measured._make([*row[:5], *(tuple(row[k : k + 2]) for k in (5, 7, 9)), row[11]]) for row in rows]
         self._now = sum(seen.reached >= stage.end for stage, seen in zip(self.stages, self._seen, strict=True))
         self._slip, self._last = state["slip"].tolist()
+        self._course.restore(state)
 
 
 def _at(rows: Array, values: Array) -> Array:

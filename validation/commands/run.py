@@ -262,8 +262,9 @@ class RunResult(Result):
 
     @property
     def stages(self) -> list[StageFigures]:
-        """The stages of a protocol with their figures; none if V never changes."""
-        return self.records.protocol.figures if self.records.protocol else []
+        """The stages of a protocol with their figures, the last one to the end of the run; none if V never changes."""
+        found = self.records.protocol.figures if self.records.protocol else []
+        return [replace(stage, end=min(stage.end, self.done.until)) for stage in found]
 
     @cached_property
     def reasons(self) -> list[str]:

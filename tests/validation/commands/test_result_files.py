@@ -269,3 +269,29 @@ def test_a_protocol_is_not_prolonged_past_a_knot(tmp_path, refused):
     assert "a run with 1 stages of the drive, this one has 2: a protocol is not prolonged past a knot" in refused(
         *words, "--until", "12"
     )
+
+
+def test_a_protocol_whose_last_stage_is_prolonged_is_judged_as_one_that_was_not_stopped(tmp_path, answer, refused):
+    words = ["run", "paper", "--set", "drive.velocity=[[0, 100], [8, 100], [8, 200]]", "--model", "kelvin-voigt"]
+    words += ["--set", "slab.log10_r=-2.74", "--set", "start.size=0"]
+    kept = ["--checkpoint", str(tmp_path / "c.npz"), "--checkpoint-every", "59"]
+    answer(*words, *kept, "--until", "60")
+    continued, whole = (answer(*words, *more, "--until", "800")["protocol"] for more in (kept, []))
+    assert continued == whole
+    assert whole[1]["steady_stress"] == pytest.approx(0.369 + (0.0349 - 0.0489) * math.log(200.0), abs=1e-3)
+    assert not whole[1]["stick_slips"]
+
+
+def test_the_last_stage_of_a_run_whose_length_was_not_given_is_judged_as_of_one_to_its_end():
+    scene = {key: value for key, value in slipwave.read("paper").tables.items() if key != "run"}
+    scene |= {"slab": {"epsilon": 2.8e-5, "log10_r": -2.8}, "drive": {"velocity": [[0, 100], [8, 100], [8, 200]]}}
+    found = slipwave.run(scene, "kelvin-voigt").facts
+    again = slipwave.run(scene, "kelvin-voigt", until=found["until"]).facts
+    assert found["ended"] == "settled"
+    last, given = found["protocol"][-1], again["protocol"][-1]
+    assert (last["end"], last["stick_slips"]) == (found["until"], False)
+    assert [last["steady_stress"], last["slip_to_recovery"]] == pytest.approx(
+        [given["steady_stress"], given["slip_to_recovery"]], rel=1e-4
+    )
+    cycles = slipwave.run(scene, "kelvin-voigt", cycles=10, slab={"log10_r": -2.5}).facts
+    assert cycles["protocol"][-1]["stick_slips"]
