@@ -74,7 +74,7 @@ class FlowByHand:
 
     @property
     def scene(self):
-        return SimpleNamespace(name="by hand", digest="none", law=_LAW, p=self.parameter)
+        return SimpleNamespace(name="by hand", digest="none", law=_LAW, slabs=(), p=self.parameter)
 
     @property
     def size(self):

@@ -10,9 +10,9 @@ from reduced.orbit.closing import Closed, close
 from reduced.orbit.multipliers import Multipliers, multipliers
 from slipwave.errors import NumericsError
 from slipwave.friction import allows_rest, rate_of, resampled
-from slipwave.observe.extrema import extrema
+from slipwave.observe.extrema import evaluate, extrema
 from slipwave.observe.history import values_at
-from slipwave.observe.pieces import Array, lagrange_basis
+from slipwave.observe.pieces import Array, Basis, lagrange_basis
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.step.collocation import highest_coefficient
 from slipwave.step.flow import Cycle, Flow
@@ -37,13 +37,29 @@ _LEAST_AMPLITUDE = 1e-3  # of ln v; smaller orbits are steady sliding up to the 
 def figures_of(closed: Closed) -> dict[str, float]:
     """The figures of a closed cycle: name -> period (transits), stress_drop and elastic_stress_drop (maximum minus minimum over
     the cycle, in units of the normal stress), v_max and v_min (V*)."""
-    law, basis, pieces = closed.flow.scene.law, lagrange_basis(closed.flow.nodes), closed.cycle.pieces
-    (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (extrema(basis, rows) for rows in (pieces.mu, pieces.y, pieces.z))
+    scene, basis, pieces = closed.flow.scene, lagrange_basis(closed.flow.nodes), closed.cycle.pieces
+    law, drifts = scene.law, any(slab.termination.has_dead_load for slab in scene.slabs)
+    elastic = _between_maxima(basis, closed.cycle) if drifts else pieces.y
+    (mu_max, mu_min), (y_max, y_min), (z_max, z_min) = (extrema(basis, rows) for rows in (pieces.mu, elastic, pieces.z))
     if allows_rest(law):
         each = resampled(law, pieces.z, pieces.psi, lambda z: np.array([extrema(basis, row[None]) for row in z]))
         z_max, z_min = float(each[:, 0].max()), float(each[:, 1].min())
     values = closed.cycle.period, mu_max - mu_min, y_max - y_min, rate_of(law, z_max), rate_of(law, z_min)
     return dict(zip(_NAMES, values, strict=True))
+
+
+def _between_maxima(basis: Basis, cycle: Cycle) -> Array:
+    """Nodal values of the elastic stress from its maximum to the one a period later, as of a run's cycles. Behind faces without a
+    spring each cycle begins higher or lower than the one before, so that the range of y depends on where a period begins."""
+    y, time, period = cycle.pieces.y, cycle.pieces.time, cycle.period
+    count = int(np.searchsorted(time, period))  # the last step may end later than the period
+    last = count - 1
+    drift = evaluate(basis, y[last], (period - time[last]) / cycle.pieces.length[last]) - evaluate(basis, y[0], 0.0)
+    y = np.concatenate([y[:count] + k * drift for k in range(-1, 3)])
+    tops, here = y.max(axis=1), np.arange(count, 2 * count)
+    is_top = (tops[here] >= tops[here - 1]) & (tops[here] >= tops[here + 1])
+    first = count + int(np.argmax(np.where(is_top, tops[here] - drift * time[:count] / period, -np.inf)))
+    return y[first : first + count + 1]
 
 
 def _unresolved(closed: Closed) -> dict[str, float]:

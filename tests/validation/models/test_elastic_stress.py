@@ -100,3 +100,14 @@ def test_after_a_jump_the_delay_system_loads_alike(name):
     chosen, stiffness = SCENES[name]
     jump = dataclasses.replace(chosen, start=Start(StartKind.JUMP, 0.1), drive=PAPER.drive)
     assert apart(jump, stiffness, "delay") < 1e-11  # measured: 5e-13
+
+
+@pytest.mark.parametrize("model", ["delay", "fitted:2"])
+def test_the_drop_of_an_orbit_behind_faces_without_a_spring_is_that_of_a_run_wherever_its_period_begins(model):
+    """The elastic stress rises there by a tenth of its drop in each cycle; in branches periods begin elsewhere than in orbits."""
+    face = {"kind": "reflection", "coefficient": 0.95}
+    scene = slipwave.read_scene("paper", slab={"log10_r": -2.45, "face": face}, run={"until": 4000})
+    run, orbit = slipwave.run(scene, model).facts, slipwave.orbit(scene, model).facts
+    point = slipwave.branch(scene, over=("V", 100.0, 100.5), model=model, most_points=1).facts["points"][0]
+    assert orbit["elastic_stress_drop"] == pytest.approx(run["elastic_stress_drop"]["mean"], rel=1e-7)
+    assert point["elastic_stress_drop"] == pytest.approx(orbit["elastic_stress_drop"], rel=1e-7)
