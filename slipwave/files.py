@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from io import FileIO
 from pathlib import Path
+from threading import RLock
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
@@ -25,6 +26,10 @@ FIGURES = (".png", ".pdf", ".svg")
 
 MOST_BYTES = 10**9
 """Of a file of data; a longer one is refused."""
+
+ONE_THREAD = RLock()
+"""Held by the thread that writes a file, draws, or reads a netCDF file. netCDF's library ends a process in which two threads use
+it, the style of figures belongs to the whole process, and a process has one name for the parts of files that begin alike."""
 
 _EXTRA = dict.fromkeys(FIGURES, "plot") | dict.fromkeys((".nc", ".vtu", ".xdmf"), "files")
 
@@ -72,26 +77,29 @@ def reason_of(error: Exception) -> str:
 @contextmanager
 def whole_or_absent(path: Path) -> Iterator[Path]:
     """Context with a temporary file in the folder of `path` to write to. If the block succeeds, the file is flushed to disk and
-    replaces `path`; if not, it is deleted.
+    replaces `path`; if not, it is deleted. Other threads wait (`ONE_THREAD`).
 
     Raises SceneError naming the file if it cannot be written, whatever error a library raises on a full disk. A process killed
     inside the block leaves `path` unchanged; its temporary file is removed when the next file is written to that folder. Its name
     contains the process number, so that no two runs write to the same file.
     """
-    remove_leftovers(path.parent)
-    temporary = part_of(path, path.suffix)
-    try:
-        yield temporary
-        with temporary.open("rb") as written:
-            os.fsync(written.fileno())
-        os.replace(temporary, path)
-    except Exception as error:
-        reason = error if isinstance(error, OSError) else _refusal(temporary)
-        if reason is None:
-            raise
-        raise SceneError(f"{str(path)!r} cannot be written: {reason_of(reason)}") from None
-    finally:
-        temporary.unlink(missing_ok=True)
+    if not path.parent.is_dir():  # libraries of netCDF say that permission is denied
+        raise SceneError(f"{str(path)!r} cannot be written: the folder {str(path.parent)!r} does not exist")
+    with ONE_THREAD:
+        remove_leftovers(path.parent)
+        temporary = part_of(path, path.suffix)
+        try:
+            yield temporary
+            with temporary.open("rb") as written:
+                os.fsync(written.fileno())
+            os.replace(temporary, path)
+        except Exception as error:
+            reason = error if isinstance(error, OSError) else _refusal(temporary)
+            if reason is None:
+                raise
+            raise SceneError(f"{str(path)!r} cannot be written: {reason_of(reason)}") from None
+        finally:
+            temporary.unlink(missing_ok=True)
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
-from slipwave.files import reason_of
+from slipwave.files import ONE_THREAD, reason_of
 from slipwave.friction.own import own_law
 from slipwave.input.overrides import parse_toml
 from slipwave.input.wording import one_line, shorten
@@ -34,7 +34,7 @@ def read_stored(path: str | Path, option: str = "SCENE =", command: str = "") ->
     if not Path(path).is_file():
         raise SceneError(f"{label}: no such file")
     try:
-        with Dataset(path) as file:
+        with ONE_THREAD, Dataset(path) as file:
             facts = {name: file.getncattr(name) for name in file.ncattrs()}
         texts = {name: facts.get(name) for name in ("command", "model", "scene_toml", "options")}
         for name, text in texts.items():

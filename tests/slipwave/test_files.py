@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+from threading import Event, Thread
 
 import pytest
 
@@ -47,6 +48,31 @@ def test_two_processes_write_to_parts_of_their_own(tmp_path, monkeypatch):
             second.write_text("second")
         assert target.read_text() == "second"
     assert target.read_text() == "first"
+
+
+def test_threads_write_files_whose_names_begin_alike_one_after_the_other(tmp_path):
+    """netCDF's library ends a process in which two threads use it, and their parts would have one name."""
+    targets, inside = [tmp_path / f"{'granite ' * 8}{number}.nc" for number in (1, 2)], Event()
+
+    def write_second():
+        with whole_or_absent(targets[1]) as temporary:
+            inside.set()
+            temporary.write_text("second")
+
+    thread = Thread(target=write_second)
+    with whole_or_absent(targets[0]) as temporary:
+        temporary.write_text("first")
+        thread.start()
+        assert not inside.wait(0.3)
+    thread.join()
+    assert [target.read_text() for target in targets] == ["first", "second"]
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path):
+    target = tmp_path / "nowhere" / "x.nc"
+    with pytest.raises(SceneError) as found:
+        write_half(target, OSError)
+    assert str(found.value) == f"{str(target)!r} cannot be written: the folder {str(target.parent)!r} does not exist"
 
 
 def test_what_killed_processes_left_goes_when_the_next_file_is_written(tmp_path, monkeypatch):

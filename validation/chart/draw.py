@@ -2,13 +2,15 @@
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from slipwave.extras import require
+from slipwave.files import ONE_THREAD
 from slipwave.observe.pieces import Array
 from validation.chart import EMPTY, Chart, Look, Panel, Scale, Trace, cell_edges, with_limits
 
@@ -60,14 +62,16 @@ _FINE = 6  # points of a spline for each interval
 _APART = 1e-6  # distance, as a share of the curve's size, of points that count as two
 
 
-def styled(letters: float = 1.0) -> Any:
+@contextmanager
+def styled(letters: float = 1.0) -> Iterator[None]:
     """Context in which drawings have the common style, sizes of letters times `letters`: where they are made, and where they are
-    saved."""
+    saved. Other threads wait (`ONE_THREAD`)."""
     require("plot", "a figure")
     import matplotlib as mpl
 
     sizes = {name: size * letters for name, size in STYLE.items() if name.endswith("size") and letters != 1.0}
-    return mpl.rc_context(STYLE | sizes)
+    with ONE_THREAD, mpl.rc_context(STYLE | sizes):
+        yield
 
 
 def draw(chart: Chart) -> Drawing:

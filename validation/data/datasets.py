@@ -8,6 +8,7 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
+from slipwave.files import ONE_THREAD
 
 if TYPE_CHECKING:
     from xarray import DataArray as DataArray
@@ -58,6 +59,7 @@ def load_dataset(path: str | Path, problem: str) -> Dataset:
     import xarray
 
     try:
-        return xarray.load_dataset(path, engine="netcdf4")
+        with ONE_THREAD:
+            return xarray.load_dataset(path, engine="netcdf4")
     except (OSError, ValueError) as error:
         raise SceneError(f"{problem}: {str(error).lower()}") from None

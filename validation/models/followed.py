@@ -11,7 +11,7 @@ import numpy as np
 
 from reduced.continuation.branch import BRANCH_TOLERANCE
 from slipwave.errors import NumericsError, SceneError
-from slipwave.files import reason_of, whole_or_absent
+from slipwave.files import ONE_THREAD, reason_of, whole_or_absent
 from slipwave.input.assemble import read
 from slipwave.input.stored import read_stored
 from slipwave.solve import State
@@ -102,7 +102,7 @@ def _read_followed(path: Path, found: Followed, option: str = "--resume") -> End
     from netCDF4 import Dataset
 
     try:
-        with Dataset(path) as file:
+        with ONE_THREAD, Dataset(path) as file:
             facts = json.loads(file.getncattr("facts"))
             for name, value in json.loads(json.dumps(found.facts)).items():
                 if facts.get(name) != value:

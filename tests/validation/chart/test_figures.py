@@ -6,7 +6,9 @@ import io
 import json
 import re
 from html import unescape
+from threading import Event, Thread
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from fake_studies import answered
@@ -33,7 +35,7 @@ from validation.chart import (
     with_limits,
 )
 from validation.chart.colors import DARK_PAPER, PAPER, by_night
-from validation.chart.draw import draw
+from validation.chart.draw import draw, styled
 from validation.chart.render import render
 from validation.chart.svg import colors_of
 from validation.chart.table import curves_csv, panel_facts, read_chart, trace_names
@@ -289,3 +291,21 @@ def test_a_figure_that_opens_has_its_file_in_the_page(fake, tmp_path):
     assert "http" not in html
     fake.add("first")
     assert "uPlot" not in make_report(tmp_path / "other").read_text()
+
+
+def test_threads_that_draw_leave_the_style_as_it_was():
+    """Each would keep the style of the other as the one to return to."""
+    before, inside, drawn = mpl.rcParams["font.size"], Event(), Event()
+
+    def second():
+        with styled(2.0):
+            inside.set()
+            drawn.wait()
+
+    thread = Thread(target=second)
+    with styled():
+        thread.start()
+        inside.wait(0.3)
+    drawn.set()
+    thread.join()
+    assert mpl.rcParams["font.size"] == before
