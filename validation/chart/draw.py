@@ -89,7 +89,7 @@ def draw(chart: Chart) -> Drawing:
         _share(places, whole)
         keys = _keys(chart.keys or [trace for panel in chart.panels for trace in panel.traces])
         if chart.title:
-            figure.suptitle(chart.title, x=0.0, ha="left", size="medium")
+            figure.suptitle(chart.title, x=0.0, ha="left", size="medium", wrap=True)
         if chart.legend and keys:
             size = _SMALL * chart.letters if len(keys) > _MANY else None
             place: Any = chart.legend

@@ -89,7 +89,8 @@ def in_print(chart: Chart, size: str) -> Chart:
     """The chart in one of `SIZES`, with letters of 8 points, in one column or two."""
     width, columns = SIZES[size] / 2.54, min(chart.columns, 1 if size == "single" else 2)
     rows, before = (math.ceil(len(chart.panels) / number) for number in (columns, chart.columns))
-    height = chart.height * rows / before * (width / columns) / (chart.width / chart.columns)
+    narrower = (width / columns) / (chart.width / chart.columns)
+    height = chart.height * rows / before * max(narrower, _PRINT)  # as high as its letters at least
     heights = chart.heights if columns == chart.columns else ()
     legend = max(2, min(6, round(2.6 * width / 2.54)))
     changes: dict[str, Any] = {"columns": columns, "heights": heights, "legend_columns": legend}

@@ -309,3 +309,15 @@ def test_threads_that_draw_leave_the_style_as_it_was():
     drawn.set()
     thread.join()
     assert mpl.rcParams["font.size"] == before
+
+
+def test_a_title_that_is_wider_than_its_figure_stands_in_lines():
+    """A column of a paper would show its first half only."""
+    trace = Trace("delay", np.arange(3.0), np.arange(3.0), Look())
+    title = "Regimes of two blocks of granite whose outer faces are held by grips\nand of one that is driven"
+    chart = Chart([Panel("", Scale("V"), Scale("T"), [trace])], 2.5, width=3.35, title=title, letters=0.7, is_exact=True)
+    figure = draw(chart)
+    figure.canvas.draw()
+    shown = figure._suptitle.get_window_extent()
+    assert shown.x0 >= 0.0
+    assert shown.x1 <= figure.bbox.x1

@@ -345,15 +345,36 @@ def texts_of(figure):
     return [text for text in found if text.get_visible() and text.get_text().strip()]
 
 
+def colliding(chart):
+    """The pairs of texts that overlap, the number of all, and those that leave the figure."""
+    figure = draw(chart)
+    renderer = FigureCanvasAgg(figure).get_renderer()
+    figure.draw(renderer)
+    boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts_of(figure)]
+    outside = [text for text, box in boxes if box.y0 < 0.0 or box.y1 > figure.bbox.y1]
+    return [(one, other) for (one, a), (other, b) in itertools.combinations(boxes, 2) if a.overlaps(b)], len(boxes), outside
+
+
 def test_labels_do_not_collide(swept):
     chart = sw.map(swept[0]).chart()
     for one in (chart, *(in_print(chart, size) for size in SIZES)):
-        figure = draw(one)
-        renderer = FigureCanvasAgg(figure).get_renderer()
-        figure.draw(renderer)
-        boxes = [(text.get_text(), text.get_window_extent(renderer)) for text in texts_of(figure)]
-        assert len(boxes) > 40
-        assert [(one, other) for (one, a), (other, b) in itertools.combinations(boxes, 2) if a.overlaps(b)] == []
+        pairs, count, _ = colliding(one)
+        assert count > 40
+        assert pairs == []
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize(
+    ("scene", "vary", "until", "panels"),
+    [("paper", {"V": [500.0, 2000.0]}, 600.0, 3), ("paper-si", {"thickness": ["3 cm", "4 cm", "6 cm"]}, 20.0, 1)],
+)
+def test_labels_over_one_axis_do_not_collide_in_a_column(size, scene, vary, until, panels):
+    """Neither those of figures nor those of a strip of regimes alone, where no point has figures."""
+    found = sw.sweep(scene, vary=vary, models="block8,kelvin-voigt", until=until, tol=1e-6, workers=1)
+    chart = sw.map(found).chart()
+    assert len(chart.panels) == panels
+    pairs, _, outside = colliding(in_print(chart, size))
+    assert (pairs, outside) == ([], [])
 
 
 @pytest.mark.parametrize(("low", "high", "told"), [(1e-5, 1e-4, 3), (50.0, 1000.0, 4), (2e-7, 3e-6, 3), (1.0, 6.0, 4)])
