@@ -80,17 +80,29 @@ def is_stored(source: object) -> bool:
 def load_tables(source: SceneSource) -> tuple[str, dict[str, Any]]:
     """(default name, raw tables) of a gallery name, the path of a file, a dictionary (copied) or a scene.
 
-    Raises SceneError when there is no such scene or the file is not a TOML text under 1 MB with keys of 20 parts at most.
+    Raises SceneError when there is no such scene, the file is not a TOML text under 1 MB with keys of 20 parts at most, or a key
+    of the dictionary is no text.
     """
     if isinstance(source, Scene):
         return tables_of(source)
     if isinstance(source, Mapping):
-        return "scene", copy.deepcopy(dict(source))
+        return "scene", _copied(source)
     if not isinstance(source, str | Path):
         raise SceneError(f"SCENE = {shorten(source)}: must be a gallery name, the path of a TOML file, or a dictionary")
     if isinstance(source, str) and source in gallery_names():
         return source, copy.deepcopy(_of_gallery(source))
     return one_line(Path(source).stem), read_stored(source).tables if is_stored(source) else _parse(Path(source))
+
+
+def _copied(tables: Mapping[Any, Any], above: str = "") -> dict[str, Any]:
+    """The tables of a dictionary as they would be in TOML: keys are texts, arrays and tuples are lists."""
+    for key in tables:
+        if not isinstance(key, str):
+            raise SceneError(f"{above}{key!r}: must be a text, as every key of a scene")
+    return {
+        key: _copied(value, f"{above}{key}.") if isinstance(value, Mapping) else _listed(copy.deepcopy(value))
+        for key, value in tables.items()
+    }
 
 
 def _parse(path: Path) -> dict[str, Any]:

@@ -209,6 +209,13 @@ def test_overrides_that_name_no_key(overrides, told):
     assert told in complaint("paper", overrides)
 
 
+@pytest.mark.parametrize("key", [3, 2.5, None, (1, 2), b"a"], ids=repr)
+@pytest.mark.parametrize("table", ["", "slab", "slab.face"])
+def test_keys_that_are_no_text(key, table):
+    source = reduce(lambda below, name: {name: below}, filter(None, reversed(table.split("."))), {key: 1.0})
+    assert complaint(source) == f"{table}{'.' * bool(table)}{key!r}: must be a text, as every key of a scene"
+
+
 @pytest.mark.parametrize(
     "source", ["papr", "no-such.toml", "", ".", "/", os.devnull, "\0", "x" * 5000, "a/b/c", 3, None, ["paper"]], ids=repr
 )

@@ -32,7 +32,7 @@ from numba.core.errors import NumbaError
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.own import load_laws, refused_by_compiler
-from slipwave.input.assemble import SceneSource, dotted, is_stored, moment, read, read_scene
+from slipwave.input.assemble import SceneSource, dotted, is_stored, moment, read, read_scene, tables_of
 from slipwave.input.schema import UNTIL, SceneTable
 from slipwave.input.stored import read_stored
 from slipwave.input.wording import listed, nearest, shorten
@@ -165,7 +165,8 @@ class SceneOptions(Frozen):
         given = read(source, [*self._texts, *length])
         changes = {**(self.set or {}), **self.changes}
         law = {key: value for key, value in dotted(changes).items() if key.rpartition(".")[2] == "law"}  # its keys are known then
-        tables = apply_overrides(given.tables or {}, law) if law else given.tables or {}
+        tables = tables_of(given)[1] if changes else {}
+        tables = apply_overrides(tables, law) if law else tables
         for key, value in changes.items():
             if not endings(key.split("."), tables):
                 guess = nearest(key, [*options_of(type(self)), *SceneTable.model_fields])

@@ -36,6 +36,9 @@ def test_changes_may_be_tables_or_dotted_keys(changes):
 def test_steps_of_the_drive_may_be_an_array_or_tuples(steps):
     wanted = sw.read("paper", ["drive.velocity=[[0, 100], [10, 120]]"])
     assert sw.read_scene("paper", V=steps).digest == sw.read_scene("paper", drive={"velocity": steps}).digest == wanted.digest
+    whole = dict(wanted.tables) | {"drive": {"velocity": steps}}
+    assert sw.read(whole).digest == wanted.digest
+    assert whole["drive"]["velocity"] is steps
 
 
 @pytest.mark.parametrize("keys", [("interface.law", "cutoff_velocity"), ("cutoff_velocity", "interface.law")])
@@ -68,8 +71,9 @@ def test_a_scene_of_a_program_runs_as_long_as_wanted_but_has_no_keys_to_change()
     assert [sw.run(scene, "block8", until=until).summary["until"] for until in (None, 30.0)] == [20.0, 30.0]
     with pytest.raises(sw.SceneError, match=r"^run.until = -3.0: must be a number from 0.001 to"):
         sw.run(scene, "block8", until=-3.0)
-    with pytest.raises(sw.SceneError, match="made in Python"):
-        sw.run(scene, "block8", V=30.0)
+    for change in ({"V": 30.0}, {"a": 0.03}):  # a parameter of the law is a key as any other
+        with pytest.raises(sw.SceneError, match="made in Python"):
+            sw.run(scene, "block8", **change)
 
 
 @pytest.mark.parametrize(
