@@ -83,7 +83,7 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
     inside the block leaves `path` unchanged; its temporary file is removed when the next file is written to that folder. Its name
     contains the process number, so that no two runs write to the same file.
     """
-    if not path.parent.is_dir():  # libraries of netCDF say that permission is denied
+    if not os.path.isdir(path.parent):  # libraries of netCDF say that permission is denied
         raise SceneError(f"{str(path)!r} cannot be written: the folder {str(path.parent)!r} does not exist")
     with ONE_THREAD:
         remove_leftovers(path.parent)

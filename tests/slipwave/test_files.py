@@ -68,8 +68,9 @@ def test_threads_write_files_whose_names_begin_alike_one_after_the_other(tmp_pat
     assert [target.read_text() for target in targets] == ["first", "second"]
 
 
-def test_a_folder_that_is_not_there_is_named(tmp_path):
-    target = tmp_path / "nowhere" / "x.nc"
+@pytest.mark.parametrize("folder", ["nowhere", "n" * 300])
+def test_a_folder_that_is_not_there_is_named(folder, tmp_path):
+    target = tmp_path / folder / "x.nc"
     with pytest.raises(SceneError) as found:
         write_half(target, OSError)
     assert str(found.value) == f"{str(target)!r} cannot be written: the folder {str(target.parent)!r} does not exist"

@@ -378,7 +378,7 @@ def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) ->
 
 
 def _listed(given: Iterable[str | Path]) -> list[str]:
-    return [given] if isinstance(given, str | Path) else [str(one) for one in given]
+    return [given] if isinstance(given, str) else [str(one) for one in given]
 
 
 def _chart(

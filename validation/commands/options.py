@@ -347,7 +347,9 @@ def announced(model: str, why: str) -> str:
 
 
 def _plain(value: Any, hint: Any) -> Any:
-    """Convert numpy numbers to Python's, and iterators to lists."""
+    """Convert numpy numbers to Python's, and iterators to lists; a path is a list of one."""
+    if get_origin(hint) is Iterable and isinstance(value, Path):
+        return [value]
     are_listed = get_origin(hint) is Iterable and isinstance(value, Iterable) and not isinstance(value, str | Mapping)
     if are_listed or isinstance(value, Iterator):
         return list(value)

@@ -166,7 +166,8 @@ def _descend(problem: Problem, start: Array, best: Best, most: int) -> tuple[opt
 
     bounds = (problem.low, problem.high)
     near: dict[str, Any] = {"ftol": problem.fineness, "xtol": problem.fineness, "gtol": None, "x_scale": "jac", "max_nfev": most}
-    return optimize.least_squares(residual, inside, problem.slopes, bounds, **near), refusals
+    with np.errstate(divide="ignore", invalid="ignore"):  # in its steps where the data say nothing of a parameter
+        return optimize.least_squares(residual, inside, problem.slopes, bounds, **near), refusals
 
 
 def profiled(problem: Problem, solution: Solution, spread: "Intervals") -> "Intervals":
@@ -221,7 +222,8 @@ def _others_best(problem: Problem, inner: Array, k: int) -> Array:
         return problem.residual(whole(part))
 
     bounds = (problem.low[free], problem.high[free])
-    best = optimize.least_squares(residual, inner[free], slopes, bounds, x_scale="jac", max_nfev=_EXPLORING)
+    with np.errstate(divide="ignore", invalid="ignore"):  # as in `_descend`
+        best = optimize.least_squares(residual, inner[free], slopes, bounds, x_scale="jac", max_nfev=_EXPLORING)
     return whole(best.x)
 
 

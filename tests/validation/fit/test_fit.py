@@ -307,8 +307,9 @@ def test_a_fit_goes_on_where_its_checkpoint_cannot_be_written(tmp_path, caplog):
     best = Best(start := np.array([-3.0, 4.0]), file=tmp_path / "gone" / "best.json")
     found = minimise(Walled(1.5), [start], best)
     assert (found.failed, np.abs(found.inner - 1.0).max() < 1e-4) == ("", True)
+    why = f"the folder {str(best.file.parent)!r} does not exist"
     assert [line for line in caplog.messages if "cannot be written" in line] == [
-        f"note: {str(best.file)!r} cannot be written: no such file or directory; the computation goes on"
+        f"note: {str(best.file)!r} cannot be written: {why}; the computation goes on"
     ]
 
 

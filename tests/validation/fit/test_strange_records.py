@@ -199,3 +199,12 @@ def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path, capsys):
     kept.write_text("{", encoding="utf-8")
     assert main(words) == 2
     assert "is no checkpoint of a fit" in capsys.readouterr().err
+
+
+def test_a_record_that_says_nothing_of_a_parameter_ends_in_one_line(tmp_path):
+    """Before the first step no friction depends on a and b; a record may be given as a path."""
+    record = tmp_path / "rest.csv"
+    record.write_text("time [s],friction\n" + "".join(f"{time},0.61\n" for time in np.linspace(0.0, 0.2, 50)))
+    with pytest.raises(NumericsError, match=r"the data do not determine interface\.a and interface\.b") as found:
+        sw.fit("velocity-steps", data=record, free="a,b")
+    assert found.value.result.data == [{"file": str(record), "samples": 50}]
