@@ -11,8 +11,6 @@ from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-import numpy as np
-
 from reduced.orbit.closing import Closed
 from slipwave.errors import SceneError
 from slipwave.extras import require
@@ -26,7 +24,7 @@ from validation.commands.options import ModelOptions, announced, command, option
 from validation.commands.result import Output, PointOfBranch, Result, aligned, finite, rounded, thinned
 from validation.commands.wording import header
 from validation.data.datasets import Dataset, new_dataset
-from validation.data.variables import EVENTS, si_factor, variables
+from validation.data.variables import EVENTS, figures_at
 from validation.models.branch import FollowedBranch
 from validation.models.ends import CurveEnd, SpecialEnds
 from validation.models.followed import End, Followed, pursue, write_followed
@@ -350,21 +348,16 @@ def _telling(values: list[float]) -> int:
 def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], over: Over) -> dict[str, Any]:
     """Columns of points as variables, in SI each by the units of its own scene, which the parameter may change; `stable` is -1
     where undecided."""
-    found: dict[str, Any] = {}
-    scenes = [over.scene_at(row[names.index("value")]) for row in rows] if over.base.units else []
-    for name, values in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
-        if name in EVENTS:
-            twins = variables(kind, {name: list(values)}, EVENTS, over.base)
-            for twin in twins.keys() - {name}:
-                sizes = [si_factor(EVENTS[name], scene) or math.nan for scene in scenes]
-                twins[twin] = (kind, np.multiply(values, sizes), twins[twin][2])
-                if len({*sizes}) > 1:
-                    del twins[name][2]["si_factor"]
-            found |= {f"{kind}_{label}": variable for label, variable in twins.items()}
-        else:
-            numbers = [-1 if value is None else value for value in values]
-            found[f"{kind}_{name}"] = (kind, numbers, {"long_name": name.replace("_", " ")})
-    return found
+    columns = dict(zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True))
+    figures = {name: list(values) for name, values in columns.items() if name in EVENTS}
+    others = {
+        name: (kind, [-1 if value is None else value for value in values], {"long_name": name.replace("_", " ")})
+        for name, values in columns.items()
+        if name not in EVENTS
+    }
+    others["value"][2]["units"] = over.si_unit or "1"
+    in_si = figures_at(kind, figures, over.base, lambda: [over.scene_at(value) for value in columns["value"]])
+    return {f"{kind}_{name}": variable for name, variable in (others | in_si).items()}
 
 
 @command

@@ -22,7 +22,7 @@ from validation.commands.branch import (
 from validation.commands.options import announced, command, option
 from validation.commands.result import thinned
 from validation.data.datasets import Dataset
-from validation.data.variables import table_of
+from validation.data.variables import EVENTS, figures_at, table_of
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
 from validation.models.followed import pursue, read_branch
@@ -101,6 +101,8 @@ class CurveResult(FollowedResult):
         found = self.found
         rows = [self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in found.points]
         data = table_of(rows, "point", found.over.base).assign_attrs(self.options.origin(found))
+        figures = {name: data[name].values.tolist() for name in EVENTS if name in data}
+        data = data.assign(figures_at("point", figures, found.over.base, lambda: found.scenes))
         for one in (found.over, found.second):
             data[one.column].attrs["units"] = one.si_unit or "1"
         from validation.models.along import along

@@ -6,7 +6,7 @@ states `si_factor` and `si_units`, and all but histories have a twin in SI, name
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -156,6 +156,22 @@ def variables(
         if twins:
             every |= {twin: (dimension, *rest) for twin, rest in twins_in_si(name, values, quantities[name], scene).items()}
     return every
+
+
+def figures_at(
+    dimension: str, columns: Mapping[str, Sequence[float]], base: Scene, scenes: Callable[[], Sequence[Scene]]
+) -> dict[str, Any]:
+    """Figures of cycles as `variables`, each value in SI by the units of its own one of the `scenes`, which what is varied may
+    change: `si_factor` is stated where it is the same for all."""
+    found = variables(dimension, columns, EVENTS, base)
+    every = scenes() if base.units else []
+    for name, values in columns.items() if base.units else ():
+        sizes = [si_factor(EVENTS[name], scene) or math.nan for scene in every]
+        twin = f"{name}_{IN_SI[EVENTS[name].unit][1]}"
+        found[twin] = (dimension, np.multiply(values, sizes), found[twin][2])
+        if len({*sizes}) > 1:
+            del found[name][2]["si_factor"]
+    return found
 
 
 def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:

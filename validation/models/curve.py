@@ -143,6 +143,11 @@ class Curve:
         before = last if len(self.points) < 2 else self._on_curve(saved["before"])[0]
         return Reached(before, last, (along, across), length)
 
+    @property
+    def scenes(self) -> list[Scene]:
+        """Those of the points."""
+        return [self._scene_at(point.first, point.second) for point in self.points]
+
     def _scene_at(self, first: float, second: float) -> Scene:
         """The scene at both values."""
         return self.over.scenes.at((self.over, self.second), (first, second))
