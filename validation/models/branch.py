@@ -81,6 +81,11 @@ class FollowedBranch:
     outlines: dict[int, State] = field(default_factory=dict)
 
     @property
+    def varied(self) -> dict[str, Over]:
+        """Column of the file -> the parameter whose values it holds."""
+        return {"value": self.over}
+
+    @property
     def shown(self) -> list[BranchPoint]:
         """The points within the range; others lie where the branch was followed outside (`StopAt.outside`)."""
         return [point for point in self.points if self.over.holds(point.value)]

@@ -144,6 +144,11 @@ class Curve:
         return Reached(before, last, (along, across), length)
 
     @property
+    def varied(self) -> dict[str, Over]:
+        """As `FollowedBranch`."""
+        return {"first": self.over, "second": self.second}
+
+    @property
     def scenes(self) -> list[Scene]:
         """Those of the points."""
         return [self._scene_at(point.first, point.second) for point in self.points]

@@ -15,6 +15,7 @@ from slipwave.files import ONE_THREAD, reason_of, whole_or_absent
 from slipwave.input.assemble import read
 from slipwave.input.stored import read_stored
 from slipwave.solve import State
+from validation.data.variables import EVENTS, attributes
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
 from validation.models.parameter import names_of, over_range, scenes_with
@@ -78,7 +79,7 @@ def write_followed(path: Path, found: Followed, end: End, complete: bool, origin
     with whole_or_absent(path) as temporary, Dataset(temporary, "w") as file:
         file.setncatts({**origin, "complete": int(complete), "facts": facts, "notes": json.dumps(found.notes)})
         for kind, (record, rows) in found.tables.items():
-            _write_table(file, kind, record._fields, rows, found.over.name)
+            _write_table(file, kind, record._fields, rows, found)
         for name, state in found.saved(end).items():
             _write_arrays(file.createGroup(name), state)
         file.setncattr("contents", _digest(file))
@@ -138,15 +139,23 @@ def _digest(file: "Dataset") -> str:
     return digest.hexdigest()
 
 
-def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], parameter: str) -> None:
+def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], found: Followed) -> None:
     """One variable of the dimension `kind` for each column."""
     file.createDimension(kind, len(rows))
     for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
         text = name == "kind"
         variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
         variable[:] = np.array([_UNCOUNTED if one is None else one for one in column], dtype=object if text else float)
-        notes = {"long_name": parameter if name == "value" else name.replace("_", " ")}
-        variable.setncatts(notes if text else notes | {"units": "1"})
+        variable.setncatts({"long_name": "kind"} if text else _notes(name, found))
+
+
+def _notes(name: str, found: Followed) -> dict[str, Any]:
+    """Attributes of a column of numbers, without sizes of units in SI, which may change from point to point."""
+    if name in found.varied:
+        return {"long_name": found.varied[name].name, "units": found.varied[name].si_unit or "1"}
+    if name not in EVENTS:
+        return {"long_name": name.replace("_", " "), "units": "1"}
+    return {key: note for key, note in attributes(EVENTS[name], found.over.base).items() if key != "si_factor"}
 
 
 def _read_table(file: "Dataset", kind: str, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:

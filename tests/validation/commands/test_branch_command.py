@@ -467,25 +467,3 @@ def test_a_branch_over_slabs_that_differ_leaves_faces_in_units_of_their_own_as_t
         own, relative = ("spring", "impedance") if face["impedance"] == 0.5 else ("dashpot", "stiffness")
         assert getattr(new.termination, own) == pytest.approx(getattr(old.termination, own), rel=1e-12)
         assert getattr(new.face, relative) == getattr(old.face, relative)
-
-
-def test_figures_of_a_curve_in_si_are_those_of_each_points_own_scene(tmp_path):
-    """A transit is 2 H/c, and the normal stress is varied too; before, the factors of the first scene held for all points."""
-    varied = {"over": ("slab.thickness", 0.02, 0.06), "along": ("interface.normal_stress", 900.0, 2000.0)}
-    found = sw.curve("paper-si", of="HB", model="kelvin-voigt", **varied)
-    found.to_netcdf(tmp_path / "hb.nc")
-    with xarray.open_dataset(tmp_path / "hb.nc") as data:
-        thickness, stress = data["slab_thickness"].values, data["interface_normal_stress"].values
-        seconds = data["period"].values * 2.0 * thickness / math.sqrt(1e6 / 784.0)
-        assert np.ptp(thickness) > 0.01
-        assert data["period_s"].values == pytest.approx(seconds, rel=1e-12)
-        assert data["v_max_m_per_s"].values == pytest.approx(1e-6 * data["v_max"].values, rel=1e-12)
-        assert data["stress_drop_Pa"].values == pytest.approx(stress * data["stress_drop"].values)
-        told = [data[name].attrs for name in ("period", "v_max", "slab_thickness", "interface_normal_stress")]
-    assert [one.get("si_factor") for one in told] == [None, 1e-6, None, None]
-    assert [one["units"] for one in told] == ["1", "1", "m", "Pa"]
-
-
-def test_the_dataset_of_a_branch_says_in_which_unit_its_parameter_is():
-    found = sw.branch("paper-si", over=("slab.thickness", 0.03, 0.04), model="kelvin-voigt", tol=1e-4, most_points=3).dataset
-    assert [found[name].attrs["units"] for name in ("point_value", "slab_thickness", "special_value", "period_s")] == [*"mmms"]

@@ -295,3 +295,42 @@ def test_the_last_stage_of_a_run_whose_length_was_not_given_is_judged_as_of_one_
     )
     cycles = slipwave.run(scene, "kelvin-voigt", cycles=10, slab={"log10_r": -2.5}).facts
     assert cycles["protocol"][-1]["stick_slips"]
+
+
+def test_figures_of_a_curve_in_si_are_those_of_each_points_own_scene(tmp_path):
+    """A transit is 2 H/c, and the normal stress is varied too; before, the factors of the first scene held for all points."""
+    varied = {"over": ("slab.thickness", 0.02, 0.06), "along": ("interface.normal_stress", 900.0, 2000.0)}
+    found = sw.curve("paper-si", of="HB", model="kelvin-voigt", **varied)
+    found.to_netcdf(tmp_path / "hb.nc")
+    with xarray.open_dataset(tmp_path / "hb.nc") as data:
+        thickness, stress = data["slab_thickness"].values, data["interface_normal_stress"].values
+        seconds = data["period"].values * 2.0 * thickness / math.sqrt(1e6 / 784.0)
+        assert np.ptp(thickness) > 0.01
+        assert data["period_s"].values == pytest.approx(seconds, rel=1e-12)
+        assert data["v_max_m_per_s"].values == pytest.approx(1e-6 * data["v_max"].values, rel=1e-12)
+        assert data["stress_drop_Pa"].values == pytest.approx(stress * data["stress_drop"].values)
+        told = [data[name].attrs for name in ("period", "v_max", "slab_thickness", "interface_normal_stress")]
+    assert [one.get("si_factor") for one in told] == [None, 1e-6, None, None]
+    assert [one["units"] for one in told] == ["1", "1", "m", "Pa"]
+
+
+@pytest.mark.parametrize("what", ["branch", "curve"])
+def test_a_branch_and_a_curve_say_in_which_units_they_are(what, tmp_path):
+    over, how = ("slab.thickness", 0.03, 0.04), {"model": "kelvin-voigt", "tol": 1e-4, "most_points": 3}
+    if what == "branch":
+        found = sw.branch("paper-si", over=over, **how)
+        names = ("point_value", "slab_thickness", "special_value")
+    else:
+        found = sw.curve("paper-si", of="LP", over=over, along=("interface.normal_stress", 1000.0, 1100.0), **how)
+        names = ("slab_thickness",)
+    assert [found.dataset[name].attrs["units"] for name in (*names, "period_s")] == ["m"] * len(names) + ["s"]
+    found.to_netcdf(tmp_path / "x.nc")
+    with xarray.open_dataset(tmp_path / "x.nc") as file:
+        columns = ("value",) if what == "branch" else ("first", "second")
+        assert [file[f"point_{name}"].attrs["units"] for name in columns] == ["m", "Pa"][: len(columns)]
+        told = [file[f"point_{name}"].attrs for name in ("period", "stress_drop", "v_max")]
+    assert [(one["in_units_of"], one["si_units"], one["units"]) for one in told] == [
+        ("transit", "s", "1"),
+        ("normal stress", "Pa", "1"),
+        ("V*", "m s-1", "1"),
+    ]
