@@ -137,6 +137,8 @@ def _history(solver: Solver, until: float, kept: Kept, samples: Path | None, che
     The samples that are `kept` are in the file `samples`, or in a temporary one, until it is closed. With a `checkpoint` they are
     in a file in its folder, which stays for continued runs.
     """
+    if samples is not None:
+        require_writable(samples, (samples.suffix,), "--samples")
     path = checkpoint.with_name(f"{checkpoint.name}.samples") if checkpoint else samples or temporary_samples()
     history = HistoryFile(solver.scene.law, solver.nodes, path, until, stays=checkpoint is not None, kept=kept)
     try:

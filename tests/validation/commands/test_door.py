@@ -92,6 +92,10 @@ def test_a_scene_of_a_program_runs_as_long_as_wanted_but_has_no_keys_to_change()
         (lambda: sw.curve("paper", "LP", "V=90:95"), "^along: missing; must be given, as in along V=100:120$"),
         (lambda: sw.branch("paper", "V=90:95", stop_at="no--over"), "^stop_at 'no--over': must be one of HB"),
         (lambda: sw.sweep("paper", vary=iter(["V=1:2:2", "V=3:4:2"]), dry=True), "^vary: drive.velocity is given twice"),
+        (
+            lambda: sw.run("paper", "block8", until=5.0, interface=True, samples="nowhere/kept"),
+            "^samples = 'nowhere/kept': the folder 'nowhere' does not exist$",
+        ),
         (lambda: sw.stability(), "^stability: missing a required argument: 'source'$"),
     ],
 )
