@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from functools import cached_property
 from pathlib import Path
@@ -61,7 +61,7 @@ class _SweepOptions(RunsOptions):
         (),
         metavar="KEY=VALUES ...",
     )
-    models: str = option("the models, with commas", "delay", metavar="M1,M2")
+    models: str | Sequence[str] = option("the models, with commas", "delay", metavar="M1,M2")
     measure: str | FunctionType = option(
         f"what is computed at each point: {', '.join(MEASURES)}, or module:function of a scene that returns numbers by name",
         "verdict",
@@ -278,7 +278,10 @@ def _plan(source: SceneSource, options: _SweepOptions) -> Plan:
     if rows and options.vary:
         raise SceneError(f"--rows = {str(options.rows)!r}: must not be given together with --vary")
     numerical = {"tol": options.tol, "cells": options.cells, "refine": options.refine}
-    axes, models, scenes = _axes(options.vary), options.models.split(","), options.scenes_of(source, options.until)
+    models = options.models.split(",") if isinstance(options.models, str) else options.models
+    if not models:
+        raise SceneError("--models = []: must be one name or more")
+    axes, scenes = _axes(options.vary), options.scenes_of(source, options.until)
     return plan_of(scenes, axes, models, measure_name(options.measure), rows=rows, **numerical)
 
 

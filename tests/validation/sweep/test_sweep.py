@@ -385,6 +385,17 @@ def test_what_a_folder_gives_is_not_asked_for_again(tmp_path, refused):
     assert "--measure: leave it out" in refused("sweep", str(tmp_path / "other"), "--measure", "run")
 
 
+def test_models_are_a_list_or_a_text():
+    axis = {"log10_r": [-2.75, -2.65]}
+    listed, written = (
+        sw.sweep("paper", vary=axis, models=m, measure="stability", workers=1) for m in (["block8", "delay"], "block8,delay")
+    )
+    assert listed.summary["models"] == ["block8", "delay"]
+    assert listed.dataset["stable"].equals(written.dataset["stable"])
+    with pytest.raises(SceneError, match=r"^models = \[\]: must be one name or more"):
+        sw.sweep("paper", vary=axis, models=[])
+
+
 def test_a_dry_sweep_computes_nothing(tmp_path, answer, monkeypatch):
     monkeypatch.setattr("validation.sweep.engine.time.perf_counter", itertools.count(0.0, 0.25).__next__)
     told = answer("sweep", "paper", "--vary", "a=0.01:0.02:30", "--measure", DISC, "--out", str(tmp_path / "x"), "--dry")
