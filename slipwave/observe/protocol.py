@@ -167,21 +167,25 @@ _LEFT = math.exp(-1.0)
 
 class _Course:
     """The lowest and highest rate unknown in each of some equal parts of the time since a stage began, whose end may move or be
-    unknown: where all parts are used, they are joined in pairs."""
+    unknown: where all parts are used, 2, 4, 8 ... are joined."""
 
     def __init__(self) -> None:
         self._length, self._lowest, self._highest = _SHORTEST, np.full(_PARTS, math.inf), np.full(_PARTS, -math.inf)
 
     def take(self, since: Array, z: Array) -> None:
         """Take the rate unknowns `z` at rising times `since` the stage began (transits)."""
-        while since[-1] >= _PARTS * self._length:
-            unused = np.full(_PARTS // 2, math.inf)
-            self._lowest = np.append(self._lowest.reshape(-1, 2).min(axis=1), unused)
-            self._highest = np.append(self._highest.reshape(-1, 2).max(axis=1), -unused)
-            self._length *= 2.0
-        parts = (np.maximum(since, 0.0) / self._length).astype(int)
-        first = np.flatnonzero(np.diff(parts, prepend=-1))
-        here = parts[first]
+        if since[-1] >= _PARTS * self._length:
+            longer = 2 ** math.frexp(since[-1] / (_PARTS * self._length))[1]
+            joined = min(longer, _PARTS)
+            unused = np.full(_PARTS - _PARTS // joined, math.inf)
+            self._lowest = np.append(self._lowest.reshape(-1, joined).min(axis=1), unused)
+            self._highest = np.append(self._highest.reshape(-1, joined).max(axis=1), -unused)
+            self._length *= longer
+        ends = np.maximum(since[[0, -1]], 0.0) // self._length
+        parts = np.arange(int(ends[0]), int(ends[1]) + 1)
+        begins = np.append(0, np.searchsorted(since, parts[1:] * self._length))
+        filled = np.diff(begins, append=since.size) > 0
+        here, first = parts[filled], begins[filled]
         self._lowest[here] = np.minimum(self._lowest[here], np.minimum.reduceat(z, first))
         self._highest[here] = np.maximum(self._highest[here], np.maximum.reduceat(z, first))
 

@@ -8,7 +8,7 @@ import pytest
 import slipwave
 from slipwave.compiled import allocating
 from slipwave.observe import Pieces
-from slipwave.observe.protocol import ProtocolObserver, stages_of
+from slipwave.observe.protocol import ProtocolObserver, _Course, stages_of
 from slipwave.scene.drive import NUDGE_CENTRE, Constant, Drive, Ramps, nudge_rate, velocity_at
 from slipwave.solve import follow
 from validation.models.build import prepare
@@ -222,3 +222,24 @@ def test_times_that_differ_by_rounding_are_a_step(later):
     drive = slipwave.read("paper", {"drive.velocity": [[0.0, 100.0], [0.3, 100.0], [later, 1000.0], [0.31, 1000.0]]}).drive
     assert drive == Drive((0.0, 0.3, 0.3, 0.31), (100.0, 100.0, 1000.0, 1000.0))
     assert [stage.kind for stage in stages_of(drive, 10.0)] == ["start", "step"]
+
+
+@pytest.mark.parametrize("lasts", [1e-4, 3.0, 1e3, 2e6])
+def test_the_course_of_a_stage_is_the_same_however_its_times_come(lasts):
+    """The ranges of equal parts by brute force; a time may lie before the stage by rounding."""
+    draw = np.random.default_rng(int(1e4 * lasts))
+    times, z = np.sort(draw.uniform(0.0, lasts, 500)), draw.standard_normal(500)
+    times[0] = -1e-13
+    one, other = _Course(), _Course()
+    one.take(times, z)
+    for part in np.split(np.arange(500), np.unique(draw.integers(1, 500, 6))):
+        other.take(times[part], z[part])
+    for begin, end in ((0.5, 0.75), (0.75, math.inf), (0.0, 1.0)):
+        found = one.between(begin * lasts, end * lasts)
+        assert found.tolist() == other.between(begin * lasts, end * lasts).tolist()
+        inner, outer = (
+            z[(times >= begin * lasts + part) & (times <= end * lasts - part)] for part in (one._length, -one._length)
+        )
+        assert outer.min() <= found.min() <= inner.min() <= inner.max() <= found.max() <= outer.max()
+    whole = one.between(0.0, math.inf)
+    assert (whole.min(), whole.max()) == (z.min(), z.max())
