@@ -3,7 +3,7 @@
 import contextlib
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,57 +14,69 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
-_LINES = 4  # per parameter, on which boundaries are searched
+_LINES = (0.005, 0.125, 0.375, 0.625, 0.875, 0.995)  # of each scaled parameter, on which boundaries are searched
 _STEP = 0.02  # of the rectangle's side
 _ROUNDS = 12
 _FAST = 0.1  # of the change before, at most, with an old matrix
 _DIFFERENCE = 1e-6
 _APART = 0.05  # of a step: distance in the scaled parameters of points there that are kept
+_ASIDE = 1e-4  # distance in the scaled parameters from a boundary at which the other roots are counted
+_UNCOUNTED = 8  # points of a curve between two counts, at most
 _STILL = 1e-4  # change of the scaled parameters over that of ln omega, at most, where the frequency falls to 0
 
 
 @dataclass(frozen=True)
 class Boundary:
-    """One curve on which a pair of roots is neutral: values of the `first` and `second` parameter, and `omega` (1/(L/V*));
-    `vanishing`: which of its ends (0, -1) are where the pair meets at s = 0."""
+    """One curve on which a pair of roots is neutral, or a single root at s = 0: values of the `first` and `second` parameter,
+    `omega` (1/(L/V*); 0 of a single root), and how many other roots are `growing` there: none where steady sliding loses its
+    stability. `vanishing`: which of its ends (0, -1) are where the pair meets at s = 0."""
 
     first: Array
     second: Array
     omega: Array
+    growing: Array
     vanishing: tuple[int, ...] = ()
 
 
 def boundary(
-    scene_at: Callable[[float, float], Scene], model: str, ranges: tuple[tuple[float, float], tuple[float, float]]
+    scene_at: Callable[[float, float], Scene],
+    model: str,
+    ranges: tuple[tuple[float, float], tuple[float, float]],
+    single: bool = False,
 ) -> list[Boundary]:
-    """The stability boundaries under `model` of the scenes at two parameters, found in the rectangle `ranges` of these.
+    """The stability boundaries under `model` of the scenes at two parameters, found in the rectangle `ranges` of these: those of
+    pairs of roots, with `single` also those of single roots, which cross at s = 0 where no face has a spring.
 
-    A curve is found where the certified number of unstable roots changes along one of a few lines per parameter. It is followed
-    both ways until it leaves the rectangle, closes, comes to where there is no scene, or its frequency falls to 0: without a
-    spring it ends where a single root crosses.
+    A curve is found where the certified number of unstable roots changes along one of a few lines per parameter, two of which lie
+    beside the edges, by which most curves leave. It is followed both ways until it leaves the rectangle, closes, comes to where
+    there is no scene, or its frequency falls to 0: without a spring it ends where a single root crosses.
     """
-    plane = _Plane(scene_at, model, np.array(ranges, dtype=float))
-    curves: list[Array] = []
-    for start in _seeds(plane):
-        apart = (np.linalg.norm(curve[:, 1:] - start[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - start[0]) for curve in curves)
-        if all(distances.min() > 2.0 * _STEP for distances in apart):
-            curves.append(_trace(plane, start))
-    found = []
-    for curve in curves:
-        ends = _vanishing(curve)
-        kept = _thinned(curve) if ends else curve
-        first, second = plane.values(kept[:, 1:]).T
-        found.append(Boundary(first, second, np.exp(kept[:, 0]), ends))
+    pairs = _Plane(scene_at, model, np.array(ranges, dtype=float))
+    found = list[Boundary]()
+    for plane in (pairs, replace(pairs, is_single=True)) if single else (pairs,):
+        curves: list[Array] = []
+        for start in _seeds(plane):
+            apart = (np.linalg.norm(curve[:, 1:] - start[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - start[0]) for curve in curves)
+            if all(distances.min() > 2.0 * _STEP for distances in apart):
+                curves.append(_trace(plane, start))
+        for curve in curves:
+            ends = _vanishing(curve)
+            kept = _thinned(curve) if ends else curve
+            first, second = plane.values(kept[:, 1:]).T
+            omega = np.zeros(len(kept)) if plane.is_single else np.exp(kept[:, 0])
+            found.append(Boundary(first, second, omega, _growing(plane, kept), ends))
     return found
 
 
 @dataclass(frozen=True)
 class _Plane:
-    """Unknowns x = (ln omega, u_1, u_2) with the parameters u scaled to [0, 1]."""
+    """Unknowns x = (ln omega, u_1, u_2) with the parameters u scaled to [0, 1]; of a single root, whose omega is 0, x = (0, u_1,
+    u_2)."""
 
     scene_at: Callable[[float, float], Scene]
     model: str
     ranges: Array
+    is_single: bool = False
 
     def values(self, u: Array) -> Array:
         """The two parameters at the scaled point u of [0, 1]^2."""
@@ -74,8 +86,14 @@ class _Plane:
         """Characteristic function of the scene with these parameters."""
         return characteristic(self.scene_at(*self.values(u).tolist()), self.model)
 
+    def at_rest(self, u: Array) -> float:
+        """The imbalance at s = 0, which is real."""
+        return complex(self.problem(u).imbalance(0.0)).real
+
     def residual(self, x: Array) -> Array:
-        """(Re, Im) of the imbalance at x = (ln omega, u)."""
+        """(Re, Im) of the imbalance at x = (ln omega, u); of a single root the first unknown, and the imbalance at s = 0."""
+        if self.is_single:
+            return np.array([x[0], self.at_rest(x[1:])])
         value = complex(self.problem(x[1:]).imbalance(1j * math.exp(x[0])))
         return np.array([value.real, value.imag])
 
@@ -102,16 +120,17 @@ class _Plane:
 
 
 def _seeds(plane: _Plane) -> list[Array]:
-    """Points on the boundary: on lines across the rectangle, where the count of unstable roots changes between samples."""
+    """Points on the boundary: on lines across the rectangle, where the count of unstable roots, or for single roots the sign of
+    the imbalance at s = 0, changes between samples."""
     points = []
     samples = np.linspace(0.0, 1.0, 41)
     for axis in (0, 1):
-        for fixed in (np.arange(_LINES) + 0.5) / _LINES:
+        for fixed in _LINES:
             at = [np.insert(np.array([fixed]), axis, moving) for moving in samples]
-            counts = [_count(plane.problem(u)) for u in at]
-            for i in np.flatnonzero(np.diff(counts)):
-                fewer, more = (i, i + 1) if counts[i] < counts[i + 1] else (i + 1, i)
-                points += _crossings(plane, at[fewer], at[more], counts[more])
+            values = [np.sign(plane.at_rest(u)) if plane.is_single else _count(plane.problem(u)) for u in at]
+            for i in np.flatnonzero(np.diff(values)):
+                fewer, more = (i, i + 1) if values[i] < values[i + 1] else (i + 1, i)
+                points += _crossings(plane, at[fewer], at[more], int(values[more]))
     return points
 
 
@@ -123,7 +142,13 @@ def _count(problem: Characteristic) -> int:
 
 
 def _crossings(plane: _Plane, low: Array, high: Array, growing: int) -> list[Array]:
-    """The point between `low` and `high` at which one of the `growing` roots of `high` crosses; empty if none does."""
+    """The point between `low` and `high` at which a single root crosses, or a pair of the `growing` roots of `high`; empty if
+    none does."""
+    from scipy.optimize import brentq
+
+    if plane.is_single:
+        share = brentq(lambda share: plane.at_rest(low + share * (high - low)), 0.0, 1.0, xtol=1e-13)
+        return [np.array([0.0, *(low + share * (high - low))])]
 
     def problem(share: float) -> Characteristic:
         return plane.problem(low + share * (high - low))
@@ -134,6 +159,35 @@ def _crossings(plane: _Plane, low: Array, high: Array, growing: int) -> list[Arr
             if omega > 0.0:  # no single root, which crosses at s = 0
                 return [np.concatenate([[math.log(omega)], low + share * (high - low)])]
     return []
+
+
+def _growing(plane: _Plane, curve: Array) -> Array:
+    """How many roots grow at each point of the curve beside those that are neutral there: counted at a few points, and at more
+    where the number changes."""
+    known = dict[int, int]()
+
+    def fill(first: int, last: int) -> None:
+        """All numbers from the point `first` to `last`."""
+        for at in (first, last):
+            if at not in known:
+                known[at] = _least_count(plane, curve[at, 1:])
+        if last - first <= _UNCOUNTED and known[first] == known[last]:
+            known.update(dict.fromkeys(range(first + 1, last), known[first]))
+        elif last - first > 1:
+            fill(first, (first + last) // 2)
+            fill((first + last) // 2, last)
+
+    fill(0, len(curve) - 1)
+    return np.array([known[at] for at in range(len(curve))])
+
+
+def _least_count(plane: _Plane, u: Array) -> int:
+    """The least number of roots that grow beside the point u of a boundary."""
+    counts = list[int]()
+    for aside in _ASIDE * np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]):
+        with contextlib.suppress(SceneError):  # beside the end of what a scene allows
+            counts.append(_count(plane.problem(u + aside)))
+    return min((count for count in counts if count >= 0), default=0)
 
 
 def _thinned(curve: Array) -> Array:

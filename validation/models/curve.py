@@ -73,12 +73,13 @@ class Curve:
                     self.notes.append(
                         f"the curve ends where its period grows without bound, near {at}; a single root crosses there"
                     )
-                for first, second, omega in zip(found.first.tolist(), found.second.tolist(), found.omega.tolist(), strict=True):
+                columns = (column.tolist() for column in (found.first, found.second, found.omega, found.growing))
+                for first, second, omega, others in zip(*columns, strict=True):
                     if self._holds(first, second):
                         scene = self._scene_at(first, second)
-                        period, rate = 2.0 * math.pi / (omega * scene.transit), scene.velocity
+                        figures = 2.0 * math.pi / (omega * scene.transit), 0.0, 0.0, scene.velocity, scene.velocity
                         # the multiplier of the oscillation of steady sliding is 1 there
-                        self.points.append(CurvePoint(first, second, period, 0.0, 0.0, rate, rate, 0.0, 0, 2, 1.0, 0.0, "HB"))
+                        self.points.append(CurvePoint(first, second, *figures, 0.0, others, others + 2, 1.0, 0.0, "HB"))
             if not self.points:
                 raise NumericsError(f"{self.model}: steady sliding does not lose stability in this rectangle")
             return None

@@ -335,15 +335,20 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     lines, notes = [], []
     for model in (str(name) for name in np.atleast_1d(data["model"].values)):
         try:
-            curves = boundary(scene_at, one_port_of(model), (across, up))
+            curves = boundary(scene_at, one_port_of(model), (across, up), single=True)
         except (NumericsError, SceneError, ValueError) as error:
             notes.append(f"no boundary of stability of {model}: {error}")
             continue
-        if not curves:
-            notes.append(f"no boundary of stability of {model}: steady sliding does not change its stability on this map")
+        onsets = list[Line]()
         for curve in curves:
-            first, second = on_axes(curve.first, curve.second)
-            lines.append(Line(f"onset of instability, {model}", first, second, model))
+            # where another root grows, steady sliding has lost its stability before
+            turns = np.flatnonzero(np.diff(curve.growing == 0, prepend=False, append=False))
+            for begin, end in turns.reshape(-1, 2).tolist():
+                first, second = on_axes(curve.first[begin:end], curve.second[begin:end])
+                onsets.append(Line(f"onset of instability, {model}", first, second, model))
+        if not onsets:
+            notes.append(f"no boundary of stability of {model}: steady sliding does not change its stability on this map")
+        lines += onsets
     return tuple(lines), notes
 
 

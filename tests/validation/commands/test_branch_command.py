@@ -292,6 +292,14 @@ def test_a_curve_ends_at_the_edge_of_its_ranges():
     assert result.dataset.attrs["command"] == "curve"
 
 
+def test_a_curve_of_hopf_points_counts_the_roots_that_grow_already():
+    """Equation (39): a second pair crosses at r = (2/w_c)(atan(r_* w_c/2) + pi), where the first one grows."""
+    points = sw.curve("paper", of="HB", over="r=0.008:0.015", along="V=800:1000").summary["points"]
+    half = 0.5 * points[0]["V"] * math.sqrt(0.014 / 0.0349)
+    assert points[0]["r"] == pytest.approx((math.atan(2.8e-5 / 0.014 * half) + math.pi) / half, rel=1e-9)
+    assert {(point["unstable_before"], point["unstable_after"]) for point in points} == {(2, 4)}
+
+
 def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
     """r_c = (2/omega_c) atan(r_* omega_c/2) (39) and T = 2 pi/(omega_c r_c), also in the file, and computed again from it."""
     file = tmp_path / "hopf.nc"

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import math
 import struct
 from dataclasses import replace
 
@@ -235,6 +236,32 @@ def test_the_boundary_over_a_coefficient_is_where_the_stability_changes():
         for beside in (-1e-4, 1e-4)
     ]
     assert stable == [True, False]
+
+
+def test_only_curves_beyond_which_no_other_root_grows_are_boundaries():
+    """Equation (39): pairs cross at r = (2/w_c)(atan(r_* w_c/2) + n pi); from n = 1 on another grows already."""
+    axes = {"r": (np.linspace(0.001, 0.015, 3), "slab.r", "1"), "v": (np.linspace(300.0, 1000.0, 3), "drive.velocity", "1")}
+    (line,), notes = onset_lines(lattice(axes, scene_toml=sw.show("paper")))
+    half = 0.5 * line.up * math.sqrt(0.014 / 0.0349)
+    assert notes == []
+    assert line.across == pytest.approx(np.arctan(2.8e-5 / 0.014 * half) / half, rel=1e-9)
+
+
+def test_without_a_spring_a_single_root_crosses_on_a_boundary_too():
+    """Z(0) = (epsilon/2)(1 + R)/(1 - R) is (b - a)/V at R = 9/11. The pair's curve is in one corner of the map."""
+    axes = {
+        "c": (np.linspace(-0.9, 0.9, 3), "slab.face.coefficient", "1"),
+        "r": (np.linspace(-2.9, -1.0, 3), "slab.log10_r", "1"),
+    }
+    pair, single = onset_lines(lattice(axes, scene_toml=sw.show("reflection")))[0]
+    assert single.across == pytest.approx(np.full(len(single.up), 9.0 / 11.0), rel=1e-9)
+    for r in pair.up[[len(pair.up) // 4, len(pair.up) // 2]].tolist():
+        coefficient = float(pair.across[pair.up == r][0])
+        stable = [
+            sw.stability("reflection", **{"log10_r": r + beside, "face.coefficient": coefficient}).stable
+            for beside in (-1e-4, 1e-4)
+        ]
+        assert stable == [True, False]
 
 
 @pytest.mark.parametrize("key", ["slab.log10_r", "slab.thickness"])
