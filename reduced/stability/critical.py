@@ -81,8 +81,9 @@ def _by_angle(problem: Characteristic) -> list[tuple[float, float]]:
     values = excess(_THETA)
     theta = _sign_changes(excess, _THETA, values)
     omega, error, scale = _omega(slopes, zeta(theta)), excess(theta), np.interp(theta, _THETA, np.abs(values))
-    crossing = np.isfinite(omega) & (np.abs(error) <= _SMALL * scale)  # not where it is infinite
-    return sorted(zip((theta / omega)[crossing].tolist(), omega[crossing].tolist(), strict=True))
+    crossing = np.isfinite(omega) & (omega > 0.0) & (np.abs(error) <= _SMALL * scale)  # not where it is infinite
+    theta, omega = theta[crossing], omega[crossing]
+    return sorted(zip((theta / omega).tolist(), omega.tolist(), strict=True))
 
 
 def _sign_changes(function: Callable[[Array], Array], grid: Array, values: Array) -> Array:

@@ -138,6 +138,13 @@ def test_no_critical_r_is_told_where_the_root_that_grows_cannot_be_told_from_zer
         crossing.critical_factor(lambda factor: paper(ROUND_TRIP * factor), "delay")
 
 
+def test_a_phase_at_which_the_frequency_is_zero_has_no_round_trip():
+    """Here it is zero to the last bit at one phase, and the round trip there was divided by it, with a warning."""
+    scene = slipwave.read("steel-on-pmma", {"interface.normal_stress": "0.31622776601683794 MPa", "lower.thickness": "500 mm"})
+    r, omega = critical_round_trip(scene)
+    assert (math.log10(r), omega) == (pytest.approx(-5.20998334821, abs=1e-10), pytest.approx(696.147261, rel=1e-8))
+
+
 def test_a_boundary_ends_where_its_frequency_falls_to_zero():
     """Z(0) = epsilon (1 + R)/(1 - R) of a face without a spring: a single root crosses at V = (b - a)/Z(0), whatever r."""
     scene = scene_of(slab(face=ReflectingFace(0.5)), slab())
