@@ -117,7 +117,7 @@ def to_tolerance(
         needed = _needed(cells, estimate / tolerance, gain) if cells >= _SETTLED else 0.0
         before, cells = now, math.ceil(_RATIO * cells)
     if needed > MOST_TRIED_CELLS:
-        outlook = f"; by its trend it needs about {float(f'{needed:.1g}'):,.0f} cells, but at most {MOST_TRIED_CELLS} are tried"
+        outlook = f"; by its trend it needs about {float(f'{needed:.2g}'):,.0f} cells, but at most {MOST_TRIED_CELLS} are tried"
     raise NumericsError(
         f"{solver.model}: tolerance {tolerance:g} not reached with {tried[-1][0]} cells: estimated error {tried[-1][1]:.2g}"
         f"{outlook} (scene {scene.name!r})"
