@@ -61,9 +61,9 @@ class Spread:
 
 @dataclass(frozen=True)
 class RunStatistics:
-    """Period (transits), stress drop, elastic stress drop, extreme slip rates (V*) over `cycles` cycles, and the median of their
-    largest slip rates, which has no heavy tail; `margins`: half the widths of the 95 % intervals of the means and of the median
-    over cycles that never repeat, by name; NaN for others."""
+    """Period (transits), stress drop, elastic stress drop, extreme slip rates (V*) over `cycles` cycles, the median of their
+    largest slip rates, which has no heavy tail, and their mean, as a record has it; `margins`: half the widths of the 95 %
+    intervals of the means and of the median over cycles that never repeat, by name; NaN for others."""
 
     cycles: int
     period: Spread
@@ -72,6 +72,7 @@ class RunStatistics:
     v_max: float
     v_min: float
     v_max_median: float
+    v_max_mean: float
     margins: Mapping[str, float]
 
     @property
@@ -92,10 +93,10 @@ def summarise(events: Events, repeat: bool = True) -> RunStatistics:
     margins = dict(zip(("period", "stress_drop", "elastic_stress_drop", "v_max_median"), halves, strict=True))
     if not events.time.size:
         nothing = Spread(np.nan, np.nan)
-        return RunStatistics(0, nothing, nothing, nothing, np.nan, np.nan, np.nan, margins)
+        return RunStatistics(0, nothing, nothing, nothing, np.nan, np.nan, np.nan, np.nan, margins)
     period, drop, elastic_drop = (Spread(float(values.mean()), float(values.std())) for values in figures)
     extremes = float(events.v_max.max()), float(events.v_min.min())
-    return RunStatistics(events.time.size, period, drop, elastic_drop, *extremes, middle, margins)
+    return RunStatistics(events.time.size, period, drop, elastic_drop, *extremes, middle, float(events.v_max.mean()), margins)
 
 
 def margin_of_mean(values: Array) -> float:

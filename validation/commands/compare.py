@@ -49,7 +49,7 @@ class CompareOptions(RecordOptions, NumericalOptions, RunsOptions):
     )
     data: Path | None = option("a measured record of time and friction, CSV or columns", flag="--with", metavar="FILE")
     smooth: int | None = option(
-        "samples of the record that a local parabola smooths (default: a quarter of a slip event)",
+        "samples of the record that a local parabola smooths (default: at most a quarter of a slip event)",
         metavar="N",
         least=1,
         must="be 1 or more samples",
@@ -75,7 +75,8 @@ class CompareResult(Comparison):
         if self.motion is None:
             return rows
         data = facts_of_data(self.motion, self.scene)
-        return [row | {"against_data": distances_from_data(row, data)} for row in rows]
+        pairs = zip(self.runs, rows, strict=True)
+        return [row | {"against_data": distances_from_data(run.statistics, data)} for run, row in pairs]
 
     @property
     def facts(self) -> dict[str, Any]:

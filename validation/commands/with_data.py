@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from slipwave.observe import RunStatistics
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import Chart, Look, Panel, Scale, Trace, color_number, outline
@@ -48,12 +49,11 @@ def _spread(values: Array) -> dict[str, float]:
     return {"mean": float(values.mean()), "std": float(values.std(ddof=1)) if values.size > 1 else math.nan, "n": values.size}
 
 
-def distances_from_data(row: Mapping[str, Any], data: Mapping[str, Any]) -> dict[str, float | None]:
-    """The relative distance of a model's figures from the means of the record; None where the model has no cycles."""
-    ours = {name: row[name]["mean"] if isinstance(row[name], Mapping) else row[name] for name in FIGURES_OF_CYCLES}
-    return {
-        name: None if value is None or math.isnan(value) else value / data[name]["mean"] - 1.0 for name, value in ours.items()
-    }
+def distances_from_data(ours: RunStatistics, data: Mapping[str, Any]) -> dict[str, float | None]:
+    """The relative distance of a model's figures, means over its cycles as those of the record, from the record's; None where the
+    model has no cycles."""
+    means = {name: float(one.mean) for name, one in ours.spreads.items()} | {"v_max": ours.v_max_mean}
+    return {name: None if math.isnan(means[name]) else means[name] / data[name]["mean"] - 1.0 for name in FIGURES_OF_CYCLES}
 
 
 def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
@@ -68,8 +68,8 @@ def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
     for row in summary["models"]:
         cells = []
         for name in FIGURES_OF_CYCLES:
-            value, apart = row[name]["mean"] if isinstance(row[name], Mapping) else row[name], row["against_data"][name]
-            cells.append("-" if value is None or apart is None else f"{value * units[name][0]:.5g} ({100.0 * apart:+.2g} %)")
+            mean, apart = data[name]["mean"] * units[name][0], row["against_data"][name]
+            cells.append("-" if apart is None else f"{mean * (1.0 + apart):.5g} ({100.0 * apart:+.2g} %)")
         rows.append([row["model"], "", *cells])
     yield ""
     yield from aligned(heading, rows)

@@ -30,7 +30,8 @@ _ABOVE = 8.0  # times the noise: the smallest fall that is distinguished from it
 _BLOCKS = (4000, 1000, 250)  # means, among which falls are sought if noise, or waves, hide them in the samples
 _WHOLE = 0.8  # of the median fall: a smaller one is cut off if it lasts longer than what is between it and an end of the record
 _SLIPS = 0.1  # of the slip in the fall with most: with less a wave rings (steel on PMMA: 1e-5)
-_SHARE = 0.25  # of the duration of a fall: the smoothing that is chosen
+_SHARE = 0.25  # of the duration of a fall: the longest smoothing that is chosen
+_BENT = 1.5  # times the noise: what smoothing may take from falls; more of it is motion, as waves that make steps of them
 _QUIET = 1e-6  # share of the range of friction below which a record has no noise
 
 
@@ -139,8 +140,8 @@ class MeasuredMotion:
 
 
 def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> MeasuredMotion:
-    """The motion in a record, with its slip events; `smooth` is the number of samples of the local parabola (default: a quarter
-    of the duration of a slip event).
+    """The motion in a record, with its slip events; `smooth` is the number of samples of the local parabola (default:
+    as `_chosen`).
 
     Raises SceneError for a record without friction, without slip events or with a single one.
     """
@@ -155,7 +156,7 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
         text = f": no fall of friction exceeds the range of noise, {_ABOVE * noise:.2g}"
         more = text if noise and not slips.date.size else "; a comparison of cycles needs two or more"
         raise SceneError(f"{series.source!r}: {count}{more}")
-    samples = smooth or (_chosen(friction, slips) if noise else 1)
+    samples = smooth or (_chosen(friction, slips, noise) if noise else 1)
     level, rate, rate_from = _smooth_motion(own, scene, friction, samples)
     cycles = _cycles(slips, level, rate)
     half = _cycles(slips, *_smooth_motion(own, scene, friction, max(1, samples // 2))[:2])
@@ -207,9 +208,9 @@ def _smooth_motion(own: Series, scene: Scene, friction: Array, samples: int) -> 
     return level, scene.velocity - released / pace, "the scene's velocity and stiffness"
 
 
-def _chosen(friction: Array, events: SlipEvents) -> int:
+def _chosen(friction: Array, events: SlipEvents, noise: float) -> int:
     """Samples of the parabola: a quarter of those in the median fall of friction, from 90 % to 10 % of the way down from the
-    maximum to the minimum after it."""
+    maximum to the minimum after it; halved until smoothing changes friction in the falls by little more than the `noise`."""
     lasting = []
     for begin, end in zip(events.top, events.bottom, strict=True):
         values = friction[begin : end + 1]
@@ -217,7 +218,11 @@ def _chosen(friction: Array, events: SlipEvents) -> int:
         part = values[top : top + int(np.argmin(values[top:])) + 1]
         share = (part - part[-1]) / (part[0] - part[-1]) if part[0] > part[-1] else np.zeros(1)
         lasting.append(int(np.count_nonzero((share < 0.9) & (share > 0.1))))
-    return max(1, int(_SHARE * float(np.median(lasting))))
+    samples = max(1, int(_SHARE * float(np.median(lasting))))
+    falling = np.concatenate([np.arange(a, b + 1) for a, b in zip(events.top, events.bottom, strict=True)])
+    while np.std((friction - _smoothed(friction, samples))[falling]) > _BENT * noise:
+        samples //= 2
+    return samples
 
 
 def _effect(samples: int, dates: Array, others: Array, cycles: Events, half: Events) -> dict[str, Any]:
