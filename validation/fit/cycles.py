@@ -24,7 +24,8 @@ BINS = 48
 MARGIN = 0.02
 """Share of a cycle that is left out on either side of an event."""
 
-_NODES, _WEIGHTS = (part / 2.0 for part in np.polynomial.legendre.leggauss(3))  # of a bin, at which a model is asked
+_FEWEST_NODES, _MOST_NODES = 3, 24  # of a bin, at which a model is asked
+_PER_TRANSIT = 4.0  # of them: waves that are damped, but go on, swing within a bin
 _FEWEST = 12  # bins that have samples
 _ALIKE = 5  # cycles, that say what is settled
 _STANDS_OUT = 4.0  # standard errors, beyond which cycles differ by more than noise
@@ -193,7 +194,10 @@ class CycleOfReduction(OfReduction):
         """`period`: expected; `phases`: mean phases of the samples in the bins, by default their middles."""
         width = (1.0 - 2.0 * MARGIN) / BINS
         middles = MARGIN + width * (np.arange(BINS) + 0.5) if phases is None else phases
-        super().__init__(variants, (middles[:, None] + width * _NODES).ravel(), model, tolerance)  # phases instead of times
+        transits = width * period / sizes(variants.scenes.base)[0]
+        count = int(np.clip(np.ceil(_PER_TRANSIT * transits), _FEWEST_NODES, _MOST_NODES))
+        nodes, self._weights = (part / 2.0 for part in np.polynomial.legendre.leggauss(count))
+        super().__init__(variants, (middles[:, None] + width * nodes).ravel(), model, tolerance)  # phases instead of times
         self._period = period
 
     def _march(self, scene: Scene) -> Pieces:
@@ -223,19 +227,15 @@ class CycleOfReduction(OfReduction):
         period = end - begin
         rows = sampled(pieces, begin + self._times * period, [pieces.mu, slope, *by])
         clock = sizes(scene)[0]
-        columns = [np.append(period * clock, _binned(rows[0]))]
+        columns = [(period, rows[0])]
         for one, first, last in zip(rows[2:], at_begin, at_end, strict=True):
-            columns.append(np.append((last - first) * clock, _binned(one + rows[1] * (first + self._times * (last - first)))))
-        return columns
+            columns.append((last - first, one + rows[1] * (first + self._times * (last - first))))
+        return [np.append(time * clock, row.reshape(-1, self._weights.size) @ self._weights) for time, row in columns]
 
 
 def slope_of(pieces: Pieces) -> Array:
     """d mu/dt at the nodes (k, s)."""
     return np.asarray(pieces.mu @ basis_of(pieces).derivative.T / pieces.length[:, None])
-
-
-def _binned(values: Array) -> Array:
-    return np.asarray(values.reshape(-1, _WEIGHTS.size) @ _WEIGHTS)
 
 
 def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tuple[float, list[float]]:
