@@ -38,6 +38,7 @@ _FLOOR = 1e-7
 
 _ON_A_POLE = 1e12  # value of a response: a pole lies on a frequency, within rounding
 _ROUNDS = 8
+_LOSSLESS = "nothing damps waves here, and no N helps: give an outer face an impedance, or take fitted:0, delay or a full wave"
 
 
 def _partial_fractions(s: Complex, pairs: Complex, reals: Array) -> Complex:
@@ -93,14 +94,14 @@ def _passive_coefficients(matrix: Array, right: Array, constraints: Array, floor
     """x that minimises |matrix x - right| under constraints x >= floors.
 
     With matrix = Q R and z = R x - Q^T right this is the least distance problem min |z|, G z >= h. Its solution follows from the
-    residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError if no x satisfies
-    them, and for rows on a pole.
+    residual of non-negative least squares (Lawson and Hanson, chapter 23). Raises ArithmeticError, with advice as its
+    second argument, if no x satisfies them, and for rows on a pole.
     """
     from scipy.linalg import solve_triangular
     from scipy.optimize import nnls
 
     if not (np.isfinite(matrix).all() and np.abs(constraints).max() < _ON_A_POLE):
-        raise ArithmeticError("one is undamped, at a frequency that is fitted")
+        raise ArithmeticError("one is undamped, at a frequency that is fitted", _LOSSLESS)
     scale = np.linalg.norm(matrix, axis=0)
     q, r = np.linalg.qr(matrix / scale)
     free = q.T @ right
@@ -114,7 +115,7 @@ def _passive_coefficients(matrix: Array, right: Array, constraints: Array, floor
     dual, _ = nnls(np.vstack([g.T, h / stretch]), np.append(np.zeros(g.shape[1]), 1.0), maxiter=100 * len(h))
     residual = np.vstack([g.T, h / stretch]) @ dual - np.append(np.zeros(g.shape[1]), 1.0)
     if abs(residual[-1]) < 1e-14:
-        raise ArithmeticError("no coefficients satisfy the constraints")
+        raise ArithmeticError("no coefficients satisfy the constraints", "try another N")
     z = -residual[:-1] / residual[-1] * stretch
     return np.asarray(solve_triangular(r, free + z) / scale)
 
@@ -196,7 +197,8 @@ def _passive(name: str, s: Complex, target: Complex, spring: float, pairs: Compl
         try:
             x = _passive_coefficients(matrix, data, np.vstack([held, ends]), floors)
         except ArithmeticError as error:
-            raise SceneError(f"model = {name!r}: no passive fit with these poles ({error}); try another N") from None
+            why, advice = error.args
+            raise SceneError(f"model = {name!r}: no passive fit with these poles ({why}); {advice}") from None
         fit = _reduction(name, x, pairs, reals, spring)
         real, between = response @ x, fit.sign_frequencies()
         lost = fit.dissipation(between)

@@ -246,8 +246,11 @@ def test_the_block_of_a_heavy_machine_is_exact_about_its_own_resonance():
 
 def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch):
     bare = {"kind": "machine", "stiffness": 1e3, "impedance": 0.0, "mass": 0.0}
-    with pytest.raises(SceneError, match=r"model = 'fitted:2': no passive fit .* undamped, at a frequency that is fitted"):
+    said = r"model = 'fitted:2': no passive fit .* undamped, at a frequency that is fitted\); .* an impedance, or take fitted:0"
+    with pytest.raises(SceneError, match=said):  # before: try another N, of which none does
         reduction_of(slipwave.read("paper", {"slab.face": bare}), "fitted:2")
+    assert reduction_of(slipwave.read("paper", {"slab.face": bare | {"impedance": 0.1}}), "fitted:2").damping > 0.0
+    assert reduction_of(slipwave.read("paper", {"slab.face": bare}), "fitted:0").mass > 0.0
     fit.fit_scene.cache_clear()
     monkeypatch.setattr(fit, "_ROUNDS", 1)
     with pytest.raises(SceneError, match=r"model = 'fitted:16': the fit is not passive at \d+\.?\d* rad.*; try another N"):
