@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from slipwave.scene.slab import face_sizes
 
 IN_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
-IN_SI |= {"1/normal stress": ("Pa-1", "per_Pa"), "1/V*": ("s m-1", "s_per_m")}
+IN_SI |= {"1/normal stress": ("Pa-1", "per_Pa"), "1/V*": ("s m-1", "s_per_m"), "1/transit": ("s-1", "per_s")}
 """Unit of a value -> its SI unit, and the ending of names of values in that."""
 
 

@@ -186,7 +186,7 @@ class SweepResult(Result):
         """Heading and rows of a sweep of a few points: where they are, regime, and the first figures, or why there are none."""
         plan, arrays, measure = self.plan, self._arrays, measure_of(self.plan.measure)
         words = [name for name in measure.words if name in arrays]
-        usual = [name for name in ("period", "stress_drop", "v_max") if name in arrays]
+        usual = [name for name in ("exponent", "period", "stress_drop", "v_max") if name in arrays]
         others = [name for name, values in arrays.items() if values.ndim == 1 and values.dtype.kind == "f"]
         figures = [figures_on_clock(self.dataset, name) for name in usual or others[:3]]
         labels = [re.sub(r" / (transits|normal stress|V\*)$", "", label) for _, label in figures]

@@ -32,7 +32,7 @@ HATCHES = {"too short": "////", "no figures": "xxx", "not computed": "..."}
 
 _LINE, _HALO = Look(dashes=(0, (4, 1.5))), Look(PAPER, width=3.2)
 _ABREAST = 3
-_PICTURES = ("period", "stress_drop")
+_PICTURES = ("exponent", "period", "stress_drop")
 _BRUSH = ("cycle_period", "cycle_stress_drop")
 _STRIP = 0.16
 """Height of a strip of regimes over one axis, for each model, over that of a panel."""
@@ -170,18 +170,20 @@ def _absent(data: Dataset, numbers: Any, first: int) -> DataArray:
 
 
 def figures_on_clock(data: Dataset, column: str) -> tuple[DataArray, str]:
-    """A column with its label: in SI for a scene in units, and periods in L/V* where the transit changes along an axis."""
+    """A column with its label: in SI for a scene in units, and periods in L/V*, exponents in V*/L, where the transit changes
+    along an axis."""
     name = column.replace("_", " ")
     if "other_regime" in data:  # a map of differences
         return data[column], str(data[column].attrs["long_name"])
-    for ending, unit in (("_s", "s"), ("_Pa", "Pa"), ("_m_per_s", "(m/s)")):
+    for ending, unit in (("_s", "s"), ("_Pa", "Pa"), ("_m_per_s", "(m/s)"), ("_per_s", "(1/s)")):
         if f"{column}{ending}" in data:
             return data[f"{column}{ending}"], f"{name} / {unit}"
     unit = str(data[column].attrs.get("units", "1"))
     clock = str(data[column].attrs.get("in_units_of", ""))
-    if clock == "transit" and (sizes := _transits(data)):
-        return reduce(lambda values, size: values * size, sizes, data[column]), f"{name} / (L/V*)"
-    told = {"transit": "transits"}.get(clock, clock) or ("" if unit == "1" else unit)
+    if clock in ("transit", "1/transit") and (sizes := _transits(data)):
+        power, told = (1, "(L/V*)") if clock == "transit" else (-1, "(V*/L)")
+        return reduce(lambda values, size: values * size**power, sizes, data[column]), f"{name} / {told}"
+    told = {"transit": "transits", "1/transit": "(1/transit)"}.get(clock, clock) or ("" if unit == "1" else unit)
     return data[column], f"{name} / {told}" if told else name
 
 

@@ -108,9 +108,14 @@ def _stability_of(scene: Scene, model: str, options: Options) -> Figures:
 
 
 def _lyapunov_of(scene: Scene, model: str, options: Options) -> Figures:
-    """The largest Lyapunov exponent, with the verdict."""
+    """The largest Lyapunov exponent, with the verdict; the verdict alone of a motion without one, as a transient."""
     given = {name: options[name] for name in ("tol", "cells") if options.get(name) is not None}
-    result = slipwave.run(scene, model, lyapunov=True, **given)
+    try:
+        result = slipwave.run(scene, model, lyapunov=True, **given)
+    except NumericsError as error:
+        result = error.result
+        if result is None or result.done.failed or result.done.verdict is None or result.done.verdict.repeats:
+            raise
     exponent = result.exponent
     return _figures(result.done) | ({"exponent": exponent.rate, "exponent_error": exponent.margin} if exponent else {})
 
@@ -136,7 +141,10 @@ _CYCLES = {
 }
 _ENDS = {"ln_v": "", "psi": "", "mu": "", "v": "V*"}
 _FINAL = {f"final_{name}": Meaning(f"{name} at the end of the run", unit) for name, unit in _ENDS.items()}
-_EXPONENT = {"exponent": Meaning("largest Lyapunov exponent, per transit"), "exponent_error": Meaning("half its 95 % interval")}
+_EXPONENT = {
+    "exponent": Meaning("largest Lyapunov exponent", "1/transit"),
+    "exponent_error": Meaning("half its 95 % interval", "1/transit"),
+}
 _STABILITY = {
     "stable": Meaning("whether steady sliding is stable"),
     "unstable_roots": Meaning("number of roots of growing disturbances"),

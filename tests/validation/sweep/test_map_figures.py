@@ -111,6 +111,24 @@ def test_periods_along_a_changing_transit_are_on_a_clock_that_does_not_change():
     assert np.array_equal(panel.traces[0].y, fixed["period"].values, equal_nan=True)
 
 
+def test_exponents_are_told_on_that_clock_and_a_transient_keeps_its_verdict():
+    """Before, they were in no table, per transits that differ, and a point that returns to steady sliding had failed."""
+    result = sw.sweep("grip", vary={"slab.r": [0.0018, 0.003]}, models="quasidynamic", measure="lyapunov", workers=1)
+    found, summary = result.dataset, result.summary
+    assert (found["verdict"].values.tolist(), summary["done"]) == (["decaying", "periodic"], 2)
+    values, label = figures_on_clock(found, "exponent")
+    assert (np.isnan(values.values).tolist(), label) == ([True, False], "exponent / (V*/L)")
+    assert values.values[1] == pytest.approx(found["exponent"].values[1] / 0.003, rel=1e-12)
+    assert [panel.y.label for panel in chart_of_sweep(found).panels[:2]] == [label, "period / (L/V*)"]
+    assert "slab.r   verdict  exponent / (V*/L)  period / (L/V*)" in "\n".join(result.lines(summary))
+    given = {"vary": {"slab.thickness": [0.06]}, "models": "quasidynamic", "measure": "lyapunov", "until": 3000.0}
+    data = sw.sweep("paper-si", **given, workers=1).dataset
+    transit = 2.0 * 0.06 / (1e6 / 784.0) ** 0.5
+    assert data["exponent_per_s"].values == pytest.approx(data["exponent"].values / transit, rel=1e-9)
+    assert np.isfinite(data["exponent"].values).all()
+    assert figures_on_clock(data, "exponent")[1] == "exponent / (1/s)"
+
+
 def test_periods_over_variables_of_ones_own_are_on_that_clock_too():
     """q and p set both round trips: at each point the period in transits times the upper slab's."""
     sets = {"upper.r": "0.002*(1+q)/(q+p)", "lower.r": "0.002*p*(1+q)/(q+p)"}
