@@ -157,6 +157,8 @@ class RunResult(Result):
         march = f" ({self._march} in time)" if self._march else ""
         words = f": {stages_in_words(self.stages)}" if done.kind == "protocol" else ""
         longer = longer_in_words(self.needed, scene) if done.kind == "too short" else ""
+        if done.failed and not done.stopped:
+            longer = "it failed before its end"  # which no other --until prevents
         judged = f"{events_in_words(done.starts, done.verdict, longer)}{words}"
         yield f"model {done.solver.model}{march}, {done.until:g} transits: {judged}"
         yield from self.reasons

@@ -14,7 +14,7 @@ from slipwave.scene.drive import Drive, steady_drive
 from slipwave.solve import follow
 from slipwave.solve.follow import DAY
 from tests.granite import GRANITE, THIN
-from validation.commands.cli import main
+from validation.commands.cli import NUMERICS_FAILED, main
 from validation.models import progress as module
 from validation.models.build import build
 from validation.models.cycle import watch
@@ -32,6 +32,15 @@ def test_a_stable_sample_says_what_would_make_it_slip():
     assert line.endswith("it would slip with slabs over 6 m (here 200 mm) or a normal stress over 150 MPa (here 5 MPa)")
     assert "(8.92 s)" in line  # of the slower root of a s^2 + (a - b + k) s + k = 0, k = 0.15, on the clock of 10 s
     assert pytest.approx((0.145 - math.sqrt(0.145**2 - 4 * 0.01 * 0.15)) / 0.02, rel=1e-3) == 10.0 / 8.92
+
+
+def test_a_run_that_fails_is_not_told_to_be_longer(capsys):
+    """Before: try --until 1200, where the slip rate runs away at 773 transits whatever the end."""
+    assert main(["run", "grip", "--model", "quasistatic", "--until", "800"]) == NUMERICS_FAILED
+    told = capsys.readouterr()
+    assert "too few cycles to judge; it failed before its end" in told.out
+    assert "--until" not in told.out
+    assert "it runs away" in told.err
 
 
 def test_a_decaying_run_says_how_fast():
