@@ -221,7 +221,7 @@ def _chosen(friction: Array, events: SlipEvents, noise: float) -> int:
     samples = max(1, int(_SHARE * float(np.median(lasting))))
     falling = np.concatenate([np.arange(a, b + 1) for a, b in zip(events.top, events.bottom, strict=True)])
     while np.std((friction - _smoothed(friction, samples))[falling]) > _BENT * noise:
-        samples //= 2
+        samples = samples // 2 if samples > 7 else 1  # a parabola through 3 samples smooths nothing
     return samples
 
 
