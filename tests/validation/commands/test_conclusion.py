@@ -31,13 +31,20 @@ def row(model, wall, error=1e-3, **more):
 FAILED, STEADY = row("quasistatic", 0.01, None, failed="it runs away"), row("block8", 0.01, None, verdict="steady")
 APART = {"difference": {"period": 0.03, "stress_drop": -0.2}, "margin": {"period": 0.004, "stress_drop": 0.1}}
 APART |= {"verdict": "irregular"}
+TIMED = [{"wall_low_s": 0.9, "wall_high_s": 1.1}, {"wall_low_s": 0.5, "wall_high_s": 0.7}]
+"""In several rounds, as by `bench`."""
 
 
 @pytest.mark.parametrize(
     ("rows", "told"),
     [
-        ([row("delay", 1.0, 0.0), row("block8", 1.5), row("fd", 0.1), FAILED],
+        ([row("delay", 1.0, 0.0), row("block8", 2.5), row("fd", 0.1), FAILED],
          "delay is cheaper than any reduction here and exact"),
+        ([row("delay", 1.0), row("block8", 1.5)], "delay is exact, and no reduction here is certainly cheaper"),
+        ([row("delay", 1.0), row("modal:1", 0.6, 6e-4)], "delay is exact, and no reduction here is certainly cheaper"),
+        ([row("delay", 1.0, **TIMED[0]), row("modal:1", 0.6, 6e-4, **TIMED[1])],
+         "modal:1 is cheaper than delay, 1.7 times, with errors of 0.06 % in the period"),
+        ([row("delay", 1.0), row("dg:7", 1.5)], ""),
         ([row("delay", 1.0), row("block8", 0.5), row("kelvin-voigt", 0.2, -0.037)],
          "kelvin-voigt is cheaper than delay, 5 times, with errors of 3.7 % in the period"),
         ([row("delay", 1.0), row("block8", 0.1, -0.051), row("kelvin-voigt", 0.2, -0.07)],
