@@ -24,8 +24,8 @@ def __getattr__(name: str) -> object:
         line = import_module("slipwave.hidden").hidden_package()
         if line:
             raise ImportError(line)
-    found = globals()[name] = getattr(import_module(_PLACES[name]), name)
-    return found
+    attribute = globals()[name] = getattr(import_module(_PLACES[name]), name)
+    return attribute
 
 
 def __dir__() -> list[str]:

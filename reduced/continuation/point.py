@@ -32,12 +32,12 @@ class FlowFamily:
     def __call__(self, parameter: float) -> Flow:
         """The flow at a parameter. Raises NumericsError where there is no such scene, or none with states of this size."""
         try:
-            found = self._at(parameter)
+            start = self._at(parameter)
         except SceneError as error:
             raise NumericsError(f"there is no scene at parameter = {parameter:.10g}: {error}") from None
-        if found.size != self._size:
-            raise NumericsError(f"waves at parameter = {parameter:.10g} need a state of {found.size} values, not {self._size}")
-        return found
+        if start.size != self._size:
+            raise NumericsError(f"waves at parameter = {parameter:.10g} need a state of {start.size} values, not {self._size}")
+        return start
 
     def on(self, flow: Flow) -> "FlowFamily":
         """The same scenes on the mesh of `flow`."""

@@ -129,8 +129,8 @@ class SlowMotion:
         tail = abs(float(self._rule.tail @ nodal.z))
         solved = used > 0 and tail <= self._limits.resolution and float(nodal.slope.max()) <= self._limits.growth
         to_own(law, nodal.z)
-        found = Interface(nodal.psi.copy(), nodal.z.copy())
-        return Slow(start, length, found, nodal.v - velocity, load, psi, tail, solved)
+        interface = Interface(nodal.psi.copy(), nodal.z.copy())
+        return Slow(start, length, interface, nodal.v - velocity, load, psi, tail, solved)
 
     def interface(self, slow: Slow, times: Array) -> Interface:
         """psi and z at `times` (..) in a step or slightly outside."""

@@ -184,16 +184,16 @@ def close(flow: Flow, state: Array, period: float, tolerance: float = CLOSES_TO)
     return close_family(lambda _: flow, state, period, tolerance=tolerance)
 
 
-def closed_between(found: Closed, scenes: Sequence[Scene]) -> Closed:
-    """`found` if its motion is smooth between these `scenes`; else the same orbit on a mesh where it is, closed to rounding, with
+def closed_between(orbit: Closed, scenes: Sequence[Scene]) -> Closed:
+    """`orbit` if its motion is smooth between these `scenes`; else the same orbit on a mesh where it is, closed to rounding, with
     its own monodromy matrix. Raises NumericsError as `close`."""
-    if found.flow.loosened(found.cycle.start, scenes)[0] is found.flow:
-        return found
+    if orbit.flow.loosened(orbit.cycle.start, scenes)[0] is orbit.flow:
+        return orbit
     failed: NumericsError | None = None
     for shorter in _SHORTER:  # no step ends on the front of a slip event any more, which may need shorter ones
-        flow, start = found.flow.remeshed(found.cycle, shorter)
+        flow, start = orbit.flow.remeshed(orbit.cycle, shorter)
         try:
-            closed = close(*flow.loosened(start, scenes), found.cycle.period, 0.0)
+            closed = close(*flow.loosened(start, scenes), orbit.cycle.period, 0.0)
         except NumericsError as error:
             failed = failed or error
             continue

@@ -74,10 +74,10 @@ class Responding:
         where that moves events most, it advances them by a term of second order that is a tenth of that of first order. From a
         small one, marched until the rest has decayed; NaN if the orbit is unstable or that lasts too long."""
         closed, inverse = self._meshes[0]
-        flow, cycle, left, found = closed.flow, closed.cycle, inverse[-1, :-1], np.full(2, np.nan)
+        flow, cycle, left, limits = closed.flow, closed.cycle, inverse[-1, :-1], np.full(2, np.nan)
         periods = math.log(_LEFT) / math.log(max(self._slowest, _LEFT)) if self._slowest < 1.0 else math.inf
         if periods > _MOST_PERIODS:
-            return found
+            return limits
         time, length = cycle.pieces.time[:-1], cycle.pieces.length[:-1, None]
         values = self.phase.at((time[:, None] + length * flow.nodes).ravel()).reshape(2, -1, flow.nodes.size)
         passed = np.cumsum((length * radau(flow.nodes.size).integral[-1] * values).sum(axis=2), axis=1)
@@ -96,8 +96,8 @@ class Responding:
                 advance += gap
                 if abs(gap) < _ALIGNED * cycle.period:
                     break
-            found[which] = 0.1 * abs(size * size * first / (advance - size * first))
-        return found
+            limits[which] = 0.1 * abs(size * size * first / (advance - size * first))
+        return limits
 
     def _smooth_in(self, scenes: Sequence[Scene]) -> tuple[Closed, Array]:
         """The orbit on its own mesh, or, where travel times change, on one of whose steps none is a whole number; and the inverse

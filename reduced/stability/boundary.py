@@ -52,7 +52,7 @@ def boundary(
     there is no scene, or its frequency falls to 0: without a spring it ends where a single root crosses.
     """
     pairs = _Plane(scene_at, model, np.array(ranges, dtype=float))
-    found = list[Boundary]()
+    boundaries = list[Boundary]()
     for plane in (pairs, replace(pairs, is_single=True)) if single else (pairs,):
         curves: list[Array] = []
         for start in _seeds(plane):
@@ -64,8 +64,8 @@ def boundary(
             kept = _thinned(curve) if ends else curve
             first, second = plane.values(kept[:, 1:]).T
             omega = np.zeros(len(kept)) if plane.is_single else np.exp(kept[:, 0])
-            found.append(Boundary(first, second, omega, _growing(plane, kept), ends))
-    return found
+            boundaries.append(Boundary(first, second, omega, _growing(plane, kept), ends))
+    return boundaries
 
 
 @dataclass(frozen=True)

@@ -37,4 +37,4 @@ __all__ = [
     "smooth", "steady_state", "to_own", "to_step", "unknown_of", "with_bend",
 ]  # fmt: skip
 
-load_from_packages("slipwave.laws", lambda found, label: None)  # a module that registers its laws when it is imported
+load_from_packages("slipwave.laws", lambda loaded, label: None)  # a module that registers its laws when it is imported

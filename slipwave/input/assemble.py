@@ -203,10 +203,10 @@ def read_scene(source: SceneSource, **changes: Any) -> Scene:
 
 def dotted(changes: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """Every value of nested tables by its dotted key."""
-    found: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     for key, value in changes.items():
-        found |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": _listed(value)}
-    return found
+        entries |= dotted(value, f"{above}{key}.") if isinstance(value, Mapping) else {f"{above}{key}": _listed(value)}
+    return entries
 
 
 def _listed(value: Any) -> Any:

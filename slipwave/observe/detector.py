@@ -222,26 +222,26 @@ def new_detector(law: Law, basis: Basis, floor: float, swings: int) -> _Detector
 
 
 @njit
-def scan(pieces: Pieces, first: int, found: _Detector) -> int:
+def scan(pieces: Pieces, first: int, detector: _Detector) -> int:
     """Read the pieces from number `first` on and append completed swings; returns the next piece. It stops early if the free rows
     may not hold all swings that the next piece completes. If there are no pieces, the running swing is dated."""
-    memory, nodes = found.memory, found.basis.nodes
+    memory, nodes = detector.memory, detector.basis.nodes
     n = nodes.size
     for k in range(first, pieces.time.size):
-        if memory[COUNT] + n + 1 > found.swings.shape[0]:
+        if memory[COUNT] + n + 1 > detector.swings.shape[0]:
             return k
         piece = _Piece(pieces.time[k], pieces.length[k], pieces.z[k], pieces.psi[k, 0], pieces.mu[k], pieces.y[k])
         if math.isnan(memory[LAST]):
-            memory[LAST] = evaluate(found.basis, piece.y, 0.0)
-            _begin(piece, 0.0, 1.0 if piece.y[n - 1] >= memory[LAST] else -1.0, found)
-        turns, stirs = _look(found.basis.derivative, piece, memory, memory[LAST])
+            memory[LAST] = evaluate(detector.basis, piece.y, 0.0)
+            _begin(piece, 0.0, 1.0 if piece.y[n - 1] >= memory[LAST] else -1.0, detector)
+        turns, stirs = _look(detector.basis.derivative, piece, memory, memory[LAST])
         if turns or stirs or memory[DIRECTION] < 0.0:
-            begin = _split(piece, found) if turns else 0.0
-            _take(piece, begin, nodes[n - 1], found)
+            begin = _split(piece, detector) if turns else 0.0
+            _take(piece, begin, nodes[n - 1], detector)
         memory[LAST] = memory[END] = piece.y[n - 1]
         memory[ENDED] = piece.time + piece.length * nodes[n - 1]
     if not pieces.time.size:
-        _date(found)
+        _date(detector)
     return pieces.time.size
 
 
@@ -267,13 +267,13 @@ def _look(derivative: Array, piece: _Piece, memory: Array, left: float) -> tuple
 
 
 @inlined
-def _split(piece: _Piece, found: _Detector) -> float:
+def _split(piece: _Piece, detector: _Detector) -> float:
     """Complete the swings that end in the piece; returns the point where the running one begins."""
-    y, slopes, basis, memory = piece.y, found.scratch[0], found.basis, found.memory
+    y, slopes, basis, memory = piece.y, detector.scratch[0], detector.basis, detector.memory
     bottom, top = bounds(y)
     if top - bottom <= _FLAT * abs(y[0]):
         if memory[DIRECTION] * (y[y.size - 1] - memory[LAST]) < 0.0:
-            _turn(piece, 0.0, found)
+            _turn(piece, 0.0, detector)
         return 0.0
     differentiate(basis, y, slopes)
     begin, left, slope = 0.0, 0.0, evaluate(basis, slopes, 0.0)
@@ -282,33 +282,33 @@ def _split(piece: _Piece, found: _Detector) -> float:
         if direction * slopes[j] < 0.0:
             point = find_root(basis, slopes, 0.0, left, basis.nodes[j]) if direction * slope > 0.0 else left
             if point > begin:
-                _take(piece, begin, point, found)
-            _turn(piece, point, found)
+                _take(piece, begin, point, detector)
+            _turn(piece, point, detector)
             begin = point
         left, slope = basis.nodes[j], slopes[j]
     return begin
 
 
 @njit
-def _turn(piece: _Piece, point: float, found: _Detector) -> None:
+def _turn(piece: _Piece, point: float, detector: _Detector) -> None:
     """End the running swing at `point` of the piece and begin the next one."""
-    memory = found.memory
+    memory = detector.memory
     count = int(memory[COUNT])
-    memory[END] = evaluate(found.basis, piece.y, point)
+    memory[END] = evaluate(detector.basis, piece.y, point)
     memory[ENDED] = piece.time + piece.length * point
-    _date(found)
+    _date(detector)
     for column in range(COLUMNS):
-        found.swings[count, column] = memory[column]
-    memory[COUNT] = _thin(found.swings, count + 1, found.floor)
-    _begin(piece, point, -memory[DIRECTION], found)
+        detector.swings[count, column] = memory[column]
+    memory[COUNT] = _thin(detector.swings, count + 1, detector.floor)
+    _begin(piece, point, -memory[DIRECTION], detector)
 
 
 @njit
-def _date(found: _Detector) -> None:
+def _date(detector: _Detector) -> None:
     """Set the date of the running swing, if it is a fall and v has risen to a new maximum: the time (transits), within the fall,
     at which z last passed the level before the highest node of the piece of that maximum. The search may be long; therefore it
     waits until the date is asked for, or the pieces that it needs are dropped."""
-    basis, memory, kept = found.basis, found.memory, found.kept
+    basis, memory, kept = detector.basis, detector.memory, detector.kept
     if not (memory[DIRECTION] < 0.0 and memory[RISING] > 0.0):
         return
     n, last, node, date = basis.nodes.size, int(memory[RISING]) - 1, 0, memory[BEGAN]
@@ -319,7 +319,7 @@ def _date(found: _Detector) -> None:
     level = min(memory[LEVEL], kept[last, FIRST_NODE + node])
     for piece in range(last, int(memory[FRONT]) - 1, -1):
         z, before = kept[piece, FIRST_NODE:], node if piece == last else n
-        point = _last_passage(law_of_step(found.law, 0.0), basis, z, kept[piece, _LOWEST], level, before, found.scratch)
+        point = _last_passage(law_of_step(detector.law, 0.0), basis, z, kept[piece, _LOWEST], level, before, detector.scratch)
         if point >= 0.0:
             date = max(memory[BEGAN], kept[piece, _TIME] + kept[piece, _LENGTH] * point)
             break
@@ -327,11 +327,11 @@ def _date(found: _Detector) -> None:
 
 
 @njit
-def _begin(piece: _Piece, point: float, direction: float, found: _Detector) -> None:
+def _begin(piece: _Piece, point: float, direction: float, detector: _Detector) -> None:
     """Begin a swing in `direction` (1 up, -1 down) at `point` of the piece."""
-    memory = found.memory
+    memory = detector.memory
     memory[DIRECTION] = direction
-    memory[BEGIN] = memory[END] = evaluate(found.basis, piece.y, point)
+    memory[BEGIN] = memory[END] = evaluate(detector.basis, piece.y, point)
     memory[BEGAN] = memory[ENDED] = piece.time + piece.length * point
     memory[DATE] = math.nan
     for slot in range(RECORDS, COLUMNS):
@@ -342,30 +342,30 @@ def _begin(piece: _Piece, point: float, direction: float, found: _Detector) -> N
 
 
 @njit
-def _take(piece: _Piece, begin: float, end: float, found: _Detector) -> None:
+def _take(piece: _Piece, begin: float, end: float, detector: _Detector) -> None:
     """Update the running swing's records with the part [begin, end] of the piece and, in a fall, follow the rise of v."""
-    basis, memory, slopes, law = found.basis, found.memory, found.scratch[1], law_of_step(found.law, piece.psi)
+    basis, memory, slopes, law = detector.basis, detector.memory, detector.scratch[1], law_of_step(detector.law, piece.psi)
     highest = memory[RECORDS]
-    _raise_rate(law, found.law, basis, piece.z, found.scratch, memory, RECORDS, begin, end)
+    _raise_rate(law, detector.law, basis, piece.z, detector.scratch, memory, RECORDS, begin, end)
     raise_record(basis, piece.mu, slopes, memory, RECORDS + 2, begin, end)
     if memory[DIRECTION] < 0.0:
-        _follow_rise(piece, memory[RECORDS] > highest, found)
+        _follow_rise(piece, memory[RECORDS] > highest, detector)
 
 
 @njit
-def _follow_rise(piece: _Piece, raised: bool, found: _Detector) -> None:
+def _follow_rise(piece: _Piece, raised: bool, detector: _Detector) -> None:
     """Add a piece of the running fall; `raised` is true if the largest z in the fall lies in it."""
-    memory, kept = found.memory, found.kept
+    memory, kept = detector.memory, detector.kept
     if memory[KEPT] == kept.shape[0]:
-        _date(found)
+        _date(detector)
     last = _keep(piece, memory, kept)
     if raised:
         memory[RISING] = last + 1.0
-        memory[LEVEL] = unknown_of(found.law, 0.5 * rate_of(found.law, memory[RECORDS]))
+        memory[LEVEL] = unknown_of(detector.law, 0.5 * rate_of(detector.law, memory[RECORDS]))
         while memory[FRONT] + 1 < last and kept[int(memory[FRONT]) + 1, kept.shape[1] - 1] < memory[LEVEL]:
             memory[FRONT] += 1.0
     elif kept[last, _LOWEST] < memory[LEVEL]:
-        _date(found)
+        _date(detector)
         memory[FRONT] = last
 
 

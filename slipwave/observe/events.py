@@ -77,7 +77,7 @@ class EventObserver:
     def __init__(self, scene: Scene, nodes: Array) -> None:
         by_rate = abs(scene.steady_response[3])
         floor = _QUIET_RATE * by_rate + _QUIET_STRESS * abs(scene.steady_stress)
-        self._found = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_SIZE + nodes.size)
+        self._detector = new_detector(scene.law, lagrange_basis(nodes), floor, _FIRST_SIZE + nodes.size)
         slopes = friction_slopes(scene.law, scene.velocity)
         slip = (
             _SLIPS * math.pi * scene.velocity / slopes.omega_c / scene.transit if slopes.weakening else 0.0
@@ -89,15 +89,15 @@ class EventObserver:
 
     def scan(self, pieces: Pieces) -> None:
         """Take the next pieces of the run, in order."""
-        used, kept, more = int(self._found.memory[KEPT]), self._found.kept, pieces.time.size
+        used, kept, more = int(self._detector.memory[KEPT]), self._detector.kept, pieces.time.size
         if used + more > len(kept) and len(kept) < MOST_KEPT:  # a rise may last through all of the pieces
-            self._found = self._found._replace(kept=rise_buffer(self._found.basis.nodes.size, kept[:used], more))
+            self._detector = self._detector._replace(kept=rise_buffer(self._detector.basis.nodes.size, kept[:used], more))
         self._judged.clear()
-        done = scan(pieces, 0, self._found)
+        done = scan(pieces, 0, self._detector)
         while done < pieces.time.size:
-            swings = self._found.swings
-            self._found = self._found._replace(swings=np.concatenate((swings, np.empty_like(swings))))
-            done = scan(pieces, done, self._found)
+            swings = self._detector.swings
+            self._detector = self._detector._replace(swings=np.concatenate((swings, np.empty_like(swings))))
+            done = scan(pieces, done, self._detector)
 
     def dates(self, after: float = -np.inf) -> Array:
         """Dates (transits) of the slip events from `after` on, in the window from there to now; shape (events,)."""
@@ -113,12 +113,12 @@ class EventObserver:
         """The falls that are slip events of the window from `after` (transits) to now, with their prominence; computed once until
         the next pieces."""
         if after not in self._judged:
-            found = self._found
-            if found.memory[RISING] > 0.0:
-                scan(empty_pieces(0, found.basis.nodes.size), 0, found)
-            running = np.empty((0, COLUMNS)) if math.isnan(found.memory[LAST]) else found.memory[None, :COLUMNS]
-            swings = np.concatenate((found.swings[: int(found.memory[COUNT])], running))
-            self._judged[after] = judge_swings(swings, found.floor, after, self._loading, self._least, self._drifts)
+            detector = self._detector
+            if detector.memory[RISING] > 0.0:
+                scan(empty_pieces(0, detector.basis.nodes.size), 0, detector)
+            running = np.empty((0, COLUMNS)) if math.isnan(detector.memory[LAST]) else detector.memory[None, :COLUMNS]
+            swings = np.concatenate((detector.swings[: int(detector.memory[COUNT])], running))
+            self._judged[after] = judge_swings(swings, detector.floor, after, self._loading, self._least, self._drifts)
         return self._judged[after]
 
     def ringing(self, velocity: float, after: float) -> float:
@@ -129,7 +129,7 @@ class EventObserver:
         if judged.events.size or judged.waves < _RING:
             return math.inf
         ends = float(late[:, RECORDS].max()), -float(late[:, RECORDS + 1].max())
-        return max(abs(rate_of(self._found.law, z) / velocity - 1.0) for z in ends)
+        return max(abs(rate_of(self._detector.law, z) / velocity - 1.0) for z in ends)
 
     def events(self, after: float = -np.inf) -> Events:
         """Complete cycles that begin at or after `after` (transits), in the window from there to now."""
@@ -143,20 +143,20 @@ class EventObserver:
         highest = np.maximum.reduceat(inner[:, [BEGIN, END]].max(axis=1), begins)
         lowest = np.minimum.reduceat(inner[:, [BEGIN, END]].min(axis=1), begins)
         records = np.maximum.reduceat(inner[:, RECORDS:], begins, axis=0)
-        v_max, v_min = (rates(self._found.law, column) for column in (records[:, 0], -records[:, 1]))
+        v_max, v_min = (rates(self._detector.law, column) for column in (records[:, 0], -records[:, 1]))
         return Events(dates[:-1], np.diff(dates), records[:, 2] + records[:, 3], highest - lowest, v_max, v_min)
 
     def state(self) -> dict[str, Array]:
         """All that is remembered, as arrays, for a checkpoint."""
-        found, memory = self._found, self._found.memory
-        kept, swings = found.kept[: int(memory[KEPT])].copy(), found.swings[: int(memory[COUNT])].copy()
+        detector, memory = self._detector, self._detector.memory
+        kept, swings = detector.kept[: int(memory[KEPT])].copy(), detector.swings[: int(memory[COUNT])].copy()
         return {"memory": memory[:COUNT].copy(), "rise": kept, "swings": swings}
 
     def restore(self, state: dict[str, Array]) -> None:
         """Continue from what `state` returned."""
-        found, swings = self._found, state["swings"]
+        detector, swings = self._detector, state["swings"]
         self._judged.clear()
-        n = found.basis.nodes.size
-        found.memory[:] = *state["memory"], len(swings)
+        n = detector.basis.nodes.size
+        detector.memory[:] = *state["memory"], len(swings)
         swings = np.concatenate((swings, np.empty((_FIRST_SIZE + n, COLUMNS))))
-        self._found = found._replace(kept=rise_buffer(n, state["rise"]), swings=swings)
+        self._detector = detector._replace(kept=rise_buffer(n, state["rise"]), swings=swings)

@@ -129,8 +129,8 @@ def _final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
     if solver.nodes[-1] == 1.0 and abs(until - pieces.time[-1] - pieces.length[-1]) < _AT_END:  # as a rule: nothing to evaluate
         z, psi, mu = (float(values[-1, -1]) for values in pieces[2:5])
     else:
-        found = values_at(pieces, lagrange_basis(solver.nodes), np.array([until]), solver.scene.law)
-        z, psi, mu, _ = (float(value[0]) for value in found)
+        state = values_at(pieces, lagrange_basis(solver.nodes), np.array([until]), solver.scene.law)
+        z, psi, mu, _ = (float(value[0]) for value in state)
     v = rate_of(solver.scene.law, z)
     return Final(math.log(v) if v > 0 else math.nan, psi, mu, v)
 

@@ -83,7 +83,7 @@ def test_one_slab_moves_as_two(face, drive, layers):
 
 def test_a_branch_that_leaves_the_pair_begins_beside_it():
     branch = slipwave.branch(in_ratio(3.0), ("ratio_r", 1.0, 1.05), model="delay", most_points=2)
-    first = branch.found.points[0]
+    first = branch.followed.points[0]
     assert first.value == pytest.approx(1.0 + 5e-8, abs=1e-12)
     assert first.period == pytest.approx(73.47214494430, rel=1e-5)
 

@@ -297,8 +297,8 @@ def test_a_solid_that_creeps_has_no_finite_list_of_leading_roots():
     scene = slipwave.read_scene("paper", **viscous, **{"drive.velocity": 2000.0, "a": 0.03, "b": 0.0301})
     result = slipwave.stability(scene)
     assert result.summary["leading_roots"] == []
-    assert result.found.endless
-    assert result.found.rate == result.summary["essential_abscissa"] == pytest.approx(-10.0)
+    assert result.analysis.endless
+    assert result.analysis.rate == result.summary["essential_abscissa"] == pytest.approx(-10.0)
     assert "no finite list" in " ".join(result.summary["notes"])
 
 

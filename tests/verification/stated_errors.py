@@ -130,7 +130,7 @@ _GRIDS = {"fd": 1e-3, "sbp:2": 1e-3, "sbp:4": 1e-4, "sbp:6": 1e-5, "fem:4": 1e-6
 def of_orbit(model: str, scene: Scene, random: np.random.Generator) -> list[Held]:
     """Figures of an orbit to a random tolerance, compared with those on a much finer mesh."""
     tolerance = _DEFAULT if random.random() < 0.4 else 10.0 ** random.uniform(math.log10(_TIGHTEST), math.log10(_LOOSEST))
-    found = find_orbit(model, scene, tolerance).found
+    found = find_orbit(model, scene, tolerance).periodic
     flow, start = found.closed.flow.remeshed(found.closed.cycle, _FINER)
     truth = figures_of(close(flow, start, found.closed.cycle.period, 0.0))
     stated = {name: getattr(found.orbit, name).error for name in truth}
@@ -184,7 +184,7 @@ def steps(random: np.random.Generator) -> list[Held]:
     settled = settle(build(model, scene, tolerance=tolerance), _SETTLED * tolerance)
     if settled.unrest > tolerance:
         raise NumericsError("the motion does not settle")
-    truth = find_orbit(model, scene, _EXACT).found.orbit.values()
+    truth = find_orbit(model, scene, _EXACT).periodic.orbit.values()
     found = {name: getattr(settled.orbit, name) for name in ("period", "stress_drop")}
     return [Held(name, tolerance + one.error / one.value, abs(one.value / truth[name] - 1.0)) for name, one in found.items()]
 

@@ -106,7 +106,7 @@ def test_the_truth_of_an_orbit_is_that_of_a_finer_mesh():
     """The error of an orbit to 1e-4 against a mesh three times finer is that against Newton's method to 1e-11."""
     scene = random_scene("alike", "delay", np.random.default_rng(4))
     drawn = SimpleNamespace(random=lambda: 0.9, uniform=lambda *limits: -4.0)
-    coarse, fine = (find_orbit("delay", scene, tolerance).found.orbit.values() for tolerance in (1e-4, 1e-11))
+    coarse, fine = (find_orbit("delay", scene, tolerance).periodic.orbit.values() for tolerance in (1e-4, 1e-11))
     held = stated_errors.of_orbit("delay", scene, drawn)
     assert max(one.error for one in held) > 1e-9
     for one in held:

@@ -116,7 +116,7 @@ def _draw_panel(axes: Axes, panel: Panel, letters: float) -> None:
 
 def _in_lines(label: str, letters: int) -> str:
     """A label in lines of at most so many letters, each formula and unit whole."""
-    kept = re.sub(r"\$[^$]*\$| / .*", lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), label)
+    kept = re.sub(r"\$[^$]*\$| / .*", lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), label)
     return "\n".join(textwrap.wrap(kept, letters, break_long_words=False)).replace("\N{NO-BREAK SPACE}", " ")
 
 

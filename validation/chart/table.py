@@ -126,13 +126,13 @@ def _look_from_words(words: str, color: str) -> Look:
 
 def _plain_label(text: str) -> str:
     r"""A label without the markup of formulas: "$\log_{10} r$" as "log10 r"."""
-    return " ".join(re.sub(r"\$([^$]*)\$", lambda found: _plain_formula(found[1]), text).split())
+    return " ".join(re.sub(r"\$([^$]*)\$", lambda match: _plain_formula(match[1]), text).split())
 
 
 def _plain_formula(text: str) -> str:
     text = re.sub(r"\\(rm|mathrm|mathit)\b\s*", "", text).replace(r"\,", " ").replace(r"\%", "%").replace("\\ ", " ")
     text = re.sub(r"\\sqrt\{(\w+)\}", "√\\1", text).replace(r"\log_", "log")
-    text = re.sub(r"\\([A-Za-z]+)\s?", lambda found: _greek(found[1]), text)
+    text = re.sub(r"\\([A-Za-z]+)\s?", lambda match: _greek(match[1]), text)
     return re.sub(r"[{}_]|\^(?=\*)", "", text).replace("^*", "*")
 
 

@@ -84,9 +84,9 @@ class FollowedOptions(ModelOptions):
         known = self.recalled(source, what)
         return replace(known, **{name: value for name, value in defaults.items() if getattr(known, name) is None})
 
-    def origin(self, found: Followed) -> dict[str, Any]:
+    def origin(self, followed: Followed) -> dict[str, Any]:
         """The attributes of the file of a branch or a curve."""
-        return provenance(found.what, found.over.base, found.model, self.stored) | {"parameter": found.over.name}
+        return provenance(followed.what, followed.over.base, followed.model, self.stored) | {"parameter": followed.over.name}
 
 
 class BranchOptions(FollowedOptions):
@@ -141,10 +141,10 @@ class BranchOptions(FollowedOptions):
 
 
 class FollowedResult(Result):
-    """The branch or curve `found`, the options of the call, run time (s), and the `end` from which it can be continued, if
+    """The branch or curve `followed`, the options of the call, run time (s), and the `end` from which it can be continued, if
     any."""
 
-    found: Followed
+    followed: Followed
     options: FollowedOptions
     wall_s: float
     end: End | None = None
@@ -154,15 +154,15 @@ class FollowedResult(Result):
     @property
     def facts(self) -> dict[str, Any]:
         """As `Result`."""
-        found = self.found
+        followed = self.followed
         return {
-            "scene": found.over.base.name,
-            "model": found.model,
+            "scene": followed.over.base.name,
+            "model": followed.model,
             "clock": "transit",
-            **found.over.scenes.facts,
+            **followed.over.scenes.facts,
             **self._rows,
             "wall_s": self.wall_s,
-            "notes": [*doubts(found.over.base), *found.notes],
+            "notes": [*doubts(followed.over.base), *followed.notes],
         }
 
     @property
@@ -173,7 +173,7 @@ class FollowedResult(Result):
     @property
     def is_empty(self) -> bool:
         """Whether it has no points."""
-        return not any(rows for _, rows in self.found.tables.values())
+        return not any(rows for _, rows in self.followed.tables.values())
 
     def to_go_on(self, options: FollowedOptions) -> str:
         """How to continue from the file, for a message."""
@@ -186,14 +186,14 @@ class FollowedResult(Result):
         if self.end is None:
             super().to_netcdf(path)
         else:
-            write_followed(Path(path), self.found, self.end, not self.failed, self.options.origin(self.found))
+            write_followed(Path(path), self.followed, self.end, not self.failed, self.options.origin(self.followed))
 
     def _table(self, first: str, columns: Mapping[str, Sequence[str]]) -> Iterator[str]:
         """Lines of the scene, the line `first`, the columns, and the run time."""
-        yield from header(self.found.over.base)
-        yield from self.found.over.scenes.lines
-        yield from (f"note: {note}" for note in self.found.notes)
-        yield f"model {self.found.model}: {first}"
+        yield from header(self.followed.over.base)
+        yield from self.followed.over.scenes.lines
+        yield from (f"note: {note}" for note in self.followed.notes)
+        yield f"model {self.followed.model}: {first}"
         yield ""
         yield from self._special_lines()
         yield from aligned(list(columns), list(zip(*columns.values(), strict=True)))
@@ -211,19 +211,19 @@ class FollowedResult(Result):
 class BranchResult(FollowedResult):
     """A branch, and where its special points end as a second parameter changes, if asked."""
 
-    found: FollowedBranch
+    followed: FollowedBranch
     ends: SpecialEnds | None = None
 
     @property
     def _rows(self) -> dict[str, Any]:
-        found = self.found
-        points, special = ([self._at(row) for row in rows] for rows in (found.shown, found.shown_special))
+        followed = self.followed
+        points, special = ([self._at(row) for row in rows] for rows in (followed.shown, followed.shown_special))
         ends = {} if self.ends is None else {"ends": self._ends(self.ends)}
-        return {"parameter": found.over.name, "points": points, "special": special} | ends
+        return {"parameter": followed.over.name, "points": points, "special": special} | ends
 
     def _ends(self, ends: SpecialEnds) -> dict[str, Any]:
         """The special points at each value of the second parameter, and its extremes, by kind."""
-        second, first = ends.second.name, self.found.over.name
+        second, first = ends.second.name, self.followed.over.name
         rows = [
             {second: value, "special": [self._at(row) for row in branch.shown_special], "notes": branch.notes}
             for value, branch in zip(ends.values, ends.branches, strict=True)
@@ -241,7 +241,7 @@ class BranchResult(FollowedResult):
 
     def _at(self, row: BranchPoint | SpecialPoint) -> dict[str, Any]:
         """A point as a dictionary; the parameter's value has the parameter's name."""
-        name, facts = self.found.over.name, row._asdict()
+        name, facts = self.followed.over.name, row._asdict()
         kind = {"type": facts.pop("kind")} if "kind" in facts else {}
         facts.pop("place", None)
         value = facts.pop("value")
@@ -254,58 +254,64 @@ class BranchResult(FollowedResult):
         have their plain names, indexed by the parameter: `.sel(log10_r=-2.6)` (`AlongBranch`)."""
         from validation.models.along import along
 
-        found = self.found
-        values = _columns("point", BranchPoint._fields, found.shown, found.over)
+        followed = self.followed
+        values = _columns("point", BranchPoint._fields, followed.shown, followed.over)
         plain = {name.removeprefix("point_"): value for name, value in values.items()}
-        plain |= {found.over.column: plain.pop("value")}
-        values |= plain | _columns("special", SpecialPoint._fields, found.shown_special, found.over)
-        data = new_dataset(values, attrs=self.options.origin(self.found)).set_coords(["point_value", "special_value"])
-        return along(data, found.over.column)
+        plain |= {followed.over.column: plain.pop("value")}
+        values |= plain | _columns("special", SpecialPoint._fields, followed.shown_special, followed.over)
+        data = new_dataset(values, attrs=self.options.origin(self.followed)).set_coords(["point_value", "special_value"])
+        return along(data, followed.over.column)
 
     @property
     def points(self) -> list[PointOfBranch]:
         """The points of the JSON; each can be given to `slipwave.orbit` as a scene."""
-        return [self._point_at(point, None) for point in self.found.shown]
+        return [self._point_at(point, None) for point in self.followed.shown]
 
     @property
     def special(self) -> list[PointOfBranch]:
         """The special points, likewise."""
-        found = self.found
-        return [self._point_at(one, found.closed.get(k)) for k, one in enumerate(found.special) if found.over.holds(one.value)]
+        followed = self.followed
+        return [
+            self._point_at(one, followed.closed.get(k))
+            for k, one in enumerate(followed.special)
+            if followed.over.holds(one.value)
+        ]
 
     def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
-        found = self.found
-        return PointOfBranch(finite(self._at(point)), found.over.written_at(point.value), found.model, closed, found.tolerance)
+        followed = self.followed
+        return PointOfBranch(
+            finite(self._at(point)), followed.over.written_at(point.value), followed.model, closed, followed.tolerance
+        )
 
     def chart(self) -> Chart:
         """Period and stress drops against the parameter, one panel each."""
-        found = self.found
+        followed = self.followed
         panels = [
-            Panel("", Scale(found.over.label), Scale(label), [*_pieces(found, name), *_special(found, name)])
+            Panel("", Scale(followed.over.label), Scale(label), [*_pieces(followed, name), *_special(followed, name)])
             for name, label in QUANTITIES.items()
         ]
-        title = f"{found.over.base.name}, {found.model}: periodic orbits"
+        title = f"{followed.over.base.name}, {followed.model}: periodic orbits"
         return Chart(panels, 8.5, legend="outside lower left", legend_columns=4, title=title)
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The special points, and some of the others."""
-        found, scene, listed = self.found, self.found.over.base, thinned(self.found.shown, _LISTED)
-        (low, high), digits = found.over.ends, _telling([point.value for point in listed])
+        followed, scene, listed = self.followed, self.followed.over.base, thinned(self.followed.shown, _LISTED)
+        (low, high), digits = followed.over.ends, _telling([point.value for point in listed])
         words = {True: "yes", None: "not decided"}
-        columns = {found.over.name: [rounded(one.value, digits) for one in listed], "period": self._column(listed, "period")}
+        columns = {followed.over.name: [rounded(one.value, digits) for one in listed], "period": self._column(listed, "period")}
         if scene.units:
-            seconds = [one.period * found.over.scene_at(one.value).transit * scene.units.time for one in listed]
+            seconds = [one.period * followed.over.scene_at(one.value).transit * scene.units.time for one in listed]
             columns["period [s]"] = [rounded(one, 7) for one in seconds]
         rest = {"stress drop": "stress_drop", "elastic stress drop": "elastic_stress_drop", "v_max": "v_max", "v_min": "v_min"}
         columns |= {heading: self._column(listed, name) for heading, name in rest.items()}
         columns["stable"] = [words.get(one.stable, f"no ({one.unstable})") for one in listed]
-        return self._table(f"{len(found.shown)} orbits over {found.over.name} from {low:g} to {high:g}", columns)
+        return self._table(f"{len(followed.shown)} orbits over {followed.over.name} from {low:g} to {high:g}", columns)
 
     def _special_lines(self) -> Iterator[str]:
-        found, special = self.found, self.found.shown_special
+        followed, special = self.followed, self.followed.shown_special
         columns = {
             "special points": [f"{one.kind} {SPECIAL_KINDS[one.kind]}" for one in special],
-            found.over.name: self._column(special, "value", 11),
+            followed.over.name: self._column(special, "value", 11),
             "bracket": self._column(special, "bracket", 2),
             "period": self._column(special, "period", 9),
             "stress drop": self._column(special, "stress_drop"),
@@ -333,7 +339,7 @@ class BranchResult(FollowedResult):
             figures = ((one.extreme, 11), (one.bracket, 2), (one.first, 11), (one.period, 9))
             shown = ["none", "", "", ""] if one.extreme is None else [rounded(*figure) for figure in figures]
             rows.append([f"{kind} {SPECIAL_KINDS[kind]}", str(len(ends.curves[kind])), *shown, one.reason])
-        heading = ["kind", "curves", f"extreme {name}", "bracket", self.found.over.name, "period", ""]
+        heading = ["kind", "curves", f"extreme {name}", "bracket", self.followed.over.name, "period", ""]
         yield from aligned(heading, rows) if rows else []
         yield ""
 
@@ -378,16 +384,16 @@ def branch(source: SceneSource, options: BranchOptions) -> BranchResult:
     else:
         parameter, ends = SpecialEnds.read(options.ends, str(options.over), scenes)
     name = announced(*flowing(options.model, parameter.base))
-    found = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
+    followed = FollowedBranch(parameter, name, options.tol or BRANCH_TOLERANCE, options.cells, options.switch == "PD")
     began = time.perf_counter()
-    end, failed, stopped = pursue(found, limits, options.file, options.resume, options.origin(found))
+    end, failed, stopped = pursue(followed, limits, options.file, options.resume, options.origin(followed))
     if ends is not None and not failed:
         try:
-            ends.follow(found, limits)
+            ends.follow(followed, limits)
         except KeyboardInterrupt:
             failed, stopped = "interrupted in --ends", True
     wall_s = time.perf_counter() - began
-    return BranchResult(found, options, wall_s, end, None if failed else ends, failed=failed, stopped=stopped)
+    return BranchResult(followed, options, wall_s, end, None if failed else ends, failed=failed, stopped=stopped)
 
 
 def _pieces(branch: FollowedBranch, name: str) -> Iterator[Trace]:
@@ -406,7 +412,7 @@ def _pieces(branch: FollowedBranch, name: str) -> Iterator[Trace]:
 
 def _special(branch: FollowedBranch, name: str) -> Iterator[Trace]:
     for kind, (color, marker) in _MARKS.items():
-        found = [special for special in branch.shown_special if special.kind == kind]
-        if found:
-            positions = [special.value for special in found], [getattr(special, name) for special in found]
+        of_kind = [special for special in branch.shown_special if special.kind == kind]
+        if of_kind:
+            positions = [special.value for special in of_kind], [getattr(special, name) for special in of_kind]
             yield Trace(NAMES[kind], *positions, Look(color, "", marker, size=4.0, hollow=kind == "HB"))

@@ -161,8 +161,8 @@ def compare(source: SceneSource, options: CompareOptions) -> CompareResult:
     given = "auto" if options.models is None else options.models
     names = given if isinstance(given, str) else ",".join(given)
     motion = _measured(options, scene)
-    found, stopped = _runs_of(build_all(names, scene, **options.numerical), scene, options.most_seconds)
-    runs, cycles = [run for run, _ in found], [cycle for _, cycle in found]
+    computed, stopped = _runs_of(build_all(names, scene, **options.numerical), scene, options.most_seconds)
+    runs, cycles = [run for run, _ in computed], [cycle for _, cycle in computed]
     failed = [*(run.failed for run in runs if run.failed), *([stopped] if stopped else [])]
     reference = next((run for run in runs if run.solver.model == "delay"), runs[0])
     parts = scene, reference, options.stored, runs, cycles, motion
@@ -194,7 +194,7 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
         if math.isfinite(length.until):
             require_time(solver, length.until, most)
         warm(solver)
-    found: dict[str, tuple[Run, OneCycle | None]] = {}
+    computed: dict[str, tuple[Run, OneCycle | None]] = {}
     stopped = ""
     for solver in sorted(solvers, key=lambda solver: solver is not first):
         watch = EventObserver(scene, solver.nodes)
@@ -202,11 +202,11 @@ def _runs_of(solvers: list[Solver], scene: Scene, most: float) -> tuple[list[tup
         run = simulate(solver, length, [observer] if scene.record else [], most, watch if scene.record else None)
         run = reconsidered(run, one_port_of(solver.model))
         stopped = f"model {solver.model}" if run.stopped else ""
-        found[solver.model] = run, observer.cycle(second_half(solver, run.until))
+        computed[solver.model] = run, observer.cycle(second_half(solver, run.until))
         if stopped:
             break
         length = Length(until=run.until)
-    return [found[solver.model] for solver in solvers if solver.model in found], stopped
+    return [computed[solver.model] for solver in solvers if solver.model in computed], stopped
 
 
 def _figures(run: Run) -> dict[str, Any]:

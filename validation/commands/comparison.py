@@ -45,8 +45,8 @@ def differences(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
 
 def _relative_margin(run: Run, name: str) -> float:
     """The margin of a mean over the mean; 0 if the motion is periodic."""
-    found = run.statistics
-    return 0.0 if run.kind == "periodic" else found.margins[name] / float(getattr(found, name).mean)
+    statistics = run.statistics
+    return 0.0 if run.kind == "periodic" else statistics.margins[name] / float(getattr(statistics, name).mean)
 
 
 def conclusion(rows: Sequence[_Row]) -> str:

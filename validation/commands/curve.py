@@ -81,61 +81,63 @@ class CurveOptions(FollowedOptions):
 class CurveResult(FollowedResult):
     """A curve of special points."""
 
-    found: Curve
+    followed: Curve
 
     @property
     def _rows(self) -> dict[str, Any]:
-        found = self.found
-        points = [self._at(point) | {"multiplier": point.multiplier} for point in found.points]
-        return {"type": found.kind, "parameters": [found.over.name, found.second.name], "points": points}
+        followed = self.followed
+        points = [self._at(point) | {"multiplier": point.multiplier} for point in followed.points]
+        return {"type": followed.kind, "parameters": [followed.over.name, followed.second.name], "points": points}
 
     def _at(self, point: CurvePoint) -> dict[str, Any]:
         """A point as a dictionary; the values of both parameters have their names."""
         facts = {name: value for name, value in point._asdict().items() if not name.startswith("multiplier")}
         facts["type"] = facts.pop("kind")
-        return {self.found.over.name: facts.pop("first"), self.found.second.name: facts.pop("second")} | facts
+        return {self.followed.over.name: facts.pop("first"), self.followed.second.name: facts.pop("second")} | facts
 
     @cached_property
     def dataset(self) -> Dataset:
         """The points by `point`."""
-        found = self.found
-        rows = [self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in found.points]
-        data = table_of(rows, "point", found.over.base).assign_attrs(self.options.origin(found))
+        followed = self.followed
+        rows = [
+            self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in followed.points
+        ]
+        data = table_of(rows, "point", followed.over.base).assign_attrs(self.options.origin(followed))
         figures = {name: data[name].values.tolist() for name in EVENTS if name in data}
-        data = data.assign(figures_at("point", figures, found.over.base, lambda: found.scenes))
-        for one in (found.over, found.second):
+        data = data.assign(figures_at("point", figures, followed.over.base, lambda: followed.scenes))
+        for one in (followed.over, followed.second):
             data[one.column].attrs["units"] = one.si_unit or "1"
         from validation.models.along import along
 
-        return along(data.set_coords(found.second.column), found.over.column)
+        return along(data.set_coords(followed.second.column), followed.over.column)
 
     def chart(self) -> Chart:
         """Left: the second parameter over the first. Right: the second over the period. A cusp at the end is marked."""
-        found = self.found
-        cusp = [one for one in found.points if one.kind == "CP"]
+        followed = self.followed
+        cusp = [one for one in followed.points if one.kind == "CP"]
 
         def along(name: str, points: list[CurvePoint], look: Look, label: str = "") -> Trace:
             return Trace(label, [getattr(one, name) for one in points], [one.second for one in points], look)
 
         panels = []
-        for name, label in (("first", found.over.label), ("period", QUANTITIES["period"])):
-            traces = [along(name, found.points, Look(marker=".")), *([along(name, cusp, _CUSP, "cusp")] if cusp else [])]
-            panels.append(Panel("", Scale(label), Scale(found.second.label), traces, grid=True))
-        return Chart(panels, 4.0, 2, title=f"{found.over.base.name}, {found.model}: {SPECIAL_KINDS[found.kind]}")
+        for name, label in (("first", followed.over.label), ("period", QUANTITIES["period"])):
+            traces = [along(name, followed.points, Look(marker=".")), *([along(name, cusp, _CUSP, "cusp")] if cusp else [])]
+            panels.append(Panel("", Scale(label), Scale(followed.second.label), traces, grid=True))
+        return Chart(panels, 4.0, 2, title=f"{followed.over.base.name}, {followed.model}: {SPECIAL_KINDS[followed.kind]}")
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """Some of the points."""
-        found, listed = self.found, thinned(self.found.points, _LISTED)
+        followed, listed = self.followed, thinned(self.followed.points, _LISTED)
         columns = {
-            found.over.name: self._column(listed, "first", 11),
-            found.second.name: self._column(listed, "second", 8),
+            followed.over.name: self._column(listed, "first", 11),
+            followed.second.name: self._column(listed, "second", 8),
             "period": self._column(listed, "period", 9),
             "stress drop": self._column(listed, "stress_drop"),
             "bracket": self._column(listed, "bracket", 2),
             "kind": [one.kind for one in listed],
             "multiplier": [f"{re:.6f}" + (f" +- {abs(im):.6f} i" if im else "") for re, im in (one.multiplier for one in listed)],
         }
-        return self._table(f"{found.kind} {SPECIAL_KINDS[found.kind]}, {len(found.points)} points", columns)
+        return self._table(f"{followed.kind} {SPECIAL_KINDS[followed.kind]}, {len(followed.points)} points", columns)
 
 
 _UNCHANGED = CurveOptions()
@@ -174,13 +176,13 @@ def curve(source: "SceneSource | None" = None, options: CurveOptions = _UNCHANGE
     if over.quantity == second.quantity:
         raise SceneError(f"--and {shorten(second.name)}: must be another parameter than --over {shorten(over.name)}")
     model = announced(*flowing(options.model, scenes.base))
-    found = Curve(kind, over, second, model, options.tol or BRANCH_TOLERANCE, begun)
-    found.require_start()
+    followed = Curve(kind, over, second, model, options.tol or BRANCH_TOLERANCE, begun)
+    followed.require_start()
     limits = StopAt(points=options.most_points or CURVE_POINTS)
     began = time.perf_counter()
-    end, failed, stopped = pursue(found, limits, options.file, options.resume, options.origin(found))
-    result = CurveResult(found, options, time.perf_counter() - began, end, failed=failed, stopped=stopped)
-    if options.out is not None and result.end is None and found.points:
+    end, failed, stopped = pursue(followed, limits, options.file, options.resume, options.origin(followed))
+    result = CurveResult(followed, options, time.perf_counter() - began, end, failed=failed, stopped=stopped)
+    if options.out is not None and result.end is None and followed.points:
         result.to_netcdf(options.out)
     return result
 
@@ -195,7 +197,7 @@ def _begun(source: "SceneSource | None", options: CurveOptions) -> tuple[Followe
     given = {"SCENE": source is not None, "--set": changes, "--model": options.model != "auto"}
     for name in (name for name, is_given in given.items() if is_given):
         raise SceneError(f"{name}: leave it out; --from gives the scene and the model")
-    branch = start.found if isinstance(start, BranchResult) else read_branch(start, "--from")
+    branch = start.followed if isinstance(start, BranchResult) else read_branch(start, "--from")
     known = branch.named()
     if options.point not in known:
         wrong = "missing" if options.point is None else shorten(options.point)

@@ -115,7 +115,7 @@ class FitResult(Result):
     scene: Scene
     model: str
     problem: FrictionProblem
-    found: Solution
+    solution: Solution
     spread: Intervals
     wall_s: float
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -124,16 +124,16 @@ class FitResult(Result):
     @property
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Key -> value, ends of the 95 % interval, unit, whether the data determine it, and start value."""
-        found = {}
+        rows = {}
         free = dict(enumerate(self.problem.free))
         for k, name in enumerate(self.problem.names):
             one = free.get(k)
-            numbers = [self.found.inner[k], self.spread.low[k], self.spread.high[k]]
+            numbers = [self.solution.inner[k], self.spread.low[k], self.spread.high[k]]
             with np.errstate(over="ignore"):
                 value, low, high = (float(np.exp(x) if one and one.is_positive else x) for x in numbers)
             row = {"value": value, "low": low, "high": high, "unit": one.shown_unit if one else ""}
-            found[name] = row | {"determined": bool(self.spread.determined[k]), "start": one.start if one else 0.0}
-        return found
+            rows[name] = row | {"determined": bool(self.spread.determined[k]), "start": one.start if one else 0.0}
+        return rows
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -156,7 +156,7 @@ class FitResult(Result):
                 "together": self.spread.together,
                 "samples": residual.size,
             },
-            "evaluations": self.found.evaluations,
+            "evaluations": self.solution.evaluations,
             "wall_s": self.wall_s,
             "notes": self.notes,
         }
@@ -202,7 +202,7 @@ class FitResult(Result):
 
     @cached_property
     def _friction(self) -> list[Array]:
-        return self.problem.friction(self.found.inner)
+        return self.problem.friction(self.solution.inner)
 
     @cached_property
     def dataset(self) -> Dataset:
@@ -274,28 +274,30 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
             starts = chain([best.inner], starts if is_cheap or waves else [])
         elif not is_cheap and not waves:
             starts = _nearby(problem_of(scenes, free, words, records, _CHEAP, tolerance), starts)
-        found = fitted_orbit(problem, waves, starts, best) if waves else minimise(problem, starts, best)
+        solution = fitted_orbit(problem, waves, starts, best) if waves else minimise(problem, starts, best)
     except KeyboardInterrupt:
         if not np.isfinite(best.cost):
             raise
         stopped = True
-        found = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
-    spread = intervals(problem, found)
-    if not found.failed and is_cheap:
-        spread = profiled(problem, found, spread)
-    fitted = Variants(scenes, free, schedule_of(scene)).read(found.inner[: len(free)])
-    failed = "; ".join(filter(None, [found.failed or _unexplained(problem, found, model), *_complaints(problem, found, spread)]))
-    if found.failed or at_bounds(problem, found.inner):
+        solution = Solution(best.inner, problem.residual(best.inner), problem.slopes(best.inner), best.evaluations, "interrupted")
+    spread = intervals(problem, solution)
+    if not solution.failed and is_cheap:
+        spread = profiled(problem, solution, spread)
+    fitted = Variants(scenes, free, schedule_of(scene)).read(solution.inner[: len(free)])
+    failed = "; ".join(
+        filter(None, [solution.failed or _unexplained(problem, solution, model), *_complaints(problem, solution, spread)])
+    )
+    if solution.failed or at_bounds(problem, solution.inner):
         unknown = np.full_like(spread.low, math.nan)
         spread = spread._replace(low=unknown, high=unknown, profiled=())
     return FitResult(
         fitted,
         model,
         problem,
-        found,
+        solution,
         spread,
         time.perf_counter() - began,
-        options.stored | {"free": _from_best(words, free, found.inner)},
+        options.stored | {"free": _from_best(words, free, solution.inner)},
         remarks=_missing_in(model, scene),
         failed=f"fit: {failed}" if failed else "",
         stopped=stopped,
@@ -333,7 +335,7 @@ def _from_best(words: list[str], free: Iterable[Free], inner: Array) -> list[str
 def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     """Starts of an expensive model: the best values of a cheap one, or its own starts where there are none."""
     try:
-        found = minimise(cheap, cheap.starts(), Best(next(cheap.starts())))
+        solution = minimise(cheap, cheap.starts(), Best(next(cheap.starts())))
     except NumericsError as error:
         log.info("%s: %s", _CHEAP, error)
         yield from others
@@ -341,9 +343,9 @@ def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     log.info(
         "%s fits with a residual of %.3g times the noise: the start of the fit",
         _CHEAP,
-        math.sqrt(found.cost / found.residual.size),
+        math.sqrt(solution.cost / solution.residual.size),
     )
-    yield found.inner
+    yield solution.inner
 
 
 def _facts_of(one: Experiment, fitted: Array) -> dict[str, Any]:
@@ -356,19 +358,19 @@ def _facts_of(one: Experiment, fitted: Array) -> dict[str, Any]:
     return facts | {"events": one.cycle.events, "drop": one.cycle.drop, "period": period}
 
 
-def _unexplained(problem: FrictionProblem, found: Solution, model: str) -> str:
+def _unexplained(problem: FrictionProblem, solution: Solution, model: str) -> str:
     """What to try next, if the residual is far above the noise."""
-    if (far := problem.far(found.residual)) <= _UNEXPLAINED:
+    if (far := problem.far(solution.residual)) <= _UNEXPLAINED:
         return ""
-    one, scene = problem.records[0], problem.models[0].scene(found.inner[: len(problem.free)])
+    one, scene = problem.records[0], problem.models[0].scene(solution.inner[: len(problem.free)])
     length = (one.cycle.period if one.cycle else 1e-3 * float(one.times[-1])) / sizes(scene)[0]
     other = _next_model(model, scene, length)
     more = ", ".join([*([f"--model {other}"] if other else []), "another law (interface.law)", "a part of the record (--window)"])
     return f"the residual is {far:.3g} times the noise, which {model} does not explain; to be tried next: {more}"
 
 
-def _complaints(problem: FrictionProblem, found: Solution, spread: Intervals) -> Iterator[str]:
-    bounds = at_bounds(problem, found.inner)
+def _complaints(problem: FrictionProblem, solution: Solution, spread: Intervals) -> Iterator[str]:
+    bounds = at_bounds(problem, solution.inner)
     if bounds:
         yield f"{' and '.join(bounds)} ended at a bound"
     wide = [name for name, known in zip(problem.names, spread.determined, strict=True) if not known and name not in bounds]

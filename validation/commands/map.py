@@ -80,10 +80,10 @@ class MapResult(Result):
         """The axes; of a difference the share of the area with another regime, in per cent, and the
         largest relative differences where both motions are periodic."""
         data = self.dataset
-        found: dict[str, Any] = {"scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
+        facts: dict[str, Any] = {"scene": data.attrs["scene"], "axes": [str(name) for name in data.dims]}
         if self.differences is not None:
-            found["differences"] = _difference_rows(self.differences)
-        return found | {"boundaries": [line.name for line in self.boundaries], "notes": self.notes}
+            facts["differences"] = _difference_rows(self.differences)
+        return facts | {"boundaries": [line.name for line in self.boundaries], "notes": self.notes}
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """A line on the figure, and the differences as a table."""

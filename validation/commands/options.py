@@ -257,8 +257,8 @@ class ModelOptions(SceneOptions):
             raise SceneError(f"SCENE = {shorten(str(source))}: was computed with another family of {model!r}: {other}")
         known = {name: value for name, value in stored.options.items() if model == stored.model or name not in _OF_A_GRID}
         wanted = [one for one in options_of(type(self)).values() if one.stored and one.name not in without]
-        found = {one.name: one.checked(known.get(one.stored_as)) for one in wanted if getattr(self, one.name) is None}
-        return replace(self, model=model, **found).with_expressions(known.get("set", {}))
+        checked = {one.name: one.checked(known.get(one.stored_as)) for one in wanted if getattr(self, one.name) is None}
+        return replace(self, model=model, **checked).with_expressions(known.get("set", {}))
 
 
 class RunsOptions(SceneOptions):
@@ -317,10 +317,10 @@ class RecordOptions(SceneOptions):
 
 def _transits(until: float | str, scene: Scene) -> float:
     """The length of a run in transits. Raises SceneError for one out of range."""
-    found = moment("run.until", until, scene)
-    if not UNTIL.low <= found <= UNTIL.high:
+    transits = moment("run.until", until, scene)
+    if not UNTIL.low <= transits <= UNTIL.high:
         raise SceneError(f"run.until = {shorten(until)}: must be {UNTIL}")
-    return found
+    return transits
 
 
 def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
@@ -335,8 +335,10 @@ def _options_of(kind: Any) -> Mapping[str, Option]:
     hints, known = get_type_hints(kind), {one.name: one for one in fields(kind)}
     names = [name for base in kind.__mro__ for name in get_annotations(base) if name in known and known[name].metadata]
     flags: dict[str, dict[str, Any]] = {name: {"flag": f"--{name.replace('_', '-')}"} for name in names}
-    found = [Option(name, hints[name], known[name].default, **flag | dict(known[name].metadata)) for name, flag in flags.items()]
-    return {one.name: one for one in sorted(found, key=lambda one: not one.positional)}
+    options = [
+        Option(name, hints[name], known[name].default, **flag | dict(known[name].metadata)) for name, flag in flags.items()
+    ]
+    return {one.name: one for one in sorted(options, key=lambda one: not one.positional)}
 
 
 def announced(model: str, why: str) -> str:

@@ -36,7 +36,7 @@ from validation.commands.wording import figure_rows, header
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import EVENTS, INTERFACE, PHASE, cycle_in_si, stored_name, variables
 from validation.models.at_scene import orbit_at_scene
-from validation.models.orbits import OrbitFound, flowing
+from validation.models.orbits import SceneOrbit, flowing
 from validation.models.provenance import provenance
 
 if TYPE_CHECKING:
@@ -75,9 +75,9 @@ class _OrbitOptions(ModelOptions):
 
 
 class OrbitResult(Result):
-    """The orbit that was `found`, the options of the call, and run time in seconds."""
+    """The `scene_orbit` that was found, the options of the call, and run time in seconds."""
 
-    found: OrbitFound
+    scene_orbit: SceneOrbit
     options: Mapping[str, Any]
     wall_s: float
     shows_response: bool = False
@@ -90,7 +90,7 @@ class OrbitResult(Result):
     @cached_property
     def dataset(self) -> Dataset:
         """The motion over a period by `time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
-        orbit, scene, columns = self.found.found.orbit, self.found.scene, self._motion()
+        orbit, scene, columns = self.scene_orbit.periodic.orbit, self.scene_orbit.scene, self._motion()
         coordinate = variables(TIME, {TIME: columns.pop(TIME)}, INTERFACE, scene)
         values = variables(TIME, columns, INTERFACE, scene)
         if self._drawn is not None:
@@ -102,34 +102,34 @@ class OrbitResult(Result):
             values[f"{name}_error"] = ((), getattr(orbit, name).error, notes)
         for part, numbers in (("real", self.multipliers.real), ("imaginary", self.multipliers.imag)):
             values[f"multiplier_{part}"] = ("multiplier", numbers, {"long_name": f"{part} part of the multiplier", "units": "1"})
-        return new_dataset(values, coordinate, provenance("orbit", scene, self.found.flow.model, self.options))
+        return new_dataset(values, coordinate, provenance("orbit", scene, self.scene_orbit.flow.model, self.options))
 
     def chart(self) -> Chart:
         """Stress and slip rate over one period; with the response, the phase response below them."""
-        found, scene, columns = self.found.found, self.found.scene, self._motion()
-        title = f"{scene.name}, {self.found.flow.model}: periodic orbit, T = {found.orbit.period.value:.6g} transits"
+        periodic, scene, columns = self.scene_orbit.periodic, self.scene_orbit.scene, self._motion()
+        title = f"{scene.name}, {self.scene_orbit.flow.model}: periodic orbit, T = {periodic.orbit.period.value:.6g} transits"
         stress, rate = columns[stored_name("stress")], columns[stored_name("slip_rate")]
         chart = motion_chart(scene, title, columns[TIME], (stress, stress), (rate, rate))
         return chart if self._drawn is None else with_phase_response(chart, scene, columns[TIME], self._drawn)
 
     def _motion(self) -> dict[str, Array]:
         """The interface's motion at the nodes of the pieces, without repeated times."""
-        closed = self.found.found.closed
+        closed = self.scene_orbit.periodic.closed
         pieces = closed.cycle.pieces
         times = pieces.time[:, None] + pieces.length[:, None] * closed.flow.nodes
         rows = np.stack([values.ravel() for values in (times, *pieces[2:])])
         rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
-        return {stored_name(name): values for name, values in named_columns(self.found.scene.law, rows).items()}
+        return {stored_name(name): values for name, values in named_columns(self.scene_orbit.scene.law, rows).items()}
 
     @cached_property
     def response(self) -> Response:
         """Figure -> key of the scene -> derivative, and under `phase` the response to short pulses. Raises NumericsError on a
         fold, SceneError for a scene that was made in Python."""
-        return response_of(self.found, self._responding)
+        return response_of(self.scene_orbit, self._responding)
 
     @cached_property
     def _responding(self) -> Responding:
-        return Responding(self.found.found.closed)
+        return Responding(self.scene_orbit.periodic.closed)
 
     @cached_property
     def _drawn(self) -> PhaseResponse | None:
@@ -142,13 +142,13 @@ class OrbitResult(Result):
     @property
     def multipliers(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
         """The Floquet multipliers, largest modulus first, without the trivial one."""
-        return self.found.found.multipliers.values
+        return self.scene_orbit.periodic.multipliers.values
 
     @property
     def facts(self) -> dict[str, Any]:
         """As `Result`; `si` exists only for scenes in SI."""
-        done = self.found
-        orbit, multipliers, scene = done.found.orbit, done.found.multipliers, done.scene
+        done = self.scene_orbit
+        orbit, multipliers, scene = done.periodic.orbit, done.periodic.multipliers, done.scene
         result: dict[str, Any] = {
             "scene": scene.name,
             "model": done.flow.model,
@@ -158,7 +158,7 @@ class OrbitResult(Result):
             "stable": multipliers.stable,
             "multipliers": [[value.real, value.imag] for value in multipliers.values.tolist()],
             "trivial_defect": multipliers.trivial_defect,
-            "residual": done.found.closed.residual,
+            "residual": done.periodic.closed.residual,
             "error_estimate": {name: getattr(orbit, name).error for name in ("period", "stress_drop")},
             "essential_radius": multipliers.essential_radius,
             "idle_modes": [_idle(mode, orbit.period.value) for mode in multipliers.idle],
@@ -174,14 +174,14 @@ class OrbitResult(Result):
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, whether the orbit is stable, its figures with errors, and the largest multipliers."""
-        done, multipliers = self.found, self.found.found.multipliers
+        done, multipliers = self.scene_orbit, self.scene_orbit.periodic.multipliers
         yield from header(done.scene, done.notes)
         if "response" in summary and summary["response"] is None:
             yield f"note: {summary['notes'][-1]}"
         verdict = {True: "stable", False: "unstable", None: "its stability is not decided"}[multipliers.stable]
-        yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {rounded(done.found.closed.residual, 2)}"
+        yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {rounded(done.periodic.closed.residual, 2)}"
         yield ""
-        figures = {field.name: getattr(done.found.orbit, field.name) for field in fields(done.found.orbit)}
+        figures = {field.name: getattr(done.periodic.orbit, field.name) for field in fields(done.periodic.orbit)}
         known = {name: (one.value, one.error) for name, one in figures.items()}
         yield from aligned(*figure_rows(("value", "error"), known, done.scene))
         yield ""
@@ -215,8 +215,8 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
         if source.closed is not None and options.is_default:
             known = {"tol": source.tolerance, "near_period": source["period"]}
             closed = replace(source.closed, flow=source.closed.flow.of(source.scene))  # whose keys are known
-            found = _neutral_orbit(closed, source.tolerance)
-            return OrbitResult(found, known, time.perf_counter() - began, bool(options.response))
+            scene_orbit = _neutral_orbit(closed, source.tolerance)
+            return OrbitResult(scene_orbit, known, time.perf_counter() - began, bool(options.response))
         if source.get("type") == "HB" and options.near_period is None:
             raise SceneError(
                 "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
@@ -228,16 +228,16 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
     scene = options.scene_of(source)
     name = announced(*flowing(options.model, scene))
     period = _period(options.near_period, scene)
-    found = orbit_at_scene(name, scene, options.tol or ORBIT_TOLERANCE, options.cells, period, bool(options.others))
-    return OrbitResult(found, options.stored, time.perf_counter() - began, bool(options.response))
+    scene_orbit = orbit_at_scene(name, scene, options.tol or ORBIT_TOLERANCE, options.cells, period, bool(options.others))
+    return OrbitResult(scene_orbit, options.stored, time.perf_counter() - began, bool(options.response))
 
 
-def _neutral_orbit(closed: Closed, tolerance: float) -> OrbitFound:
+def _neutral_orbit(closed: Closed, tolerance: float) -> SceneOrbit:
     """The orbit of a special point of a branch, `closed` on a mesh that gives figures to the relative `tolerance`: neutral."""
     exact = replace(closed, monodromy=closed.flow.tangent(closed.cycle))
     figures = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(exact).items()})
-    found = PeriodicOrbit(exact, figures, multipliers(exact)._replace(stable=None), True)
-    return OrbitFound(found, tolerance, "the special point of the branch: errors are its tolerance")
+    periodic = PeriodicOrbit(exact, figures, multipliers(exact)._replace(stable=None), True)
+    return SceneOrbit(periodic, tolerance, "the special point of the branch: errors are its tolerance")
 
 
 def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:

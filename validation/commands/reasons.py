@@ -26,10 +26,10 @@ def reasons(run: Run, model: str) -> list[str]:
     from reduced.stability.analyse import analyse  # imported here to keep the start of other runs fast
 
     final = scene if scene.drive.is_constant else scaled(scene, velocity=scene.drive.velocities[-1])
-    found = analyse(final, model)
+    analysis = analyse(final, model)
     changes = [f"it changes by a factor e in {_time(1.0 / abs(verdict.rate), scene)}"] if math.isfinite(verdict.rate) else []
     cycles = list[str]()
-    if verdict.kind == "too short" and not found.stable:
+    if verdict.kind == "too short" and not analysis.stable:
         period = expected_period(scene)
         endless = math.isinf(period)
         hardly = "no cycle is expected: the drive hardly loads the interface"
@@ -37,30 +37,30 @@ def reasons(run: Run, model: str) -> list[str]:
     return [
         *changes,
         *cycles,
-        on_stability(final, found),
+        on_stability(final, analysis),
     ]
 
 
-def on_stability(scene: Scene, found: "Stability") -> str:
-    """Text: whether steady sliding of `scene`, of stability `found`, is stable, and what would change that."""
+def on_stability(scene: Scene, analysis: "Stability") -> str:
+    """Text: whether steady sliding of `scene`, of stability `analysis`, is stable, and what would change that."""
     if not friction_slopes(scene.law, scene.velocity).weakening:
         known = scene.law._asdict()
         equal = " (a >= b)" if "a" in known and "b" in known and known["a"] >= known["b"] else ""
         return f"steady sliding is always stable: friction does not weaken with the slip rate{equal}"
-    word = {True: "stable", False: "unstable", None: "neutral"}[found.stable]
-    if found.stable is None:
+    word = {True: "stable", False: "unstable", None: "neutral"}[analysis.stable]
+    if analysis.stable is None:
         return f"steady sliding is {word}"
-    within = 1.0 / abs(found.rate * scene.transit)
-    change = f"a disturbance {'decays' if found.stable else 'grows'} by a factor e in {_time(within, scene)}"
-    return "; ".join(filter(None, [f"steady sliding is {word}", change, _what_would_change(scene, found)]))
+    within = 1.0 / abs(analysis.rate * scene.transit)
+    change = f"a disturbance {'decays' if analysis.stable else 'grows'} by a factor e in {_time(within, scene)}"
+    return "; ".join(filter(None, [f"steady sliding is {word}", change, _what_would_change(scene, analysis)]))
 
 
-def _what_would_change(scene: Scene, found: "Stability") -> str:
+def _what_would_change(scene: Scene, analysis: "Stability") -> str:
     """Text: the thickness or normal stress, or r or epsilon, beyond which the stability changes; empty if there is none, or at
     neutral stability."""
     from reduced.stability.analyse import stability_in_si
 
-    physical = stability_in_si(scene, found)
+    physical = stability_in_si(scene, analysis)
     if physical is not None and scene.units is not None:
         slabs = "slabs" if scene.alike else f"an upper slab{_TOGETHER}"
         limits = [
@@ -70,15 +70,16 @@ def _what_would_change(scene: Scene, found: "Stability") -> str:
     else:
         together = "" if scene.alike else f" of the upper slab{_TOGETHER}"
         limits = [
-            (f"r{together}", scene.transit, 10.0**found.log10_r_c, "", 1),
-            (f"epsilon{together}", scene.upper.epsilon, found.epsilon_c, "", -1),
+            (f"r{together}", scene.transit, 10.0**analysis.log10_r_c, "", 1),
+            (f"epsilon{together}", scene.upper.epsilon, analysis.epsilon_c, "", -1),
         ]
     wanted = [
         f"{name} {'over' if here < critical else 'under'} {_engineering(critical, unit)} (here {_engineering(here, unit)})"
         for name, here, critical, unit, sign in limits
-        if math.isfinite(critical) and (sign * (here - critical) < 0.0) == found.stable  # what destabilises is below it if stable
+        if math.isfinite(critical)
+        and (sign * (here - critical) < 0.0) == analysis.stable  # what destabilises is below it if stable
     ]
-    return f"{'it would slip' if found.stable else 'it would slide steadily'} with {' or '.join(wanted)}" if wanted else ""
+    return f"{'it would slip' if analysis.stable else 'it would slide steadily'} with {' or '.join(wanted)}" if wanted else ""
 
 
 def _engineering(value: float, unit: str) -> str:

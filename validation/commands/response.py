@@ -26,7 +26,7 @@ from validation.commands.reasons import PREFIXES, power_of
 from validation.commands.result import aligned, rounded
 from validation.data.variables import INTERFACE, PHASE, cycle_in_si, in_si, shown_in, si_factor
 from validation.models.orbit_start import first_event
-from validation.models.orbits import OrbitFound
+from validation.models.orbits import SceneOrbit
 from validation.models.parameter import Parameter, number_in
 
 _STEP = 1e-6  # of differences, relative: the paper's derivatives have errors of 2e-7 then, of 1.4e-5 at 1e-5
@@ -87,10 +87,10 @@ class _Number(Parameter):
         raise failed
 
 
-def response_of(found: OrbitFound, responding: Responding) -> Response:
+def response_of(scene_orbit: SceneOrbit, responding: Responding) -> Response:
     """The derivatives of an orbit's figures by every key that is a number, but those of start and run; with units also those of
     the figures in SI; and the phase response. Raises SceneError if the scene was not read."""
-    closed, scene = found.found.closed, found.scene
+    closed, scene = scene_orbit.periodic.closed, scene_orbit.scene
     keys = dict[str, dict[str, Any]]()
     figures = _figures(closed)
     slopes: Response = {name: {} for name in figures}
@@ -107,7 +107,7 @@ def response_of(found: OrbitFound, responding: Responding) -> Response:
             known[number.name] = by.get(name)
     in_si = {name: slopes.pop(name) for name in [*slopes] if name.startswith(_SI)}
     twins = {"si": {name.removeprefix(_SI): known for name, known in in_si.items()}} if in_si else {}
-    return slopes | twins | {"keys": keys, "phase": _phase_facts(found, responding)}
+    return slopes | twins | {"keys": keys, "phase": _phase_facts(scene_orbit, responding)}
 
 
 def response_lines(response: Response, facts: Mapping[str, Any], scene: Scene) -> Iterator[str]:
@@ -169,11 +169,11 @@ def _number(table: KeyTable, value: float | Quantity, key: str, scene: Scene) ->
     return _Number(key, written, number, shown) if number else _Number(key)
 
 
-def _phase_facts(found: OrbitFound, responding: Responding) -> PhaseFacts:
+def _phase_facts(scene_orbit: SceneOrbit, responding: Responding) -> PhaseFacts:
     """The JSON; the curves thinned so that every extremum stays."""
     response = responding.phase
-    scene, (times, _, values) = found.scene, response.samples
-    since = ((times - first_event(found.found.closed)) % response.period).ravel()
+    scene, (times, _, values) = scene_orbit.scene, response.samples
+    since = ((times - first_event(scene_orbit.periodic.closed)) % response.period).ravel()
     order = np.argsort(since)
     since, values = since[order], values.reshape(2, -1)[:, order]
     kept = np.unique(np.concatenate([staying(since, one, _MOST) for one in values if not np.isnan(one).any()]))

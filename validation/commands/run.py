@@ -204,7 +204,7 @@ class RunResult(Result):
     def facts(self) -> dict[str, Any]:
         """As `Result`. `grid` exists only if the user did not choose its cells, `protocol`, the stages, only if the drive
         changes, `lyapunov` only if requested, `observed` only if the scene records observers by name."""
-        done, found, scene = self.done, self.done.statistics, self.done.solver.scene
+        done, statistics, scene = self.done, self.done.statistics, self.done.solver.scene
         result: dict[str, Any] = {
             "scene": done.solver.scene.name,
             "model": done.solver.model,
@@ -214,11 +214,11 @@ class RunResult(Result):
             "multiplicity": done.verdict.multiplicity if done.verdict else None,
             "rotation_number": done.verdict.rotation if done.verdict else None,
             "rate": done.verdict.rate if done.verdict else None,
-            **{name: asdict(one) for name, one in found.spreads.items()},
-            "v_max": found.v_max,
-            "v_min": found.v_min,
-            "v_max_median": found.v_max_median,
-            "margins": found.margins if done.verdict and done.verdict.wanders else None,
+            **{name: asdict(one) for name, one in statistics.spreads.items()},
+            "v_max": statistics.v_max,
+            "v_min": statistics.v_min,
+            "v_max_median": statistics.v_max_median,
+            "margins": statistics.margins if done.verdict and done.verdict.wanders else None,
             "final": asdict(done.final) if done.final else None,
             "energy": self.energy,
             "energy_until": done.marched if self.energy else None,
@@ -229,7 +229,7 @@ class RunResult(Result):
             "wall_s": done.wall_s,
         }
         if done.solver.scene.units:
-            result |= cycle_in_si(found.values() | self._spreads, done.solver.scene)
+            result |= cycle_in_si(statistics.values() | self._spreads, done.solver.scene)
         if self._march:
             result["time"] = self._march
         if isinstance(done.solver, Leaping) and done.solver.skipped:
@@ -258,15 +258,15 @@ class RunResult(Result):
     @property
     def _spreads(self) -> dict[str, float]:
         """Standard deviations of the cycles' figures and, for motion that never repeats, margins of their means."""
-        found, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
-        margins = {f"{name}_margin": found.margins[name] for name in found.spreads} if wanders else {}
-        return {f"{name}_std": one.std for name, one in found.spreads.items()} | margins
+        statistics, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
+        margins = {f"{name}_margin": statistics.margins[name] for name in statistics.spreads} if wanders else {}
+        return {f"{name}_std": one.std for name, one in statistics.spreads.items()} | margins
 
     @property
     def stages(self) -> list[StageFigures]:
         """The stages of a protocol with their figures, the last one to the end of the run; none if V never changes."""
-        found = self.records.protocol.figures if self.records.protocol else []
-        return [replace(stage, end=min(stage.end, self.done.until)) for stage in found]
+        figures = self.records.protocol.figures if self.records.protocol else []
+        return [replace(stage, end=min(stage.end, self.done.until)) for stage in figures]
 
     @cached_property
     def reasons(self) -> list[str]:

@@ -73,20 +73,20 @@ def write_run(
 
 def _figures(done: Run, facts: Mapping[str, Any], stages: Sequence[StageFigures]) -> Dataset:
     """Cycles, margins of their means and stages, as far as there are any."""
-    scene, found = done.solver.scene, _cycles(done, facts)
+    scene, data = done.solver.scene, _cycles(done, facts)
     if done.verdict and done.verdict.wanders:
         margins = {f"{name}_margin": value for name, value in done.statistics.margins.items()}
-        found = found.assign(variables((), margins, MARGINS, scene))
+        data = data.assign(variables((), margins, MARGINS, scene))
     if stages:
         rows = [asdict(stage) for stage in stages]
         columns = {name: np.array([row[name] for row in rows], dtype=float) for name in STAGE_QUANTITIES}  # None becomes NaN
         named = variables("stage", columns, STAGE_QUANTITIES, scene)
-        found = found.assign({f"stage_{name}": variable for name, variable in named.items()})
+        data = data.assign({f"stage_{name}": variable for name, variable in named.items()})
         kinds = np.array([row["kind"] for row in rows], dtype=object)
-        found["stage_kind"] = ("stage", kinds, {"long_name": "kind of the stage"})
+        data["stage_kind"] = ("stage", kinds, {"long_name": "kind of the stage"})
         stick_slips = [int(row["stick_slips"]) for row in rows]
-        found["stage_stick_slips"] = ("stage", stick_slips, {"long_name": "1 if the stage stick-slips", "units": "1"})
-    return found
+        data["stage_stick_slips"] = ("stage", stick_slips, {"long_name": "1 if the stage stick-slips", "units": "1"})
+    return data
 
 
 def _cycles(done: Run, facts: Mapping[str, Any]) -> Dataset:
@@ -98,11 +98,11 @@ def _cycles(done: Run, facts: Mapping[str, Any]) -> Dataset:
     if done.verdict is None:
         return new_dataset(attrs={**facts, **ended, "events": "not watched", "verdict": "not watched"})
     columns = {_of_events(name): values for name, values in done.events._asdict().items()}
-    found = new_dataset(variables("event", columns, EVENTS, done.solver.scene))
+    data = new_dataset(variables("event", columns, EVENTS, done.solver.scene))
     judged = {"multiplicity": done.verdict.multiplicity, "rotation_number": done.verdict.rotation}
     known = {name: value for name, value in judged.items() if value is not None}
-    found = found.assign_attrs({**facts, **ended, "events": done.starts, "verdict": done.verdict.kind, **known})
-    return found.set_coords([name for name in found if str(name).startswith("event_time")])
+    data = data.assign_attrs({**facts, **ended, "events": done.starts, "verdict": done.verdict.kind, **known})
+    return data.set_coords([name for name in data if str(name).startswith("event_time")])
 
 
 def _append_history(path: Path, history: HistoryFile, scene: Scene) -> None:

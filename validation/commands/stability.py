@@ -59,25 +59,25 @@ class _StabilityOptions(SceneOptions):
 
 
 class StabilityResult(Result):
-    """The stability `found` of steady sliding of the `scene`."""
+    """The `analysis` of steady sliding of the `scene`."""
 
     OUTPUTS: ClassVar = (
         Output("--plot", FIGURES, "save_plot", "draw roots, and impedance and faces over frequency: .png, .pdf or .svg"),
     )
 
     scene: Scene
-    found: Stability
+    analysis: Stability
 
     @property
     def facts(self) -> dict[str, Any]:
         """As `Result`; frequencies and roots in 1/(L/V*)."""
-        found = self.found
+        analysis = self.analysis
         result: dict[str, Any] = {
             "scene": self.scene.name,
-            "model": found.model,
-            **{name: getattr(found, name) for name in (*_CRITICAL, "velocity", "stable", "unstable_roots")},
-            "leading_roots": [[root.real, root.imag] for root in found.leading_roots],
-            "essential_abscissa": found.essential_abscissa,
+            "model": analysis.model,
+            **{name: getattr(analysis, name) for name in (*_CRITICAL, "velocity", "stable", "unstable_roots")},
+            "leading_roots": [[root.real, root.imag] for root in analysis.leading_roots],
+            "essential_abscissa": analysis.essential_abscissa,
             "faces": face_figures(self.scene, watched(self.scene, self._root)),
             "notes": [*doubts(self.scene), *self.notes],
         }
@@ -87,22 +87,22 @@ class StabilityResult(Result):
 
     @property
     def _root(self) -> complex:
-        return self.found.leading_roots[0] if self.found.leading_roots else 0j
+        return self.analysis.leading_roots[0] if self.analysis.leading_roots else 0j
 
     @property
     def leading_roots(self) -> "np.ndarray[Any, np.dtype[np.complex128]]":
         """The leading roots, in 1/(L/V*), the fastest growing one first."""
-        return np.asarray(self.found.leading_roots, dtype=complex)
+        return np.asarray(self.analysis.leading_roots, dtype=complex)
 
     @property
     def reason(self) -> str:
         """Text: whether steady sliding is stable, and what would change that."""
-        return on_stability(self.scene, self.found)
+        return on_stability(self.scene, self.analysis)
 
     @cached_property
     def physical(self) -> PhysicalStability | None:
         """The stability in SI, None for a scene without units."""
-        return stability_in_si(self.scene, self.found)
+        return stability_in_si(self.scene, self.analysis)
 
     @cached_property
     def dataset(self) -> Dataset:
@@ -115,19 +115,19 @@ class StabilityResult(Result):
         for name, meaning in _CRITICAL.items():
             value = self.summary[name]
             values[name] = ((), np.nan if value is None else value, {"long_name": meaning, "units": "1"})
-        return new_dataset(values, attrs=provenance("stability", self.scene, self.found.model, {}))
+        return new_dataset(values, attrs=provenance("stability", self.scene, self.analysis.model, {}))
 
     def chart(self) -> Chart:
         """Leading roots in the complex plane: those right of the dashed line grow. Below |Z(i omega)| of the pair over its Z for
         fast waves, under the analysed model and exact, and |R| of faces that are not rigid. Grey lines mark the leading root's
         frequency and the rates below which a grip is its spring."""
-        scene, found, roots = self.scene, self.found, self.leading_roots
+        scene, analysis, roots = self.scene, self.analysis, self.leading_roots
         shown = Trace("roots", roots.real, roots.imag, POINTS.but(hollow=True))
         edge = Trace("", [0.0, 0.0], [-np.inf, np.inf], GUIDE.but(color=GREY, dashes="--"))
         sides = Scale("growth rate Re s / (V*/L)"), Scale("frequency Im s / (V*/L)")
         omega = watched(scene, self._root)
         along, marks = _frequencies(scene, omega), [_mark(omega, "leading root", ":")] if omega > 0.0 else []
-        panels = [Panel("", *sides, [shown, edge]), _impedance(scene, one_port_of(found.model), found.model, marks, along)]
+        panels = [Panel("", *sides, [shown, edge]), _impedance(scene, one_port_of(analysis.model), analysis.model, marks, along)]
         curves, springs = list[Trace](), list[Trace]()
         for name, slab in ((name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid):
             look, rate = Look(ORANGE, DASHED) if curves else Look(BLUE), slab.termination.spring_rate
@@ -137,85 +137,85 @@ class StabilityResult(Result):
             panels.append(
                 Panel("", _scale(scene, along), Scale("reflected by the face, |R|"), [*curves, *marks, *springs], legend="best")
             )
-        title = f"{scene.name}, {found.model}: steady sliding"
+        title = f"{scene.name}, {analysis.model}: steady sliding"
         return Chart(panels, 3.0 * len(panels), title=title, share=("", ""))
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, the verdict with its reason, critical values and leading roots."""
-        scene, found = self.scene, self.found
+        scene, analysis = self.scene, self.analysis
         yield from header(scene, root=self._root)
-        verdict = "stable" if found.stable else f"unstable: {found.unstable_roots} growing roots (certified count)"
-        verdict = "neutral" if found.stable is None else verdict
-        yield f"model {found.model}: steady sliding is {verdict} at V = {found.velocity:g}"
+        verdict = "stable" if analysis.stable else f"unstable: {analysis.unstable_roots} growing roots (certified count)"
+        verdict = "neutral" if analysis.stable is None else verdict
+        yield f"model {analysis.model}: steady sliding is {verdict} at V = {analysis.velocity:g}"
         yield self.reason
         yield from (f"note: {note}" for note in self.notes)
         yield ""
         rows = [
-            ["critical frequency omega_c [V*/L]", rounded(found.omega_c, 12), ""],
-            ["critical round trip log10 r_c", rounded(found.log10_r_c, 12), f"scene {rounded(math.log10(scene.transit), 10)}"],
-            ["critical epsilon", rounded(found.epsilon_c, 12), f"scene {rounded(scene.upper.epsilon, 10)}"],
-            ["limit of the fast roots, Re s [V*/L]", rounded(found.essential_abscissa, 10), ""],
+            ["critical frequency omega_c [V*/L]", rounded(analysis.omega_c, 12), ""],
+            ["critical round trip log10 r_c", rounded(analysis.log10_r_c, 12), f"scene {rounded(math.log10(scene.transit), 10)}"],
+            ["critical epsilon", rounded(analysis.epsilon_c, 12), f"scene {rounded(scene.upper.epsilon, 10)}"],
+            ["limit of the fast roots, Re s [V*/L]", rounded(analysis.essential_abscissa, 10), ""],
         ]
         yield from aligned(["", "critical", "here"], [*rows, *self._rows_in_si()])
         yield ""
         roots = [
             [f"{rounded(root.real, 8)} {root.imag:+.8g} i", rounded(abs(root.imag) * scene.transit / (2.0 * math.pi), 6)]
-            for root in found.leading_roots
+            for root in analysis.leading_roots
             if root.imag >= 0.0
         ]
         yield from aligned(["leading roots s [V*/L], conjugates left out", "cycles per transit"], roots)
 
     def _rows_in_si(self) -> list[list[str]]:
         """Rows of the table for a scene with units."""
-        scene, found = self.scene, self.physical
-        if found is None or scene.units is None:
+        scene, physical = self.scene, self.physical
+        if physical is None or scene.units is None:
             return []
-        word, time = ("growth", found.growth_time) if self.found.stable is False else ("decay", found.decay_time)
+        word, time = ("growth", physical.growth_time) if self.analysis.stable is False else ("decay", physical.decay_time)
         slabs = "thickness" if scene.alike else "upper thickness, both scaled together"
-        stress, critical = scene.units.normal_stress, found.critical_normal_stress
+        stress, critical = scene.units.normal_stress, physical.critical_normal_stress
         return [
-            [f"critical {slabs} [m]", rounded(found.critical_thickness, 9), f"scene {rounded(found.thickness, 9)}"],
+            [f"critical {slabs} [m]", rounded(physical.critical_thickness, 9), f"scene {rounded(physical.thickness, 9)}"],
             ["critical normal stress [Pa]", rounded(critical, 9), f"scene {rounded(stress, 9)}"],
             [f"{word} time of the leading root [s]", "", rounded(time, 9)],
-            ["frequency of the leading root [Hz]", "", rounded(found.frequency, 9)],
+            ["frequency of the leading root [Hz]", "", rounded(physical.frequency, 9)],
         ]
 
     @property
     def notes(self) -> list[str]:
         """Notes on the numbers: the V of a ramp, the reason for no verdict on a neutral root, values not found and values that do
         not exist."""
-        notes, found = [], self.found
+        notes, analysis = [], self.analysis
         if not self.scene.drive.is_constant:
             notes.append(
-                f"the drive changes: this is steady sliding at V = {found.velocity:g}, the one at t = 0; set drive.velocity for "
-                "others"
+                f"the drive changes: this is steady sliding at V = {analysis.velocity:g}, the one at t = 0; set "
+                "drive.velocity for others"
             )
-        if found.stable is None:
+        if analysis.stable is None:
             notes.append(
-                f"neutral within rounding: the leading root's real part {found.rate:.2g} cannot be told from 0; no other root "
+                f"neutral within rounding: the leading root's real part {analysis.rate:.2g} cannot be told from 0; no other root "
                 "grows"
             )
-        if found.endless:
+        if analysis.endless:
             notes.append(
-                f"infinitely many roots accumulate at Re s = {found.essential_abscissa:.6g} V*/L, right of all that are listed: "
-                "no finite list holds those that decay most slowly"
+                f"infinitely many roots accumulate at Re s = {analysis.essential_abscissa:.6g} V*/L, right of all that are "
+                "listed: no finite list holds those that decay most slowly"
             )
-        if not math.isnan(found.log10_r_c) and _has_own_faces(self.scene):
+        if not math.isnan(analysis.log10_r_c) and _has_own_faces(self.scene):
             notes.append(_OWN_FACES)
-        absent = self._absent() if family_of(found.model) else []  # no family: a truncation that no scene is computed with
-        return [*notes, *found.missing, *(self.physical.missing if self.physical else ()), *absent]
+        absent = self._absent() if family_of(analysis.model) else []  # no family: a truncation that no scene is computed with
+        return [*notes, *analysis.missing, *(self.physical.missing if self.physical else ()), *absent]
 
     def _absent(self) -> Iterator[str]:
         """Reasons for critical values that do not exist, if not stated elsewhere."""
-        found = self.found
+        analysis = self.analysis
         if not friction_slopes(self.scene.law, self.scene.velocity).weakening:
             yield f"no critical values: {ALWAYS_STABLE}"
             return
-        missing = " ".join([*found.missing, *(self.physical.missing if self.physical else ())])
+        missing = " ".join([*analysis.missing, *(self.physical.missing if self.physical else ())])
         reach = f"between {2.0**FIRST_OCTAVE:.2g} and {2.0**LAST_OCTAVE:g} times"
-        if math.isnan(found.log10_r_c) and "the critical r " not in missing:
+        if math.isnan(analysis.log10_r_c) and "the critical r " not in missing:
             yield f"no critical r: steady sliding loses its stability at no r {reach} the present one"
-        if math.isnan(found.epsilon_c) and "the critical epsilon" not in missing:
+        if math.isnan(analysis.epsilon_c) and "the critical epsilon" not in missing:
             yield "no critical epsilon: there is none above which steady sliding is stable and just below which it is not"
         if self.physical and math.isnan(self.physical.critical_thickness) and "the critical thickness" not in missing:
             yield f"no critical thickness: steady sliding loses its stability at none {reach} the present one"
@@ -225,8 +225,8 @@ class StabilityResult(Result):
 def stability(source: SceneSource, options: _StabilityOptions) -> StabilityResult:
     """Stability of steady sliding from the slabs' impedance alone, for any scene and model. Raises SceneError for wrong input."""
     scene, model = options.scene_of(source), options.model
-    found = replace(analyse(scene, one_port_of(model)), model=DELAY.name if model == "auto" else model)
-    return StabilityResult(scene, found)
+    analysis = replace(analyse(scene, one_port_of(model)), model=DELAY.name if model == "auto" else model)
+    return StabilityResult(scene, analysis)
 
 
 def _has_own_faces(scene: Scene) -> bool:

@@ -126,29 +126,29 @@ class SweepResult(Result):
             }
             for axis in plan.axes
         ]
-        found: dict[str, Any] = {"scene": plan.base.name, "measure": plan.measure, "models": list(plan.models)}
-        found |= {"axes": axes, "set": dict(plan.scenes.sets), "folder": None if self.temporary else str(self.store.folder)}
+        facts: dict[str, Any] = {"scene": plan.base.name, "measure": plan.measure, "models": list(plan.models)}
+        facts |= {"axes": axes, "set": dict(plan.scenes.sets), "folder": None if self.temporary else str(self.store.folder)}
         if self.expected is not None:
-            return found | {"expected": self.expected}
+            return facts | {"expected": self.expected}
         status = [STATUS[number] for number in self._arrays["status"] if number >= 0]
         reasons = Counter(str(reason) for reason in self._arrays["reason"] if reason)
-        found |= {"points": plan.size, **{name: status.count(name) for name in STATUS}}
-        found["reasons"] = [{"reason": reason, "points": count} for reason, count in reasons.most_common(_SHOWN)]
-        found |= {"regimes": self._regimes(), "wall_s": self.wall_s, "computed_now": self.computed}
+        facts |= {"points": plan.size, **{name: status.count(name) for name in STATUS}}
+        facts["reasons"] = [{"reason": reason, "points": count} for reason, count in reasons.most_common(_SHOWN)]
+        facts |= {"regimes": self._regimes(), "wall_s": self.wall_s, "computed_now": self.computed}
         if self.audit is not None:
             divided, hidden = self.audit
-            found["audit"] = {"cells_divided": divided, "hidden": hidden, "share": hidden / max(divided, 1)}
-        return found
+            facts["audit"] = {"cells_divided": divided, "hidden": hidden, "share": hidden / max(divided, 1)}
+        return facts
 
     def _regimes(self) -> list[dict[str, Any]]:
         """Number of points by model and verdict."""
-        found = []
+        regimes = []
         for name, words in measure_of(self.plan.measure).words.items():
             values = np.reshape(self._arrays[name], (len(self.plan.models), -1))
             for model, row in zip(self.plan.models, values, strict=True):
                 counts = {word: int((row == number).sum()) for number, word in enumerate(words)}
-                found.append({"model": model, **{word: count for word, count in counts.items() if count}})
-        return found
+                regimes.append({"model": model, **{word: count for word, count in counts.items() if count}})
+        return regimes
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The axes, numbers of points by status, and reasons for points without figures."""

@@ -52,18 +52,18 @@ def figure_rows(
     return [*heading, "SI", f"{columns[1]} in SI"], [row + more for row, more in zip(rows, physical, strict=True)]
 
 
-def margins_in_words(found: RunStatistics, scene: Scene) -> list[str]:
+def margins_in_words(statistics: RunStatistics, scene: Scene) -> list[str]:
     """Lines with the intervals of the means of cycles that never repeat, and of the median of v_max; none if they do."""
-    if math.isnan(found.margins["period"]):
+    if math.isnan(statistics.margins["period"]):
         return []
-    period, drop, rate = (found.margins[name] for name in ("period", "stress_drop", "v_max_median"))
+    period, drop, rate = (statistics.margins[name] for name in ("period", "stress_drop", "v_max_median"))
     sizes = [shown_in(unit, scene)[0] for unit in ("transit", "normal stress")]
     seconds, pascals = (
         f" ({rounded(value * size, 3)} {unit})" if scene.units else ""
         for value, size, unit in zip((period, drop), sizes, ("s", "Pa"), strict=True)
     )
     known = f"period +- {rounded(period, 3)} transits{seconds}, stress drop +- {rounded(drop, 3)}{pascals}"
-    middle = f"the median of v_max is {rounded(found.v_max_median)} +- {rounded(rate, 3)} V*"
+    middle = f"the median of v_max is {rounded(statistics.v_max_median)} +- {rounded(rate, 3)} V*"
     return [f"the mean of an endless run lies within (95 %): {known}", middle]
 
 
@@ -172,13 +172,13 @@ def watched(scene: Scene, root: complex = 0j) -> float:
 def face_figures(scene: Scene, omega: float) -> list[dict[str, Any]]:
     """For each face that is not rigid: |R| at `omega`, R of fast waves with its sign, and the rate below which it is its spring;
     rates in V*/L, and in 1/s for a scene with units."""
-    found = []
+    rows = []
     for name, slab in ((name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid):
         reflections = {"reflection": _reflected(slab, omega), "fast_reflection": slab.fast_reflection}
         rates = {"omega": omega, "spring_rate": slab.termination.spring_rate}
         in_si = {f"{rate}_per_s": value / scene.units.time for rate, value in rates.items()} if scene.units else {}
-        found.append({"slab": name, "kind": _kind_of(slab.face), "omega": omega, **reflections, **rates, **in_si})
-    return found
+        rows.append({"slab": name, "kind": _kind_of(slab.face), "omega": omega, **reflections, **rates, **in_si})
+    return rows
 
 
 def _reflected(slab: Slab, omega: float) -> float:

@@ -55,8 +55,8 @@ def slip_events(time: Array, friction: Array, slip: Array | None = None) -> Slip
         means = _means(friction, together)
         least = FALL * float(np.ptp(means))
         if least > _ABOVE * noise_of(np.arange(means.size, dtype=float), means):
-            found = falls(means, least)
-            spans = _without_cut(found if slip is None else without_waves(found, _means(slip, together)), means)
+            drops = falls(means, least)
+            spans = _without_cut(drops if slip is None else without_waves(drops, _means(slip, together)), means)
             break
     first, last = np.array(spans, dtype=np.intp).reshape(-1, 2).T
     top, bottom = together * first, np.minimum(together * last + together, time.size) - 1
@@ -233,5 +233,5 @@ def _effect(samples: int, dates: Array, others: Array, cycles: Events, half: Eve
     moved, period = math.nan, math.nan
     if others.size == dates.size:
         moved, period = float(np.abs(others - dates).max()), abs(float(np.ptp(others) / np.ptp(dates)) - 1.0)
-    found = {"samples": samples, "dates": moved, "period": period, "stress_drop": drop, "v_max": v_max}
-    return found | {"apart": others.size - dates.size}
+    figures = {"samples": samples, "dates": moved, "period": period, "stress_drop": drop, "v_max": v_max}
+    return figures | {"apart": others.size - dates.size}

@@ -158,15 +158,15 @@ def _scales(label: str, scale: str | None, chosen: Mapping[str, int], text: "_Te
     """The factors of --scale and the units behind them, by quantity."""
     factors, units = dict[str, float](), dict[str, str]()
     for part in scale.split(",") if scale else ():
-        found = _SCALE.fullmatch(part)
-        if found is None or not math.isfinite(factor := float(found[2])) or factor == 0.0:
+        match = _SCALE.fullmatch(part)
+        if match is None or not math.isfinite(factor := float(match[2])) or factor == 0.0:
             raise SceneError(f"--scale = {shorten(part)}: must be COLUMN=FACTOR or COLUMN=FACTOR and a unit, as in disp=0.02mm")
-        key = name_of_quantity(found[1], "--scale")
+        key = name_of_quantity(match[1], "--scale")
         if key not in chosen:
             raise SceneError(f"--scale = {shorten(part)}: {label!r} has no column {key}; {text.there}")
         factors[key] = factor
-        if found[3].strip():
-            units[key] = found[3].strip()
+        if match[3].strip():
+            units[key] = match[3].strip()
     return factors, units
 
 
@@ -255,8 +255,8 @@ def _headings(label: str, text: _Text, columns: str | None) -> dict[int, Heading
         form = "--columns, as in time,friction,_ (_: not read)"
         raise SceneError(f"{label!r}: has no heading: name its {text.width} columns by {form}")
     below = dict(enumerate(text.units))
-    found = enumerate(map(heading, text.cells))
-    headings: dict[int, Heading] = {index: (key, below.get(index, unit) or unit) for index, (key, unit) in found}
+    cells = enumerate(map(heading, text.cells))
+    headings: dict[int, Heading] = {index: (key, below.get(index, unit) or unit) for index, (key, unit) in cells}
     plain = {re.sub("_2$", "", name.strip().lower()): index for index, name in enumerate(text.cells)}
     if SEAS.keys() <= plain.keys() and not any(unit for _, unit in headings.values()):
         headings |= {plain[name]: (headings[plain[name]][0], unit) for name, unit in SEAS.items()}

@@ -163,15 +163,15 @@ def figures_at(
 ) -> dict[str, Any]:
     """Figures of cycles as `variables`, each value in SI by the units of its own one of the `scenes`, which what is varied may
     change: `si_factor` is stated where it is the same for all."""
-    found = variables(dimension, columns, EVENTS, base)
+    stored = variables(dimension, columns, EVENTS, base)
     every = scenes() if base.units else []
     for name, values in columns.items() if base.units else ():
         sizes = [si_factor(EVENTS[name], scene) or math.nan for scene in every]
         twin = f"{name}_{IN_SI[EVENTS[name].unit][1]}"
-        found[twin] = (dimension, np.multiply(values, sizes), found[twin][2])
+        stored[twin] = (dimension, np.multiply(values, sizes), stored[twin][2])
         if len({*sizes}) > 1:
-            del found[name][2]["si_factor"]
-    return found
+            del stored[name][2]["si_factor"]
+    return stored
 
 
 def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) -> Dataset:

@@ -93,19 +93,19 @@ def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...
     """The free keys, and variables with their starts, among `words`, without nuisances. Raises SceneError for a key that the
     scene lacks or that is no number, for a repeated key, and for a variable without a start."""
     _, data = tables_of(scenes.base)
-    known, found = validate(data), list[Free]()
+    known, free = validate(data), list[Free]()
     for name, sign, start in (word.partition("=") for word in words if word not in NUISANCES):
         if name.strip() in scenes.variables:
-            found.append(_variable(name.strip(), start))
+            free.append(_variable(name.strip(), start))
         elif sign:
             raise SceneError(f"--free {name.strip()}: is no variable that a --set names; a key begins at its value in the scene")
         else:
-            found.append(_free(full_key(name.split("."), "", data), known, scenes.base))
-    names = [one.name for one in found]
+            free.append(_free(full_key(name.split("."), "", data), known, scenes.base))
+    names = [one.name for one in free]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
         raise SceneError(f"--free {twice}: is given more than once")
-    return tuple(found)
+    return tuple(free)
 
 
 def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[Free, ...]]:

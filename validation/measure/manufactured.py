@@ -107,12 +107,12 @@ class _GivenDrive(Drive):
 
     def exact(self, scene: Scene, times: Array) -> Array:
         """z, psi and mu at `times` (transits); shape (times, 3)."""
-        found = []
+        states = []
         for time in times.tolist():
             psi, _ = _state(self.motion, time)
             v, mu = _rate_and_stress(self.motion, time)
-            found.append((math.log(scene.velocity + v), scene.steady_psi + psi, scene.steady_stress + mu))
-        return np.array(found)
+            states.append((math.log(scene.velocity + v), scene.steady_psi + psi, scene.steady_stress + mu))
+        return np.array(states)
 
 
 def given_scene(unlike: bool) -> Scene:

@@ -30,7 +30,7 @@ _TURNS = (-1, 0, 1, 2)  # periods of an orbit, of which a cycle needs some
 def own_orbit(model: str, scene: Scene, tolerance: float = 1e-10, cells: int | None = None) -> PeriodicOrbit:
     """The orbit of `model` that its run from the start of `scene` comes near to, by Newton's method, with relative errors of the
     figures below `tolerance`. Raises NumericsError if there is none."""
-    return find_orbit(model, scene, tolerance, cells).found
+    return find_orbit(model, scene, tolerance, cells).periodic
 
 
 @cache

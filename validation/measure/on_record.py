@@ -41,17 +41,17 @@ def on_record(model: str, scene: str) -> Regime | None:
 @cache
 def special_points() -> dict[str, tuple[KnownPoint, ...]]:
     """The words that give a scene in a command -> the special points on record of the delay system's branch, in its order."""
-    found: dict[str, tuple[KnownPoint, ...]] = {}
+    points: dict[str, tuple[KnownPoint, ...]] = {}
     for row in _rows(SPECIAL_POINTS):
         point = KnownPoint(row["kind"], float(row["log10_r"]), float(row["period"]))
-        found[row["scene"]] = (*found.get(row["scene"], ()), point)
-    return found
+        points[row["scene"]] = (*points.get(row["scene"], ()), point)
+    return points
 
 
 def branch_points(words: str, ends: tuple[float, float], **options: Any) -> list[KnownPoint]:
     """The special points of the delay system's branch between two log10 r, with `options` of `slipwave.branch`."""
-    found = sw.branch(scene_of(words), {"log10_r": ends}, model="delay", **options).summary["special"]
-    return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in found]
+    special = sw.branch(scene_of(words), {"log10_r": ends}, model="delay", **options).summary["special"]
+    return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in special]
 
 
 def first_point(kind: str, words: str) -> KnownPoint:

@@ -113,12 +113,12 @@ def _regress(x: Array, y: Array, start: int) -> Fit:
     def line(*terms: Array) -> tuple[float, float]:
         """The coefficient of the second of these terms, rows, in y, and the half-width of its 95 % interval."""
         matrix = np.stack(terms, axis=1)
-        found = np.linalg.lstsq(matrix, y, rcond=None)[0]
-        residual, free = y - matrix @ found, x.size - len(terms)
+        coefficients = np.linalg.lstsq(matrix, y, rcond=None)[0]
+        residual, free = y - matrix @ coefficients, x.size - len(terms)
         if free < 1:
-            return float(found[1]), math.inf
+            return float(coefficients[1]), math.inf
         variance = residual @ residual / free * np.linalg.inv(matrix.T @ matrix)[1, 1]
-        return float(found[1]), float(stdtrit(free, 0.975) * np.sqrt(variance))
+        return float(coefficients[1]), float(stdtrit(free, 0.975) * np.sqrt(variance))
 
     slope, half_width = line(np.ones_like(x), x)
     limit, limit_half_width = line(np.ones_like(x), x, np.exp(x[0] - x))

@@ -67,12 +67,12 @@ def measure(solver: Solver, run: LadderRun) -> Measured:
 
 def errors(ours: Measured, reference: Measured) -> dict[str, float]:
     """Relative root-mean-square error of every quantity; infinite for outputs of a run with another number of cycles."""
-    found = {}
+    distances = {}
     for name in OUTPUTS:
         alike = ours[name].shape == reference[name].shape
-        found[name] = _mean_square(ours[name] / reference[name] - 1.0) if alike else np.inf
-    found["state"] = _mean_square((ours["state"] - reference["state"]) / np.ptp(reference["state"], axis=0))
-    return found
+        distances[name] = _mean_square(ours[name] / reference[name] - 1.0) if alike else np.inf
+    distances["state"] = _mean_square((ours["state"] - reference["state"]) / np.ptp(reference["state"], axis=0))
+    return distances
 
 
 def _mean_square(values: Array) -> float:
@@ -96,7 +96,9 @@ class Climb:
         first = int(coarse[-1]) + 1 if coarse.size else 0
         every = every[:, : int(np.cumprod((every > floor).all(axis=0)).sum())]
         together = fit_dense(self.cells, np.exp(np.log(every).mean(axis=0)), first)
-        return {name: fit_dense(self.cells, found, first, floor) for name, found in self.errors.items()} | {"together": together}
+        return {name: fit_dense(self.cells, errors, first, floor) for name, errors in self.errors.items()} | {
+            "together": together
+        }
 
     @property
     def lost(self) -> str:
@@ -117,7 +119,7 @@ class Climb:
         if self.lost:
             return [f"together: {self.lost}"]
         slack = self.ladder.run.slack
-        complaints = {name: self._misses(found, 0.0, slack) for name, found in self.fits.items()}
+        complaints = {name: self._misses(fit, 0.0, slack) for name, fit in self.fits.items()}
         together = self.fits["together"]
         complaints["together"] = self._misses(together, together.half_width, ALMOST) or self._unknown(together)
         return [f"{name}: {complaint}" for name, complaint in complaints.items() if complaint]
@@ -126,26 +128,26 @@ class Climb:
     def against_promise(self) -> tuple[str, float, float]:
         """(text of the required order of all outputs together, distance from it, allowed distance); for a scheme whose local
         orders rise to the promised one, of the order to which they lead."""
-        found = self.fits["together"]
-        order, allowed = found.order, max(found.half_width, ALMOST)
-        if order + allowed < self._promised and found.leads_to(self._promised):
-            order, allowed = found.limit, TREND
+        fit = self.fits["together"]
+        order, allowed = fit.order, max(fit.half_width, ALMOST)
+        if order + allowed < self._promised and fit.leads_to(self._promised):
+            order, allowed = fit.limit, TREND
         return *asked(order, self._promised, allowed, not self._exact), allowed
 
-    def _misses(self, found: Fit, half_width: float, slack: float) -> str:
+    def _misses(self, fit: Fit, half_width: float, slack: float) -> str:
         """Whether the order within +- `half_width` misses the promised one by more than `slack`, or the errors are large."""
         allowed = max(half_width, slack)
-        short = found.order + allowed < self._promised and not found.leads_to(self._promised)
-        if short or (self._exact and found.order - allowed > self._promised):
-            return f"promised {self._promised:g}, observed {found}"
-        if found.finest_error > self.ladder.finest:
-            return f"finest error {found.finest_error:.1e}, not below {self.ladder.finest:.0e}"
+        short = fit.order + allowed < self._promised and not fit.leads_to(self._promised)
+        if short or (self._exact and fit.order - allowed > self._promised):
+            return f"promised {self._promised:g}, observed {fit}"
+        if fit.finest_error > self.ladder.finest:
+            return f"finest error {fit.finest_error:.1e}, not below {self.ladder.finest:.0e}"
         return ""
 
-    def _unknown(self, found: Fit) -> str:
-        low, high = found.order - found.half_width, found.order + found.half_width
+    def _unknown(self, fit: Fit) -> str:
+        low, high = fit.order - fit.half_width, fit.order + fit.half_width
         vague = low < self._promised - KNOWN or (self._exact and high > self._promised + KNOWN)
-        return f"interval too wide to tell: {found}" if vague else ""
+        return f"interval too wide to tell: {fit}" if vague else ""
 
     @property
     def _exact(self) -> bool:
@@ -167,8 +169,8 @@ def climb(ladder: GridLadder, reference: Measured, make: Maker) -> Climb:
             continue
         if rows[cells]["state"] < ladder.run.floor:
             break
-    found = {name: np.array([row[name] for row in rows.values()]) for name in QUANTITIES}
-    return Climb(ladder, np.array([*rows], dtype=float), found)
+    by_quantity = {name: np.array([row[name] for row in rows.values()]) for name in QUANTITIES}
+    return Climb(ladder, np.array([*rows], dtype=float), by_quantity)
 
 
 def climb_of(model: str) -> Climb:

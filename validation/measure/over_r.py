@@ -58,14 +58,14 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
     (`Control`)."""
     branch = FollowedBranch(_paper_over_r(), model, tolerance)
     end = branch.begin()
-    points, found = [end.point], list[Special]()
+    points, specials = [end.point], list[Special]()
     goes_on, steps = lambda point: point.parameter < highest and point.closed.cycle.period < longest, Control(longest=most)
     for step in branch.steps(end, goes_on, steps):
         points += [*(special.point for special in step.special), step.point]
-        found += step.special
+        specials += step.special
     born = branch.special[0]
     onset = Onset(born.value, born.period, born.unstable_before or 0, born.unstable_after or 0)
-    return Branch(model, onset, tuple(points), tuple(found))
+    return Branch(model, onset, tuple(points), tuple(specials))
 
 
 @cache

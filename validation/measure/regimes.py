@@ -71,11 +71,11 @@ def _figures(of: Orbit) -> dict[str, Estimate]:
 def _figures_of(run: Run) -> dict[str, Estimate]:
     """Figures of the second half of a run: of cycles that never repeat means and a median; of others, whose error is the change
     until the last period, means and the largest slip rate."""
-    found, events = run.statistics, (run.verdict.multiplicity if run.verdict else None) or 1
-    values, margins = [found.period.mean, found.stress_drop.mean, found.v_max], found.margins
+    statistics, events = run.statistics, (run.verdict.multiplicity if run.verdict else None) or 1
+    values, margins = [statistics.period.mean, statistics.stress_drop.mean, statistics.v_max], statistics.margins
     if not math.isnan(margins["period"]):
         errors = [0.5 * margins[name] for name in ("period", "stress_drop", "v_max_median")]
-        return dict(zip(FIGURES, map(Estimate, [*values[:2], found.v_max_median], errors), strict=True))
+        return dict(zip(FIGURES, map(Estimate, [*values[:2], statistics.v_max_median], errors), strict=True))
     columns = [getattr(run.events, name)[-events:] for name in FIGURES.values()]
     last = [float(columns[0].mean()), float(columns[1].mean()), float(columns[2].max())]
     return {symbol: Estimate(value, abs(value - late)) for symbol, value, late in zip(FIGURES, values, last, strict=True)}
@@ -84,7 +84,7 @@ def _figures_of(run: Run) -> dict[str, Estimate]:
 def _own_figures(model: str, scene: Scene, tolerance: float, cells: int | None) -> dict[str, Estimate]:
     """Figures of the model's orbit, none if it is unstable: a run cannot have come near it."""
     try:
-        found = own_orbit(model, scene, tolerance, cells)
+        own = own_orbit(model, scene, tolerance, cells)
     except NumericsError:
         return {}
-    return {} if found.multipliers.stable is False else _figures(found.orbit)
+    return {} if own.multipliers.stable is False else _figures(own.orbit)

@@ -18,7 +18,7 @@ from slipwave.scene import Scene
 from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.followed import ends_of
-from validation.models.orbits import OrbitFound, find_orbit, most_transits, moving, orbits_near, refined_orbit
+from validation.models.orbits import SceneOrbit, find_orbit, most_transits, moving, orbits_near, refined_orbit
 from validation.models.parameter import Over, Variation
 from validation.models.points import StopAt
 from validation.models.progress import log
@@ -41,7 +41,7 @@ _FAR = 2e-3  # relative distance from the period that was asked for, of which a 
 
 def orbit_at_scene(
     model: str, scene: Scene, tolerance: float, cells: int | None = None, near: float | None = None, others: bool = False
-) -> OrbitFound:
+) -> SceneOrbit:
     """The orbit with the period nearest to `near` (transits), if given; else the orbit that the scene's own start leads to or
     comes near to, with the `others` of the primary branch if requested; else one of the primary branch, a stable one if there is
     any.
@@ -50,25 +50,31 @@ def orbit_at_scene(
     if near is not None:
         return _nearest(model, scene, tolerance, cells, near)
     try:
-        found = find_orbit(model, scene, tolerance, cells)
+        scene_orbit = find_orbit(model, scene, tolerance, cells)
     except NumericsError as reason:
         log.info("no orbit where the run of scene %r leads; following the branch from its onset may take minutes", scene.name)
         known, searched = _primary(model, scene, cells, math.inf, str(reason))
         return _chosen(min(known, key=count_unstable), known, scene, tolerance, _FROM_BRANCH, searched)
-    return _with_others(found, model, cells) if others else found if found.source else replace(found, searched=_MAY_BE)
+    return (
+        _with_others(scene_orbit, model, cells)
+        if others
+        else scene_orbit
+        if scene_orbit.source
+        else replace(scene_orbit, searched=_MAY_BE)
+    )
 
 
-def _with_others(found: OrbitFound, model: str, cells: int | None) -> OrbitFound:
-    """`found` with the other orbits of the primary branch."""
+def _with_others(scene_orbit: SceneOrbit, model: str, cells: int | None) -> SceneOrbit:
+    """`scene_orbit` with the other orbits of the primary branch."""
     try:
-        known, searched = _primary(model, found.scene, cells, math.inf)
+        known, searched = _primary(model, scene_orbit.scene, cells, math.inf)
     except NumericsError as reason:
-        return replace(found, searched=f"no other orbit was found: {reason}")
-    others = [one for one in known if not _same(one, found.found.closed)]
-    return replace(found, others=tuple(map(_in_words, others)), searched=searched)
+        return replace(scene_orbit, searched=f"no other orbit was found: {reason}")
+    others = [one for one in known if not _same(one, scene_orbit.periodic.closed)]
+    return replace(scene_orbit, others=tuple(map(_in_words, others)), searched=searched)
 
 
-def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> OrbitFound:
+def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near: float) -> SceneOrbit:
     """The orbit with the period nearest to `near` among the run's own and those of the primary branch; if that branch has none
     with this number of cycles, or does not reach so far, also among the close returns of the scene's own motion."""
     known, searched, own, failed = list[Closed](), "", None, None
@@ -83,8 +89,8 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
         except NumericsError as reason:
             failed = reason
     # the run's own as it was found by the search for others, if it was
-    if own is not None and not any(_same(one, own.found.closed) for one, _ in candidates):
-        candidates.append((own.found.closed, own.source))
+    if own is not None and not any(_same(one, own.periodic.closed) for one, _ in candidates):
+        candidates.append((own.periodic.closed, own.source))
     if failed is not None and not candidates:
         raise failed
     nearest, source = min(candidates, key=lambda known: abs(known[0].cycle.period - near))
@@ -93,10 +99,10 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
     return _chosen(nearest, [one for one, _ in candidates], scene, tolerance, source, searched)
 
 
-def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> OrbitFound:
+def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> SceneOrbit:
     """The orbit `one` of those `known`, refined to the tolerance; the others are listed with it."""
-    found = refined_orbit(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
-    return OrbitFound(found, tolerance, source, tuple(_in_words(orbit) for orbit in known if orbit is not one), searched)
+    periodic = refined_orbit(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
+    return SceneOrbit(periodic, tolerance, source, tuple(_in_words(orbit) for orbit in known if orbit is not one), searched)
 
 
 def _same(one: Closed, other: Closed) -> bool:

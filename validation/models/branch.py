@@ -129,10 +129,10 @@ class FollowedBranch:
         over, port = self.over, one_port_of(self.model)
         if self.doubled:
             return self._from_doubling()
-        found = sorted(onsets(over.scene_at, *over.ends, port), key=lambda onset: abs(onset.parameter - over.first))
-        if not found:
+        hopf_points = sorted(onsets(over.scene_at, *over.ends, port), key=lambda onset: abs(onset.parameter - over.first))
+        if not hopf_points:
             return self._from_orbit(port)
-        own, *others = found
+        own, *others = hopf_points
         self.special.append(self._hopf(own))
         self.notes.extend(
             f"another Hopf point lies at {over.name} = {other.parameter:.10g}, period {other.period:.6g}; this branch is that of "
@@ -196,12 +196,12 @@ class FollowedBranch:
     def named(self) -> dict[str, int]:
         """Name of each special point within the range, as NS2 for the second torus point, and its index."""
         count: Counter[str] = Counter()
-        found = {}
+        indices = {}
         for index, special in enumerate(self.special):
             if self.over.holds(special.value):
                 count[special.kind] += 1
-                found[f"{special.kind}{count[special.kind]}"] = index
-        return found
+                indices[f"{special.kind}{count[special.kind]}"] = index
+        return indices
 
     def special_at(self, index: int) -> Special:
         """A special point, but for a Hopf point, with its orbit. Raises NumericsError if that does not close again."""
@@ -250,9 +250,9 @@ class FollowedBranch:
         flow = self.family_at(value, 1.0)(value)
         if flow.size != flow.of(over.scene_at(beside)).size:  # at the value alone slabs are one pair
             value = beside
-        found = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).found.closed
-        found = closed_between(found, self._end_scenes)
-        return self._first(from_orbit(FlowFamily(found.flow, over.scene_at), found, value, other, metric), metric)
+        closed = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).periodic.closed
+        closed = closed_between(closed, self._end_scenes)
+        return self._first(from_orbit(FlowFamily(closed.flow, over.scene_at), closed, value, other, metric), metric)
 
     def _from_doubling(self) -> _BranchEnd:
         """The first orbit of twice the period, at the first period doubling of the scene's own branch in the range."""

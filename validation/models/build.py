@@ -54,14 +54,14 @@ def build_all(models: str, scene: Scene, **options: Unpack[Options]) -> list[Sol
     repeated = [name for name in names if names.count(name) > 1]
     if repeated:
         raise SceneError(f"models = {models!r}: {repeated[0]} is named more than once")
-    found = [parse(name)[0] for name in names]
+    families = [parse(name)[0] for name in names]
     known = given(options, *OPTIONS)
     for option, value in known.items():
-        if not any(option in family.options for family in found):
+        if not any(option in family.options for family in families):
             raise SceneError(f"{option} = {value}: none of the models {models} takes it")
     return [
         build(name, scene, **{option: value for option, value in known.items() if _takes(family, option, known)})
-        for name, family in zip(names, found, strict=True)
+        for name, family in zip(names, families, strict=True)
     ]
 
 

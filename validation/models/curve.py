@@ -67,13 +67,13 @@ class Curve:
         boundary of stability of steady sliding, those of the curve through `start` if given. Raises NumericsError if there is
         none."""
         if self.kind == "HB":
-            for found in self._boundaries():
-                for end in found.vanishing:
-                    at = f"{self.over.name} = {found.first[end]:.6g}, {self.second.name} = {found.second[end]:.6g}"
+            for line in self._boundaries():
+                for end in line.vanishing:
+                    at = f"{self.over.name} = {line.first[end]:.6g}, {self.second.name} = {line.second[end]:.6g}"
                     self.notes.append(
                         f"the curve ends where its period grows without bound, near {at}; a single root crosses there"
                     )
-                columns = (column.tolist() for column in (found.first, found.second, found.omega, found.growing))
+                columns = (column.tolist() for column in (line.first, line.second, line.omega, line.growing))
                 for first, second, omega, others in zip(*columns, strict=True):
                     if self._holds(first, second):
                         scene = self._scene_at(first, second)
@@ -160,12 +160,12 @@ class Curve:
 
     def _boundaries(self) -> list[Boundary]:
         """The boundaries of stability in the rectangle; of these only the one that passes nearest to `start`, if given."""
-        found = boundary(self._scene_at, one_port_of(self.model), (self.over.ends, self.second.ends))
-        if self.start is None or not found:
-            return found
+        boundaries = boundary(self._scene_at, one_port_of(self.model), (self.over.ends, self.second.ends))
+        if self.start is None or not boundaries:
+            return boundaries
         own = self.plane.at((self.start[0].special[self.start[1]].value, self.second.first))
         scale = self.plane.scale
-        return [min(found, key=lambda one: float(np.abs(one.first / scale[0] + 1j * one.second / scale[1] - own).min()))]
+        return [min(boundaries, key=lambda one: float(np.abs(one.first / scale[0] + 1j * one.second / scale[1] - own).min()))]
 
     def _holds(self, first: float, second: float) -> bool:
         return self.over.holds(first) and self.second.holds(second)

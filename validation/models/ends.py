@@ -55,13 +55,13 @@ class SpecialEnds:
                 f"--ends {shorten(text)}: must be KEY=VALUE,VALUE,... of two values or more, as in face.coefficient=1,0.99"
             )
         pairs = [over_ranges({"--over": over, "--ends": f"{key}={words[0]}:{word}"}, source) for word in words[1:]]
-        found = [pairs[0][1].first, *(second.last for _, second in pairs)]
-        if not all(np.diff(found) > 0.0) and not all(np.diff(found) < 0.0):
+        seconds = [pairs[0][1].first, *(second.last for _, second in pairs)]
+        if not all(np.diff(seconds) > 0.0) and not all(np.diff(seconds) < 0.0):
             raise SceneError(f"--ends {shorten(text)}: values must rise or fall throughout")
         first, second = pairs[-1]
         if first.quantity == second.quantity:
             raise SceneError(f"--ends {shorten(text)}: must be another parameter than --over")
-        return first.beside(second, found[0]), cls(second, tuple(found))
+        return first.beside(second, seconds[0]), cls(second, tuple(seconds))
 
     def extreme(self, kind: str) -> CurveEnd:
         """Of all curves of the kind, that which leads farthest; without an extreme if one of them has none."""
@@ -126,8 +126,8 @@ class SpecialEnds:
             width = top.bracket * abs(self.second.last - self.second.first) / abs(curve.over.last - curve.over.first)
             return top.second, top.first, top.period, width
         reached, later = (trail[best - 1], trail[min(best + 1, len(trail) - 1)]) if best else (trail[0], trail[1])
-        found, width = turn(curve.plane, reached, trail[best], later, self.second.sign, curve.tolerance)
-        return found.parameters[1], found.parameters[0], found.special.point.closed.cycle.period, width
+        extremum, width = turn(curve.plane, reached, trail[best], later, self.second.sign, curve.tolerance)
+        return extremum.parameters[1], extremum.parameters[0], extremum.special.point.closed.cycle.period, width
 
     def of_hopf(self, curve: Curve, name: str) -> CurveEnd:
         """The curve of Hopf points that was begun, through the point `name`."""
@@ -147,11 +147,13 @@ class SpecialEnds:
 
         def onset(first: float) -> Onset:
             """The Hopf point of the curve over the second parameter at this `first` one."""
-            found = onsets(lambda second: curve.plane.scene_at(first, second), *around, one_port_of(curve.model))
-            return min(found, key=lambda one: abs(one.parameter - near[1].second))
+            hopf_points = onsets(lambda second: curve.plane.scene_at(first, second), *around, one_port_of(curve.model))
+            return min(hopf_points, key=lambda one: abs(one.parameter - near[1].second))
 
-        found = minimize_scalar(lambda first: -self.second.sign * onset(first).parameter, bracket=(low, middle, high), tol=_TURN)
-        second, period, *_ = onset(first := float(found.x))
+        minimum = minimize_scalar(
+            lambda first: -self.second.sign * onset(first).parameter, bracket=(low, middle, high), tol=_TURN
+        )
+        second, period, *_ = onset(first := float(minimum.x))
         return CurveEnd((name,), second, first, period, abs(second - onset(first + _TURN * (high - low)).parameter))
 
     def _progress(self, second: float) -> float:

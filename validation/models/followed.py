@@ -35,52 +35,52 @@ Followed: TypeAlias = FollowedBranch | Curve
 
 
 def pursue(
-    found: Followed, limits: StopAt, file: Path | None, resume: Path | None, origin: Mapping[str, Any]
+    followed: Followed, limits: StopAt, file: Path | None, resume: Path | None, origin: Mapping[str, Any]
 ) -> tuple[End | None, str, bool]:
-    """Fill an empty `found`, from its beginning or from a file to `resume`, within the limits; write `file`, if given, after each
-    point. The end from which it continues, or None; the reason of an early end, or empty; whether the user stopped it. Raises
-    SceneError if a file cannot be written, and for a file to resume that cannot be read or has other `facts`."""
+    """Fill an empty `followed`, from its beginning or from a file to `resume`, within the limits; write `file`, if given, after
+    each point. The end from which it continues, or None; the reason of an early end, or empty; whether the user stopped it.
+    Raises SceneError if a file cannot be written, and for a file to resume that cannot be read or has other `facts`."""
     end, failed, stopped = None, "", False
     try:
-        for end in ends_of(found, limits, resume):
+        for end in ends_of(followed, limits, resume):
             if file is not None:
-                write_followed(file, found, end, False, origin)
+                write_followed(file, followed, end, False, origin)
         if file is not None and end is not None:
-            write_followed(file, found, end, True, origin)
+            write_followed(file, followed, end, True, origin)
     except NumericsError as error:
         failed = str(error)
     except KeyboardInterrupt:
-        failed, stopped = f"interrupted after {len(found.points)} points", True
+        failed, stopped = f"interrupted after {len(followed.points)} points", True
     return end, failed, stopped
 
 
-def ends_of(found: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:
-    """Fill `found` with progress, yielding its end after each point. Raises NumericsError where it cannot be followed."""
+def ends_of(followed: Followed, limits: StopAt, resume: Path | None = None) -> Iterator[End]:
+    """Fill `followed` with progress, yielding its end after each point. Raises NumericsError where it cannot be followed."""
     try:
-        end: End = found.begin() if resume is None else _read_followed(resume, found)
-        if end is None and len(found.points) > limits.points:  # Hopf points are found all at once
-            del found.points[limits.points :]
-            found.notes.append(f"stopped after {limits.points} points: --most-points goes further")
+        end: End = followed.begin() if resume is None else _read_followed(resume, followed)
+        if end is None and len(followed.points) > limits.points:  # Hopf points are found all at once
+            del followed.points[limits.points :]
+            followed.notes.append(f"stopped after {limits.points} points: --most-points goes further")
         if end is not None:
             yield end
-            with progress(f"{found.over.base.name}, {found.model}, points of the {found.what}", limits.points) as report:
-                for later in found.follow(end, limits):
+            with progress(f"{followed.over.base.name}, {followed.model}, points of the {followed.what}", limits.points) as report:
+                for later in followed.follow(end, limits):
                     yield later
-                    report(len(found.points))
+                    report(len(followed.points))
     except NumericsError as error:  # the continuation knows no name of its parameter
-        raise NumericsError(str(error).replace("parameter = ", f"{found.over.name} = ")) from None
+        raise NumericsError(str(error).replace("parameter = ", f"{followed.over.name} = ")) from None
 
 
-def write_followed(path: Path, found: Followed, end: End, complete: bool, origin: Mapping[str, Any]) -> None:
-    """Write `found` and its `end`, with the attributes `origin`. Raises SceneError if the file cannot be written."""
+def write_followed(path: Path, followed: Followed, end: End, complete: bool, origin: Mapping[str, Any]) -> None:
+    """Write `followed` and its `end`, with the attributes `origin`. Raises SceneError if the file cannot be written."""
     from netCDF4 import Dataset
 
-    facts = json.dumps(found.facts | {"tolerance": found.tolerance})
+    facts = json.dumps(followed.facts | {"tolerance": followed.tolerance})
     with whole_or_absent(path) as temporary, Dataset(temporary, "w") as file:
-        file.setncatts({**origin, "complete": int(complete), "facts": facts, "notes": json.dumps(found.notes)})
-        for kind, (record, rows) in found.tables.items():
-            _write_table(file, kind, record._fields, rows, found)
-        for name, state in found.saved(end).items():
+        file.setncatts({**origin, "complete": int(complete), "facts": facts, "notes": json.dumps(followed.notes)})
+        for kind, (record, rows) in followed.tables.items():
+            _write_table(file, kind, record._fields, rows, followed)
+        for name, state in followed.saved(end).items():
             _write_arrays(file.createGroup(name), state)
         file.setncattr("contents", _digest(file))
 
@@ -92,40 +92,40 @@ def read_branch(path: Path, option: str) -> FollowedBranch:
     text = str(given.get("over"))
     over = over_range(text, scenes_with(read(stored.tables), names_of(text), given.get("set", {})), option)
     doubled, tolerance = given.get("switch") == "PD", float(given.get("tol") or BRANCH_TOLERANCE)
-    found = FollowedBranch(over, stored.model, tolerance, given.get("cells"), doubled)
-    _read_followed(path, found, option)
-    return found
+    followed = FollowedBranch(over, stored.model, tolerance, given.get("cells"), doubled)
+    _read_followed(path, followed, option)
+    return followed
 
 
-def _read_followed(path: Path, found: Followed, option: str = "--resume") -> End:
-    """Fill an empty `found` from the file, without notes on its end; returns its end. The tolerance may differ: the mesh is
+def _read_followed(path: Path, followed: Followed, option: str = "--resume") -> End:
+    """Fill an empty `followed` from the file, without notes on its end; returns its end. The tolerance may differ: the mesh is
     refined at the next point if necessary. Raises SceneError if the file cannot be read, or has other `facts`."""
     from netCDF4 import Dataset
 
     try:
         with ONE_THREAD, Dataset(path) as file:
             facts = json.loads(file.getncattr("facts"))
-            for name, value in json.loads(json.dumps(found.facts)).items():
+            for name, value in json.loads(json.dumps(followed.facts)).items():
                 if facts.get(name) != value:
-                    differs = f"{name} is {facts.get(name)!r}; this {found.what} has {value!r}"
+                    differs = f"{name} is {facts.get(name)!r}; this {followed.what} has {value!r}"
                     anew = "; without --resume it begins anew" if option == "--resume" else ""
                     raise SceneError(f"{option} {str(path)!r}: {differs}{anew}")
             if file.getncattr("contents") != _digest(file):
                 raise ValueError("its contents have changed since it was written")
-            for kind, (record, rows) in found.tables.items():
+            for kind, (record, rows) in followed.tables.items():
                 rows.extend(record._make(row) for row in _read_table(file, kind, record._fields))
             notes = json.loads(file.getncattr("notes"))
             saved = {name: {key: np.asarray(v[:]) for key, v in group.variables.items()} for name, group in file.groups.items()}
-            before, last = float(facts["tolerance"]), float(found.points[-1][0])
+            before, last = float(facts["tolerance"]), float(followed.points[-1][0])
     except SceneError:
         raise
     except (OSError, LookupError, ValueError, TypeError, RuntimeError, AttributeError) as error:
-        raise SceneError(f"{option} {str(path)!r}: is no file of a {found.what}, or damaged: {reason_of(error)}") from None
-    found.notes.extend(note for note in notes if not note.startswith(("stopped ", f"the {found.what} leaves ")))
-    if before != found.tolerance:
-        until = f"up to {found.over.name} = {last:.10g}, {len(found.points)} in all"
-        found.notes.append(f"points {until}, were computed with tol = {before:g}, those after it with {found.tolerance:g}")
-    return found.restored(saved)
+        raise SceneError(f"{option} {str(path)!r}: is no file of a {followed.what}, or damaged: {reason_of(error)}") from None
+    followed.notes.extend(note for note in notes if not note.startswith(("stopped ", f"the {followed.what} leaves ")))
+    if before != followed.tolerance:
+        until = f"up to {followed.over.name} = {last:.10g}, {len(followed.points)} in all"
+        followed.notes.append(f"points {until}, were computed with tol = {before:g}, those after it with {followed.tolerance:g}")
+    return followed.restored(saved)
 
 
 def _digest(file: "Dataset") -> str:
@@ -139,23 +139,23 @@ def _digest(file: "Dataset") -> str:
     return digest.hexdigest()
 
 
-def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], found: Followed) -> None:
+def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], followed: Followed) -> None:
     """One variable of the dimension `kind` for each column."""
     file.createDimension(kind, len(rows))
     for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
         text = name == "kind"
         variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
         variable[:] = np.array([_UNCOUNTED if one is None else one for one in column], dtype=object if text else float)
-        variable.setncatts({"long_name": "kind"} if text else _notes(name, found))
+        variable.setncatts({"long_name": "kind"} if text else _notes(name, followed))
 
 
-def _notes(name: str, found: Followed) -> dict[str, Any]:
+def _notes(name: str, followed: Followed) -> dict[str, Any]:
     """Attributes of a column of numbers, without sizes of units in SI, which may change from point to point."""
-    if name in found.varied:
-        return {"long_name": found.varied[name].name, "units": found.varied[name].si_unit or "1"}
+    if name in followed.varied:
+        return {"long_name": followed.varied[name].name, "units": followed.varied[name].si_unit or "1"}
     if name not in EVENTS:
         return {"long_name": name.replace("_", " "), "units": "1"}
-    return {key: note for key, note in attributes(EVENTS[name], found.over.base).items() if key != "si_factor"}
+    return {key: note for key, note in attributes(EVENTS[name], followed.over.base).items() if key != "si_factor"}
 
 
 def _read_table(file: "Dataset", kind: str, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:

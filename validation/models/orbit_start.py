@@ -131,7 +131,7 @@ def _by_newton(solver: Solver) -> float:
     """Set `solver` onto its orbit between two slip events; returns the date (transits, its own clock) of the next event."""
     cells = solver.cells if isinstance(solver, FieldSolver) else None
     try:
-        closed = find_orbit(solver.model, solver.scene, _TOLERANCE, cells).found.closed
+        closed = find_orbit(solver.model, solver.scene, _TOLERANCE, cells).periodic.closed
     except NumericsError as reason:
         raise NumericsError(f"start.kind = 'orbit': {reason}") from None
     solver.restore(state_on(solver, closed))

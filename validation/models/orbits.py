@@ -27,11 +27,11 @@ _SAME = 1e-6  # relative difference of two periods on one mesh that count as one
 
 
 @dataclass(frozen=True)
-class OrbitFound:
-    """The orbit `found` to `tolerance`; `source`, its origin if not a settled run; the periods and stability, in words, of
-    `others` found with it; `searched`, a text on how far others were searched for."""
+class SceneOrbit:
+    """The `periodic` orbit of a scene, computed to `tolerance`; `source`, its origin if not a settled run; the periods and
+    stability, in words, of `others` found with it; `searched`, a text on how far others were searched for."""
 
-    found: PeriodicOrbit
+    periodic: PeriodicOrbit
     tolerance: float
     source: str = ""
     others: tuple[str, ...] = ()
@@ -40,7 +40,7 @@ class OrbitFound:
     @property
     def flow(self) -> Flow:
         """The flow on the mesh of the orbit."""
-        return self.found.closed.flow
+        return self.periodic.closed.flow
 
     @property
     def scene(self) -> Scene:
@@ -53,7 +53,7 @@ class OrbitFound:
         coarse = f"the requested error of {self.tolerance:g} was not reached on the finest mesh: see error_estimate"
         periods = ", ".join(self.others)
         others = f"other orbits of this scene have the periods {periods}: --near-period finds one of them"
-        settled, reason = self.found.settled, self.found.multipliers.reason
+        settled, reason = self.periodic.settled, self.periodic.multipliers.reason
         notes = [reason, "" if settled else coarse, self.source, others if self.others else "", self.searched]
         return [note for note in notes if note]
 
@@ -95,13 +95,13 @@ def moving(model: str, scene: Scene, cells: int | None = None) -> FlowingSolver:
     return cast(FlowingSolver, make(*asked).solver)
 
 
-def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> OrbitFound:
+def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = None) -> SceneOrbit:
     """The orbit of `model` that the scene's own start leads to, or comes near to. Raises NumericsError if there is none."""
     solver, failed, news = moving(model, scene, cells), None, News()
     for guess in _guesses(solver, tolerance):
         try:
             source = "" if guess.settled else f"found from a run of {solver.time:.0f} transits that had not settled: {_CHANGING}"
-            return OrbitFound(refined_orbit(solver.scene, guess, tolerance), tolerance, source)
+            return SceneOrbit(refined_orbit(solver.scene, guess, tolerance), tolerance, source)
         except NumericsError as reason:
             failed = failed or reason
             news("no orbit of scene %r at t = %.0f of its run; looking on", scene.name, solver.time)
@@ -112,7 +112,7 @@ def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = N
 def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[Closed]:
     """The orbits near the closest returns of the scene's motion after about `period` (transits), on the mesh of `solver`. Raises
     NumericsError if there are none."""
-    found: list[Closed] = []
+    orbits: list[Closed] = []
     failed = NumericsError(f"{solver.model}: the run does not come back to its state after about {period:g} transits")
     for guess in _guesses(solver, tolerance, period):
         try:
@@ -120,12 +120,12 @@ def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[
         except NumericsError as reason:
             failed = reason
             continue
-        known = any(abs(one.cycle.period / other.cycle.period - 1.0) < _SAME for other in found)
+        known = any(abs(one.cycle.period / other.cycle.period - 1.0) < _SAME for other in orbits)
         if not known and not repeats_sooner(one, guess.cycles):
-            found.append(one)
-    if not found:
+            orbits.append(one)
+    if not orbits:
         raise failed
-    return found
+    return orbits
 
 
 def _guesses(solver: FlowingSolver, tolerance: float, near: float | None = None) -> Iterator[Guess]:

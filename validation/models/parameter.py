@@ -167,12 +167,12 @@ class Variation:
 
     def key_of(self, name: str) -> str:
         """The full key of the scene that ends in `name`; `name` itself if there is none."""
-        if name not in self._found:
-            self._found[name] = _key_of(self.base, name)
-        return self._found[name]
+        if name not in self._keys:
+            self._keys[name] = _key_of(self.base, name)
+        return self._keys[name]
 
     @cached_property
-    def _found(self) -> dict[str, str]:
+    def _keys(self) -> dict[str, str]:
         """Full keys that were looked up; not shared by equal scenes, whose tables may differ."""
         return {}
 
@@ -265,17 +265,17 @@ def variables_of(varied: Sequence[str], pairs: Sequence[tuple[str, Any]]) -> fro
     if a value names it. Raises SceneError for one with another meaning, and for one that is set though varied."""
     names, keys = {name for name in varied if name.isidentifier()}, {key for key, _ in pairs}
     taken = words_of_scenes() | PARAMETERS.keys() | FUNCTIONS.keys() | _TAKEN | {*BranchPoint._fields, *CurvePoint._fields}
-    found = {
+    variables = {
         name
         for name in names | {key for key in keys - taken if varied and key.isidentifier()}
         if any(is_expression(text, [name]) for key, text in pairs if key.rpartition(".")[2] not in ("kind", "law"))
     }
-    for name in found & taken:
+    for name in variables & taken:
         must = "must have a name that no key, parameter, law or kind of a scene, function or figure of a result has"
         raise SceneError(f"{name}: a variable {must}")
-    for name in found & names & keys:
+    for name in variables & names & keys:
         raise SceneError(f"--set {name}: is varied, and must not be set too")
-    return frozenset(found)
+    return frozenset(variables)
 
 
 def scenes_with(base: Scene, varied: Sequence[str], sets: Mapping[str, Any]) -> Variation:
@@ -366,7 +366,7 @@ def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> 
         raise SceneError(f"scene {scenes.base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
     ranges = [_range(text, scenes, option) for option, text in texts.items()]
     first = {one.name: one.written(one.first) for one in ranges if one.name in scenes.variables}
-    found = []
+    checked = []
     for one in ranges:
         over = replace(one, scenes=replace(scenes, fixed={name: value for name, value in first.items() if name != one.name}))
         over.scenes.require({one.name: one.written(one.first)})
@@ -375,8 +375,8 @@ def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> 
             if key and _has_key(over.base, key, over.name):  # so that an error names the key
                 slipwave.read(over.base, {key: value})
             over.scene_at(value)
-        found.append(over)
-    return found
+        checked.append(over)
+    return checked
 
 
 def _range(text: str, scenes: Variation, option: str) -> Over:
@@ -387,10 +387,10 @@ def _range(text: str, scenes: Variation, option: str) -> Over:
         if not holds:
             raise SceneError(f"{option} {shorten(text)}: {reason}")
 
-    found = _RANGE.fullmatch(text)
-    require(found, "must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
-    assert found is not None
-    key, words = found["name"].strip(), (found["first"], found["last"])
+    match = _RANGE.fullmatch(text)
+    require(match, "must be KEY=FROM:TO, as in log10_r=-2.72:-2.30")
+    assert match is not None
+    key, words = match["name"].strip(), (match["first"], match["last"])
     name = SHORT.get(key, key)
     ends = [number_of(word) for word in words]
     wrong = next((word for word, (value, _) in zip(words, ends, strict=True) if not math.isfinite(value)), None)

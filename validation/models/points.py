@@ -64,9 +64,9 @@ class SpecialPoint(NamedTuple):
     place: int
 
     @classmethod
-    def of(cls, found: Special, place: int) -> Self:
+    def of(cls, special: Special, place: int) -> Self:
         """The record of a special point after `place` points of the branch."""
-        return cls(found.kind, found.point.parameter, bracket=found.bracket, place=place, **_sides(found))
+        return cls(special.kind, special.point.parameter, bracket=special.bracket, place=place, **_sides(special))
 
 
 class CurvePoint(NamedTuple):
@@ -102,8 +102,8 @@ class CurvePoint(NamedTuple):
         return self.multiplier_re, self.multiplier_im
 
 
-def _sides(found: Special) -> dict[str, Any]:
+def _sides(special: Special) -> dict[str, Any]:
     """Figures of its orbit, and the numbers of unstable multipliers on both sides."""
-    uncounted = found.point.closed.flow.undecided
-    counts = {"unstable_before": found.unstable_before, "unstable_after": found.unstable_after}
-    return figures_of(found.point.closed) | {name: None if uncounted else count for name, count in counts.items()}
+    uncounted = special.point.closed.flow.undecided
+    counts = {"unstable_before": special.unstable_before, "unstable_after": special.unstable_after}
+    return figures_of(special.point.closed) | {name: None if uncounted else count for name, count in counts.items()}

@@ -160,11 +160,11 @@ def time_between(path: Path | None, every: float | str | None, scene: Scene) -> 
     label = f"--checkpoint-every = {shorten(every)}"
     if path is None:
         raise SceneError(f"{label}: needs --checkpoint FILE")
-    found = moment("--checkpoint-every", every, scene)
-    if not (math.isfinite(found) and found > 0.0):
+    transits = moment("--checkpoint-every", every, scene)
+    if not (math.isfinite(transits) and transits > 0.0):
         raise SceneError(f"{label}: must be a positive number of transits, or in scenes with SI units a time as in 10s")
     require_writable(path, (".npz",), "--checkpoint")
-    return found
+    return transits
 
 
 def second_half(solver: Solver, until: float) -> float:

@@ -86,9 +86,9 @@ class _UntilAlike(Length):
     @property
     def finished(self) -> bool:
         """Whether the cycles agree, or the best of the last stretches is no better than half of the best before."""
-        found = self.history
-        stalled = len(found) > 2 * _STALLED and min(found[-_STALLED:]) > 0.5 * min(found[:-_STALLED])
-        return bool(found) and (found[-1] < self.tolerance or (stalled and found[-1] < 1e-5))
+        history = self.history
+        stalled = len(history) > 2 * _STALLED and min(history[-_STALLED:]) > 0.5 * min(history[:-_STALLED])
+        return bool(history) and (history[-1] < self.tolerance or (stalled and history[-1] < 1e-5))
 
 
 def settle(solver: Solver, tolerance: float = 1e-9, most: float = MOST_TRANSITS) -> Settled:

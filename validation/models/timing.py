@@ -44,8 +44,8 @@ def alternating(
 
 def in_turn(works: Mapping[Name, Work[Any]], rounds: int) -> list[dict[Name, float]]:
     """Processor seconds of each work in each round."""
-    found = [(name, seconds) for name, seconds, _ in alternating(works, rounds)]
-    return [dict(found[k : k + len(works)]) for k in range(0, len(found), len(works))]
+    timed = [(name, seconds) for name, seconds, _ in alternating(works, rounds)]
+    return [dict(timed[k : k + len(works)]) for k in range(0, len(timed), len(works))]
 
 
 def quartiles(values: Iterable[float]) -> tuple[float, float, float]:

@@ -25,8 +25,8 @@ def reference_orbit(model: str, log10_r: float) -> dict[str, float]:
     """Known values of a model's orbit in the paper's material at V = 100: any of period, stress_drop, elastic_stress_drop,
     v_max, v_min (empty if nothing is known); transit clock."""
     orbits: list[dict[str, float]] = reference()["orbits"].get(model, [])
-    found = [orbit for orbit in orbits if orbit["log10_r"] == log10_r]
-    return {name: value for name, value in found[0].items() if name != "log10_r"} if found else {}
+    matching = [orbit for orbit in orbits if orbit["log10_r"] == log10_r]
+    return {name: value for name, value in matching[0].items() if name != "log10_r"} if matching else {}
 
 
 def half_digit(value: float) -> float:

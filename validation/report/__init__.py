@@ -98,8 +98,8 @@ def table(name: str, caption: str, heading: str, rows: Iterable[Iterable[Cell]],
 
     "model | T [transits] .7g" has a column of text, and one of numbers with the unit "transits" and the format ".7g".
     """
-    found = (_COLUMN.fullmatch(text) for text in heading.split(" | "))
-    columns = tuple(Column(**match.groupdict(default=""), timed=match["unit"] in RUN_TIMES) for match in found if match)
+    matches = (_COLUMN.fullmatch(text) for text in heading.split(" | "))
+    columns = tuple(Column(**match.groupdict(default=""), timed=match["unit"] in RUN_TIMES) for match in matches if match)
     return Table(caption, columns, tuple(tuple(row) for row in rows), name, tuple(emphasis))
 
 

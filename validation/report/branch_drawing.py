@@ -25,10 +25,10 @@ def orbit_traces(branch: Branch, name: str) -> Iterator[Trace]:
 def branch_traces(branch: Branch, name: str) -> Iterator[Trace]:
     """As `orbit_traces`, and the special points with their marks."""
     yield from orbit_traces(branch, name)
-    found = [("HB", branch.onset.parameter, branch.onset.period if name == "period" else 0.0)]
-    found += [(one.kind, one.point.parameter, figures_of(one.point.closed)[name]) for one in branch.special]
-    for kind in dict.fromkeys(kind for kind, *_ in found):
-        x, y = zip(*(place for own, *place in found if own == kind), strict=True)
+    marked = [("HB", branch.onset.parameter, branch.onset.period if name == "period" else 0.0)]
+    marked += [(one.kind, one.point.parameter, figures_of(one.point.closed)[name]) for one in branch.special]
+    for kind in dict.fromkeys(kind for kind, *_ in marked):
+        x, y = zip(*(place for own, *place in marked if own == kind), strict=True)
         yield Trace(f"{NAMES[kind]}, {branch.model}", x, y, _mark(kind, style_of(branch.model).color))
 
 

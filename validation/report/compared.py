@@ -54,8 +54,8 @@ def compared_table(
     `costs` by the title of a column, which is the `parameter`. A column without a group is in that of the exact regime."""
     exact = regimes[EXACT_MODEL]
     rows = []
-    for model, found in regimes.items():
-        cells = tuple(_cell(one, None if model == EXACT_MODEL else other) for one, other in zip(found, exact, strict=True))
+    for model, motions in regimes.items():
+        cells = tuple(_cell(one, None if model == EXACT_MODEL else other) for one, other in zip(motions, exact, strict=True))
         rows.append(ModelRow(model, cells, onsets.get(model), tuple(known.get(model) for known in costs.values()), "", ""))
     grouped = (
         replace(one, group=one.group or ("torus, irregular" if regime.cycles else regime.words))
@@ -103,8 +103,8 @@ def is_good(cell: ModelCell, bars: float = 2.0, symbols: Sequence[str] = JUDGED)
 
 
 def _is_off(cell: ModelCell, symbol: str, bars: float = 2.0) -> bool:
-    found = cell.figures.get(symbol)
-    return found is not None and found.size > GOOD + bars * found.standard_error
+    figure = cell.figures.get(symbol)
+    return figure is not None and figure.size > GOOD + bars * figure.standard_error
 
 
 def advice_on(row: ModelRow, table: ModelTable, symbols: Sequence[str] = JUDGED) -> tuple[str, str]:

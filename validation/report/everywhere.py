@@ -20,44 +20,46 @@ def recorded_table(
 ) -> ModelTable:
     """The motions on record of every model in the scenes of the `columns`, against the exact ones; `costs` in the column
     titled `costed`. A model without a motion there counts as undecided."""
-    found = {model: [on_record(model, one.settings) or Regime(UNDECIDED) for one in columns] for model in models}
-    return compared_table(name, "", "scene", columns, found, {}, {costed: costs})
+    motions = {model: [on_record(model, one.settings) or Regime(UNDECIDED) for one in columns] for model in models}
+    return compared_table(name, "", "scene", columns, motions, {}, {costed: costs})
 
 
-def summary(found: ModelTable, where: str, remark: str = "") -> Table:
+def summary(model_table: ModelTable, where: str, remark: str = "") -> Table:
     """One row a model; the largest errors by the groups of the columns. `where` names the scenes, `remark` ends the caption."""
-    groups = list(dict.fromkeys(one.group for one in found.columns))
+    groups = list(dict.fromkeys(one.group for one in model_table.columns))
     rows = []
-    for row in found.rows[1:]:
-        cells = decided(found, row)
+    for row in model_table.rows[1:]:
+        cells = decided(model_table, row)
         right = sum(cell.right for _, cell in cells)
         largest = [_largest(cells, symbol, group) for group in groups for symbol in JUDGED]
-        good, of = _good(found, row.model)
+        good, of = _good(model_table, row.model)
         rows.append([row.model, f"{right}/{len(cells)}", *largest, f"{good}/{of}", row.costs[0]])
     each = " | ".join(f"{group}: T [%] | Δμ [%]" for group in groups)
     caption = (
         f"Reduced models {where}: in how many the regime is the exact one; the largest errors, with two standard errors where "
         f"they are of means; in how many the model is good (right regime, T and Δμ right to {100.0 * GOOD:g} % or to that and "
-        f"two standard errors); processor time over that of the delay system in {found.costed[0]}.{remark}"
+        f"two standard errors); processor time over that of the delay system in {model_table.costed[0]}.{remark}"
     )
     return table("models", caption, f"model | right regime | {each} | good | cost [of times] .2g", rows)
 
 
-def first_in_words(found: ModelTable, ladder: Sequence[str], where: str) -> str:
+def first_in_words(model_table: ModelTable, ladder: Sequence[str], where: str) -> str:
     """Which model of the ladder is the first that is right everywhere, and in how many scenes the others are."""
-    first = _first(found, ladder)
+    first = _first(model_table, ladder)
     beyond = ladder[ladder.index(first) :]
-    others = ", ".join(f"`{row.model}` in {_good(found, row.model)[0]}" for row in found.rows[1:] if row.model not in beyond)
+    others = ", ".join(
+        f"`{row.model}` in {_good(model_table, row.model)[0]}" for row in model_table.rows[1:] if row.model not in beyond
+    )
     return (
-        f"`{first}` is the first ODE right to {100.0 * GOOD:g} % {where} ({_good(found, first)[1]} motions); "
+        f"`{first}` is the first ODE right to {100.0 * GOOD:g} % {where} ({_good(model_table, first)[1]} motions); "
         f"of the others good are {others}."
     )
 
 
-def first_good(found: ModelTable, ladder: Sequence[str], title: str) -> Verdict:
+def first_good(model_table: ModelTable, ladder: Sequence[str], title: str) -> Verdict:
     """Whether a model of the `ladder` is good everywhere."""
-    first = _first(found, ladder)
-    return every(title, WITNESS, *_good(found, first), f"`{first}`, every motion that both decide", "motions")
+    first = _first(model_table, ladder)
+    return every(title, WITNESS, *_good(model_table, first), f"`{first}`, every motion that both decide", "motions")
 
 
 def repeated(title: str, again: Sequence[tuple[str, ModelColumn]], motion_at: Callable[[str, str, float], Regime]) -> Verdict:
@@ -104,11 +106,11 @@ def _largest(cells: Sequence[tuple[ModelColumn, ModelCell]], symbol: str, group:
     return minus(f"{100.0 * (worst.error or 0.0):+.2g}") + (f" ± {bar:.1g}" if bar > 1e-4 else "")
 
 
-def _good(found: ModelTable, model: str) -> tuple[int, int]:
+def _good(model_table: ModelTable, model: str) -> tuple[int, int]:
     """In how many scenes the model is good, of how many."""
-    cells = [cell for _, cell in decided(found, found.row(model))]
+    cells = [cell for _, cell in decided(model_table, model_table.row(model))]
     return sum(map(is_good, cells)), len(cells)
 
 
-def _first(found: ModelTable, ladder: Sequence[str]) -> str:
-    return next((model for model in ladder if len(set(_good(found, model))) == 1), ladder[-1])
+def _first(model_table: ModelTable, ladder: Sequence[str]) -> str:
+    return next((model for model in ladder if len(set(_good(model_table, model))) == 1), ladder[-1])

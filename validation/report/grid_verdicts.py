@@ -30,8 +30,8 @@ def order_verdict(climbed: Climb, evidence: Evidence = WITNESS) -> Verdict:
     ladder, short = climbed.ladder, climbed.shortfall()
     remark = f"`{ladder.model}`" + (f" at CFL {ladder.cfl:g}" if ladder.cfl else "")
     if climbed.lost:
-        found = holding(ORDER, evidence, f"order {ladder.promised:g}", f"no order: {climbed.lost}", False, remark)
-        return replace(found, outcome=Outcome.OPEN) if climbed.at_rounding else found
+        verdict = holding(ORDER, evidence, f"order {ladder.promised:g}", f"no order: {climbed.lost}", False, remark)
+        return replace(verdict, outcome=Outcome.OPEN) if climbed.at_rounding else verdict
     symbols = {**OUTPUTS, "state": "the state", "together": "all together"}
     names = ", ".join(symbols[complaint.split(":")[0]] for complaint in short)
     (expected, off, allowed), (*orders, together) = climbed.against_promise, climbed.fits.values()
@@ -53,8 +53,8 @@ def medium_verdict(medium: str, around: Mapping[str, tuple[float, float]]) -> Ve
     """Whether the limit of every model separates decay from growth; `around`: noise below and above it, over that put in."""
     below, above = zip(*around.values(), strict=True)
     grown = f"at least {plain(min(above), '.0e')}" if math.isfinite(min(above)) else "beyond any number"
-    found = f"at most {max(below):.1f}, {grown}"
-    return holding(CALM, EXACT, f"below {GROWN:g}, above {GROWN:g}", found, max(below) < GROWN < min(above), medium)
+    shown = f"at most {max(below):.1f}, {grown}"
+    return holding(CALM, EXACT, f"below {GROWN:g}, above {GROWN:g}", shown, max(below) < GROWN < min(above), medium)
 
 
 def calm_verdict(model: str, medium: str, grown: float) -> Verdict:
@@ -68,8 +68,8 @@ def state_verdict(model: str, reach: float) -> Verdict:
     has no such limit."""
     family, number = grid_of(model)
     if family.implicit_state:
-        found = "no limit" if math.isinf(reach) else f"{reach:.3g}"
-        return holding(STATE, EXACT, "no limit", found, math.isinf(reach), f"`{model}`")
+        shown = "no limit" if math.isinf(reach) else f"{reach:.3g}"
+        return holding(STATE, EXACT, "no limit", shown, math.isinf(reach), f"`{model}`")
     wanted = _REACH[family.order_in_time(number)]
     return claim(STATE, EXACT, reach / wanted, SHARPNESS - 1.0, f"`{model}`, Δt r V over {wanted:g}", near=1.0)
 

@@ -105,7 +105,7 @@ def as_foreign(title: str, psi: Mapping[str, Mapping[float, float]]) -> Verdict:
 def of_order(
     title: str,
     evidence: Evidence,
-    found: Fit,
+    fit: Fit,
     declared: float,
     remark: str = "",
     within: float = WITHIN,
@@ -114,9 +114,9 @@ def of_order(
 ) -> Verdict:
     """Verdict on an order of convergence, by `shortfall`: `within` this distance of the declared one, or its own interval; with
     `above` it may be larger."""
-    allowed, holds = max(within, found.half_width), not shortfall(found, declared, within, above, widest)
-    expected, off = asked(found.order, declared, allowed, above)
-    return holding(title, evidence, expected, found.rounded, holds, remark).with_margin(off, allowed)
+    allowed, holds = max(within, fit.half_width), not shortfall(fit, declared, within, above, widest)
+    expected, off = asked(fit.order, declared, allowed, above)
+    return holding(title, evidence, expected, fit.rounded, holds, remark).with_margin(off, allowed)
 
 
 def range_of_r(grid: Sequence[float]) -> str:

@@ -69,17 +69,17 @@ class ModelCell:
         """Text of a quantity in the small markup: the error in per cent down to 0.1 %, below as a power of ten, with two standard
         errors where it is a mean; of a value more than tenfold, how many times as large it is; the value for the reference; the
         regime where there is no cycle."""
-        found = self.figures.get(symbol)
-        if found is None:
+        figure = self.figures.get(symbol)
+        if figure is None:
             return self.regime
-        bar = 2.0 * found.standard_error
-        if found.error is None:
-            return _with_bar(found.value, bar * abs(found.value), 2, 0) if bar > _CERTAIN else f"{found.value:.5g}"
-        if abs(found.error) >= _MANIFOLD:
-            return f"{plain(1.0 + found.error, '.0e')} times"
+        bar = 2.0 * figure.standard_error
+        if figure.error is None:
+            return _with_bar(figure.value, bar * abs(figure.value), 2, 0) if bar > _CERTAIN else f"{figure.value:.5g}"
+        if abs(figure.error) >= _MANIFOLD:
+            return f"{plain(1.0 + figure.error, '.0e')} times"
         if bar > _CERTAIN:
-            return minus(f"{_with_bar(100 * found.error, 100 * bar, 1, 1, '+')} %")
-        return minus(f"{100 * found.error:+.1f} %") if abs(found.error) >= 1e-3 else plain(found.error, "+.0e")
+            return minus(f"{_with_bar(100 * figure.error, 100 * bar, 1, 1, '+')} %")
+        return minus(f"{100 * figure.error:+.1f} %") if abs(figure.error) >= 1e-3 else plain(figure.error, "+.0e")
 
     def shade(self, symbol: str) -> str:
         """A key of SHADES, "red", "open" or "wrong"; "" for the reference and where nothing is compared in the right regime. An
@@ -87,10 +87,10 @@ class ModelCell:
         between."""
         if not self.right:
             return "wrong"
-        found = self.figures.get(symbol)
-        if found is None or found.error is None:
+        figure = self.figures.get(symbol)
+        if figure is None or figure.error is None:
             return ""
-        size, bar = found.size, 2.0 * found.standard_error if abs(found.error) < _MANIFOLD else 0.0
+        size, bar = figure.size, 2.0 * figure.standard_error if abs(figure.error) < _MANIFOLD else 0.0
         if size - bar < SHADES["pale"] <= size + bar and bar > _CERTAIN:
             return "open"
         return next((shade for shade, limit in SHADES.items() if size + bar < limit), "red")
@@ -158,7 +158,7 @@ class ModelTable:
         for row in self.rows:
             costs = dict(zip(self.costed, row.costs, strict=True))
             for column, cell in zip(self.columns, row.cells, strict=True):
-                for symbol, found in cell.figures.items() or [("", None)]:
+                for symbol, figure in cell.figures.items() or [("", None)]:
                     yield {
                         "model": row.model,
                         "log10_r": column.log10_r,
@@ -168,7 +168,7 @@ class ModelTable:
                         "cycles": cell.cycles,
                         "command": cell.command_for(row, column),
                         "quantity": symbol,
-                        **(vars(found) if found else nothing),
+                        **(vars(figure) if figure else nothing),
                         "cost": costs.get(column.title),
                         "advice": row.advice,
                     }

@@ -62,12 +62,12 @@ def tally(studies: Sequence[Stored]) -> dict[str, int]:
 def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Verdict], bool]]:
     """Omissions of the report: study, omission, verdicts that check its reason, and whether these are missing although the reason
     has numbers."""
-    known, found = verdicts_of(studies), []
+    known, missing = verdicts_of(studies), []
     for study in studies:
         for one in study.result.omissions:
             proofs = [verdict for verdict in known if one.claims and verdict.claim.startswith(one.claims)]
-            found.append((study, one, proofs, not proofs and any(map(str.isdigit, one.what + one.why))))
-    return found
+            missing.append((study, one, proofs, not proofs and any(map(str.isdigit, one.what + one.why))))
+    return missing
 
 
 def _of_paper(judged: Sequence[Verdict]) -> list[str]:

@@ -53,8 +53,8 @@ def sources_of(study: Study) -> list[Path]:
 def packages_of(files: Iterable[Path]) -> list[str]:
     """Python and the installed packages that `files` import, with their versions."""
     names = {name.partition(".")[0] for path in files if path.suffix == ".py" for name in imported_names(path)}
-    found = {package for name in names for package in _packages().get(name, ()) if package != "slipwave"}
-    return [f"python {platform.python_version()}", *(f"{package} {metadata.version(package)}" for package in sorted(found))]
+    packages = {package for name in names for package in _packages().get(name, ()) if package != "slipwave"}
+    return [f"python {platform.python_version()}", *(f"{package} {metadata.version(package)}" for package in sorted(packages))]
 
 
 @cache
@@ -77,5 +77,5 @@ def _called(path: Path) -> frozenset[str]:
 
 def _read(paths: Iterable[Path]) -> Iterator[Path]:
     for path in paths:
-        found = path.rglob("*") if path.is_dir() else [path]
-        yield from sorted(file for file in found if file.suffix in _READ and file.is_file())
+        files = path.rglob("*") if path.is_dir() else [path]
+        yield from sorted(file for file in files if file.suffix in _READ and file.is_file())

@@ -77,14 +77,14 @@ def plain(value: float, spec: str = ".3g") -> str:
     return _POWER.sub(lambda power: f"{power[1]} · 10^{{{power[2].replace('+', '')}{power[3]}}}", minus(format(value, spec)))
 
 
-def around(near: float, found: float, within: float) -> tuple[str, str]:
+def around(near: float, measured: float, within: float) -> tuple[str, str]:
     """What is allowed and what was found, with enough digits to distinguish them, in the small markup: both values if they differ
     in the first seven digits, else distances from `near`."""
-    size = abs(found - near)
-    if near and math.isfinite(found) and within > 1e-7 * abs(near):
+    size = abs(measured - near)
+    if near and math.isfinite(measured) and within > 1e-7 * abs(near):
         fewest = 1 - math.floor(math.log10(within))
         decimals = next((n for n in range(fewest, 15) if round(size, n) != round(within, n)), 15)
-        return minus(f"{near:.{decimals}f} ± {plain(within, '.2g')}"), minus(f"{found:.{decimals}f}")
+        return minus(f"{near:.{decimals}f} ± {plain(within, '.2g')}"), minus(f"{measured:.{decimals}f}")
     digits = next((n for n in range(2, 17) if f"{size:.{n}g}" != f"{within:.{n}g}"), 17)
     return f"below {plain(within, f'.{digits}g')}", plain(size, f".{digits}g")
 

@@ -134,15 +134,15 @@ def claim(
     size = abs(ours - near)
     holds = size < within and not (evidence in (WITNESS, PROGRAM) and size == 0.0)
     outcome, known = judge(holds, evidence), size if math.isfinite(size) else None
-    expected, found = (f"{words} {unit}".strip() for words in around(near, ours, within))
+    expected, measured = (f"{words} {unit}".strip() for words in around(near, ours, within))
     remark = "; ".join(filter(None, (remark, shown)))
-    return Verdict(title, evidence, expected, found, outcome, remark, known, within, unit)
+    return Verdict(title, evidence, expected, measured, outcome, remark, known, within, unit)
 
 
 def at_least(title: str, evidence: Evidence, ours: float, least: float, remark: str = "") -> Verdict:
     """PASS if `ours` >= `least` > 0. A claim of the paper that does not hold is a finding."""
-    expected, found = around(0.0, ours, least)
-    asked, shown = f"{expected.removeprefix('below ')} or more", f"{'−' * (ours < 0.0)}{found}"
+    expected, measured = around(0.0, ours, least)
+    asked, shown = f"{expected.removeprefix('below ')} or more", f"{'−' * (ours < 0.0)}{measured}"
     share = least / ours if ours > 0.0 else math.inf
     return holding(title, evidence, asked, shown, share <= 1.0, remark).with_margin(share, 1.0)
 
@@ -152,8 +152,8 @@ def in_range(
 ) -> Verdict:
     """PASS if all of `ours` lie between the `ends`; shown are the ends, the least and the largest in this `form`. A claim of the
     paper's that does not hold is a finding."""
-    found, (middle, half) = (min(ours), max(ours)), (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]))
-    words = (" to ".join(dict.fromkeys(format(one, form) for one in pair)) for pair in (ends, found))
+    extremes, (middle, half) = (min(ours), max(ours)), (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]))
+    words = (" to ".join(dict.fromkeys(format(one, form) for one in pair)) for pair in (ends, extremes))
     expected, shown = (minus(one).replace("%", " %") for one in words)
     off = max((abs(one - middle) for one in ours), key=lambda one: (math.isnan(one), one))
     return holding(title, evidence, expected, shown, off < half, remark).with_margin(off, half)

@@ -83,8 +83,8 @@ _SOME, _ALL = (-2.695, -2.69, -2.685, -2.68, -2.67, -2.665, -2.66), tuple(round(
 def run(budget: Budget) -> StudyResult:
     """Settle orbits along the stable branch, run deep inside it, evaluate the closed forms."""
     along, until = budget.plan(quick=(_SOME, 6000.0), full=(_ALL, 16000.0))
-    found = {log10_r: _settled_at(log10_r) for log10_r in budget.each(along, end=0.6)}
-    orbits = {log10_r: models for log10_r, models in found.items() if models}
+    settled = {log10_r: _settled_at(log10_r) for log10_r in budget.each(along, end=0.6)}
+    orbits = {log10_r: models for log10_r, models in settled.items() if models}
     runs = {model: _run_deep(model, until) for model in WAVES}
     events, motions = {model: own for model, (own, _) in runs.items()}, {model: own for model, (_, own) in runs.items()}
     ripples = {model: _measure_ripples(model) for model in WAVES}
@@ -212,8 +212,8 @@ def _scene_claims(paper: sw.Scene, same: sw.Scene) -> Verdicts:
 
 def _settled_at(log10_r: float) -> dict[str, Orbit]:
     """Every model's orbit from the scene's own nudge; empty if one of them does not settle."""
-    found = {model: memo.settled(model, sw.read("paper", {"slab.log10_r": log10_r})) for model in MODELS}
-    return {} if any(one.unrest > RESTLESS for one in found.values()) else {model: one.orbit for model, one in found.items()}
+    settled = {model: memo.settled(model, sw.read("paper", {"slab.log10_r": log10_r})) for model in MODELS}
+    return {} if any(one.unrest > RESTLESS for one in settled.values()) else {model: one.orbit for model, one in settled.items()}
 
 
 def _run_deep(model: str, until: float) -> tuple[Events, History]:
@@ -305,7 +305,7 @@ def _ripple_claims(ripples: dict[str, dict[str, float]]) -> Verdicts:
 
 def _stable_branch_claims(orbits: Orbits) -> Verdicts:
     """P6, P7 and P11 on orbits on which runs settle."""
-    figures = {r: {model: orbit.values() for model, orbit in found.items()} for r, found in orbits.items()}
+    figures = {r: {model: orbit.values() for model, orbit in by_model.items()} for r, by_model in orbits.items()}
     where, here = range_of_r(list(orbits)), figures[-2.68]
     off = {model: {name: abs(one[name] / here["delay"][name] - 1.0) for name in one} for model, one in here.items()}
     symbols = {"period": "T", "elastic_stress_drop": "Δy", "stress_drop": "Δμ"}
@@ -320,12 +320,12 @@ def _stable_branch_claims(orbits: Orbits) -> Verdicts:
         "at r = 10^{-2.68}",
     )
     yield order_of_periods(
-        {r: {model: [one["period"]] for model, one in found.items()} for r, found in figures.items()},
+        {r: {model: [one["period"]] for model, one in by_model.items()} for r, by_model in figures.items()},
         "where runs of all four models settle: from just beyond the onset to where the exact orbit loses stability. The paper "
         "claims it for the whole primary branch",
     )
     gaps = {
-        symbol: [1.0 - found["kelvin-voigt"][name] / found["delay"][name] for found in figures.values()]
+        symbol: [1.0 - by_model["kelvin-voigt"][name] / by_model["delay"][name] for by_model in figures.values()]
         for name, symbol in (("stress_drop", "Δμ"), ("elastic_stress_drop", "Δy"))
     }
     exceed = all(min(gap) > 0.0 for gap in gaps.values())
@@ -350,7 +350,7 @@ def _load_claims(orbits: Orbits, events: Events, ripples: dict[str, dict[str, fl
     text += "{period:.2f} = {drop:.2f} + {falling:.2f} + {slipped:.2f} transits"
     title = "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V"
     yield claim(title, EXACT, off, _CLOSES, text.format(**ripples["delay"]))
-    exact = [found["delay"] for found in orbits.values()]
+    exact = [by_model["delay"] for by_model in orbits.values()]
     periods, drops = (np.array([getattr(one, name).value for one in exact]) for name in ("period", "elastic_stress_drop"))
     power, shares = np.polyfit(np.log(drops), np.log(periods), 1)[0], drops / _load_rate() / periods
     yield claim(
@@ -386,7 +386,7 @@ def _load_rate() -> float:
 def _overtones(dates: np.ndarray, motion: History, ripple: float) -> np.ndarray:
     """In the slow phase of each recorded cycle, the share of the ripples' power that is not a sine of period `ripple` (transits):
     of the stress over `_SLOW` such periods, without its cubic trend."""
-    found = []
+    shares = []
     for date in dates[(dates > motion["time"][0]) & (dates + _AFTER + _SLOW * ripple < motion["time"][-1])]:
         time = date + _AFTER + ripple * np.arange(_SLOW * _SAMPLES) / _SAMPLES
         stress = np.interp(time, motion["time"], motion["stress"])
@@ -394,19 +394,19 @@ def _overtones(dates: np.ndarray, motion: History, ripple: float) -> np.ndarray:
         basis = np.column_stack([np.vander((time - time.mean()) / np.ptp(time), 4), np.sin(turn), np.cos(turn)])
         weights = np.linalg.lstsq(basis, stress, rcond=None)[0]
         rest, sine = np.mean((stress - basis @ weights) ** 2), 0.5 * (weights[4:] @ weights[4:])
-        found.append(rest / (rest + sine))
-    return np.array(found)
+        shares.append(rest / (rest + sine))
+    return np.array(shares)
 
 
 def _irregular_claims(events: dict[str, Events], motions: dict[str, History]) -> Verdicts:
     """P13: the ODE's cycles neither repeat nor keep their size; the delay system's vary little in comparison."""
     ode, delay = events["kelvin-voigt"], events["delay"]
-    found = [_recurrence(values) for values in (ode.period, ode.stress_drop, np.log(ode.v_max))]
+    recurrences = [_recurrence(values) for values in (ode.period, ode.stress_drop, np.log(ode.v_max))]
     ratios = {name: _spread_of(getattr(ode, name)) / _spread_of(getattr(delay, name)) for name in _CONTRAST}
     yield at_least(
         "P13 At r = 10^{-2.3} the ODE is irregular",
         PAPER,
-        min(found),
+        min(recurrences),
         _IRREGULAR,
         f"least distance of {ode.period.size} cycles from repeating after up to {LONGEST} cycles, in T, Δμ and "
         "ln v_{max}: 0 for a periodic orbit, 1 for a sequence without memory",

@@ -48,11 +48,11 @@ def run(budget: Budget) -> StudyResult:
     ladders = {model: [_balance(model, n) for n in LADDERS[model]] for model in budget.each(LADDERS, end=0.5)}
     pairs = [(model, scene) for model in HIGH for scene in SCENES]
     high = {pair: _balance(pair[0], HIGH[pair[0]], pair[1]) for pair in budget.each(pairs, 1.0, 0.5)}
-    residuals = {model: np.array([abs(entries["residual"]) for entries, _ in found]) for model, found in ladders.items()}
+    residuals = {model: np.array([abs(entries["residual"]) for entries, _ in budgets]) for model, budgets in ladders.items()}
     orders = {model: fit_order(np.array(LADDERS[model]), residuals[model], _ABOVE_ROUNDING) for model in ORDERS}
     ledgers = {scene: high["dg:7", scene][0] for scene in SCENES}
     shares = {scene: [ledger.get(name, 0.0) / ledger["input"] for name in _SINKS] for scene, ledger in ledgers.items()}
-    rows: list[list[Cell]] = [[scene, *(100.0 * share for share in found)] for scene, found in shares.items()]
+    rows: list[list[Cell]] = [[scene, *(100.0 * share for share in by_model)] for scene, by_model in shares.items()]
     return StudyResult(
         answers={
             answer(residuals["fd"], orders, shares): (CONSERVES, SQUARED, CLOSES),
@@ -60,13 +60,13 @@ def run(budget: Budget) -> StudyResult:
         figures=(Figure("closure", _CLOSURE, lambda: _closure(residuals)),),
         tables=(table("shares", _SHARES, " | ".join(["scene", *(f"{name} [% of input] .4g" for name in _SINKS)]), rows),),
         verdicts=tuple(_balance_verdicts(ladders["fd"], orders, high)),
-        numbers={f"order of {model}": stated(found.order, found.half_width) for model, found in orders.items()},
+        numbers={f"order of {model}": stated(fit.order, fit.half_width) for model, fit in orders.items()},
     )
 
 
 def answer(fd: np.ndarray, orders: Mapping[str, Fit], shares: Mapping[str, Sequence[float]]) -> str:
     """Text on shares of the work, and on the closure of the balances."""
-    slopes = [found.order for found in orders.values()]
+    slopes = [fit.order for fit in orders.values()]
     return (
         f"The drive’s work becomes heat of friction, but for {100.0 * shares['grip'][1]:.2g} % that grips and "
         f"{100.0 * shares['viscous'][2]:.2g} % that viscosity absorbs. The leapfrog loses {plain(fd.max(), '.0e')} of it; "
@@ -88,8 +88,8 @@ def _balance_verdicts(fd: Sequence[Balance], orders: Mapping[str, Fit], high: Ma
     """The leapfrog on every grid; the order of every model that does not conserve, with its 95 % interval; models of high degree
     on every scene."""
     yield claim(CONSERVES, EXACT, max(abs(entries["residual"]) for entries, _ in fd), fd[0][1], "the worst of all grids")
-    for model, found in orders.items():
-        yield of_order(SQUARED, EXACT, found, ORDERS[model], f"`{model}`")
+    for model, fit in orders.items():
+        yield of_order(SQUARED, EXACT, fit, ORDERS[model], f"`{model}`")
     for (model, scene), (entries, allowed) in high.items():
         yield claim(CLOSES, EXACT, abs(entries["residual"]), allowed, f"`{model}`, scene {scene}")
 

@@ -125,12 +125,14 @@ def _answers(cases: Sequence[_Case]) -> Answers:
 
 
 def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[np.ndarray, float]]) -> _Case:
-    found = [one for one in _cycles_of_samples(row, law, drawn) if one is not None]
-    figures = {name: [one[name] for one in found] for name in NAMES}
-    bands = {name: np.quantile(values if len(found) > 2 else [math.nan], (0.025, 0.5, 0.975)) for name, values in figures.items()}
-    off = [{name: abs(one[name] / _measured_figure(row, name) - 1.0) for name in NAMES} for one in found]
+    cycles = [one for one in _cycles_of_samples(row, law, drawn) if one is not None]
+    figures = {name: [one[name] for one in cycles] for name in NAMES}
+    bands = {
+        name: np.quantile(values if len(cycles) > 2 else [math.nan], (0.025, 0.5, 0.975)) for name, values in figures.items()
+    }
+    off = [{name: abs(one[name] / _measured_figure(row, name) - 1.0) for name in NAMES} for one in cycles]
     meets = sum(all(one[name] <= 2.0 * _SCATTER[name] for name in NAMES) for one in off)
-    return _Case(row, law, len(found) / len(drawn), bands, meets)
+    return _Case(row, law, len(cycles) / len(drawn), bands, meets)
 
 
 def _measured_figure(row: Mapping[str, Any], name: str) -> float:
@@ -159,14 +161,14 @@ def _reproduced(untuned: Mapping[tuple[float, int], MeasuredCycle | None]) -> Ve
     title = "The plain spring and block moves as in another program"
     printed = _LEEMAN_2016["plain_spring_block"]
     apart, slides = list[float](), list[bool]()
-    for (stress, k), found in untuned.items():
+    for (stress, k), motion in untuned.items():
         theirs = printed["T_s"][str(stress)][k - 1]
         if theirs is None:
-            slides.append(found is None)
+            slides.append(motion is None)
         else:
-            apart.append(abs(found["period"] / theirs - 1.0) if found else math.nan)
+            apart.append(abs(motion["period"] / theirs - 1.0) if motion else math.nan)
     peaks = [
-        abs(found["peak"] / theirs - 1.0) if (found := untuned[int(stress), k]) else math.nan
+        abs(motion["peak"] / theirs - 1.0) if (motion := untuned[int(stress), k]) else math.nan
         for stress, pair in printed["peak_mm_s"].items()
         for k, theirs in zip((1, 2), pair, strict=True)
     ]
@@ -421,9 +423,9 @@ def _fitted_to(row: Mapping[str, Any]) -> tuple[float, np.ndarray]:
         file = Path(folder) / "printed.csv"
         file.write_text("time [s],friction\n" + "".join(f"{time!r},{friction!r}\n" for time, friction in samples))
         scene, free = sw.read(block, {"drive.velocity": steps, "start.size": 0.0}), ["a", "b", "memory_length"]
-        found = sw.fit(scene, data=[str(file)], free=free, model="quasistatic", tol=_OF_FIT).summary
-    a, b, length = (one["value"] for one in found["parameters"].values())
-    return found["residual"]["largest"], np.array([a, b, 1e6 * length]) / true
+        summary = sw.fit(scene, data=[str(file)], free=free, model="quasistatic", tol=_OF_FIT).summary
+    a, b, length = (one["value"] for one in summary["parameters"].values())
+    return summary["residual"]["largest"], np.array([a, b, 1e6 * length]) / true
 
 
 def _program_verdicts(row: Mapping[str, Any], apart: float, ratios: np.ndarray) -> Verdicts:

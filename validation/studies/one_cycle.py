@@ -61,9 +61,9 @@ def run(budget: Budget) -> StudyResult:
         verdicts=tuple(_cycle_verdicts(orbits)),
         notes=(reference()["how"],),
         numbers={
-            f"delay {name}": stated(found.value, found.error, known, half_digit(known))
+            f"delay {name}": stated(estimate.value, estimate.error, known, half_digit(known))
             for name, known in reference_orbit("delay", LOG10_R).items()
-            for found in [getattr(orbits["delay"], name)]
+            for estimate in [getattr(orbits["delay"], name)]
         },
         omissions=(
             Omission(
@@ -132,8 +132,8 @@ def _run_model(model: str) -> tuple[Orbit, OneCycle]:
     if model == "fd":
         settled = memo.settled(model, scene, None, _TOLERANCE, cells=_CELLS, cfl=_CFL)
         return settled.orbit, one_cycle(settled, before=_MARGIN, after=_MARGIN, per_piece=2)
-    found = memo.own_orbit(model, scene, _TOLERANCE)
-    return found.orbit, memo.cycle_of(found.closed, _MARGIN, _MARGIN)
+    own = memo.own_orbit(model, scene, _TOLERANCE)
+    return own.orbit, memo.cycle_of(own.closed, _MARGIN, _MARGIN)
 
 
 def _cycle_verdicts(orbits: Mapping[str, Orbit]) -> Verdicts:

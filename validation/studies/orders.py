@@ -64,8 +64,8 @@ def run(budget: Budget) -> StudyResult:
     pairs = [(model, pair) for model in MOTION_GRIDS for pair in slabs]
     motions = {pair: _motion_errors(*pair) for pair in budget.each(pairs, 0.9, 0.6)}
     event = _recorded_event()
-    finest = ", ".join(f"{plain(max([*found.values()][-1].values()), '.0e')} (`{model}`)" for model, _, found in orbits)
-    moved = plain(min(found[-1] for found in motions.values()), ".0e")
+    finest = ", ".join(f"{plain(max([*ladder.values()][-1].values()), '.0e')} (`{model}`)" for model, _, ladder in orbits)
+    moved = plain(min(sizes[-1] for sizes in motions.values()), ".0e")
     return StudyResult(
         answers={
             (
@@ -84,7 +84,7 @@ def run(budget: Budget) -> StudyResult:
                 "motion",
                 _MOTION,
                 lambda: _errors_chart(
-                    (f"{pair} slabs", model, np.array(MOTION_GRIDS[model][0]), found) for (model, pair), found in motions.items()
+                    (f"{pair} slabs", model, np.array(MOTION_GRIDS[model][0]), sizes) for (model, pair), sizes in motions.items()
                 ),
             ),
         ),
@@ -92,15 +92,15 @@ def run(budget: Budget) -> StudyResult:
             *map(order_verdict, climbs),
             *(order_verdict(climbed, _evidence_at(cfl)) for cfl, climbed in other_cfls.items()),
             *(
-                of_order(_JUMP, _evidence_at(cfl), fit_order(np.array(jump_cells), found), 1.0, f"CFL {cfl}")
-                for cfl, found in jumps.items()
+                of_order(_JUMP, _evidence_at(cfl), fit_order(np.array(jump_cells), sizes), 1.0, f"CFL {cfl}")
+                for cfl, sizes in jumps.items()
             ),
             _independence(),
-            *(_approach_verdict(model, found) for model, _, found in orbits),
+            *(_approach_verdict(model, ladder) for model, _, ladder in orbits),
             *(verdict for one in (*orbits, *others) for verdict in _agreement_verdicts(*one)),
             *means,
-            *(verdict for model, found in marches.items() for verdict in _time_verdicts(model, *found)),
-            *(_motion_verdict(*pair, found) for pair, found in motions.items()),
+            *(verdict for model, times in marches.items() for verdict in _time_verdicts(model, *times)),
+            *(_motion_verdict(*pair, sizes) for pair, sizes in motions.items()),
             *_event_verdicts(event),
         ),
         notes=_NOTES,
@@ -110,19 +110,19 @@ def run(budget: Budget) -> StudyResult:
 
 def _numbers(climbs: Iterable[Climb], motions: Mapping[tuple[str, str], np.ndarray]) -> dict[str, Number]:
     together = {climbed.ladder.model: climbed.fits["together"] for climbed in climbs if not climbed.lost}
-    found = {f"{model} order": stated(one.order, one.half_width) for model, one in together.items()}
+    numbers = {f"{model} order": stated(one.order, one.half_width) for model, one in together.items()}
     alike = {model: one for (model, pair), one in motions.items() if pair == "alike"}
-    return found | {f"error, {model}, alike": Number(one[1], 0.02) for model, one in alike.items()}
+    return numbers | {f"error, {model}, alike": Number(one[1], 0.02) for model, one in alike.items()}
 
 
 def _errors_chart(curves: Iterable[tuple[str, str, np.ndarray, np.ndarray]]) -> Chart:
     """Errors over points per slab, a line for each (panel, model, cells, errors)."""
     points = Scale("points per slab", "log", ticks={n: f"{n:g}" for n in (10.0, 20.0, 50.0, 100.0, 200.0)})
     lines: dict[str, list[Trace]] = {}
-    for title, model, cells, found in curves:
+    for title, model, cells, sizes in curves:
         family, number = grid_of(model)
         look = Look(style_of(model).color, "-", _MARKERS[number % len(_MARKERS)], 1.0)
-        lines.setdefault(title, []).append(Trace(model, cells * family.points(number), found, look))
+        lines.setdefault(title, []).append(Trace(model, cells * family.points(number), sizes, look))
     panels = [Panel(title, points, Scale("error", "log", floor=1e-14), traces, grid=True) for title, traces in lines.items()]
     return Chart(panels, 4.3, len(panels), legend="outside upper left", legend_columns=6)
 
@@ -241,27 +241,27 @@ def _figures(model: str, log10_r: float, cells: int | None) -> dict[str, Any]:
     return sw.orbit("paper", model, cells=cells, tol=_TOLERANCE, **{"slab.log10_r": log10_r}, **near).summary
 
 
-def _orbit_order(found: Mapping[int, Mapping[str, float]], quantity: str) -> float:
+def _orbit_order(ladder: Mapping[int, Mapping[str, float]], quantity: str) -> float:
     """Mean order from the coarsest grid to the finest one whose error is above the floor, the second one in any case."""
-    (coarse, first), *finer = ((cells, one[quantity]) for cells, one in found.items())
+    (coarse, first), *finer = ((cells, one[quantity]) for cells, one in ladder.items())
     fine, last = next((one for one in reversed(finer) if one[1] > _QUANTITIES[quantity][1]), finer[0])
     return math.log(first / last) / math.log(fine / coarse)
 
 
-def _approach_verdict(model: str, found: Mapping[int, Mapping[str, float]]) -> Verdict:
+def _approach_verdict(model: str, ladder: Mapping[int, Mapping[str, float]]) -> Verdict:
     """The order of the errors on finer and finer grids."""
-    least = min(_orbit_order(found, quantity) for quantity in _QUANTITIES)
-    where = f"`{model}`, {min(found)} to {max(found)} cells a slab; the lower of T and Δμ"
+    least = min(_orbit_order(ladder, quantity) for quantity in _QUANTITIES)
+    where = f"`{model}`, {min(ladder)} to {max(ladder)} cells a slab; the lower of T and Δμ"
     return at_least(_APPROACHES, WITNESS, least, declared_order(model), where)
 
 
-def _agreement_verdicts(model: str, log10_r: float, found: Mapping[int, Mapping[str, float]]) -> Verdicts:
+def _agreement_verdicts(model: str, log10_r: float, ladder: Mapping[int, Mapping[str, float]]) -> Verdicts:
     """The errors on the finest grid, below twice what the declared order leaves of those on the one before."""
-    before, last = [*found][-2:]
+    before, last = [*ladder][-2:]
     where = f"`{model}` with {last} cells, log_{{10}} r = {log10_r:g}".replace("-", "−")
     for name, (symbol, _) in _QUANTITIES.items():
-        limit = error_after(model, found[before][name], before, last) + _TOLERANCE
-        yield claim(_AGREES, WITNESS, found[last][name], limit, f"{symbol}, {where}")
+        limit = error_after(model, ladder[before][name], before, last) + _TOLERANCE
+        yield claim(_AGREES, WITNESS, ladder[last][name], limit, f"{symbol}, {where}")
 
 
 def _means_verdict(log10_r: float) -> Verdict:
@@ -274,8 +274,8 @@ def _means_verdict(log10_r: float) -> Verdict:
 def _means_of(model: str, log10_r: float) -> tuple[dict[str, float], dict[str, float]]:
     """Means of the figures over the cycles of a long run, and their margins (95 %)."""
     options: dict[str, Any] = {"cells": _CELLS} if model == _WAVE else {"tol": 1e-7}
-    found = sw.run("paper", model, until=_MEANS_UNTIL, **options, **{"slab.log10_r": log10_r}).summary
-    return {name: found[name]["mean"] for name in _QUANTITIES}, {name: found["margins"][name] for name in _QUANTITIES}
+    summary = sw.run("paper", model, until=_MEANS_UNTIL, **options, **{"slab.log10_r": log10_r}).summary
+    return {name: summary[name]["mean"] for name in _QUANTITIES}, {name: summary["margins"][name] for name in _QUANTITIES}
 
 
 # in time: the exact and the explicit march of one grid share neither steps nor friction solve; the delay system has its friction
@@ -356,12 +356,12 @@ def _motion_errors(model: str, pair: str) -> np.ndarray:
     return np.array([error_of_motion(model, scene, cells, **options) for cells in MOTION_GRIDS[model][0]])
 
 
-def _motion_verdict(model: str, pair: str, found: np.ndarray) -> Verdict:
+def _motion_verdict(model: str, pair: str, errors: np.ndarray) -> Verdict:
     """The order, unless the finest error is not below the bound. Schemes of order 2 must not be better either."""
     (cells, bound), declared, where = MOTION_GRIDS[model], declared_order(model), f"`{model}`, {pair} slabs"
-    if found[-1] < bound:
-        return of_order(_MADE, EXACT, fit_order(np.array(cells), found), declared, where, above=declared != 2)
-    return claim(_MADE, EXACT, found[-1], bound, f"{where}: error on {cells[-1]} cells")
+    if errors[-1] < bound:
+        return of_order(_MADE, EXACT, fit_order(np.array(cells), errors), declared, where, above=declared != 2)
+    return claim(_MADE, EXACT, errors[-1], bound, f"{where}: error on {cells[-1]} cells")
 
 
 # the waves of one slip event over time and depth: they cross the slabs unchanged, and the returning one ends the event

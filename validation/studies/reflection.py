@@ -133,13 +133,13 @@ _BESIDE = 0.02  # of 1 - R, from the end of the torus
 
 def columns() -> dict[tuple[_LeakyFace, float], ModelColumn]:
     """Every face that has an onset, at every r over it."""
-    found = {}
+    built = {}
     for face in FACES:
         onset = _face_onset(face)
         for over in OVER_ONSET if onset > 0.0 else ():
             log10_r, group = round(math.log10(onset * over), 6), f"r = {over:g} r_{{c}}"
-            found[face, over] = _column(face, log10_r, over, group)
-    return found
+            built[face, over] = _column(face, log10_r, over, group)
+    return built
 
 
 def plane() -> dict[tuple[_LeakyFace, float], str]:
@@ -351,8 +351,8 @@ def _plane(
     panels, leaks, words = [], [1.0 - R for R in _ROWS], list(_CELL.colors)
     for kind, title in _KINDS.items():
         faces = [_LeakyFace(kind, True, R) for R in _ROWS]
-        found = [[_word(regimes.get((face, x))) for x in _COLUMNS] for face in faces]
-        traces = [Trace("regime", _COLUMNS, leaks, _CELL, value=[[words.index(one) for one in row] for row in found])]
+        rows = [[_word(regimes.get((face, x))) for x in _COLUMNS] for face in faces]
+        traces = [Trace("regime", _COLUMNS, leaks, _CELL, value=[[words.index(one) for one in row] for row in rows])]
         onset = [math.log10(_face_onset(face)) for face in faces]
         traces += [
             Trace("", onset, leaks, Look(PAPER, width=3.6)),

@@ -47,10 +47,10 @@ def _swept_plane(budget: Budget) -> Any:
     vary = {"log10_r": (*_R, round_trips), "V": f"{_V[0]:g}:{_V[1]:g}:{velocities}:log"}
     options = {"models": ",".join(_MODELS), "tol": _TOLERANCE, "refine": levels, "workers": 1}
     with ThreadPoolExecutor(1) as here:  # studies are computed side by side, in processes of their own
-        found = slipwave.sweep(scene, vary=vary, executor=here, **options)
-        _ = found.dataset  # read before its folder is removed
-    found.close()
-    return found
+        swept = slipwave.sweep(scene, vary=vary, executor=here, **options)
+        _ = swept.dataset  # read before its folder is removed
+    swept.close()
+    return swept
 
 
 def _areas(sizes: Any, rows: Any) -> dict[str, Number]:
@@ -87,9 +87,9 @@ def _boundaries(swept: Any, lines: Any) -> Verdict:
     log10_r, velocity = (swept.dataset[name].values for name in ("log10_r", "drive_velocity"))
     wrong, judged, cell = 0, 0, np.diff(log10_r[:2])[0]
     for model in _MODELS:
-        found, beyond = _model_regimes(model, swept), log10_r[:, None] - _critical_round_trips(model, lines, velocity)
-        clear = (np.abs(beyond) > cell) & (found >= 0)
-        wrong, judged = wrong + int((clear & ((found == 0) != (beyond < 0.0))).sum()), judged + int(clear.sum())
+        regimes, beyond = _model_regimes(model, swept), log10_r[:, None] - _critical_round_trips(model, lines, velocity)
+        clear = (np.abs(beyond) > cell) & (regimes >= 0)
+        wrong, judged = wrong + int((clear & ((regimes == 0) != (beyond < 0.0))).sum()), judged + int(clear.sum())
     title = "Regimes of runs change from steady sliding where certified counts of roots say so"
     remark = (
         f"every model; points more than a cell ({cell:.3g} in log_{{10}} r) from the boundary, which `slipwave.stability` finds"

@@ -102,8 +102,8 @@ def run(budget: Budget) -> StudyResult:
         notes=(_WHY,),
         numbers={
             f"T at {log10_r:g}, orbit {n}": numbered_period(closed)
-            for log10_r, found in orbits.items()
-            for n, closed in enumerate(found, 1)
+            for log10_r, coexisting in orbits.items()
+            for n, closed in enumerate(coexisting, 1)
         },
     )
 
@@ -203,10 +203,10 @@ _WANDERS = 1e-2  # transits, on both sides of the unstable orbit's period
 def _run_at(log10_r: float, size: float, orbits: Sequence[Closed]) -> _DirectRun:
     """A run of the delay system until its cycles stop changing, 9000 transits at most; `orbits`: those of the branch there."""
     scene = scene_at(log10_r)
-    found = memo.settled("delay", replace(scene, start=replace(scene.start, size=size)), 1e-10, 1e-8, _MOST)
-    last = found.observer.events(_LAST * found.transits).period
+    settled = memo.settled("delay", replace(scene, start=replace(scene.start, size=size)), 1e-10, 1e-8, _MOST)
+    last = settled.observer.events(_LAST * settled.transits).period
     known = [one.cycle.period for one in orbits if count_unstable(one) == 0] or [one.cycle.period for one in orbits]
-    return _DirectRun(log10_r, size, last, found.settled, min(known, key=lambda period: abs(period - last[-1])))
+    return _DirectRun(log10_r, size, last, settled.settled, min(known, key=lambda period: abs(period - last[-1])))
 
 
 def _torus_at(log10_r: float) -> tuple[float, Estimate]:
@@ -228,13 +228,13 @@ def _multiplier_seen(apart: np.ndarray, turns: bool) -> complex:
 def sides(branch: Branch, first: int = 0, stride: int = 1) -> list[tuple[float, complex, complex]]:
     """The points of the delay branch before and beyond its special points, from the `first` special point on with this `stride`:
     log10 r, and the critical multiplier, of the orbit and as seen in runs."""
-    number, found = {id(point): n for n, point in enumerate(branch.points)}, []
+    number, points = {id(point): n for n, point in enumerate(branch.points)}, []
     for special in branch.special[first::stride]:
         for point in (branch.points[number[id(special.point)] + beside] for beside in (-1, 1)):
             passing, direction = _passing(point.closed, special.kind)
             apart = _cycles(point.closed, _OFF * direction) - _cycles(point.closed, -_OFF * direction)
-            found.append((point.parameter, passing, _multiplier_seen(apart, abs(passing.imag) > _REAL)))
-    return found
+            points.append((point.parameter, passing, _multiplier_seen(apart, abs(passing.imag) > _REAL)))
+    return points
 
 
 def _passing(closed: Closed, kind: str) -> tuple[complex, np.ndarray]:
@@ -274,10 +274,10 @@ def _fold_claims(branch: Branch, finer: Branch) -> Verdicts:
     yield claim(title, SELF, off, _MESHES, mesh)
     kinds, others = ([one.kind for one in some.special[: len(both)]] for some in (branch, finer))
     last = finer.points[-1].closed.cycle.period
-    beyond, found = sum(one.point.closed.cycle.period < last for one in branch.special), len(finer.special)
+    beyond, special = sum(one.point.closed.cycle.period < last for one in branch.special), len(finer.special)
     up_to = f"steps of half the length: special points up to T = {last:.1f} transits"
-    verdict = holding(title, SELF, f"{beyond} points", f"{found} points", kinds == others and beyond == found, up_to)
-    yield verdict.with_margin(abs(found - beyond), 1.0)
+    verdict = holding(title, SELF, f"{beyond} points", f"{special} points", kinds == others and beyond == special, up_to)
+    yield verdict.with_margin(abs(special - beyond), 1.0)
     growth = np.diff([turn.point.closed.cycle.period for turn, _ in _fold_pairs(branch)]).tolist()
     yield claim(
         "Folds come in pairs, and T grows by one transit from pair to pair: each pair lets one more ripple into the cycle",
@@ -289,10 +289,10 @@ def _fold_claims(branch: Branch, finer: Branch) -> Verdicts:
     )
 
 
-def _coexisting_table(found: dict[float, list[Closed]]) -> Table:
+def _coexisting_table(coexisting: dict[float, list[Closed]]) -> Table:
     """Figures and largest multiplier of the orbits of the branch, by log10 r."""
     rows: list[tuple[Cell, ...]] = []
-    for log10_r, orbits in found.items():
+    for log10_r, orbits in coexisting.items():
         for closed in orbits:
             lead, figures = floquet(closed.monodromy)[0][0], figures_of(closed)
             words = plain(lead.real, ".4f") + (f" ± {plain(abs(lead.imag), '.4f')} i" if lead.imag else "")

@@ -153,8 +153,8 @@ def _regimes(data: Dataset, column: str = "") -> tuple[Mapping[str, str], DataAr
 
 def _first_figure(data: Dataset) -> str:
     """The first column that is neither words nor how the points ended."""
-    found = [str(name) for name in data.data_vars if name not in ("status", "reason", _flags_in(data))]
-    return found[0] if found else "status"
+    names = [str(name) for name in data.data_vars if name not in ("status", "reason", _flags_in(data))]
+    return names[0] if names else "status"
 
 
 def _flags_in(data: Dataset) -> str:
@@ -194,7 +194,7 @@ def _transits(data: Dataset) -> list[DataArray]:
     if "scene_toml" not in data.attrs or not names:
         return []
     scenes = _scenes_over(data, names)
-    found = list[DataArray]()
+    transits = list[DataArray]()
     for axes in [names] if scenes.sets else [[name] for name in names]:  # what is set may depend on all of them
         if math.prod(data.sizes[name] for name in axes) > _MOST_READ:
             continue
@@ -207,8 +207,8 @@ def _transits(data: Dataset) -> list[DataArray]:
             continue
         if max(known) > min(known):
             over = data["status"].isel({name: 0 for name in data["status"].dims if name not in axes}, drop=True).transpose(*axes)
-            found.append(over.copy(data=np.reshape(known, over.shape) / (scenes.base.transit if found else 1.0)))
-    return found
+            transits.append(over.copy(data=np.reshape(known, over.shape) / (scenes.base.transit if transits else 1.0)))
+    return transits
 
 
 def _scenes_over(data: Dataset, axes: Iterable[str]) -> Variation:
@@ -328,11 +328,11 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
         for (low, high), is_power in zip(ends, powers, strict=True)
     )
 
-    def on_axes(*found: Any) -> list[Any]:
-        return [10.0**one if is_power else one for one, is_power in zip(found, powers, strict=True)]
+    def on_axes(*values: Any) -> list[Any]:
+        return [10.0**one if is_power else one for one, is_power in zip(values, powers, strict=True)]
 
-    def scene_at(*found: float) -> Scene:
-        return scenes.at(varied, [float(f"{one:.15g}") for one in on_axes(*found)])  # the end of an axis may be that of its key
+    def scene_at(*values: float) -> Scene:
+        return scenes.at(varied, [float(f"{one:.15g}") for one in on_axes(*values)])  # the end of an axis may be that of its key
 
     lines, notes = [], []
     for model in (str(name) for name in np.atleast_1d(data["model"].values)):

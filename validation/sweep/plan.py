@@ -122,8 +122,8 @@ def _read(where: str, given: list[Any]) -> tuple[list[float] | list[str], str]:
 def _checked(key: str, values: list[float] | list[str], unit: str, where: str) -> Axis:
     if not 1 <= len(values) <= LONGEST or len(set(values)) < len(values):
         raise SceneError(f"{where}: must be 1 to {LONGEST} different values")
-    found: Any = tuple(values)
-    return Axis(key, unit, values=found)
+    checked: Any = tuple(values)
+    return Axis(key, unit, values=checked)
 
 
 @dataclass(frozen=True)

@@ -117,18 +117,18 @@ def verify(source: "SceneSource | None" = None, options: VerifyOptions = _UNCHAN
     Raises SceneError for wrong input; NumericsError, with the rows as its `result`, if one is missed.
     """
     subject, rows, notes = _judged(source, options)
-    found = []
+    judged = []
     with progress(f"verify {subject}", _ROWS) as report:
         for row in rows:
-            found.append(row)
-            report(min(len(found), _ROWS - 1))
+            judged.append(row)
+            report(min(len(judged), _ROWS - 1))
         report(_ROWS)
-    missed = [f"{bare(row.claim)} ({_where(row)})" for row in found if row.outcome is Outcome.FAIL]
-    failed = f"verify {subject}: {len(missed)} of {len(found)} rows are missed: {'; '.join(missed)}"
-    for row in found:
+    missed = [f"{bare(row.claim)} ({_where(row)})" for row in judged if row.outcome is Outcome.FAIL]
+    failed = f"verify {subject}: {len(missed)} of {len(judged)} rows are missed: {'; '.join(missed)}"
+    for row in judged:
         if row.outcome is Outcome.OPEN:
             log.info("not decided: %s (%s): %s", bare(row.claim), _where(row), bare(row.ours))
-    return VerifyResult(subject, with_names("verify", found), notes, failed=failed if missed else "")
+    return VerifyResult(subject, with_names("verify", judged), notes, failed=failed if missed else "")
 
 
 def _where(row: Verdict) -> str:

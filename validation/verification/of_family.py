@@ -116,12 +116,12 @@ def _falling(row: Verdict, what: str, declared: float, sizes: dict[int, float], 
     finest, above = sizes.get(cells, math.inf), {n: size for n, size in sizes.items() if size > floor}
     row = replace(row, expected=expected, remark=f"{row.remark}; {finest:.1e} on {cells} cells")
     try:
-        found = fit_order(np.array(list(above), dtype=float), np.array(list(above.values())))
+        fit = fit_order(np.array(list(above), dtype=float), np.array(list(above.values())))
     except ValueError:
         return replace(row, ours=f"{finest:.1e}", outcome=judge(finest < floor))
-    holds = not shortfall(found, declared, _SHORT, at_least=True, widest=_WIDE) or finest < floor
-    unknown = found.half_width > _WIDE and found.order + found.half_width >= declared
-    return replace(row, ours=f"order {found.rounded}", outcome=Outcome.OPEN if unknown and not holds else judge(holds))
+    holds = not shortfall(fit, declared, _SHORT, at_least=True, widest=_WIDE) or finest < floor
+    unknown = fit.half_width > _WIDE and fit.order + fit.half_width >= declared
+    return replace(row, ours=f"order {fit.rounded}", outcome=Outcome.OPEN if unknown and not holds else judge(holds))
 
 
 def _ledger_row(model: str, scene: Scene, cells: list[int]) -> Verdict:

@@ -65,8 +65,8 @@ def _left_after_a_step(law: Any, sample: Any) -> float:
         rate = abs(law.respond(sample, z, goal)[7])
         if not rate > 0.0:
             return np.inf
-        found = solve_ivp(_evolution, (0.0, _TIMES / rate), [start], args=(law, sample, z), rtol=1e-10, atol=1e-12)
-        left = max(left, abs(float(found.y[0, -1]) - goal) / abs(start - goal))
+        solution = solve_ivp(_evolution, (0.0, _TIMES / rate), [start], args=(law, sample, z), rtol=1e-10, atol=1e-12)
+        left = max(left, abs(float(solution.y[0, -1]) - goal) / abs(start - goal))
     return left
 
 

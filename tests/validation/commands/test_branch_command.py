@@ -132,7 +132,10 @@ def test_a_branch_that_dips_out_of_its_range_comes_back(whole, tmp_path):
     """Its fold at -2.70021 is not listed, its orbits there are in the file alone, and the chart has a gap."""
     found = sw.branch("paper", "log10_r=-2.70:-2.69", "kelvin-voigt", tol=1e-4, out=tmp_path / "x.nc")
     values = [point["log10_r"] for point in found.points]
-    assert (min(values) >= -2.70, min(point.value for point in found.found.points)) == (True, pytest.approx(-2.700213, abs=1e-5))
+    assert (min(values) >= -2.70, min(point.value for point in found.followed.points)) == (
+        True,
+        pytest.approx(-2.700213, abs=1e-5),
+    )
     assert [special["type"] for special in found.special] == ["HB"]
     periods = [point["period"] for point in found.points]
     left = next(k for k, period in enumerate(periods) if period > 56.0)
@@ -149,7 +152,7 @@ def test_a_branch_that_dips_out_of_its_range_comes_back(whole, tmp_path):
 def test_a_branch_may_end_where_scenes_do():
     scene = sw.read("paper", {"slab.face": {"kind": "reflection", "coefficient": 0.999}})
     found = sw.branch(scene, "face.coefficient=0.9999:1", tol=1e-4)
-    assert found.found.points[-1].value == pytest.approx(1.0, abs=1e-9)
+    assert found.followed.points[-1].value == pytest.approx(1.0, abs=1e-9)
     assert found.summary["notes"][-1].startswith("the branch leaves the range at face.coefficient = 1: the branch cannot ")
 
 
@@ -316,20 +319,20 @@ def test_hopf_points_are_those_of_the_closed_form(tmp_path, monkeypatch):
     monkeypatch.setattr("validation.commands.curve.pursue", lambda *parts: (None, "", False))
     again, other = sw.curve(file), sw.curve(file, along="V=90:91", tol=1e-4)
     call = {"of": "HB", "over": "log10_r=-2.8:-2.6", "and": "V=90:110", "tol": 1e-6, "most_points": 100, "point": None}
-    assert (again.options.stored, again.found.model, again.found.kind) == (call, "delay", "HB")
-    assert (other.options.stored, other.found.second.ends) == (call | {"and": "V=90:91", "tol": 1e-4}, (90.0, 91.0))
+    assert (again.options.stored, again.followed.model, again.followed.kind) == (call, "delay", "HB")
+    assert (other.options.stored, other.followed.second.ends) == (call | {"and": "V=90:91", "tol": 1e-4}, (90.0, 91.0))
 
 
 def test_a_curve_begins_at_any_point_of_a_branch(whole):
     """Of a file or of a result in Python; it is the curve that begins with the first point of this kind."""
-    first = sw.curve("paper", "LP", RANGE, "V=100:120", "kelvin-voigt", tol=1e-4, most_points=3).found.points
+    first = sw.curve("paper", "LP", RANGE, "V=100:120", "kelvin-voigt", tol=1e-4, most_points=3).followed.points
     for start in whole:
-        found = sw.curve(start=start, point="LP1", along="V=100:120", tol=1e-4, most_points=3).found.points
+        found = sw.curve(start=start, point="LP1", along="V=100:120", tol=1e-4, most_points=3).followed.points
         for one, other in zip(found, first, strict=True):
             assert one[:7] == pytest.approx(other[:7], rel=1e-7)
             assert (one.kind, one.unstable_before, one.unstable_after) == ("LP", 1, 0)
     assert first[0].first == pytest.approx(-2.700213011, abs=5e-8)
-    hopf = sw.curve(start=start, point="HB1", along="V=100:101").found.points
+    hopf = sw.curve(start=start, point="HB1", along="V=100:101").followed.points
     assert min(abs(one.first + 2.69954994745) for one in hopf) < 1e-6
 
 

@@ -26,7 +26,7 @@ from validation.measure.order_fit import fit_order, shortfall
 from validation.models import at_scene
 from validation.models.build import build
 from validation.models.cycle import watch
-from validation.models.orbits import OrbitFound
+from validation.models.orbits import SceneOrbit
 from validation.models.settle import NoCycle, settle
 from validation.references.published import half_digit, reference, reference_orbit
 
@@ -236,7 +236,7 @@ def test_idle_modes_are_named_with_their_multipliers():
     modes = found.summary["idle_modes"]
     assert [mode["quarter_waves"] for mode in modes[:2]] == [[5, 7], [29, 41]]
     assert found.summary["stable"] is None
-    told, own = complex(*modes[0]["multiplier"]), np.linalg.eigvals(found.found.found.closed.monodromy)
+    told, own = complex(*modes[0]["multiplier"]), np.linalg.eigvals(found.scene_orbit.periodic.closed.monodromy)
     nearest = own[np.abs(own - told).argmin()]
     assert abs(nearest) == pytest.approx(0.9947022, abs=1e-5)
     assert abs(nearest - told) < 0.01
@@ -291,11 +291,11 @@ def test_the_orbit_of_the_nearest_period(monkeypatch, near, s, other, word, on_b
     monkeypatch.setattr(at_scene, "moving", lambda *_: None)
     monkeypatch.setattr(at_scene, "orbits_near", lambda *_: given(None))
     monkeypatch.setattr(
-        at_scene, "find_orbit", lambda *_: OrbitFound(given(own and periodic_orbit(*guesses[own])), 1e-8, "from the run")
+        at_scene, "find_orbit", lambda *_: SceneOrbit(given(own and periodic_orbit(*guesses[own])), 1e-8, "from the run")
     )
     found = at_scene.orbit_at_scene("by hand", flow.scene, 1e-8, near=near)
-    assert found.found.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
-    assert found.found.multipliers.stable is (s == 0.8)
+    assert found.periodic.orbit.period.value == pytest.approx(SUBCRITICAL.period(s), rel=1e-10)
+    assert found.periodic.multipliers.stable is (s == 0.8)
     assert found.source.startswith("from the run") is (s == own and s not in (on_branch or ()))
     assert "none was found that is nearer to a period of 5." in found.source
     exactly = at_scene.orbit_at_scene("by hand", flow.scene, 1e-8, near=1.001 * SUBCRITICAL.period(s))

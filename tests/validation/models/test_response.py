@@ -34,12 +34,15 @@ def orbit(scene, model="delay", **changes):
 
 def differences(result, key, value, unit="", step=1e-5):
     """Richardson's value of central differences of orbits, each closed on a finer mesh of its own scene."""
-    known = result.found.found.closed
+    known = result.scene_orbit.periodic.closed
     flow, start = known.flow.remeshed(known.cycle, 1.5)
     finer = close(flow, start, known.cycle.period, 0.0)
 
     def orbit(moved):
-        flow, start = finer.flow.of(sw.read(result.found.scene, {key: f"{moved!r} {unit}" if unit else moved})), finer.cycle.start
+        flow, start = (
+            finer.flow.of(sw.read(result.scene_orbit.scene, {key: f"{moved!r} {unit}" if unit else moved})),
+            finer.cycle.start,
+        )
         if flow.size != finer.flow.size or getattr(flow, "length", 0.0) != getattr(finer.flow, "length", 0.0):
             flow, start = finer.flow._onto(flow, finer.cycle.start)
         figures = figures_of(close(flow, start, finer.cycle.period, 0.0))
@@ -116,10 +119,10 @@ def test_bare_numbers_of_a_machine_are_in_si():
 def test_the_end_of_a_range_is_one_sided(scene, key, end, inwards):
     """Without dashpot, or with R = 1, there is no scene on the other side: the slope is that of orbits on this side."""
     result = sw.orbit(scene, tol=1e-9, set={key: end})
-    closed = result.found.found.closed
+    closed = result.scene_orbit.periodic.closed
 
     def figures(steps):
-        flow = closed.flow.of(sw.read(result.found.scene, {key: end + steps * inwards}))
+        flow = closed.flow.of(sw.read(result.scene_orbit.scene, {key: end + steps * inwards}))
         known = figures_of(close(flow, closed.cycle.start, closed.cycle.period, 0.0))
         return np.array([known[name] for name in FIGURES])
 
@@ -129,7 +132,7 @@ def test_the_end_of_a_range_is_one_sided(scene, key, end, inwards):
 
 
 def test_a_fold_has_no_response():
-    closed = orbit("paper", "modal:2").found.found.closed
+    closed = orbit("paper", "modal:2").scene_orbit.periodic.closed
     folded = replace(closed, monodromy=np.eye(closed.cycle.start.size))
     with pytest.raises(NumericsError, match="another multiplier is 1"):
         Responding(folded)
@@ -163,7 +166,7 @@ def shift(closed, push, periods=20):
 @pytest.mark.parametrize("which", [0, 1], ids=["stress", "drive"])
 def test_a_pulse_shifts_all_later_events_by_the_phase_response(model, which):
     """At ten phases, 20 periods later: two pulses of opposite signs that move the orbit by at most 1e-6 of its period."""
-    closed = orbit("paper", model).found.found.closed
+    closed = orbit("paper", model).scene_orbit.periodic.closed
     phase = Responding(closed).phase
     largest = np.abs(phase.samples[2][which]).max()
     for first in np.linspace(2, closed.cycle.pieces.time.size - 3, 10).astype(int):
@@ -180,7 +183,7 @@ def test_pulses_of_stress_in_equations_written_here():
     """block12 on its own, m v (ln v)' = y + tau - mu (MODEL.md section 3): a small tau for T/200 at ten phases, and the dates at
     which v passes V upwards 25 periods later."""
     result = sw.orbit("paper", model="block12", tol=1e-10)
-    closed, scene = result.found.found.closed, result.found.scene
+    closed, scene = result.scene_orbit.periodic.closed, result.scene_orbit.scene
     phase, period, law = Responding(closed).phase, closed.cycle.period, scene.law
     epsilon, r, steady, mass = scene.upper.epsilon, scene.transit, scene.velocity, scene.upper.epsilon / 12.0
     load, speed, psi = closed.cycle.start
@@ -228,7 +231,7 @@ def test_integrals_are_derivatives_of_the_period(scene, model):
     assert result.facts["stable"] is (scene != "unstable")
     _, weights, (stress, drive) = result._responding.phase.samples
     by_stress, by_drive = float((weights * stress).sum()), float((weights * drive).sum())
-    read = result.found.scene
+    read = result.scene_orbit.scene
     if scene != "reflection":
         assert by_stress == pytest.approx(0.0, abs=1e-9 * float((weights * np.abs(stress)).sum()))
     slope = friction_slopes(read.law, read.velocity).steady
@@ -240,8 +243,8 @@ def test_integrals_are_derivatives_of_the_period(scene, model):
 def test_two_steps_of_the_drive_shift_all_later_events_of_a_run(model):
     """V raised or lowered by a thousandth for T/50 at ten phases: half the difference of the dates fifteen cycles later."""
     result = sw.orbit("paper", model=model, tol=1e-10)
-    scene, period, phase = result.found.scene, result.period, result._responding.phase
-    event = first_event(result.found.found.closed)
+    scene, period, phase = result.scene_orbit.scene, result.period, result._responding.phase
+    event = first_event(result.scene_orbit.periodic.closed)
     settled = sw.run(scene, model=model, until=42.0 * period, tol=1e-11).dataset["event_time"].values[-2]
     x, weights = np.polynomial.legendre.leggauss(16)
     for share in np.linspace(0.04, 0.94, 10):
@@ -261,12 +264,12 @@ def test_two_steps_of_the_drive_shift_all_later_events_of_a_run(model):
 def locked_period(result, harmonic, depth, longer, cycles=40, knots=32):
     """The period (T) of events under a drive V (1 + depth cos), of period T/`harmonic`, at the phase at which it delays (`longer`
     is 1) or advances (-1) them most. The cosine is drawn by ramps."""
-    scene, period, phase = result.found.scene, result.period, result._responding.phase
+    scene, period, phase = result.scene_orbit.scene, result.period, result._responding.phase
     times, weights, (_, drive) = phase.samples
     moment = (weights * drive * np.exp(-2j * np.pi * harmonic / period * times)).sum()
     event = sw.run(scene, model=result.model, until=42.0 * period).dataset["event_time"].values[-2]
     start = event + 0.5 * period
-    origin = event - first_event(result.found.found.closed)
+    origin = event - first_event(result.scene_orbit.periodic.closed)
     behind = np.angle(moment) + (np.pi if longer > 0 else 0.0)  # Z(t - origin) cos(w t - behind - w origin) has the mean -+|z_n|
     forcing = period / harmonic * (1.0 + longer * depth * scene.velocity * abs(moment) / period)
     middle = start + 0.6 * cycles * period
@@ -286,7 +289,7 @@ def locked_period(result, harmonic, depth, longer, cycles=40, knots=32):
 def test_the_locking_range_is_that_of_runs(harmonic):
     """The distance of the longest and shortest period that a drive can impose at a depth of 1e-3, and each at 2e-4."""
     result = orbit("paper", "modal:2")
-    half = result.found.scene.velocity * result._responding.phase.harmonics(harmonic)[1, -1]
+    half = result.scene_orbit.scene.velocity * result._responding.phase.harmonics(harmonic)[1, -1]
     longest, shortest = (locked_period(result, harmonic, 1e-3, side) for side in (1.0, -1.0))
     assert longest - shortest == pytest.approx(2e-3 * half, rel=0.05)
     for side in (1.0, -1.0):
@@ -308,7 +311,7 @@ def test_harmonics_and_diffusion_are_integrals_of_the_curve():
 
 
 def test_what_is_beyond_first_order_grows_as_the_square(monkeypatch):
-    responding = Responding(orbit("paper", "modal:2").found.found.closed)
+    responding = Responding(orbit("paper", "modal:2").scene_orbit.periodic.closed)
     limits = responding.first_order_up_to()
     monkeypatch.setattr("reduced.orbit.response._PUSHED", 3e-5)
     assert responding.first_order_up_to() == pytest.approx(limits, rel=0.05)

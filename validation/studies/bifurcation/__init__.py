@@ -293,12 +293,12 @@ def _diagram(branches: Sequence[Branch], waves: WaveOrbits) -> Chart:
     return Chart(panels, 8.2, 2, widths=(1.25, 1.0), keys=keys, legend_columns=4, **_LEGEND)
 
 
-def _orbits_in_planes(found: Doubled, ode: Branch, bubbles: Iterable[Bubble]) -> Chart:
+def _orbits_in_planes(doubled: Doubled, ode: Branch, bubbles: Iterable[Bubble]) -> Chart:
     """The paper's Fig 7: both orbits in two planes; below, T and half the doubled period over r."""
     double = model_look(ODE, color=ORANGE, dashes="-", width=0.9)
     looks = (
-        ("doubled orbit, stable", found.double, double),
-        ("T = 79.09, unstable", found.single, model_look(ODE, dashes=DOTTED)),
+        ("doubled orbit, stable", doubled.double, double),
+        ("T = 79.09, unstable", doubled.single, model_look(ODE, dashes=DOTTED)),
     )
     rows: tuple[list[Trace], ...] = ([], [], [])
     for name, orbit, look in looks:
@@ -357,8 +357,8 @@ def _fold_at(velocity: float) -> float:
     scene = sw.read("paper", {"slab.epsilon": 2.8e-7 * velocity})
     larger = math.log10(velocity / 100.0)
     over = f"log10_r={_LOW + larger}:{_HIGH + larger}"
-    found = sw.branch(scene, model="delay", over=over, stop_at="LP", tol=_OF_FOLDS)
-    return float(found.special[-1]["log10_r"]) - larger
+    branch = sw.branch(scene, model="delay", over=over, stop_at="LP", tol=_OF_FOLDS)
+    return float(branch.special[-1]["log10_r"]) - larger
 
 
 def _fold_verdicts(curves: Mapping[str, Sequence[Fold]], again: float) -> Verdicts:

@@ -65,11 +65,11 @@ def doubled() -> Doubled:
 def bubble(low: float, high: float) -> Bubble:
     """The doubled orbits from the first period doubling between these log10 r on, at first towards the higher one. The square of
     the difference of their halves vanishes linearly in r."""
-    found = FollowedBranch(over_range(f"log10_r={low}:{high}", scene_at(AT)), ODE, _ROUGH, doubled=True)
-    last = [end.point for end in ends_of(found, StopAt())][-_NEAREST:]
+    branch = FollowedBranch(over_range(f"log10_r={low}:{high}", scene_at(AT)), ODE, _ROUGH, doubled=True)
+    last = [end.point for end in ends_of(branch, StopAt())][-_NEAREST:]
     square = [difference_of_parts(point.closed, 2) ** 2 for point in last]
     ends = np.polyfit(square, [point.parameter for point in last], _NEAREST - 1)[-1]
-    return found.special[0].value, ends, [(one.value, 0.5 * one.period) for one in found.points]
+    return branch.special[0].value, ends, [(one.value, 0.5 * one.period) for one in branch.points]
 
 
 def between_doublings(ode: Branch) -> list[list[BranchPoint]]:
@@ -79,27 +79,27 @@ def between_doublings(ode: Branch) -> list[list[BranchPoint]]:
     return [corners[begin : end + 1] for begin, end in zip(places[::2], places[1::2], strict=False)]
 
 
-def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) -> Verdicts:
+def doubling_verdicts(doubled: Doubled, ode: Branch, bubbles: Sequence[Bubble]) -> Verdicts:
     """The orbits at `AT`, then the bubbles."""
-    period, double = found.single.orbit.period.value, found.double.orbit.period.value
+    period, double = doubled.single.orbit.period.value, doubled.double.orbit.period.value
     known, simple = reference()["paper"]["T_unstable_ode"], between_doublings(ode)
     r, periods = zip(*((corner.value, corner.period) for corner in simple[0]), strict=True)
     digit = np.ptp(np.interp([AT, AT + half_digit(AT)], r, periods))
     where = f"transits, at log_{{10}} r = {AT:.6f}, of which half the last digit is allowed"
     yield claim("The orbit of T = 79.09 lies where AUTO-07p finds it", WITNESS, period, digit, minus(where), near=known)
-    remark, allowed = "two cycles over the doubled period by Newton’s method", error_of(found.double.orbit.period)
-    yield claim("A direct run settles on the doubled orbit", WITNESS, found.last_two / double, allowed, remark, near=1.0)
-    lead = found.single.multipliers.values[0].real
-    holds = abs(period - known) <= half_digit(known) and found.single.multipliers.stable is False and lead < -1.0
+    remark, allowed = "two cycles over the doubled period by Newton’s method", error_of(doubled.double.orbit.period)
+    yield claim("A direct run settles on the doubled orbit", WITNESS, doubled.last_two / double, allowed, remark, near=1.0)
+    lead = doubled.single.multipliers.values[0].real
+    holds = abs(period - known) <= half_digit(known) and doubled.single.multipliers.stable is False and lead < -1.0
     yield holding(
         "P10 At r = 10^{-2.59} the primary orbit with T = 79.09 is unstable, and a doubled orbit beside it is stable",
         PAPER,
         f"T = {known} ± {half_digit(known):g}",
         f"T = {period:.6f}",
-        holds and found.double.multipliers.stable is True,
+        holds and doubled.double.multipliers.stable is True,
         minus(f"multiplier {lead:.5f} of the primary orbit; half the doubled period is {0.5 * double:.6f}"),
     ).with_margin(abs(period - known), half_digit(known))
-    yield _twice_but_not_the_same(found)
+    yield _twice_but_not_the_same(doubled)
     for (born, ends, _), points in zip(bubbles, simple, strict=True):
         yield claim(
             "P9 The doubled orbits connect two period doublings: their branch is a closed bubble",
@@ -111,10 +111,10 @@ def doubling_verdicts(found: Doubled, ode: Branch, bubbles: Sequence[Bubble]) ->
         )
 
 
-def _twice_but_not_the_same(found: Doubled) -> Verdict:
+def _twice_but_not_the_same(doubled: Doubled) -> Verdict:
     """The peaks of the slip rate on both orbits."""
-    single, (high, low) = found.single.orbit.v_max.value, peaks(found.double)
-    periods = found.double.orbit.period.value / found.single.orbit.period.value
+    single, (high, low) = doubled.single.orbit.v_max.value, peaks(doubled.double)
+    periods = doubled.double.orbit.period.value / doubled.single.orbit.period.value
     off = max(abs(high / single - 1.0), abs(low / single - 1.0), abs(0.5 * periods - 1.0))
     return holding(
         "P10 The doubled orbit is close but not identical to two traces of the unstable one: two slightly different peaks of v",

@@ -72,9 +72,9 @@ def run(budget: Budget) -> StudyResult:
     }
     table = _the_table(regimes, {_title(x): _costs_at(x, rounds) for x in _COSTED})
     others = _in_scenes(there, budget)
-    found = periods.branches_of(*budget.plan(quick=(-2.64, 74.6), full=(-2.3, 80.0)))
+    branches = periods.branches_of(*budget.plan(quick=(-2.64, 74.6), full=(-2.3, 80.0)))
     budget.report(0.8)
-    seen = periods.periods_of(found, regimes)
+    seen = periods.periods_of(branches, regimes)
     onsets = laws.measure_onsets(scene_at(SHOWN[1]))
     scales = budget.plan(quick=(2.0, laws.HALF), full=(2.0, 1.0, laws.HALF, 0.25, 0.125))
     cycles = [laws.measure_cycle(scene_at(SHOWN[1]), scale) for scale in budget.each(scales, begin=0.85)]
@@ -87,7 +87,7 @@ def run(budget: Budget) -> StudyResult:
         },
         figures=(
             Figure("cost-error", _COST_ERROR, lambda: _cost_and_error(table), timed=True),
-            Figure("over-r", periods.CAPTION, lambda: periods.over_r(found, seen), paper="Fig 8", carries=_CARRIES, zoom=True),
+            Figure("over-r", periods.CAPTION, lambda: periods.over_r(branches, seen), paper="Fig 8", carries=_CARRIES, zoom=True),
             Figure("laws", laws.CAPTION, lambda: laws.fall(onsets, cycles)),
         ),
         tables=(_bias_table(others),),
@@ -156,8 +156,8 @@ def _the_table(regimes: ByModel, costs: Mapping[str, Mapping[str, float]]) -> Mo
         f"log_{{10}} r_{{c}} = {places([exact], '.5f')} on; r: round trip of a wave through one slab, in L/V*; cost: processor "
         f"time. {_CAPTION}"
     )
-    found = {model: list(by_r.values()) for model, by_r in regimes.items()}
-    return compared_table("paper", caption, "log_{10} r", columns, found, onsets, costs)
+    rows = {model: list(by_r.values()) for model, by_r in regimes.items()}
+    return compared_table("paper", caption, "log_{10} r", columns, rows, onsets, costs)
 
 
 _CAPTION = (
@@ -207,7 +207,7 @@ def _verdicts(paper: ModelTable, elsewhere: ModelTable, regimes: ByModel, others
 def _numbers(table: ModelTable, regimes: ByModel) -> dict[str, Number]:
     """Errors of orbits and onsets; figures of the quasi-dynamic orbits. Means of irregular motions differ between machines."""
     shown = {_title(x): x for x in SHOWN}
-    found = {
+    numbers = {
         f"{row.model} error of {symbol} at {shown[column.title]}": stated(one.error, one.standard_error)
         for column, row, cell in judged.cells_of(table, *ORBITS)
         if column.title in shown
@@ -215,17 +215,17 @@ def _numbers(table: ModelTable, regimes: ByModel) -> dict[str, Number]:
         if (one := cell.figures.get(name)) and one.error is not None
     }
     damped = {x: one.figures["T"] for x, one in regimes["quasidynamic"].items() if one.figures}
-    found |= {f"quasidynamic T at {x}": stated(period.value, period.error) for x, period in damped.items()}
+    numbers |= {f"quasidynamic T at {x}": stated(period.value, period.error) for x, period in damped.items()}
     known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error}
-    return found | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
+    return numbers | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
 
 
-def _bias_table(found: ModelTable) -> Table:
+def _bias_table(table: ModelTable) -> Table:
     """Bias and scatter of each model over all scenes."""
     ranges = (("T", OVER_ONSET[0]), ("Δμ", OVER_ONSET[0]), ("T", OVER_ONSET[1]))
     rows: list[list[Cell]] = [
-        [row.model, *(100.0 * value for what in ranges for value in _bias_and_scatter(found, row, *what))]
-        for row in found.rows[1:]
+        [row.model, *(100.0 * value for what in ranges for value in _bias_and_scatter(table, row, *what))]
+        for row in table.rows[1:]
     ]
     numbers = "bias [%] .2f | scatter [%] .2f | statistical [%] .2f"
     heading = " | ".join(["model", *(f"{symbol}, {over_onset:g} r_{{c}}: {numbers}" for symbol, over_onset in ranges)])
@@ -236,10 +236,10 @@ def _bias_table(found: ModelTable) -> Table:
     return tabled("bias", caption, heading, rows)
 
 
-def _bias_and_scatter(found: ModelTable, row: ModelRow, symbol: str, over_onset: float) -> tuple[float, float, float]:
+def _bias_and_scatter(table: ModelTable, row: ModelRow, symbol: str, over_onset: float) -> tuple[float, float, float]:
     """(mean, standard deviation over scenes, root mean square of the standard errors) of the errors of a quantity at this r over
     the onset; NaN for too few errors."""
-    cells = [cell for column, cell in zip(found.columns, row.cells, strict=True) if column.over_onset == over_onset]
+    cells = [cell for column, cell in zip(table.columns, row.cells, strict=True) if column.over_onset == over_onset]
     errors = [one for cell in cells if (one := cell.figures.get(symbol)) and one.error is not None]
     values, own = (np.array([getattr(one, name) for one in errors], dtype=float) for name in ("error", "standard_error"))
     if not values.size:
@@ -247,28 +247,28 @@ def _bias_and_scatter(found: ModelTable, row: ModelRow, symbol: str, over_onset:
     return values.mean(), values.std(ddof=1) if values.size > 1 else math.nan, np.sqrt((own**2).mean())
 
 
-def _scene_answer(found: ModelTable) -> str:
+def _scene_answer(table: ModelTable) -> str:
     """Whether the advice holds in these scenes, and how far off the models to be avoided are near the onset."""
-    good = [f"`{row.model}`" for row in found.rows[1:] if row.advice == "use"]
-    known = ((row.model, _bias_and_scatter(found, row, "T", OVER_ONSET[0])) for row in found.rows if row.advice == "avoid")
+    good = [f"`{row.model}`" for row in table.rows[1:] if row.advice == "use"]
+    known = ((row.model, _bias_and_scatter(table, row, "T", OVER_ONSET[0])) for row in table.rows if row.advice == "avoid")
     words = [
         f"`{model}` " + minus(f"{100 * bias:+z.1f}{f' ± {100 * scatter:.1f}' if math.isfinite(scatter) else ''} %")
         for model, (bias, scatter, _) in known
         if abs(bias) > _NONE
     ]
-    count, near = len({column.title for column in found.columns}), f"{OVER_ONSET[0]:g} r_{{c}}"
+    count, near = len({column.title for column in table.columns}), f"{OVER_ONSET[0]:g} r_{{c}}"
     return (
         f"The advice holds in {count} other scenes: {', '.join(good)} are right to 1 %. Bias and scatter of T at {near} "
         f"are {', '.join(words)}; `quasidynamic` slides steadily."
     )
 
 
-def _scene_numbers(found: ModelTable, models: Sequence[str]) -> dict[str, Number]:
+def _scene_numbers(table: ModelTable, models: Sequence[str]) -> dict[str, Number]:
     """Errors of T of these models where cycles repeat, with the accuracy of runs."""
     return {
         f"{column.title}: {row.model} error of T at {column.over_onset:g}": Number(one.error, max(1e-3, 3e-7 / abs(one.error)))
-        for row in found.rows
-        for column, exact, cell in zip(found.columns, found.rows[0].cells, row.cells, strict=True)
+        for row in table.rows
+        for column, exact, cell in zip(table.columns, table.rows[0].cells, row.cells, strict=True)
         if row.model in models and not cell.cycles and not exact.cycles and (one := cell.figures.get("T")) and one.error
     }
 
@@ -285,11 +285,11 @@ def _cost_and_error(table: ModelTable) -> Chart:
     titles, traces, keys = [column.title for column in table.columns], list[Trace](), dict[str, Trace]()
     for row in table.rows:
         for number, (title, cost) in enumerate(zip(table.costed, row.costs, strict=True)):
-            found = row.cells[titles.index(title)].figures.get("T")
-            if found and cost is not None:
+            figure = row.cells[titles.index(title)].figures.get("T")
+            if figure and cost is not None:
                 size, bar = (
-                    [found.size],
-                    [2.0 * found.standard_error] if number and found.error is not None else None,
+                    [figure.size],
+                    [2.0 * figure.standard_error] if number and figure.error is not None else None,
                 )
                 name, look = row.model, model_marks(row.model, hollow=bool(number))
                 traces.append(Trace(f"{name}, {title}" if number else name, [cost], size, look, y_error=bar))

@@ -114,7 +114,7 @@ def paper_verdicts(table: ModelTable, shown: Sequence[str], main: str) -> Verdic
         abs(short - _PRINTED) < _HALF_DIGITS,
         f"printed: 70.73 against 73.5 transits, log_{{10}} r = {main}; half of the last printed digits is allowed",
     ).with_margin(abs(short - _PRINTED), _HALF_DIGITS)
-    largest = {symbol: [max(abs(found[model, x]) for x in shown) for model in _LADDER] for symbol, found in errors.items()}
+    largest = {symbol: [max(abs(by_place[model, x]) for x in shown) for model in _LADDER] for symbol, by_place in errors.items()}
     left = max(later / sooner for series in largest.values() for sooner, later in pairwise(series))
     title = "Every doubling of the number of modes reduces the largest error over the range of r"
     remark = "T and Δμ; 1, 2, 4, 8 modes; at a single r an error may change its sign"

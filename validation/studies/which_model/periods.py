@@ -59,18 +59,18 @@ def periods_of(branches: Mapping[str, Branch], regimes: Mapping[str, Mapping[flo
 
 def period_verdicts(periods: ByModel) -> Verdicts:
     """P7 over the whole range of r, and the periods of other programs at all r but the one of `one-cycle`."""
-    listed = {log10_r: {model: found[log10_r].every for model, found in periods.items()} for log10_r in periods["delay"]}
+    listed = {log10_r: {model: by_r[log10_r].every for model, by_r in periods.items()} for log10_r in periods["delay"]}
     yield order_of_periods(listed, "all orbits known at an r, stable or not, and means of runs with two standard errors")
-    for model, found in periods.items():
-        for log10_r, one in found.items():
+    for model, by_r in periods.items():
+        for log10_r, one in by_r.items():
             if log10_r != _PRINTED and one.number:
                 yield from as_known("Periods over r are those of other programs", model, log10_r, {"period": one.number.value})
 
 
 def period_numbers(periods: ByModel, places: tuple[float, ...]) -> dict[str, Number]:
     """Periods of orbits at these r."""
-    found = ((model, x, periods[model][x].number) for model in (*WAVES, "block12") for x in places)
-    return {f"{model} T at {x}": number for model, x, number in found if number}
+    stored = ((model, x, periods[model][x].number) for model in (*WAVES, "block12") for x in places)
+    return {f"{model} T at {x}": number for model, x, number in stored if number}
 
 
 def period_answer(periods: ByModel) -> str:
@@ -97,9 +97,9 @@ def over_r(branches: Mapping[str, Branch], periods: ByModel) -> Chart:
     traces = [trace for branch in branches.values() for trace in orbit_traces(branch, "period")]
     traces += [model_line(model, [*periods[model]], [one.seen.value for one in periods[model].values()]) for model in BLOCKS]
     for model in WAVES:
-        found = {x: one.seen for x, one in periods[model].items() if one.cycles}
-        look, bars = model_look(model, dashes="", marker="o", size=4.0, hollow=True), [2.0 * one.error for one in found.values()]
-        traces.append(Trace(f"{model}, means", [*found], [one.value for one in found.values()], look, y_error=bars))
+        shown = {x: one.seen for x, one in periods[model].items() if one.cycles}
+        look, bars = model_look(model, dashes="", marker="o", size=4.0, hollow=True), [2.0 * one.error for one in shown.values()]
+        traces.append(Trace(f"{model}, means", [*shown], [one.value for one in shown.values()], look, y_error=bars))
     paper = reference()["paper"]
     printed = [_PRINTED, _PRINTED], [paper["T_ode"], paper["T_dde"]]
     traces.append(Trace("the paper’s values", *printed, Look(ORANGE, "", "x", size=7.0)))
