@@ -20,7 +20,7 @@ OF_THE_REPORT = ("files", "plot", "fem", "report")
 def missing(extra: str) -> list[str]:
     """The modules of `extra` that are not installed."""
     extras = OF_THE_REPORT if extra == "report" else (extra,)
-    return [name for one in extras for name in EXTRAS[one] if not _is_installed(name)]
+    return [name for extra in extras for name in EXTRAS[extra] if not _is_installed(name)]
 
 
 def require(extra: str, what: str) -> None:

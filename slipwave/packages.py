@@ -61,15 +61,15 @@ def own_file(thing: Any) -> OwnFile | None:
 def kept_if_wrong(name: str, *known: Any) -> Iterator[None]:
     """Context in which a user's file becomes the module `name`; an error puts back what that and the lists and tables `known`
     were before."""
-    module, contents = sys.modules.get(name), [one.copy() for one in known]
+    module, contents = sys.modules.get(name), [registry.copy() for registry in known]
     try:
         yield
     except BaseException:
         if module:
             sys.modules[name] = module
-        for one, content in zip(known, contents, strict=True):
-            one.clear()
-            (one.update if isinstance(one, dict) else one.extend)(content)
+        for registry, content in zip(known, contents, strict=True):
+            registry.clear()
+            (registry.update if isinstance(registry, dict) else registry.extend)(content)
         raise
 
 
@@ -115,8 +115,10 @@ def _name_apart(module: ModuleType, path: Path) -> None:
     with the code of the first."""
     from slipwave.compiled.frozen import frozen_parts  # imported here to keep start-up fast
 
-    functions = (one for one in vars(module).values() if isinstance(getattr(one, "py_func", one), FunctionType))
-    parts = [frozen_parts([one]) for one in functions]
+    functions = (
+        function for function in vars(module).values() if isinstance(getattr(function, "py_func", function), FunctionType)
+    )
+    parts = [frozen_parts([function]) for function in functions]
     text = b"".join(part[0].encode() if part else path.read_bytes() for part in parts)
     digest = hashlib.sha256(text).hexdigest()[:8]
     for kind in vars(module).values():

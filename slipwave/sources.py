@@ -100,7 +100,7 @@ def _kept() -> dict[bytes, _Read]:
         kept = dict(pickle.loads((cache_folder() / _KEPT).read_bytes()))
     except Exception:  # there is none, or a damaged one, which may raise anything
         return {}
-    return kept if all(type(one) is tuple for one in kept.values()) else {}  # else another version wrote it
+    return kept if all(type(entry) is tuple for entry in kept.values()) else {}  # else another version wrote it
 
 
 def _keep() -> None:

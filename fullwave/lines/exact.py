@@ -140,7 +140,7 @@ class ExactMarch(PortMarch):
     def _parts(self, time: float, length: float, z: Array, depth: int) -> list[Array]:
         """Coefficients of slip rate and drive on the 2^depth equal parts of a step with z at its nodes."""
         scene, to_legendre, terms = self.slabs.scene, self.slabs.to_legendre, self.slabs.drive_terms
-        rates = np.array([rate_of(scene.law, float(one)) for one in z]) - scene.velocity
+        rates = np.array([rate_of(scene.law, float(unknown)) for unknown in z]) - scene.velocity
         drive = np.array([scene.drive.at(time + length * float(node)) for node in self.nodes])
         parts = [np.r_[to_legendre @ rates, to_legendre[:terms] @ (0.5 * (drive - scene.velocity))]]
         for _ in range(depth):

@@ -161,9 +161,9 @@ def _nearest(family: FlowFamily, point: OrbitPoint, kind: str) -> Special:
         left, right = (
             point_near(family, point.unknowns + shift * point.tangent, point.tangent, METRIC, point) for shift in (-reach, reach)
         )
-        specials = [one for one in specials_between(family, left, right, METRIC) if one.kind == kind]
+        specials = [special for special in specials_between(family, left, right, METRIC) if special.kind == kind]
         if specials:
-            return min(specials, key=lambda one: METRIC.length(one.point.unknowns - point.unknowns))
+            return min(specials, key=lambda special: METRIC.length(special.point.unknowns - point.unknowns))
     raise NumericsError(f"no {kind} was found near an orbit of period {point.closed.cycle.period:.6g}")
 
 
@@ -196,7 +196,7 @@ class _Line:
     def __init__(self, plane: Plane, reached: Reached, tolerance: float, others: tuple[OnCurve, ...]) -> None:
         self._across = partial(_across, plane, reached, tolerance=tolerance)
         own = plane.at(reached.last.parameters)
-        ahead = [((plane.at(one.parameters) - own) / complex(*reached.direction)).real for one in others]
+        ahead = [((plane.at(other.parameters) - own) / complex(*reached.direction)).real for other in others]
         self.known = {0.0: reached.last, **dict(zip(ahead, others, strict=True))}
 
     def __call__(self, length: float) -> float:

@@ -147,7 +147,7 @@ def _locate(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric
     def point(share: float) -> OrbitPoint:
         """The point at `share` of the chord, from the nearest two known points."""
         if share not in points:
-            low, high = max(one for one in points if one < share), min(one for one in points if one > share)
+            low, high = max(point for point in points if point < share), min(point for point in points if point > share)
             within = (share - low) / (high - low)
             points[share] = _middle(flow_at, points[low], points[high], metric, within)
         return points[share]

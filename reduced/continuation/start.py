@@ -149,7 +149,7 @@ def orbits_at(points: Iterable[OrbitPoint], parameter: float, scene: Scene) -> l
             same = left.unknowns.size == right.unknowns.size  # else their meshes differ
             along = right.unknowns - left.unknowns if same else right.tangent
             guess = right.unknowns + (parameter - right.parameter) / along[-1] * along
-            one = close(right.closed.flow.of(scene), guess[:-2], float(guess[-2]))
-            if not orbits or abs(one.cycle.period / orbits[-1].cycle.period - 1.0) > _SAME_ORBIT:
-                orbits.append(one)
+            orbit = close(right.closed.flow.of(scene), guess[:-2], float(guess[-2]))
+            if not orbits or abs(orbit.cycle.period / orbits[-1].cycle.period - 1.0) > _SAME_ORBIT:
+                orbits.append(orbit)
     return orbits

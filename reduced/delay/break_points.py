@@ -394,8 +394,8 @@ class DelayBreaks(LeapingNetwork):
         left = interpolation_matrix(basis, np.zeros(1))[0]
         return _Ends(
             travel=lines.travel,
-            left=np.array([left @ one for one in each]),
-            right=np.array([one[-1] for one in each]),
+            left=np.array([left @ values for values in each]),
+            right=np.array([values[-1] for values in each]),
             barycentric=basis.weights,
             resistance=np.array([top.dashpot for top in lines.tops]) + lines.impedance[list(lines.last)],
             mass=np.array([top.mass for top in lines.tops]),

@@ -140,7 +140,7 @@ class DelayFlow:
         early = (1.0 - fraction) * self.length
         pieces = self.march(self.march(cycle.start, cycle.period - early).end, steps * self.length).pieces
         exchange = exchange_of(nodes, network, self.length, integral)
-        matrices = [one(nodes, network, self.length, integral) for one in (exchange_matrix, driven_matrix)]
+        matrices = [matrix_of(nodes, network, self.length, integral) for matrix_of in (exchange_matrix, driven_matrix)]
         motion, h, changes = Motion(pieces.z, pieces.psi, False), self.length * self.scene.transit, np.empty((2, *pieces.z.shape))
         memory = np.ascontiguousarray(self._memory(functional[:, None])[..., 0])
         march_back(nodes, self.scene.law, exchange, (matrices[0], matrices[1]), h, integral, motion, memory, changes)

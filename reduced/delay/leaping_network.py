@@ -210,7 +210,7 @@ class LeapingNetwork(StroboscopicNetwork):
         if behind is None:
             return None, _SHRINK
         after, drift, ripple = behind
-        sizes = (max(self._size(one, friction.mu_z), 1e-300) for one in (later[:, 1], drift))
+        sizes = (max(self._size(change, friction.mu_z), 1e-300) for change in (later[:, 1], drift))
         missed = _share_behind(*sizes) * steps * (drift - later[:, 1])
         error = max(_CORRECTED * self._size(missed, friction.mu_z), spread)
         if error > self._allowed or (rises and ripple > visible):

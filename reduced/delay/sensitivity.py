@@ -84,10 +84,10 @@ def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arrivin
     given, here = given_by(scene, sides, pieces, nodes.size)
     v, direct = here[0], -given.stress
     for i, (scenes, _, step) in enumerate(sides):
-        for one, sign in zip(scenes, (0.5, -0.5), strict=True):
-            impedance = plain_impedance(one)
-            if impedance != own or one.velocity != scene.velocity:
-                drive = drive_on(one, pieces, nodes, 1.0, 0.5)
+        for moved, sign in zip(scenes, (0.5, -0.5), strict=True):
+            impedance = plain_impedance(moved)
+            if impedance != own or moved.velocity != scene.velocity:
+                drive = drive_on(moved, pieces, nodes, 1.0, 0.5)
                 given.memory[:, i] += sign / step * 2.0 * impedance * (drive - v)
                 given.stress[:, i] -= sign / step * impedance * v
     motion, lengths = Motion(pieces.z, pieces.psi, False), pieces.length * scene.transit

@@ -103,8 +103,8 @@ def _tables(reduction: Reduction, epsilon: float, stages: int, longest: float, l
     by_mode = (slice(None), None)
     response = np.linalg.inv(unit + decay2[:, None, None] * ha[by_mode] + omega2[:, None, None] * ha2[by_mode])
     forced, carried = (
-        response @ (one[:, None, None] * ha[by_mode] + other[:, None, None] * ha2[by_mode])
-        for one, other in ((residue, offset), (by_residue, by_offset))
+        response @ (gain[:, None, None] * ha[by_mode] + other[:, None, None] * ha2[by_mode])
+        for gain, other in ((residue, offset), (by_residue, by_offset))
     )
     from_tau, from_p = response @ ones, np.einsum("lnij,lj->lni", response, ha @ ones)
     elastic = epsilon * (reduction.spring * ha + forced.sum(axis=1) + reduction.damping * unit)

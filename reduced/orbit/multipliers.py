@@ -41,7 +41,7 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
     isolated = values[np.abs(values) > max(radius, _SMALLEST)]
     if coarser is not None:
         others = floquet(coarser.monodromy, coarser.flow.idle)[0]
-        nearest = [np.abs(others - one).min() if others.size else np.inf for one in isolated]
+        nearest = [np.abs(others - multiplier).min() if others.size else np.inf for multiplier in isolated]
         isolated = isolated[np.array(nearest, dtype=float) < _AGREE * np.abs(isolated)]
     if not is_decided(closed):
         from reduced.stability.idle import idle_modes

@@ -71,11 +71,11 @@ def _fast_balance(scene: Scene, slabs: tuple[Slab, ...], echoes: list[Echo]) -> 
 def _fast_ratio(slab: Slab, echoes: list[Echo]) -> tuple[Echo, Echo]:
     """(p, q) of a slab: `transmission_line.slab_ratio` for s -> infinity at given echoes. The outer face's spring is then
     negligible, and its mass does not move."""
-    one, held, solid = np.ones_like(echoes[0]), slab.termination, slab.rheology
+    ones, held, solid = np.ones_like(echoes[0]), slab.termination, slab.rheology
     if held.is_rigid or held.mass > 0.0:
-        p, q = 0.0 * one, one
+        p, q = 0.0 * ones, ones
     else:
-        p, q = one / slab.epsilon, one * held.dashpot / slab.epsilon
+        p, q = ones / slab.epsilon, ones * held.dashpot / slab.epsilon
     for layer, echo in zip(reversed(slab.layers), reversed(echoes), strict=True):
         admittance = 1.0 / (slab.epsilon * layer.impedance)
         if solid.relaxation > 0.0:  # attenuates a fast wave to the far side of a layer and back

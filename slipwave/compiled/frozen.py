@@ -55,8 +55,8 @@ class _Walk:
                 yield from self._named_tuple(value)
             case tuple():
                 yield str(len(value))
-                for one in value:
-                    yield from self.value(one)
+                for part in value:
+                    yield from self.value(part)
             case np.ndarray() if value.dtype != object:
                 yield f"{value.dtype} {value.shape} {value.tobytes().hex()}"
             case ModuleType() | BuiltinFunctionType() | np.ufunc() if _library(value) in _LIBRARIES:

@@ -36,7 +36,7 @@ def _compiled(function: Function, counts: bool, inline: bool = False) -> Functio
     dispatcher, part = (_dispatcher(function, counts, is_part, inline) for is_part in (False, True))
     dispatcher._compiler._get_implementation = lambda *_: _call_of(function, part)
     called = part.get_call_template
-    dispatcher.get_call_template = lambda arguments, named: called([unliteral(one) for one in arguments], named)
+    dispatcher.get_call_template = lambda arguments, named: called([unliteral(argument) for argument in arguments], named)
     dispatcher.get_overload = part.get_overload
     return cast(Function, dispatcher)
 

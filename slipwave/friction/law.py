@@ -294,7 +294,7 @@ def register(
     A law from outside this package is checked first: the form of its parts, its derivatives against finite differences, its
     steady state against G = 0. Raises SceneError naming what is wrong first, and for a name or a class that another law has.
     """
-    functions: Any = (getattr(one, "py_func", one) for one in (respond, steady_state, rate_of, unknown_of))  # as written
+    functions: Any = (getattr(part, "py_func", part) for part in (respond, steady_state, rate_of, unknown_of))  # as written
     law = Registered(parameters, *functions)
     if not _of_house(law):
         from slipwave.friction.check import check_form, check_law

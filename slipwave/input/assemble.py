@@ -335,8 +335,8 @@ def _in_machine(tables: keys.SceneTable, slabs: tuple[Slab, Slab], units: Units 
     if left <= 1.0 / (_LARGEST_RATIO * value * length):
         unit = "1/m" if units else "1/L"
         raise SceneError(f"machine.k = {text}: must be below {1.0 / (own * length):.6g} {unit}, the stiffness of the slabs alone")
-    springs = (MachineFace(2.0 / left * one.round_trip / one.epsilon, 0.0, 0.0, own=frozenset(["stiffness"])) for one in slabs)
-    upper, lower = (replace(one, face=spring) for one, spring in zip(slabs, springs, strict=True))
+    springs = (MachineFace(2.0 / left * slab.round_trip / slab.epsilon, 0.0, 0.0, own=frozenset(["stiffness"])) for slab in slabs)
+    upper, lower = (replace(slab, face=spring) for slab, spring in zip(slabs, springs, strict=True))
     return upper, lower
 
 

@@ -86,7 +86,7 @@ def label_of(key: str, unit: str = "") -> str:
     fields = (table.model_fields.get(_SYMBOLS.get(last, last)) for table in _below(scene_keys()))
     titled = next((field for field in fields if field and field.title), None)
     words, slash, own = str(titled.title if titled else key).partition(" / ")
-    unit = unit or next((one.units[0] for one in allowed_in(titled) if isinstance(one, Physical)) if titled else iter(()), "")
+    unit = unit or next((kind.units[0] for kind in allowed_in(titled) if isinstance(kind, Physical)) if titled else iter(()), "")
     of_slab = f" of the {first} slab" if first in ("upper", "lower") else ""
     unit = f"1{unit}" if unit.startswith("/") else unit
     shown = (f"({unit})" if {"/", " "} & set(unit) else unit) or own
@@ -118,8 +118,8 @@ def _below(table: type[BaseModel]) -> Iterator[type[BaseModel]]:
     """`table` and all tables in it."""
     yield table
     for field in table.model_fields.values():
-        for one in tables_in(field.annotation).values():
-            yield from _below(one)
+        for below in tables_in(field.annotation).values():
+            yield from _below(below)
 
 
 def _keys(table: type[BaseModel], law: Any) -> Iterator[tuple[str, ...]]:
@@ -129,8 +129,8 @@ def _keys(table: type[BaseModel], law: Any) -> Iterator[tuple[str, ...]]:
         yield (name,)
         tables = [*tables_in(field.annotation, lists=False).items()]
         if name == "interface":
-            tables = [one for one in tables if one[0] == law] or [("", InterfaceTable)]
-        yield from ((name, *key) for key in dict.fromkeys(key for _, one in tables for key in _keys(one, law)))
+            tables = [named for named in tables if named[0] == law] or [("", InterfaceTable)]
+        yield from ((name, *key) for key in dict.fromkeys(key for _, table in tables for key in _keys(table, law)))
 
 
 def _key(text: str) -> list[str]:

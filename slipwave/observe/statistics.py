@@ -82,7 +82,7 @@ class RunStatistics:
 
     def values(self) -> dict[str, float]:
         """The figures by name: means and extremes."""
-        return {name: float(one.mean) for name, one in self.spreads.items()} | {"v_max": self.v_max, "v_min": self.v_min}
+        return {name: float(spread.mean) for name, spread in self.spreads.items()} | {"v_max": self.v_max, "v_min": self.v_min}
 
 
 def summarise(events: Events, repeat: bool = True) -> RunStatistics:

@@ -53,7 +53,7 @@ def rotation(figures: Array) -> Rotation | None:
     starts = dict.fromkeys(float(1 + peak) / (_GRID * count) for peak in peaks)  # of the strongest oscillations, per cycle
     misfit, rho, resolved, most = min(_follow(columns, start) for start in starts)
     changes = [_change(column, rho, max(resolved, 1)) for column in columns.T]
-    return Rotation(rho, misfit, *max(changes, key=lambda one: abs(one[0])), resolved, most)
+    return Rotation(rho, misfit, *max(changes, key=lambda change: abs(change[0])), resolved, most)
 
 
 def _follow(columns: Array, start: float) -> tuple[float, float, int, int]:

@@ -79,12 +79,12 @@ def follow(
     """
     pieces: Pieces | None = None
     leaper = cast(Leaping, solver) if leaps and offers(solver, Leaping) else None
-    spanning = [cast(Spanning, one) for one in observers if offers(one, Spanning)]
+    spanning = [cast(Spanning, observer) for observer in observers if offers(observer, Spanning)]
     patient = len(spanning) == len(observers)
     _act(solver, marks)
     while solver.time < until - slack(until):
         stop = max(min([until, *(mark.due for mark in marks)]), solver.time + 2.0 * slack(solver.time))
-        whole = min([until, *(one.whole_from for one in spanning)]) if patient else 0.0
+        whole = min([until, *(observer.whole_from for observer in spanning)]) if patient else 0.0
         if leaper is None:
             pieces = solver.advance(stop)
         elif whole > solver.time + slack(solver.time):
@@ -209,11 +209,11 @@ def named_observers(solver: Solver) -> dict[str, NamedObserver]:
 _known: dict[tuple[type, type], bool] = {}
 
 
-def offers(one: object, protocol: type) -> bool:
-    """Whether `one` is an instance of `protocol`; cached by class, because isinstance of a protocol takes 0.1 ms."""
-    kind = (type(one), protocol)
+def offers(candidate: object, protocol: type) -> bool:
+    """Whether `candidate` is an instance of `protocol`; cached by class, because isinstance of a protocol takes 0.1 ms."""
+    kind = (type(candidate), protocol)
     if kind not in _known:
-        _known[kind] = isinstance(one, protocol)
+        _known[kind] = isinstance(candidate, protocol)
     return _known[kind]
 
 

@@ -56,7 +56,7 @@ def largest_exponent(
     """
     _stop([solver], math.inf)
     interval, time = WHOLE * max(1, round(cycle / WHOLE)), WHOLE * math.ceil(solver.time / WHOLE + SAME)
-    both = [(one, Foresight(one, time + (TRANSIENT + intervals) * interval, most_seconds)) for one in (solver, twin)]
+    both = [(marched, Foresight(marched, time + (TRANSIENT + intervals) * interval, most_seconds)) for marched in (solver, twin)]
     _stop([solver], time)
     _march(both[:1], time)
     before, now = State(), _moving(solver)
@@ -120,8 +120,8 @@ def _difference(solver: Solver, twin: Solver) -> State:
     return {name: theirs[name] - array for name, array in ours.items()}
 
 
-def _fits(one: State, other: State) -> bool:
-    return {name: array.shape for name, array in one.items()} == {name: array.shape for name, array in other.items()}
+def _fits(state: State, other: State) -> bool:
+    return {name: array.shape for name, array in state.items()} == {name: array.shape for name, array in other.items()}
 
 
 def _size(difference: State, scales: dict[str, float]) -> float:

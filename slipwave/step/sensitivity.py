@@ -81,10 +81,10 @@ def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: i
     (steps, stages), count, here = pieces.z.shape, len(sides), _law_along(scene.law, pieces)
     stress, gain = np.zeros((2, steps, count, stages))
     for i, (scenes, clocks, step) in enumerate(sides):
-        for one, clock, sign in zip(scenes, clocks, (0.5, -0.5), strict=True):
-            _, _, friction, _, _, growth = here if one.law == scene.law else _law_along(one.law, pieces)
+        for moved, clock, sign in zip(scenes, clocks, (0.5, -0.5), strict=True):
+            _, _, friction, _, _, growth = here if moved.law == scene.law else _law_along(moved.law, pieces)
             stress[:, i] -= sign / step * friction
-            gain[:, i] += (sign / step * clock * one.transit * pieces.length)[:, None] * growth
+            gain[:, i] += (sign / step * clock * moved.transit * pieces.length)[:, None] * growth
     rate, state = np.empty((2, steps, count, stages))
     return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state), here
 
@@ -159,7 +159,7 @@ def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Ar
     changes = np.zeros((len(sides), remembered)), start_by(sides)
     values = np.zeros(remembered)
     direct = -given.stress
-    pairs = [tuple(slabs.of(one) for one in scenes) for scenes, _, _ in sides]
+    pairs = [tuple(slabs.of(moved) for moved in scenes) for scenes, _, _ in sides]
     cuts = np.searchsorted(pieces.time, np.array(scene.drive.knots) - SAME)
     for begin, end in pairwise(np.unique([0, *cuts, pieces.time.size])):  # between knots: one length over powers of two
         part = slice(begin, end)

@@ -233,7 +233,7 @@ def _range(panel: Panel, which: str) -> tuple[float, float]:
     """The range of what a panel shows along "x" or "y", with a margin unless it is a picture's."""
     scale: Scale = getattr(panel, which)
     ends, margin = [np.array([])], 0.0
-    for trace in (one for one in panel.traces if one.look.kind != "text"):
+    for trace in (trace for trace in panel.traces if trace.look.kind != "text"):
         columns = trace.columns
         values = columns[which] + trace.shift["xy".index(which)]
         bars = columns.get(f"{which}_error", 0.0)

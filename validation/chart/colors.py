@@ -21,14 +21,14 @@ LEAST_CONTRAST = 3.0
 """Least contrast ratio of a line with the background (WCAG 1.4.11)."""
 
 
-def _contrast(one: str, other: str) -> float:
+def _contrast(first: str, other: str) -> float:
     """Contrast ratio of two colours, 1 to 21 (WCAG)."""
 
     def luminance(color: str) -> float:
         linear = (x / 12.92 if x <= 0.04045 else ((x + 0.055) / 1.055) ** 2.4 for x in _channels(color))
         return sum(weight * x for weight, x in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
 
-    low, high = sorted((luminance(one), luminance(other)))
+    low, high = sorted((luminance(first), luminance(other)))
     return (high + 0.05) / (low + 0.05)
 
 

@@ -250,7 +250,7 @@ def _keys(traces: Sequence[Trace]) -> list[Any]:
     from matplotlib.patches import Patch
 
     keys: dict[str, Any] = {}
-    for name, look, trace in ((one.name, one.look, one) for one in traces if one.look.kind != "text"):
+    for name, look, trace in ((curve.name, curve.look, curve) for curve in traces if curve.look.kind != "text"):
         if look.kind == "cells":
             there = set(np.asarray(trace.value, float).ravel().tolist())
             words = {} if isinstance(look.colors, str) else look.colors
@@ -272,12 +272,12 @@ def _share(places: dict[int, Axes], chart: Chart) -> None:
     above = zip(grid[:-1].ravel().tolist(), grid[1:].ravel().tolist(), strict=True)
     right = zip(grid[:, 1:].ravel().tolist(), grid[:, :-1].ravel().tolist(), strict=True)
     for which, pairs in (("x", above), ("y", right)):
-        for one, other in pairs:
-            if EMPTY in (one, other) or one == other:
+        for place, other in pairs:
+            if EMPTY in (place, other) or place == other:
                 continue
-            own, same = (getattr(chart.panels[number], which) for number in (one, other))
+            own, same = (getattr(chart.panels[number], which) for number in (place, other))
             if own.label == same.label:
-                places[one].set(**{f"{which}label": ""})
+                places[place].set(**{f"{which}label": ""})
                 if own.limits == same.limits:
                     none: Any = {"labelbottom": False} if which == "x" else {"labelleft": False}
-                    places[one].tick_params(which="both", **none)
+                    places[place].tick_params(which="both", **none)

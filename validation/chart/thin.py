@@ -23,7 +23,7 @@ CELLS = 64
 
 def with_fewer(chart: Chart) -> Chart:
     """The chart with some of its numbers, none of them changed."""
-    panels = [replace(panel, traces=[_thinned(one) for one in panel.traces]) for panel in with_limits(chart).panels]
+    panels = [replace(panel, traces=[_thinned(trace) for trace in panel.traces]) for panel in with_limits(chart).panels]
     return replace(chart, panels=panels)
 
 

@@ -37,11 +37,11 @@ def described(chart: Chart) -> tuple[str, str]:
     count, where = sum(map(len, every)), f" in {len(every)} panels" if len(every) > 1 else ""
     parts = [f"{_axes(facts[0])}: {count} {'curve' if count == 1 else 'curves'}{where}"]
     if every[0]:
-        high = max(every[0], key=lambda one: float(np.nanmax(_values(one))))
-        low = min(every[0], key=lambda one: float(np.nanmin(_values(one))))
-        for word, one in (("largest", high), ("least", low)):
-            name = f" ({one.name})" if one.name != facts[0]["name"] and one.value is None else ""
-            parts.append(f"{word} {_at(one, one is high and word == 'largest')}{name}")
+        high = max(every[0], key=lambda curve: float(np.nanmax(_values(curve))))
+        low = min(every[0], key=lambda curve: float(np.nanmin(_values(curve))))
+        for word, curve in (("largest", high), ("least", low)):
+            name = f" ({curve.name})" if curve.name != facts[0]["name"] and curve.value is None else ""
+            parts.append(f"{word} {_at(curve, curve is high and word == 'largest')}{name}")
     sentences = (sentence for curves, fact in zip(every, facts, strict=True) for sentence in _sentences(curves, fact))
     return _signed("; ".join(parts)) + ".", _signed(" ".join(sentences))
 
@@ -67,15 +67,15 @@ def _sentences(curves: Sequence[Trace], fact: dict[str, Any]) -> Iterator[str]:
     logarithmic = [label for label, scale in zip(("x", "y"), fact["scales"], strict=True) if scale == "log"]
     scales = f", logarithmic in {' and '.join(logarithmic)}" if logarithmic else ""
     yield f"{fact['name']}: {_axes(fact)}; x from {left:.4g} to {right:.4g}, y from {low:.4g} to {high:.4g}{scales}."
-    for one in curves[:_LISTED]:
-        look = look_in_words(one.look)
+    for curve in curves[:_LISTED]:
+        look = look_in_words(curve.look)
         style = "" if look.startswith(("solid", "cells")) else f" ({look.split()[0]})"
-        yield f"{one.name}{style}: {_values(one).size} points, largest {_at(one, True)}, least {_at(one, False)}."
+        yield f"{curve.name}{style}: {_values(curve).size} points, largest {_at(curve, True)}, least {_at(curve, False)}."
     if len(curves) > _LISTED:
         yield f"And {len(curves) - _LISTED} more."
-    every = [(one.name, one.columns["x"], one.columns["y"]) for one in curves if one.value is None]
-    rising = [one for one in every if one[1].size > 1 and np.all(np.diff(one[1]) > 0.0)]
-    functions = [one for one in rising if np.isfinite(one[2]).all()][:_COMPARED]
+    every = [(curve.name, curve.columns["x"], curve.columns["y"]) for curve in curves if curve.value is None]
+    rising = [named for named in every if named[1].size > 1 and np.all(np.diff(named[1]) > 0.0)]
+    functions = [named for named in rising if np.isfinite(named[2]).all()][:_COMPARED]
     for (name, x, y), (other, others, values) in combinations(functions, 2):
         both = np.unique(np.concatenate([x, others]))
         both = both[(both >= max(x[0], others[0])) & (both <= min(x[-1], others[-1]))]

@@ -229,12 +229,12 @@ class BranchResult(FollowedResult):
             for value, branch in zip(ends.values, ends.branches, strict=True)
         ]
 
-        def facts(one: CurveEnd) -> dict[str, Any]:
-            others = {"period": one.period, "bracket": one.bracket, "reason": one.reason or None}
-            return {second: one.extreme, first: one.first} | others
+        def facts(end: CurveEnd) -> dict[str, Any]:
+            others = {"period": end.period, "bracket": end.bracket, "reason": end.reason or None}
+            return {second: end.extreme, first: end.first} | others
 
         extremes = {
-            kind: facts(ends.extreme(kind)) | {"curves": [{"points": list(one.points)} | facts(one) for one in curves]}
+            kind: facts(ends.extreme(kind)) | {"curves": [{"points": list(end.points)} | facts(end) for end in curves]}
             for kind, curves in ends.curves.items()
         }
         return {"parameter": second, "values": rows, "extremes": extremes}
@@ -272,9 +272,9 @@ class BranchResult(FollowedResult):
         """The special points, likewise."""
         followed = self.followed
         return [
-            self._point_at(one, followed.closed.get(k))
-            for k, one in enumerate(followed.special)
-            if followed.over.holds(one.value)
+            self._point_at(point, followed.closed.get(k))
+            for k, point in enumerate(followed.special)
+            if followed.over.holds(point.value)
         ]
 
     def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
@@ -298,26 +298,29 @@ class BranchResult(FollowedResult):
         followed, scene, listed = self.followed, self.followed.over.base, thinned(self.followed.shown, _LISTED)
         (low, high), digits = followed.over.ends, _telling([point.value for point in listed])
         words = {True: "yes", None: "not decided"}
-        columns = {followed.over.name: [rounded(one.value, digits) for one in listed], "period": self._column(listed, "period")}
+        columns = {
+            followed.over.name: [rounded(point.value, digits) for point in listed],
+            "period": self._column(listed, "period"),
+        }
         if scene.units:
-            seconds = [one.period * followed.over.scene_at(one.value).transit * scene.units.time for one in listed]
-            columns["period [s]"] = [rounded(one, 7) for one in seconds]
+            seconds = [point.period * followed.over.scene_at(point.value).transit * scene.units.time for point in listed]
+            columns["period [s]"] = [rounded(period, 7) for period in seconds]
         rest = {"stress drop": "stress_drop", "elastic stress drop": "elastic_stress_drop", "v_max": "v_max", "v_min": "v_min"}
         columns |= {heading: self._column(listed, name) for heading, name in rest.items()}
-        columns["stable"] = [words.get(one.stable, f"no ({one.unstable})") for one in listed]
+        columns["stable"] = [words.get(point.stable, f"no ({point.unstable})") for point in listed]
         return self._table(f"{len(followed.shown)} orbits over {followed.over.name} from {low:g} to {high:g}", columns)
 
     def _special_lines(self) -> Iterator[str]:
         followed, special = self.followed, self.followed.shown_special
         columns = {
-            "special points": [f"{one.kind} {SPECIAL_KINDS[one.kind]}" for one in special],
+            "special points": [f"{point.kind} {SPECIAL_KINDS[point.kind]}" for point in special],
             followed.over.name: self._column(special, "value", 11),
             "bracket": self._column(special, "bracket", 2),
             "period": self._column(special, "period", 9),
             "stress drop": self._column(special, "stress_drop"),
             "unstable multipliers": [
-                "not counted" if one.unstable_before is None else f"{one.unstable_before} -> {one.unstable_after}"
-                for one in special
+                "not counted" if point.unstable_before is None else f"{point.unstable_before} -> {point.unstable_after}"
+                for point in special
             ],
         }
         yield from [*aligned(list(columns), list(zip(*columns.values(), strict=True))), ""] if special else []
@@ -335,10 +338,10 @@ class BranchResult(FollowedResult):
         yield ""
         rows = []
         for kind in ends.curves:
-            one = ends.extreme(kind)
-            figures = ((one.extreme, 11), (one.bracket, 2), (one.first, 11), (one.period, 9))
-            shown = ["none", "", "", ""] if one.extreme is None else [rounded(*figure) for figure in figures]
-            rows.append([f"{kind} {SPECIAL_KINDS[kind]}", str(len(ends.curves[kind])), *shown, one.reason])
+            end = ends.extreme(kind)
+            figures = ((end.extreme, 11), (end.bracket, 2), (end.first, 11), (end.period, 9))
+            shown = ["none", "", "", ""] if end.extreme is None else [rounded(*figure) for figure in figures]
+            rows.append([f"{kind} {SPECIAL_KINDS[kind]}", str(len(ends.curves[kind])), *shown, end.reason])
         heading = ["kind", "curves", f"extreme {name}", "bracket", self.followed.over.name, "period", ""]
         yield from aligned(heading, rows) if rows else []
         yield ""
@@ -347,7 +350,7 @@ class BranchResult(FollowedResult):
 def _telling(values: list[float]) -> int:
     """Digits that distinguish neighbours that differ."""
     pairs = [pair for pair in pairwise(values) if pair[0] != pair[1]]
-    enough = (n for n in range(8, 17) if all(rounded(one, n) != rounded(other, n) for one, other in pairs))
+    enough = (n for n in range(8, 17) if all(rounded(value, n) != rounded(other, n) for value, other in pairs))
     return next(enough, 17)
 
 
@@ -401,11 +404,12 @@ def _pieces(branch: FollowedBranch, name: str) -> Iterator[Trace]:
     ends, holds = {special.place: special for special in branch.special}, branch.over.holds
     for stable, (label, look) in _LOOKS.items():
         pieces = []
-        for (own, inside), group in groupby(enumerate(branch.points), lambda one: (one[1].stable, holds(one[1].value))):
+        for (own, inside), group in groupby(enumerate(branch.points), lambda item: (item[1].stable, holds(item[1].value))):
             piece = list(group)
             first, last = ends.get(piece[0][0]), ends.get(piece[-1][0] + 1)
-            run = [one for one in (first, *(point for _, point in piece), last) if one and holds(one.value)]
-            pieces += [([one.value for one in run], [getattr(one, name) for one in run])] if own is stable and inside else []
+            run = [corner for corner in (first, *(point for _, point in piece), last) if corner and holds(corner.value)]
+            if own is stable and inside:
+                pieces.append(([point.value for point in run], [getattr(point, name) for point in run]))
         if pieces:
             yield Trace(label, *with_gaps(pieces), look)
 

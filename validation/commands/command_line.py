@@ -46,7 +46,7 @@ def command_line(module: str, name: str) -> tuple[Callable[..., None], str, tupl
 
     def act(source: str | None, options: SceneOptions, files: Files, json: bool) -> None:
         """Compute, print, write."""
-        needed = made.wanted_for({one.name: path for one, path in files.items()}, options)
+        needed = made.wanted_for({output.name: path for output, path in files.items()}, options)
         options = replace(options, **needed)
         _finish(compute(source, options), options, files, json)
 
@@ -61,11 +61,11 @@ def on_a_scene(
     """A function of the command line's words that calls `act` with a scene, which may be `optional`, its options and the output
     files of the result that is `made`, if any."""
     outputs = () if made is None else made.OUTPUTS
-    known = {one.name: one for one in options_of(kind).values() if not one.python_only}
+    known = {option.name: option for option in options_of(kind).values() if not option.python_only}
 
     def call(source: str | None = None, json: bool = False, **words: Any) -> None:
         """Take the words of the command line."""
-        files = {one: _path_of(one, words.pop(one.name), json) for one in outputs}
+        files = {output: _path_of(output, words.pop(output.name), json) for output in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
         _require_files_of_their_own(files)
         try:
@@ -77,15 +77,17 @@ def on_a_scene(
 
     parameters = [
         _parameter("source", *((Annotated[str | None, SCENE], None) if optional else (Annotated[str, SCENE], Parameter.empty))),
-        *(_parameter(one.name, *_in_words(one)) for one in known.values()),
+        *(_parameter(option.name, *_in_words(option)) for option in known.values()),
         *(
-            _parameter(one.name, Annotated[Path | None, typer.Option(one.flag, metavar=one.metavar, help=one.help)], None)
-            for one in outputs
+            _parameter(
+                output.name, Annotated[Path | None, typer.Option(output.flag, metavar=output.metavar, help=output.help)], None
+            )
+            for output in outputs
         ),
         *([] if made is None else [_parameter("json", Annotated[bool, _JSON], False)]),
     ]
     call.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
-    call.__annotations__ = {one.name: one.annotation for one in parameters}
+    call.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return call
 
 
@@ -93,43 +95,43 @@ def _parameter(name: str, hint: Any, default: Any) -> Parameter:
     return Parameter(name, Parameter.KEYWORD_ONLY, default=default, annotation=hint)
 
 
-def _in_words(one: Option) -> tuple[Any, Any]:
+def _in_words(option: Option) -> tuple[Any, Any]:
     """Type and default of an option on the command line: text where Python takes several types."""
-    notes = typer.Option(one.flag, metavar=one.metavar, help=one.help, autocompletion=one.words)
-    parts = {one.hint, *get_args(one.hint)}
-    if bool in parts or one.stands_for is not None:
+    notes = typer.Option(option.flag, metavar=option.metavar, help=option.help, autocompletion=option.words)
+    parts = {option.hint, *get_args(option.hint)}
+    if bool in parts or option.stands_for is not None:
         return Annotated[bool | None, notes], None
     word: Any = next((kind for kind in (Path, str, float, int) if kind in parts), str)
-    if isinstance(one.default, str):
-        return Annotated[word, notes], one.default
-    return Annotated[list[str] if one.default == () else word | None, notes], None
+    if isinstance(option.default, str):
+        return Annotated[word, notes], option.default
+    return Annotated[list[str] if option.default == () else word | None, notes], None
 
 
-def _value(one: Option, word: Any) -> Any:
+def _value(option: Option, word: Any) -> Any:
     """A value given on the command line as its Python equivalent."""
-    if one.stands_for is not None:
-        word = one.stands_for if word else one.default
-    path = one.checked(word)
-    if one.suffixes and path is not None:
-        require_writable(path, one.suffixes, one.flag)
+    if option.stands_for is not None:
+        word = option.stands_for if word else option.default
+    path = option.checked(word)
+    if option.suffixes and path is not None:
+        require_writable(path, option.suffixes, option.flag)
     return path
 
 
-def _path_of(one: Output, path: Path | None, json: bool) -> Path | None:
+def _path_of(output: Output, path: Path | None, json: bool) -> Path | None:
     """Path of the output file, None if not written. Raises SceneError, before anything is computed, if it cannot be written."""
-    if path is None and one.default and not json:
-        path = Path(one.default)
+    if path is None and output.default and not json:
+        path = Path(output.default)
     if path is not None:
-        require_writable(path, one.suffixes, one.flag)
+        require_writable(path, output.suffixes, output.flag)
     return path
 
 
 def _require_files_of_their_own(files: Files) -> None:
     """Raises SceneError if two outputs name one file."""
     taken = dict[Path, str]()
-    for one, path in files.items():
-        if path is not None and taken.setdefault(path.resolve(), one.flag) != one.flag:
-            raise SceneError(f"{one.flag} {path}: must be another file than that of {taken[path.resolve()]}")
+    for output, path in files.items():
+        if path is not None and taken.setdefault(path.resolve(), output.flag) != output.flag:
+            raise SceneError(f"{output.flag} {path}: must be another file than that of {taken[path.resolve()]}")
 
 
 def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> None:
@@ -138,14 +140,16 @@ def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> 
     problems = [result.failed, result.to_go_on(options) if result.stopped else ""]
     with closing(result):
         summary = (
-            {} if result.is_empty else result.summary | {one.key: str(path) for one, path in files.items() if one.key and path}
+            {}
+            if result.is_empty
+            else result.summary | {output.key: str(path) for output, path in files.items() if output.key and path}
         )
 
         def show() -> None:
             """Print JSON or the table."""
             print(dumps(summary, indent=2, allow_nan=False) if json else "\n".join(result.lines(summary)))
 
-        writers = [partial(getattr(result, one.method), path) for one, path in files.items() if path]
+        writers = [partial(getattr(result, output.method), path) for output, path in files.items() if path]
         for write in (partial(printed, show), *writers) if summary else ():
             try:
                 write()

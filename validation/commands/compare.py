@@ -130,7 +130,9 @@ class CompareResult(Comparison):
         time = "transits since v passed half its largest value in the slip event"
         above = Panel("", replace(scale_of("time", self.scene), label=time), scale_of("stress", self.scene), traces("stress"))
         rates = traces("slip_rate")
-        below = Panel("", Scale(time), for_rates(scale_of("slip_rate", self.scene), (one.columns["y"] for one in rates)), rates)
+        below = Panel(
+            "", Scale(time), for_rates(scale_of("slip_rate", self.scene), (trace.columns["y"] for trace in rates)), rates
+        )
         if not above.traces:
             text = nothing(self.reference) or "no run has cycles that represent its motion"
             above = replace(above, traces=[Trace(text, 0.5, 0.5, Look(kind="text", marker="center"))])
@@ -214,7 +216,7 @@ def _figures(run: Run) -> dict[str, Any]:
     ours = run.statistics
     return {
         "events": run.starts,
-        **{name: asdict(one) for name, one in ours.spreads.items()},
+        **{name: asdict(spread) for name, spread in ours.spreads.items()},
         "margins": ours.margins if run.verdict and run.verdict.wanders else None,
         "v_max": ours.v_max,
         "v_min": ours.v_min,

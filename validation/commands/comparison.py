@@ -33,8 +33,8 @@ def differences(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
     has none, or failed. `margin`: half the width of the 95 % interval, 0 of the reference itself, NaN for too few cycles."""
     values, margins = dict[str, float | None](), dict[str, float | None]()
     for name in ("period", "stress_drop"):
-        ours, theirs = (getattr(one.statistics, name).mean for one in (run, reference))
-        parts = [_relative_margin(one, name) for one in (run, reference)]
+        ours, theirs = (getattr(motion.statistics, name).mean for motion in (run, reference))
+        parts = [_relative_margin(motion, name) for motion in (run, reference)]
         value = math.nan if run.failed else ours / theirs - 1.0
         if run.kind == reference.kind == "periodic" or not math.isnan(value):
             values[name], margins[name] = value, 0.0 if run is reference else (1.0 + value) * math.hypot(*parts)

@@ -100,13 +100,14 @@ class CurveResult(FollowedResult):
         """The points by `point`."""
         followed = self.followed
         rows = [
-            self._at(one) | {"multiplier_re": one.multiplier_re, "multiplier_im": one.multiplier_im} for one in followed.points
+            self._at(point) | {"multiplier_re": point.multiplier_re, "multiplier_im": point.multiplier_im}
+            for point in followed.points
         ]
         data = table_of(rows, "point", followed.over.base).assign_attrs(self.options.origin(followed))
         figures = {name: data[name].values.tolist() for name in EVENTS if name in data}
         data = data.assign(figures_at("point", figures, followed.over.base, lambda: followed.scenes))
-        for one in (followed.over, followed.second):
-            data[one.column].attrs["units"] = one.si_unit or "1"
+        for over in (followed.over, followed.second):
+            data[over.column].attrs["units"] = over.si_unit or "1"
         from validation.models.along import along
 
         return along(data.set_coords(followed.second.column), followed.over.column)
@@ -114,10 +115,10 @@ class CurveResult(FollowedResult):
     def chart(self) -> Chart:
         """Left: the second parameter over the first. Right: the second over the period. A cusp at the end is marked."""
         followed = self.followed
-        cusp = [one for one in followed.points if one.kind == "CP"]
+        cusp = [point for point in followed.points if point.kind == "CP"]
 
         def along(name: str, points: list[CurvePoint], look: Look, label: str = "") -> Trace:
-            return Trace(label, [getattr(one, name) for one in points], [one.second for one in points], look)
+            return Trace(label, [getattr(point, name) for point in points], [point.second for point in points], look)
 
         panels = []
         for name, label in (("first", followed.over.label), ("period", QUANTITIES["period"])):
@@ -134,8 +135,10 @@ class CurveResult(FollowedResult):
             "period": self._column(listed, "period", 9),
             "stress drop": self._column(listed, "stress_drop"),
             "bracket": self._column(listed, "bracket", 2),
-            "kind": [one.kind for one in listed],
-            "multiplier": [f"{re:.6f}" + (f" +- {abs(im):.6f} i" if im else "") for re, im in (one.multiplier for one in listed)],
+            "kind": [point.kind for point in listed],
+            "multiplier": [
+                f"{re:.6f}" + (f" +- {abs(im):.6f} i" if im else "") for re, im in (point.multiplier for point in listed)
+            ],
         }
         return self._table(f"{followed.kind} {SPECIAL_KINDS[followed.kind]}, {len(followed.points)} points", columns)
 

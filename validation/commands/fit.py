@@ -127,12 +127,12 @@ class FitResult(Result):
         rows = {}
         free = dict(enumerate(self.problem.free))
         for k, name in enumerate(self.problem.names):
-            one = free.get(k)
+            key = free.get(k)
             numbers = [self.solution.inner[k], self.spread.low[k], self.spread.high[k]]
             with np.errstate(over="ignore"):
-                value, low, high = (float(np.exp(x) if one and one.is_positive else x) for x in numbers)
-            row = {"value": value, "low": low, "high": high, "unit": one.shown_unit if one else ""}
-            rows[name] = row | {"determined": bool(self.spread.determined[k]), "start": one.start if one else 0.0}
+                value, low, high = (float(np.exp(x) if key and key.is_positive else x) for x in numbers)
+            row = {"value": value, "low": low, "high": high, "unit": key.shown_unit if key else ""}
+            rows[name] = row | {"determined": bool(self.spread.determined[k]), "start": key.start if key else 0.0}
         return rows
 
     @property
@@ -140,7 +140,7 @@ class FitResult(Result):
         """As `Result`."""
         names, parameters = self.problem.names, self.parameters
         pairs = zip(self.problem.records, self._friction, strict=True)
-        residual = np.concatenate([(one.friction - fitted)[one.shown] for one, fitted in pairs])
+        residual = np.concatenate([(record.friction - fitted)[record.shown] for record, fitted in pairs])
         rows = zip(names, self.spread.correlation.tolist(), strict=True)
         return {
             "scene": self.scene.name,
@@ -166,8 +166,8 @@ class FitResult(Result):
         """Remarks on the numbers."""
         notes = ["the values are the best so far; no interval is stated, because they are no minimum"]
         notes = [*(notes if np.isnan(self.spread.low).all() else []), *self.remarks]
-        for one in self.problem.records:
-            notes += [f"{one.name}: {line}" for line in one.notes]
+        for record in self.problem.records:
+            notes += [f"{record.name}: {line}" for line in record.notes]
         notes += [f"not determined: {line}" for line in self.spread.singular]
         if self.spread.profiled:
             notes.append(f"the interval of {' and '.join(self.spread.profiled)} is by profile: the derivative's is another")
@@ -223,13 +223,18 @@ class FitResult(Result):
         columns["unit"] = ("parameter", np.array([rows[key]["unit"] for key in names], dtype=object), {"long_name": "unit"})
         columns["correlation"] = (("parameter", "other"), self.spread.correlation, {"long_name": "correlation", "units": "1"})
         records = self.problem.records
-        whose = [np.full(one.times[one.shown].size, k) for k, one in enumerate(records)]
-        fitted = [values[one.shown] for one, values in zip(records, self._friction, strict=True)]
+        whose = [np.full(record.times[record.shown].size, k) for k, record in enumerate(records)]
+        fitted = [values[record.shown] for record, values in zip(records, self._friction, strict=True)]
         unit = "s" if self.scene.units else "1"
         for name, values, words, own in (
             ("record", whose, "number of the record", "1"),
-            ("record_time", [one.times[one.shown] for one in records], "time since the start of the scene, or the event", unit),
-            ("measured", [one.friction[one.shown] for one in records], "measured friction", "1"),
+            (
+                "record_time",
+                [record.times[record.shown] for record in records],
+                "time since the start of the scene, or the event",
+                unit,
+            ),
+            ("measured", [record.friction[record.shown] for record in records], "measured friction", "1"),
             ("fitted", fitted, "friction of the fitted model", "1"),
         ):
             columns[name] = ("sample", np.concatenate(values), {"long_name": words, "units": own})
@@ -260,15 +265,15 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     scene = scenes.base
     model = _default_model(scene) if options.model == "auto" else options.model
     series = [read_series(file, **options.reading) for file in files]
-    records = [experiment_of(one, scene, options.window) for one in series]
+    records = [experiment_of(measured, scene, options.window) for measured in series]
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scenes, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
     facts = {"scene": scene.digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}
     best = Best.kept(options.checkpoint, next(problem.starts()), facts)
-    stopped, waves = False, next((one for one in problem.models if isinstance(one, CycleOfOrbit)), None)
+    stopped, waves = False, next((forward for forward in problem.models if isinstance(forward, CycleOfOrbit)), None)
     try:
-        starts, is_cheap = problem.starts(), all(one.is_cheap for one in problem.models)
+        starts, is_cheap = problem.starts(), all(forward.is_cheap for forward in problem.models)
         if best.evaluations:
             log.info("goes on from %s after %d evaluations", options.checkpoint, best.evaluations)
             starts = chain([best.inner], starts if is_cheap or waves else [])
@@ -327,7 +332,7 @@ def _going_on(source: SceneSource, options: _FitOptions) -> _FitOptions:
 
 def _from_best(words: list[str], free: Iterable[Free], inner: Array) -> list[str]:
     """What is fitted, variables with their best values as starts."""
-    best = {one.name: one.written(one.value(x)) for one, x in zip(free, inner.tolist(), strict=False)}
+    best = {key.name: key.written(key.value(x)) for key, x in zip(free, inner.tolist(), strict=False)}
     names = [word.partition("=")[0].strip() for word in words]
     return [f"{name}={best[name]}" if "=" in word else word for word, name in zip(words, names, strict=True)]
 
@@ -348,22 +353,22 @@ def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     yield solution.inner
 
 
-def _facts_of(one: Experiment, fitted: Array) -> dict[str, Any]:
+def _facts_of(record: Experiment, fitted: Array) -> dict[str, Any]:
     """JSON of a record; for stick-slip the period, measured and fitted."""
-    facts: dict[str, Any] = {"file": one.name, "samples": one.times[one.shown].size}
-    if one.cycle is None:
+    facts: dict[str, Any] = {"file": record.name, "samples": record.times[record.shown].size}
+    if record.cycle is None:
         return facts
-    error = float(np.hypot(one.cycle.period_error, np.linalg.norm(one.cycle.together[0])))
-    period = {"measured": one.cycle.period, "error": error, "fitted": float(fitted[0])}
-    return facts | {"events": one.cycle.events, "drop": one.cycle.drop, "period": period}
+    error = float(np.hypot(record.cycle.period_error, np.linalg.norm(record.cycle.together[0])))
+    period = {"measured": record.cycle.period, "error": error, "fitted": float(fitted[0])}
+    return facts | {"events": record.cycle.events, "drop": record.cycle.drop, "period": period}
 
 
 def _unexplained(problem: FrictionProblem, solution: Solution, model: str) -> str:
     """What to try next, if the residual is far above the noise."""
     if (far := problem.far(solution.residual)) <= _UNEXPLAINED:
         return ""
-    one, scene = problem.records[0], problem.models[0].scene(solution.inner[: len(problem.free)])
-    length = (one.cycle.period if one.cycle else 1e-3 * float(one.times[-1])) / sizes(scene)[0]
+    record, scene = problem.records[0], problem.models[0].scene(solution.inner[: len(problem.free)])
+    length = (record.cycle.period if record.cycle else 1e-3 * float(record.times[-1])) / sizes(scene)[0]
     other = _next_model(model, scene, length)
     more = ", ".join([*([f"--model {other}"] if other else []), "another law (interface.law)", "a part of the record (--window)"])
     return f"the residual is {far:.3g} times the noise, which {model} does not explain; to be tried next: {more}"
@@ -380,7 +385,7 @@ def _complaints(problem: FrictionProblem, solution: Solution, spread: Intervals)
 
 
 def _listed(given: Iterable[str | Path]) -> list[str]:
-    return [given] if isinstance(given, str) else [str(one) for one in given]
+    return [given] if isinstance(given, str) else [str(path) for path in given]
 
 
 def _chart(

@@ -156,10 +156,12 @@ def _difference(data: Dataset, reference: str) -> Dataset:
     if "verdict" not in data:
         raise SceneError("--against: needs a sweep with verdicts (--measure verdict, run or lyapunov)")
     ours, others = data.sel(model=reference), data.sel(model=[name for name in names if name != reference])
-    here, there = (decided_regimes(flag_numbers(one["verdict"])) for one in (ours, others))
+    here, there = (decided_regimes(flag_numbers(dataset["verdict"])) for dataset in (ours, others))
     decided = (here >= 0) & (there >= 0)
     differences = others[["verdict", "status"]].rename(verdict="other_regime")
-    status, own = (one["status"].where(flag_numbers(one["verdict"]) < 0, 0) for one in (others, ours))  # of a cell: its verdict's
+    status, own = (
+        data["status"].where(flag_numbers(data["verdict"]) < 0, 0) for data in (others, ours)
+    )  # of a cell: its verdict's
     differences["status"] = status.where(own == 0, own)
     differences["other_regime"] = others["verdict"].copy(data=np.where(decided, here != there, np.nan))
     differences["other_regime"].attrs = {"long_name": f"regime differs from that of {reference}", "units": "1"}
@@ -177,10 +179,10 @@ def _difference_rows(differences: Dataset) -> list[dict[str, Any]]:
     return [{"model": str(name), **_row_of(differences.sel(model=name))} for name in differences["model"].values]
 
 
-def _row_of(one: Dataset) -> dict[str, float]:
-    other, decided = one["other_regime"].values, np.isfinite(one["other_regime"].values)
+def _row_of(row: Dataset) -> dict[str, float]:
+    other, decided = row["other_regime"].values, np.isfinite(row["other_regime"].values)
     percent = {"other_regime_percent": other[decided].mean() if decided.any() else np.nan, "compared_percent": decided.mean()}
-    largest = {name: _largest(one[name].values) for name in _COMPARED}
+    largest = {name: _largest(row[name].values) for name in _COMPARED}
     return {name: 100.0 * float(share) for name, share in percent.items()} | largest
 
 

@@ -145,9 +145,9 @@ class SceneOptions(Frozen):
     def require_unset(self, names: Iterable[str], gives: str) -> None:
         """Raises SceneError if a key of the scene is set, or an option of these names: what `gives` the scene gives them."""
         known = options_of(type(self))
-        for one in (known[name] for name in names):
-            if getattr(self, one.name) != one.default:
-                raise SceneError(f"{one.flag}: leave it out; {gives}")
+        for option in (known[name] for name in names):
+            if getattr(self, option.name) != option.default:
+                raise SceneError(f"{option.flag}: leave it out; {gives}")
         for key, value in self._pairs:
             guess = nearest(key, known)
             hint = f"; did you mean {guess}?" if guess else ""
@@ -221,7 +221,7 @@ class SceneOptions(Frozen):
     @property
     def stored(self) -> dict[str, Any]:
         """Name in files -> value, of the options that a file of results stores."""
-        known = {one.stored_as: getattr(self, one.name) for one in options_of(type(self)).values() if one.stored}
+        known = {option.stored_as: getattr(self, option.name) for option in options_of(type(self)).values() if option.stored}
         return known | ({"set": self.expressions} if self.varied and self.expressions else {})
 
     @property
@@ -256,8 +256,10 @@ class ModelOptions(SceneOptions):
             other = f"digest {theirs}; that of --family is {ours.digest}"
             raise SceneError(f"SCENE = {shorten(str(source))}: was computed with another family of {model!r}: {other}")
         known = {name: value for name, value in stored.options.items() if model == stored.model or name not in _OF_A_GRID}
-        wanted = [one for one in options_of(type(self)).values() if one.stored and one.name not in without]
-        checked = {one.name: one.checked(known.get(one.stored_as)) for one in wanted if getattr(self, one.name) is None}
+        wanted = [option for option in options_of(type(self)).values() if option.stored and option.name not in without]
+        checked = {
+            option.name: option.checked(known.get(option.stored_as)) for option in wanted if getattr(self, option.name) is None
+        }
         return replace(self, model=model, **checked).with_expressions(known.get("set", {}))
 
 
@@ -332,13 +334,13 @@ def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:
 
 @cache
 def _options_of(kind: Any) -> Mapping[str, Option]:
-    hints, known = get_type_hints(kind), {one.name: one for one in fields(kind)}
+    hints, known = get_type_hints(kind), {declared.name: declared for declared in fields(kind)}
     names = [name for base in kind.__mro__ for name in get_annotations(base) if name in known and known[name].metadata]
     flags: dict[str, dict[str, Any]] = {name: {"flag": f"--{name.replace('_', '-')}"} for name in names}
     options = [
         Option(name, hints[name], known[name].default, **flag | dict(known[name].metadata)) for name, flag in flags.items()
     ]
-    return {one.name: one for one in sorted(options, key=lambda one: not one.positional)}
+    return {option.name: option for option in sorted(options, key=lambda option: not option.positional)}
 
 
 def announced(model: str, why: str) -> str:
@@ -367,7 +369,7 @@ def _fits(value: Any, hint: Any) -> bool:
     if kind is Mapping:
         return isinstance(value, Mapping) and all(_fits(key, parts[0]) and _fits(item, parts[1]) for key, item in value.items())
     if kind in (Iterable, Sequence):
-        return isinstance(value, kind) and not isinstance(value, Mapping) and all(_fits(one, parts[0]) for one in value)
+        return isinstance(value, kind) and not isinstance(value, Mapping) and all(_fits(item, parts[0]) for item in value)
     if parts:
         return any(_fits(value, part) for part in parts)
     return isinstance(value, _KINDS.get(hint, hint)) and (hint is bool or not isinstance(value, bool))
@@ -399,12 +401,12 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
     first = inspect.signature(compute).parameters["source"]
     keywords = [
         Parameter(
-            one.name,
-            Parameter.POSITIONAL_OR_KEYWORD if one.positional else Parameter.KEYWORD_ONLY,
-            default=one.default,
-            annotation=one.hint,
+            option.name,
+            Parameter.POSITIONAL_OR_KEYWORD if option.positional else Parameter.KEYWORD_ONLY,
+            default=option.default,
+            annotation=option.hint,
         )
-        for one in known.values()
+        for option in known.values()
     ]
     signature = Signature([first, *keywords, Parameter("changes", Parameter.VAR_KEYWORD, annotation=Any)])
 
@@ -425,7 +427,7 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
         except NumbaError as error:
             raise refused_by_compiler(error) from error
         except SceneError as error:
-            names = {one.flag: one.name for one in known.values()}
+            names = {option.flag: option.name for option in known.values()}
             text = re.sub(r"(?<![\w-])--[a-z][a-z-]*", lambda flag: names.get(flag[0], flag[0]), str(error))
             raise type(error)(text).with_traceback(error.__traceback__) from None
         if isinstance(result, Result) and (result.failed or result.stopped):
@@ -439,7 +441,7 @@ def command(compute: Callable[[Any, Any], _Answer]) -> Callable[..., _Answer]:
 
 def _section(known: Mapping[str, Any]) -> str:
     """The section of a docstring on the options."""
-    lines = [f"{one.name}: {one.help}" for one in known.values()]
+    lines = [f"{option.name}: {option.help}" for option in known.values()]
     lines.append("changes: of the scene, as those of `slipwave.read_scene`")
     return "\n".join(
         ["Options:", *(textwrap.fill(line, 120, initial_indent="    ", subsequent_indent="        ") for line in lines)]

@@ -182,7 +182,7 @@ class OrbitResult(Result):
         yield f"model {done.flow.model}: periodic orbit, {verdict}; it closes to {rounded(done.periodic.closed.residual, 2)}"
         yield ""
         figures = {field.name: getattr(done.periodic.orbit, field.name) for field in fields(done.periodic.orbit)}
-        known = {name: (one.value, one.error) for name, one in figures.items()}
+        known = {name: (estimate.value, estimate.error) for name, estimate in figures.items()}
         yield from aligned(*figure_rows(("value", "error"), known, done.scene))
         yield ""
         shown = [value for value in multipliers.values.tolist() if value.imag >= 0.0 and abs(value) > _ROUNDING]

@@ -71,7 +71,7 @@ class _Number(Parameter):
         table: Any = tables_of(base)[1]
         for part in key.split("."):
             table = table[part]
-        return slipwave.read(base, {key: [{**one, field: written} if i == k else one for i, one in enumerate(table)]})
+        return slipwave.read(base, {key: [{**layer, field: written} if i == k else layer for i, layer in enumerate(table)]})
 
     def beside(self, base: Scene, wider: float = 1.0) -> tuple[list[Scene], dict[float, float]]:
         """Scenes on both sides, and offset -> weight of each (`Responding.by`); at an end of the range this one and those on one
@@ -121,9 +121,9 @@ def response_lines(response: Response, facts: Mapping[str, Any], scene: Scene) -
         change = 1.0 / math.log(10.0) if is_log else value or 100.0
         slope_of = {name: slopes[name][key] for name in names.values()}
         effects = [None if slope is None else slope * change / figures[name] for name, slope in slope_of.items()]
-        effects = [0.0 if one is not None and abs(one) <= _WITHOUT_EFFECT else one for one in effects]
+        effects = [0.0 if effect is not None and abs(effect) <= _WITHOUT_EFFECT else effect for effect in effects]
         shown = [f"r ({key})" if is_log else key, f"{value:.6g} {known['unit']}".rstrip(), "1 %" if value else "1"]
-        rows.append((abs(effects[0] or 0.0), [*shown, *(rounded(one, 4) for one in effects)]))
+        rows.append((abs(effects[0] or 0.0), [*shown, *(rounded(effect, 4) for effect in effects)]))
     rows.sort(key=lambda row: -row[0])
     yield ""
     yield from aligned(["effect in % of", "value", "change", *names], [row for _, row in rows])
@@ -158,8 +158,8 @@ def _numbers_in(table: KeyTable, path: str, scene: Scene) -> Iterator[_Number]:
             yield from _numbers_in(value, key, scene)
         elif isinstance(value, list):
             for k, layer in enumerate(value):
-                for one in _numbers_in(layer, f"{key}[{k}]", scene):
-                    yield replace(one, layers=(key, k, one.name.rpartition(".")[2]))
+                for number in _numbers_in(layer, f"{key}[{k}]", scene):
+                    yield replace(number, layers=(key, k, number.name.rpartition(".")[2]))
         elif isinstance(value, int | float | Quantity) and not isinstance(value, bool):
             yield _number(table, value, key, scene)
 
@@ -176,18 +176,18 @@ def _phase_facts(scene_orbit: SceneOrbit, responding: Responding) -> PhaseFacts:
     since = ((times - first_event(scene_orbit.periodic.closed)) % response.period).ravel()
     order = np.argsort(since)
     since, values = since[order], values.reshape(2, -1)[:, order]
-    kept = np.unique(np.concatenate([staying(since, one, _MOST) for one in values if not np.isnan(one).any()]))
+    kept = np.unique(np.concatenate([staying(since, column, _MOST) for column in values if not np.isnan(column).any()]))
     columns = {"time": since[kept], **dict(zip(_NAMES, values[:, kept], strict=True))}
     meanings = {"time": INTERFACE[TIME]} | {name: PHASE[stored] for name, stored in _NAMES.items()}
     facts: PhaseFacts = {"phase": (since[kept] / response.period).tolist()}
-    facts |= {name: one.tolist() for name, one in columns.items()}
+    facts |= {name: column.tolist() for name, column in columns.items()}
     facts["unit"] = {name: meaning.unit for name, meaning in meanings.items()}
     facts["first_order_up_to"] = dict(zip(_NAMES, responding.first_order_up_to().tolist(), strict=True))
     facts["harmonics"] = dict(zip(_NAMES, response.harmonics(_HARMONICS).tolist(), strict=True))
     facts["diffusion"] = dict(zip(_NAMES, response.diffusion.tolist(), strict=True))
     if scene.units is None:
         return facts
-    facts["si"] = {twin: one.tolist() for twin, one in in_si(columns, meanings, scene).items()}
+    facts["si"] = {twin: column.tolist() for twin, column in in_si(columns, meanings, scene).items()}
     for key, power in (("first_order_up_to", -1.0), ("harmonics", 1.0), ("diffusion", 2.0)):
         sizes = {name: scene.units.size(meanings[name].unit, scene.transit) ** power for name in _NAMES}
         facts["si"][key] = {name: (size * np.array(facts[key][name])).tolist() for name, size in sizes.items()}
@@ -211,7 +211,7 @@ def _phase_lines(facts: Mapping[str, Any], scene: Scene) -> Iterator[str]:
     rows = [
         [
             words,
-            *(rounded(one, 4) for one in known["harmonics"][name][:_LISTED]),
+            *(rounded(size, 4) for size in known["harmonics"][name][:_LISTED]),
             "unknown" if (limit := known["first_order_up_to"][name]) is None else f"{rounded(limit, 2)} {unit}",
         ]
         for (name, words), unit in zip(_PULSES.items(), _AMPLITUDES[place], strict=True)

@@ -166,7 +166,7 @@ class RunResult(Result):
             yield ENDED[done.ended]
         if done.verdict and done.verdict.repeats:
             yield ""
-            means = {name: (one.mean, one.std) for name, one in done.statistics.spreads.items()}
+            means = {name: (spread.mean, spread.std) for name, spread in done.statistics.spreads.items()}
             rates = {name: (getattr(done.statistics, name), math.nan) for name in ("v_max", "v_min")}
             yield from aligned(*figure_rows(("mean", "std"), means | rates, scene))
             yield from margins_in_words(done.statistics, scene)
@@ -214,7 +214,7 @@ class RunResult(Result):
             "multiplicity": done.verdict.multiplicity if done.verdict else None,
             "rotation_number": done.verdict.rotation if done.verdict else None,
             "rate": done.verdict.rate if done.verdict else None,
-            **{name: asdict(one) for name, one in statistics.spreads.items()},
+            **{name: asdict(spread) for name, spread in statistics.spreads.items()},
             "v_max": statistics.v_max,
             "v_min": statistics.v_min,
             "v_max_median": statistics.v_max_median,
@@ -247,8 +247,10 @@ class RunResult(Result):
     @property
     def _observed(self) -> dict[str, dict[str, float]]:
         """The figures of observers by name, also those of numpy, as numbers that every file holds; NaN where there is none."""
-        named = {label: one.figures() for label, one in self.records.named.items()}
-        return {label: {name: float("nan" if x is None else x) for name, x in one.items()} for label, one in named.items()}
+        named = {label: observer.figures() for label, observer in self.records.named.items()}
+        return {
+            label: {name: float("nan" if x is None else x) for name, x in figures.items()} for label, figures in named.items()
+        }
 
     @property
     def _march(self) -> str | None:
@@ -260,7 +262,7 @@ class RunResult(Result):
         """Standard deviations of the cycles' figures and, for motion that never repeats, margins of their means."""
         statistics, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
         margins = {f"{name}_margin": statistics.margins[name] for name in statistics.spreads} if wanders else {}
-        return {f"{name}_std": one.std for name, one in statistics.spreads.items()} | margins
+        return {f"{name}_std": spread.std for name, spread in statistics.spreads.items()} | margins
 
     @property
     def stages(self) -> list[StageFigures]:
@@ -275,7 +277,7 @@ class RunResult(Result):
         if self.done.failed or self.done.verdict is None:
             return []
         if self.done.verdict.repeats:
-            wide = [name.replace("_", " ") for name, one in self.done.statistics.spreads.items() if one.std > one.mean]
+            wide = [name.replace("_", " ") for name, spread in self.done.statistics.spreads.items() if spread.std > spread.mean]
             differ = "exceeds the mean: cycles differ so much that a mean says little"
             return [f"the std of {' and '.join(wide)} {differ}"] if wide else []
         from validation.commands.reasons import reasons  # it analyses stability

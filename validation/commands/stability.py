@@ -262,6 +262,6 @@ def _impedance(scene: Scene, one_port: str, model: str, marks: list[Trace], alon
         Trace(label, along, np.abs(impedance(scene, 1j * along, name)) / scene.impedance, look)
         for (name, label), look in zip(names.items(), looks, strict=True)
     ]
-    limits = float(max(1e-2, min(np.nanmin(one.columns["y"]) for one in curves))), None
+    limits = float(max(1e-2, min(np.nanmin(curve.columns["y"]) for curve in curves))), None
     scale = Scale("|impedance of the pair| / Z", "log", limits)
     return Panel("", _scale(scene, along), scale, [*curves, *marks], legend="best")

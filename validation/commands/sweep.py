@@ -203,8 +203,8 @@ class SweepResult(Result):
         plan = self.plan
         if plan.size == 1 and "verdict" in self.dataset:
             given = {name: value for name, value in plan.options.items() if name in ("tol", "cells")}
-            one = run(plan.scene(0), plan.model(0), until=float(self._arrays["until"][0]), **given)
-            return one.chart()
+            alone = run(plan.scene(0), plan.model(0), until=float(self._arrays["until"][0]), **given)
+            return alone.chart()
         return chart_of_sweep(self.dataset, lines=onset_lines(self.dataset)[0])
 
     def to_go_on(self, options: _SweepOptions) -> str:

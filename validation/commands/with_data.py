@@ -38,7 +38,7 @@ class _Averaged(NamedTuple):
 def facts_of_data(motion: MeasuredMotion, scene: Scene) -> dict[str, Any]:
     """Facts of the record: mean, standard deviation and number of its cycles' figures, and the effect of smoothing on them."""
     means = {name: _spread(getattr(motion.events, name)) for name in FIGURES_OF_CYCLES}
-    values = {name: float(one["mean"]) for name, one in means.items()}
+    values = {name: float(figure["mean"]) for name, figure in means.items()}
     deviations = {f"{name}_std": float(means[name]["std"]) for name in FIGURES_OF_CYCLES[:2]}
     facts = {"source": motion.source, "events": motion.dates.size, **means, "slip_rate_from": motion.rate_from}
     facts |= {"noise": motion.noise, "smoothing": motion.smoothing}
@@ -52,7 +52,7 @@ def _spread(values: Array) -> dict[str, float]:
 def distances_from_data(ours: RunStatistics, data: Mapping[str, Any]) -> dict[str, float | None]:
     """The relative distance of a model's figures, means over its cycles as those of the record, from the record's; None where the
     model has no cycles."""
-    means = {name: float(one.mean) for name, one in ours.spreads.items()} | {"v_max": ours.v_max_mean}
+    means = {name: float(spread.mean) for name, spread in ours.spreads.items()} | {"v_max": ours.v_max_mean}
     return {name: None if math.isnan(means[name]) else means[name] / data[name]["mean"] - 1.0 for name in FIGURES_OF_CYCLES}
 
 

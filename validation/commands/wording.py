@@ -116,8 +116,8 @@ def header(scene: Scene, notes: Iterable[str] = (), root: complex = 0j) -> list[
     for name, slab in scene.named_slabs:
         lines += [f"{name}{'s' * scene.alike}: {line}" for line in _slab(slab, scene, root)]
     if scene.equivalent and not scene.alike:
-        one = "delay and full waves march one" if scene.drive.is_constant else "delay marches one"
-        lines.append(f"both: to the interface as alike slabs of epsilon {rounded(scene.equivalent.epsilon)}; {one}")
+        marching = "delay and full waves march one" if scene.drive.is_constant else "delay marches one"
+        lines.append(f"both: to the interface as alike slabs of epsilon {rounded(scene.equivalent.epsilon)}; {marching}")
     if scene.units:
         lines += _units(scene, scene.units)
     return lines + [f"note: {line}" for line in (*doubts(scene), *notes)]
@@ -219,7 +219,7 @@ def _sizes(slab: Slab, units: Units | None) -> str:
 
 def _kind_of(part: Face | Viscosity) -> str:
     """The name of the kind of a face or a viscosity in scene files."""
-    return next(name for name, one in (FACES | VISCOSITIES).items() if one is type(part))
+    return next(name for name, kind in (FACES | VISCOSITIES).items() if kind is type(part))
 
 
 def _fields_in_words(part: Any) -> str:

@@ -37,8 +37,12 @@ def words_of_flags(data: Dataset, names: Iterable[str]) -> Dataset:
 
 def as_flags(data: Dataset) -> Dataset:
     """The dataset as in files: words that are CF flags as their numbers, -1 where there is none."""
-    told = {str(name): one for name, one in data.data_vars.items() if "flag_meanings" in one.attrs and one.dtype.kind == "U"}
-    return data.assign({name: one.copy(data=flag_numbers(one)) for name, one in told.items()})
+    told = {
+        str(name): column
+        for name, column in data.data_vars.items()
+        if "flag_meanings" in column.attrs and column.dtype.kind == "U"
+    }
+    return data.assign({name: column.copy(data=flag_numbers(column)) for name, column in told.items()})
 
 
 def flag_numbers(flags: DataArray) -> "np.ndarray[Any, np.dtype[np.int8]]":

@@ -58,7 +58,7 @@ MEASURED = {
 
 _FILLERS = ("of", "the", "coefficient", "coeff", "coef", "eff", "effective")
 _GREEK = {"μ": "mu", "τ": "tau", "σ": "sigma", "δ": "delta"}
-_OWN = {"transits": "transit", **{one.own.lower(): one.own for one in MEASURED.values() if one.own}}
+_OWN = {"transits": "transit", **{quantity.own.lower(): quantity.own for quantity in MEASURED.values() if quantity.own}}
 _PURE = ("", "-", "1", "none", "dimensionless")
 _IN_BRACKETS = re.compile(r"(.*?)\s*[\[({]([^\])}]*)[\])}]\s*")
 SEAS = {"t": "s", "slip": "m", "slip_rate": "log10 m/s", "shear_stress": "MPa", "state": "log10 s"}
@@ -82,7 +82,7 @@ def _words(name: str) -> frozenset[str]:
     return frozenset(name.split("_")).difference(_FILLERS)
 
 
-_NAMES = {_words(name): key for key, one in MEASURED.items() for name in (key, *one.names)}
+_NAMES = {_words(name): key for key, quantity in MEASURED.items() for name in (key, *quantity.names)}
 
 
 def heading(text: str) -> Heading:
@@ -163,5 +163,5 @@ def unit_sizes(scene: Scene) -> dict[str, float]:
     """SI size of each unit of a scene, 1 for a scene without SI."""
     known = scene.units
     if known is None:
-        return dict.fromkeys((one.own for one in MEASURED.values()), 1.0)
+        return dict.fromkeys((quantity.own for quantity in MEASURED.values()), 1.0)
     return {"": 1.0, "L/V*": known.time} | {unit: known.size(unit, scene.transit) for unit in IN_SI}

@@ -76,36 +76,36 @@ def fitted_orbit(problem: FrictionProblem, model: CycleOfOrbit, starts: Iterable
             )
             coordinates = _OrbitCoordinates(problem, model)
             first = np.concatenate([[0.0, 0.0], begun.coordinates[1:], start[keys:]])
-            one = minimise(coordinates, [first], Best(first, also=see))
-            coordinates.inner(one.inner)
+            solution = minimise(coordinates, [first], Best(first, also=see))
+            coordinates.inner(solution.inner)
         except NumericsError as reason:
             reasons.append(str(reason))
             if model.left <= 0.0:
                 break
             continue
-        log.info("a residual of %.3g times the noise", _far(one))
-        again = best_yet is not None and abs(one.cost / best_yet[0].cost - 1.0) < _AGAIN
-        if best_yet is None or one.cost < best_yet[0].cost:
-            best_yet = one, model.known
-        if _far(one) < _FAR or again:
+        log.info("a residual of %.3g times the noise", _far(solution))
+        again = best_yet is not None and abs(solution.cost / best_yet[0].cost - 1.0) < _AGAIN
+        if best_yet is None or solution.cost < best_yet[0].cost:
+            best_yet = solution, model.known
+        if _far(solution) < _FAR or again:
             break
     if best_yet is None:
         raise NumericsError(f"fit: no start value leads to an orbit: {reasons[-1 if model.left <= 0.0 else 0]}")
-    one, there = best_yet
-    model.stay(there, float(one.inner[1]))
-    inner = np.append(model.inner(there), one.inner[keys + 1 :])
+    solution, there = best_yet
+    model.stay(there, float(solution.inner[1]))
+    inner = np.append(model.inner(there), solution.inner[keys + 1 :])
     slopes, date = problem.slopes(inner), np.append(0.0, model.by_date())  # at the best date of events
     slopes -= np.outer(date, date @ slopes) / (date @ date)
-    return Solution(inner, problem.residual(inner), slopes, best.evaluations, _fault(model, one) or one.failed)
+    return Solution(inner, problem.residual(inner), slopes, best.evaluations, _fault(model, solution) or solution.failed)
 
 
-def _fault(model: CycleOfOrbit, one: Solution) -> str:
+def _fault(model: CycleOfOrbit, solution: Solution) -> str:
     """Why no interval holds for the best orbit, if none does."""
-    far, closed = _far(one), model.known.closed
-    alike = float(np.abs(autocorrelations(one.residual[np.argsort(model.record.times, kind="stable")])[1 : _LAGS + 1]).max())
+    far, closed = _far(solution), model.known.closed
+    alike = float(np.abs(autocorrelations(solution.residual[np.argsort(model.record.times, kind="stable")])[1 : _LAGS + 1]).max())
     if far > _FAR and (far > _MUCH or alike < _ALIKE):
         return f"no orbit of the model is the record's: the best leaves {far:.3g} times the noise, and no interval holds for it"
-    if far > _LITTLE and alike > max(_ALIKE, 5.0 / one.residual.size**0.5):
+    if far > _LITTLE and alike > max(_ALIKE, 5.0 / solution.residual.size**0.5):
         text = f"what is left correlates by {alike:.2g} within {_LAGS} samples"
         return f"cycles of the record differ by more than noise ({text}), no interval holds: take a part that repeats (--window)"
     if (
@@ -116,6 +116,6 @@ def _fault(model: CycleOfOrbit, one: Solution) -> str:
     return ""
 
 
-def _far(one: Solution) -> float:
+def _far(solution: Solution) -> float:
     """Ratio of the residual to the noise."""
-    return float(np.sqrt(np.mean(one.residual**2)))
+    return float(np.sqrt(np.mean(solution.residual**2)))

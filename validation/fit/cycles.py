@@ -223,13 +223,13 @@ class CycleOfReduction(OfReduction):
         """Period and friction of the last whole cycle, and their derivatives."""
         slope = slope_of(pieces)
         events = self._falls(pieces)[-2:]
-        (begin, at_begin), (end, at_end) = (model_date(pieces, one, [slope, *by]) for one in events)
+        (begin, at_begin), (end, at_end) = (model_date(pieces, event, [slope, *by]) for event in events)
         period = end - begin
         rows = sampled(pieces, begin + self._times * period, [pieces.mu, slope, *by])
         clock = sizes(scene)[0]
         columns = [(period, rows[0])]
-        for one, first, last in zip(rows[2:], at_begin, at_end, strict=True):
-            columns.append((last - first, one + rows[1] * (first + self._times * (last - first))))
+        for values, first, last in zip(rows[2:], at_begin, at_end, strict=True):
+            columns.append((last - first, values + rows[1] * (first + self._times * (last - first))))
         return [np.append(time * clock, row.reshape(-1, self._weights.size) @ self._weights) for time, row in columns]
 
 
@@ -243,7 +243,7 @@ def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tup
     slope."""
     basis, stages, mu, slope = basis_of(pieces), pieces.z.shape[1], pieces.mu.ravel(), rows[0]
     ends = [_extreme(basis, slope, node // stages) for node in event]
-    levels = [0.5 * sum(evaluate(basis, one[piece], share) for piece, share in ends) for one in (pieces.mu, *rows[1:])]
+    levels = [0.5 * sum(evaluate(basis, row[piece], share) for piece, share in ends) for row in (pieces.mu, *rows[1:])]
     before = np.flatnonzero(mu[event[0] : event[1]] > levels[0])
     if before.size == 0:
         raise NumericsError(f"an event at t = {pieces.time[event[0] // stages]:.6g} transits has no date: ripples hide its fall")
@@ -252,7 +252,7 @@ def model_date(pieces: Pieces, event: tuple[int, int], rows: list[Array]) -> tup
     share = find_root(basis, pieces.mu[piece], levels[0], 0.0, 1.0)
     date = float(pieces.time[piece] + share * pieces.length[piece])
     steep = evaluate(basis, slope[piece], share)
-    return date, [(level - evaluate(basis, one[piece], share)) / steep for level, one in zip(levels[1:], rows[1:], strict=True)]
+    return date, [(level - evaluate(basis, row[piece], share)) / steep for level, row in zip(levels[1:], rows[1:], strict=True)]
 
 
 def _extreme(basis: Basis, slope: Array, piece: int) -> tuple[int, float]:

@@ -69,7 +69,7 @@ class OfReduction(Forward):
 
     def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:
         if self._last is None or not np.array_equal(self._last[0], inner):
-            slabs = ReducedSlabs(self.scene(inner), lambda one: reduction_of(one, self._model), STAGES)
+            slabs = ReducedSlabs(self.scene(inner), lambda scene: reduction_of(scene, self._model), STAGES)
             self._last = inner.copy(), (slabs, self._march(slabs.scene))
         slabs, pieces = self._last[1]
         return slabs, pieces
@@ -111,7 +111,7 @@ class OfSolver(Forward):
         scene = self.scene(inner)
         if self._model == DELAY.name and scene.is_plain:
             sides = self._variants.neighbours(inner)
-            of_one_wave = all(one.is_plain for scenes, _, _ in sides for one in scenes)
+            of_one_wave = all(scene.is_plain for scenes, _, _ in sides for scene in scenes)
             if of_one_wave and all(abs(clock - 1.0) < SAME for _, clocks, _ in sides for clock in clocks):
                 parts = delay_sensitivity(scene, sides, self._times[-1] / sizes(scene)[0], self._tolerance)
                 return self._along(inner, ((pieces, [*np.moveaxis(by_parameter, 1, 0)]) for pieces, by_parameter in parts))
@@ -135,7 +135,7 @@ class OfSolver(Forward):
 
 def solved(model: str, scene: Scene, until: float, tolerance: float) -> Iterator[Pieces]:
     """The motion of any model up to `until` (transits)."""
-    has_grid = model.partition(":")[0] in [one.name for one in GRIDS]
+    has_grid = model.partition(":")[0] in [grid.name for grid in GRIDS]
     solver = build(model, scene) if has_grid else build(model, scene, tolerance=tolerance)
     end = float(np.ceil(until))
     while solver.time < end - slack(end):

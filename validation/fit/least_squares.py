@@ -140,13 +140,13 @@ def minimise(problem: Problem, starts: Iterable[Array], best: Best) -> Solution:
     return Solution(end.x, end.fun, end.jac, best.evaluations, failed)
 
 
-def _is_above(one: optimize.OptimizeResult) -> bool:
+def _is_above(end: optimize.OptimizeResult) -> bool:
     """Whether a linear step lowers the sum of squares by more than a fifth of a standard error does: what ended the descent was
     no minimum."""
-    free = one.jac[:, one.active_mask == 0]
+    free = end.jac[:, end.active_mask == 0]
     scaled = free / np.maximum(np.linalg.norm(free, axis=0), 1e-300)
-    gained = scaled @ np.linalg.lstsq(scaled, one.fun, rcond=_SINGULAR)[0]
-    return bool(gained @ gained > _ABOVE * (one.fun @ one.fun) / one.fun.size)
+    gained = scaled @ np.linalg.lstsq(scaled, end.fun, rcond=_SINGULAR)[0]
+    return bool(gained @ gained > _ABOVE * (end.fun @ end.fun) / end.fun.size)
 
 
 def _descend(problem: Problem, start: Array, best: Best, most: int) -> tuple[optimize.OptimizeResult, list[str]]:

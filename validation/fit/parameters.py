@@ -57,7 +57,7 @@ class Variants:
 
     def read(self, inner: Array) -> Scene:
         """The scene with these values, with its own drive and start."""
-        return self.scenes.at(self.free, [one.value(x) for one, x in zip(self.free, inner.tolist(), strict=True)])
+        return self.scenes.at(self.free, [key.value(x) for key, x in zip(self.free, inner.tolist(), strict=True)])
 
     def scene(self, inner: Array) -> Scene:
         """The scene with these values, without nudge."""
@@ -101,7 +101,7 @@ def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...
             raise SceneError(f"--free {name.strip()}: is no variable that a --set names; a key begins at its value in the scene")
         else:
             free.append(_free(full_key(name.split("."), "", data), known, scenes.base))
-    names = [one.name for one in free]
+    names = [key.name for key in free]
     twice = next((name for name in names if names.count(name) > 1), None)
     if twice:
         raise SceneError(f"--free {twice}: is given more than once")
@@ -112,7 +112,7 @@ def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[Fre
     """The scenes, with the variables of the base at their starts, and `_free_parameters`. Raises SceneError as these, and for a
     scene that cannot be read at the starts."""
     free = _free_parameters(scenes, words)
-    start = {one.name: one.written(one.start) for one in free if one.name in scenes.variables}
+    start = {key.name: key.written(key.start) for key in free if key.name in scenes.variables}
     if start:
         scenes.require(start)
         scenes = replace(scenes, base=scenes.scene(start))

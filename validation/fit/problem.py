@@ -48,27 +48,27 @@ class FrictionProblem:
     nuisances: tuple[str, ...]
 
     def __post_init__(self) -> None:
-        names = [one.name for one in self.free]
+        names = [key.name for key in self.free]
         many = len(self.records) > 1
         self.own = [(k, name) for k in range(len(self.records)) for name in self.nuisances]
         self.names = [*names, *(f"{name}[{k + 1}]" if many else name for k, name in self.own)]
-        bounds = [(one.inner(one.low), one.inner(one.high)) for one in self.free]
+        bounds = [(key.inner(key.low), key.inner(key.high)) for key in self.free]
         low, high = zip(*bounds, *[(-np.inf, np.inf)] * len(self.own), strict=True)
         self.low, self.high = np.array(low), np.array(high)
         own = [float(np.ptp(self.records[k].friction[self.records[k].shown])) for k, _ in self.own]
-        self.large = np.array([*(1.0 if one.is_positive else np.nan for one in self.free), *own])
-        self.first = np.array([one.inner(one.start) for one in self.free])
+        self.large = np.array([*(1.0 if key.is_positive else np.nan for key in self.free), *own])
+        self.first = np.array([key.inner(key.start) for key in self.free])
         self.fineness = 1e-10
         self.shapes = [self._columns(k) for k in range(len(self.records))]
 
     def _columns(self, k: int) -> Array:
         """Derivatives of record `k` by the nuisances (samples, nuisances)."""
-        one = self.records[k]
-        along = (one.travel - one.travel.mean()) / max(float(np.ptp(one.travel)), 1e-300)
-        is_friction = np.ones(one.travel.size)
-        is_friction[0] = one.cycle is None
+        record = self.records[k]
+        along = (record.travel - record.travel.mean()) / max(float(np.ptp(record.travel)), 1e-300)
+        is_friction = np.ones(record.travel.size)
+        is_friction[0] = record.cycle is None
         kinds = {"level": is_friction, "drift": along * is_friction}
-        return np.column_stack([kinds[name] * (own == k) for own, name in self.own] or [np.empty((one.travel.size, 0))])
+        return np.column_stack([kinds[name] * (own == k) for own, name in self.own] or [np.empty((record.travel.size, 0))])
 
     def friction(self, inner: Array) -> list[Array]:
         """Friction of the model for each record."""
@@ -78,24 +78,26 @@ class FrictionProblem:
     def residual(self, inner: Array) -> Array:
         """Friction of the model minus the measured one, over the noise of each record."""
         pairs = zip(self.friction(inner), self.records, strict=True)
-        return np.concatenate([one.weighed(friction - one.friction) for friction, one in pairs])
+        return np.concatenate([record.weighed(friction - record.friction) for friction, record in pairs])
 
     def slopes(self, inner: Array) -> Array:
         """As `Problem`."""
         keys = inner[: len(self.free)]
         parts = [np.column_stack([m.slopes(keys), s]) for m, s in zip(self.models, self.shapes, strict=True)]
-        return np.vstack([one.weighed(part) for one, part in zip(self.records, parts, strict=True)])
+        return np.vstack([record.weighed(part) for record, part in zip(self.records, parts, strict=True)])
 
     def far(self, residual: Array) -> float:
         """The `residual` over the noise, which is at least `FINEST` of each record's range of friction."""
-        least = [FINEST * np.ptp(one.friction[one.shown]) * one.weight + 0.0 * one.friction for one in self.records]
+        least = [
+            FINEST * np.ptp(record.friction[record.shown]) * record.weight + 0.0 * record.friction for record in self.records
+        ]
         size = float(np.linalg.norm(residual / np.maximum(np.concatenate(least), 1.0)))
         return size / math.sqrt(max(residual.size - len(self.names), 1))
 
     def starts(self) -> Iterator[Array]:
         """Start values: the scene's, then others."""
         first, low, high = (part[: len(self.free)] for part in (self.first, self.low, self.high))
-        cycle = next((one.cycle for one in self.records if one.cycle), None)
+        cycle = next((record.cycle for record in self.records if record.cycle), None)
         scene_of = self.models[0].scene
         others = _sticking_starts(self.free, first, cycle, scene_of) if cycle else _other_starts(self.free, first)
         if isinstance(self.models[0], CycleOfOrbit):
@@ -123,18 +125,18 @@ def problem_of(
     family, _, number, _ = requested(model, scenes.base, tolerance=tolerance)
     kind: type[OfReduction | OfSolver] = OfReduction if family in REDUCTIONS else OfSolver
     name = family.called(family.default if number is None else number)
-    with_waves = any(one.cycle for one in records) and (kind is OfSolver or _rings(scenes.base, name))
+    with_waves = any(record.cycle for record in records) and (kind is OfSolver or _rings(scenes.base, name))
     if with_waves and len(records) > 1:
         raise SceneError(f"model = {name!r}: with every wave one record of stick-slip at a time can be fitted")
 
-    def seen(one: Experiment) -> tuple[Experiment, Forward]:
+    def seen(record: Experiment) -> tuple[Experiment, Forward]:
         """A record as it is compared, and what is compared with it."""
-        variants = Variants(scenes, free, one.schedule)
+        variants = Variants(scenes, free, record.schedule)
         if with_waves:
-            return _with_waves(disturbed(variants), one, name)
-        if one.cycle is None:
-            return one, kind(variants, one.times, name, tolerance)
-        return one, CycleOfReduction(disturbed(variants), one.cycle.period, name, tolerance, one.cycle.phases)
+            return _with_waves(disturbed(variants), record, name)
+        if record.cycle is None:
+            return record, kind(variants, record.times, name, tolerance)
+        return record, CycleOfReduction(disturbed(variants), record.cycle.period, name, tolerance, record.cycle.phases)
 
     compared, models = zip(*map(seen, records), strict=True)
     return FrictionProblem(free, compared, models, tuple(name for name in NUISANCES if name in words))
@@ -165,7 +167,7 @@ def _with_waves(variants: Variants, record: Experiment, model: str) -> tuple[Exp
 def _other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:
     """Start values with another memory length, and with other a and b."""
     for group, factor in _FACTORS:
-        moves = [one.is_positive and _word(one) in _GROUPS[group] for one in free]
+        moves = [key.is_positive and _word(key) in _GROUPS[group] for key in free]
         if any(moves):
             yield first + np.log(factor) * np.array(moves, dtype=float)
 
@@ -173,7 +175,7 @@ def _other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:
 def _sticking_starts(free: Sequence[Free], first: Array, cycle: MeanCycle, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
     """Start values at which steady sliding is unstable, friction falls by about as much as in the mean cycle and, if the spring
     is free, rises before an event at the measured rate."""
-    index = {_word(one): k for k, one in enumerate(free) if one.is_positive}
+    index = {_word(key): k for k, key in enumerate(free) if key.is_positive}
     size = cycle.friction.size
     middle = slice(size // 3, 2 * (size // 3))
     steep = float(np.polyfit(np.arange(size // 3) * cycle.period / size, cycle.friction[middle], 1)[0])
@@ -206,7 +208,7 @@ def _effects(scene: Scene) -> tuple[float, float]:
 def _unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
     """The first values with one of a, b and L changed, so that steady sliding is unstable: the stiffness is one of some shares of
     the critical one."""
-    index = {_word(one): k for k, one in enumerate(free) if one.is_positive}
+    index = {_word(key): k for k, key in enumerate(free) if key.is_positive}
     scene = scene_of(first)
     a, b = _effects(scene)
     for kappa in _BELOW:
@@ -236,5 +238,5 @@ def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of
     return float(inner[k])
 
 
-def _word(one: Free) -> str:
-    return one.name.rpartition(".")[2]
+def _word(key: Free) -> str:
+    return key.name.rpartition(".")[2]

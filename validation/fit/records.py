@@ -137,7 +137,7 @@ def _inside(series: Series, scene: Scene, window: str | None) -> slice:
 
     try:
         ends = [time_at(text) for text in window.split(":")]
-        begin, end = (default if math.isnan(one) else one for one, default in zip(ends, (-math.inf, math.inf), strict=True))
+        begin, end = (default if math.isnan(end) else end for end, default in zip(ends, (-math.inf, math.inf), strict=True))
     except SceneError:
         raise
     except ValueError:
@@ -239,7 +239,8 @@ def _merged(times: Array, moved: Array, cuts: list[int], noise: float) -> list[i
 
     parts = [left(a, b) for a, b in pairwise(cuts)]
     gains = [
-        left(a, c) - one - other for (a, c), (one, other) in zip(zip(cuts, cuts[2:], strict=False), pairwise(parts), strict=False)
+        left(a, c) - part - other
+        for (a, c), (part, other) in zip(zip(cuts, cuts[2:], strict=False), pairwise(parts), strict=False)
     ]
     while gains and min(gains) < _WORTH * noise**2:
         k = int(np.argmin(gains))

@@ -16,7 +16,9 @@ def march_times(
     """Seconds (rounds, models) of march and event detection over so many `transits` from `begin` on, of each model with its
     options of `slipwave.run`. The first round loads code."""
     works = {}
-    for number, (model, one) in enumerate(models):
-        options = Options(tolerance=one.get("tol"), cells=one.get("cells"), cfl=one.get("cfl"), time=one.get("time"))
+    for number, (model, settings) in enumerate(models):
+        options = Options(
+            tolerance=settings.get("tol"), cells=settings.get("cells"), cfl=settings.get("cfl"), time=settings.get("time")
+        )
         works[number] = marching(model, scene, transits, begin, **options)
     return np.array([[*seconds.values()] for seconds in in_turn(works, rounds)])

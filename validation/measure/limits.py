@@ -79,9 +79,9 @@ def _with_step(model: str, scene: Scene, share: float) -> FieldSolver:
 def rubbing(decade: float, medium: str = "alike slabs") -> Scene:
     """The slabs of MEDIA sliding steadily on F = a ln v, a/v = 10^decade times Z."""
     plain = slipwave.read("paper", ["start.size=0"])
-    one, other = MEDIA[medium]
-    upper = replace(plain.upper, **one)
-    slabs = replace(plain, upper=upper, lower=upper if other is None else replace(plain.upper, **other))
+    above, below = MEDIA[medium]
+    upper = replace(plain.upper, **above)
+    slabs = replace(plain, upper=upper, lower=upper if below is None else replace(plain.upper, **below))
     return replace(slabs, law=plain.law._replace(a=10.0**decade * slabs.impedance * plain.velocity, b=0.0))
 
 
@@ -150,7 +150,7 @@ def growth_at(model: str, medium: str, share: float, steps: int) -> float:
 
 def around_the_limit(model: str, medium: str) -> tuple[float, float]:
     """Growth of noise on both sides of the limit (AROUND)."""
-    below, above = (growth_at(model, medium, *one) for one in AROUND)
+    below, above = (growth_at(model, medium, *around) for around in AROUND)
     return below, above
 
 

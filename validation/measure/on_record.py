@@ -51,7 +51,7 @@ def special_points() -> dict[str, tuple[KnownPoint, ...]]:
 def branch_points(words: str, ends: tuple[float, float], **options: Any) -> list[KnownPoint]:
     """The special points of the delay system's branch between two log10 r, with `options` of `slipwave.branch`."""
     special = sw.branch(scene_of(words), {"log10_r": ends}, model="delay", **options).summary["special"]
-    return [KnownPoint(one["type"], one["log10_r"], one["period"]) for one in special]
+    return [KnownPoint(point["type"], point["log10_r"], point["period"]) for point in special]
 
 
 def first_point(kind: str, words: str) -> KnownPoint:

@@ -83,14 +83,14 @@ def unaccounted(branch: Branch) -> int:
     """Points of a branch whose number of unstable multipliers is not that of the first point plus the changes at the special
     points before it: 1 at a fold and a period doubling, 2 at a torus point."""
     count, wrong = branch.points[0].unstable, 0
-    special = {id(one.point): one for one in branch.special}
+    special = {id(special.point): special for special in branch.special}
     for point in branch.points:
-        one = special.get(id(point))
-        if one is None:
+        passed = special.get(id(point))
+        if passed is None:
             wrong += point.unstable != count
             continue
-        change = one.unstable_after - one.unstable_before
-        wrong += abs(change) != {"LP": 1, "PD": 1, "NS": 2}[one.kind]
+        change = passed.unstable_after - passed.unstable_before
+        wrong += abs(change) != {"LP": 1, "PD": 1, "NS": 2}[passed.kind]
         count += change
     return wrong
 

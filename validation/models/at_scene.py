@@ -70,7 +70,7 @@ def _with_others(scene_orbit: SceneOrbit, model: str, cells: int | None) -> Scen
         known, searched = _primary(model, scene_orbit.scene, cells, math.inf)
     except NumericsError as reason:
         return replace(scene_orbit, searched=f"no other orbit was found: {reason}")
-    others = [one for one in known if not _same(one, scene_orbit.periodic.closed)]
+    others = [orbit for orbit in known if not _same(orbit, scene_orbit.periodic.closed)]
     return replace(scene_orbit, others=tuple(map(_in_words, others)), searched=searched)
 
 
@@ -82,31 +82,31 @@ def _nearest(model: str, scene: Scene, tolerance: float, cells: int | None, near
         own = find_orbit(model, scene, tolerance, cells)
     with suppress(NumericsError):
         known, searched = _primary(model, scene, cells, near + _LONGER)
-    candidates = [(one, _FROM_BRANCH) for one in known]
-    if not candidates or near > _SEVERAL * max(one.cycle.period for one, _ in candidates):
+    candidates = [(orbit, _FROM_BRANCH) for orbit in known]
+    if not candidates or near > _SEVERAL * max(orbit.cycle.period for orbit, _ in candidates):
         try:
-            candidates += [(one, _FROM_RUN) for one in orbits_near(moving(model, scene, cells), tolerance, near)]
+            candidates += [(orbit, _FROM_RUN) for orbit in orbits_near(moving(model, scene, cells), tolerance, near)]
         except NumericsError as reason:
             failed = reason
     # the run's own as it was found by the search for others, if it was
-    if own is not None and not any(_same(one, own.periodic.closed) for one, _ in candidates):
+    if own is not None and not any(_same(orbit, own.periodic.closed) for orbit, _ in candidates):
         candidates.append((own.periodic.closed, own.source))
     if failed is not None and not candidates:
         raise failed
     nearest, source = min(candidates, key=lambda known: abs(known[0].cycle.period - near))
     if abs(nearest.cycle.period / near - 1.0) > _FAR:
         source += f"; none was found that is nearer to a period of {near:.7g} transits, though there may be one"
-    return _chosen(nearest, [one for one, _ in candidates], scene, tolerance, source, searched)
+    return _chosen(nearest, [orbit for orbit, _ in candidates], scene, tolerance, source, searched)
 
 
-def _chosen(one: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> SceneOrbit:
-    """The orbit `one` of those `known`, refined to the tolerance; the others are listed with it."""
-    periodic = refined_orbit(scene, Guess(one.flow.of(scene), one.cycle.start, one.cycle.period, False), tolerance)
-    return SceneOrbit(periodic, tolerance, source, tuple(_in_words(orbit) for orbit in known if orbit is not one), searched)
+def _chosen(chosen: Closed, known: list[Closed], scene: Scene, tolerance: float, source: str, searched: str) -> SceneOrbit:
+    """The orbit `chosen` of those `known`, refined to the tolerance; the others are listed with it."""
+    periodic = refined_orbit(scene, Guess(chosen.flow.of(scene), chosen.cycle.start, chosen.cycle.period, False), tolerance)
+    return SceneOrbit(periodic, tolerance, source, tuple(_in_words(orbit) for orbit in known if orbit is not chosen), searched)
 
 
-def _same(one: Closed, other: Closed) -> bool:
-    return abs(one.cycle.period / other.cycle.period - 1.0) < _SAME
+def _same(orbit: Closed, other: Closed) -> bool:
+    return abs(orbit.cycle.period / other.cycle.period - 1.0) < _SAME
 
 
 def _in_words(closed: Closed) -> str:

@@ -112,7 +112,7 @@ def resolve(model: str, scene: "Scene", among: Collection[Family] = FAMILIES) ->
     if model != "auto":
         return model, ""
     ordered = sorted(families(), key=lambda family: family.exact is Exact.NEVER)  # exact ones first, each as they were
-    best = next((one for one in ordered if one in among and not one.refusal(scene) and one.is_installed), None)
+    best = next((family for family in ordered if family in among and not family.refusal(scene) and family.is_installed), None)
     if best is None:
         raise SceneError(f"model = 'auto': no model of this installation can do {in_words(features_of(scene))}")
     if best is DELAY:

@@ -46,7 +46,7 @@ class Curve:
     @property
     def facts(self) -> dict[str, Any]:
         """As `FollowedBranch`."""
-        ends = [[one.name, one.first, one.last] for one in (self.over, self.second)]
+        ends = [[axis.name, axis.first, axis.last] for axis in (self.over, self.second)]
         own = {"model": self.model, "type": self.kind, "rectangle": ends}
         own |= digests([name_of(self.over.base.law)], [self.model])
         return {"format": _FORMAT, "scene": self.over.base.digest, **own, "sources": source_digest()}
@@ -129,8 +129,8 @@ class Curve:
 
     def end_near(self, first: float, second: float) -> tuple[str, float]:
         """Of both parameters the one whose range the point leaves, or is nearest to leaving, and the end."""
-        one, value = max(((self.over, first), (self.second, second)), key=lambda pair: pair[0].beyond(pair[1]))
-        return one.name, one.nearest_end(value)
+        axis, value = max(((self.over, first), (self.second, second)), key=lambda pair: pair[0].beyond(pair[1]))
+        return axis.name, axis.nearest_end(value)
 
     def saved(self, end: Reached) -> dict[str, State]:
         """As `FollowedBranch`."""
@@ -165,7 +165,7 @@ class Curve:
             return boundaries
         own = self.plane.at((self.start[0].special[self.start[1]].value, self.second.first))
         scale = self.plane.scale
-        return [min(boundaries, key=lambda one: float(np.abs(one.first / scale[0] + 1j * one.second / scale[1] - own).min()))]
+        return [min(boundaries, key=lambda line: float(np.abs(line.first / scale[0] + 1j * line.second / scale[1] - own).min()))]
 
     def _holds(self, first: float, second: float) -> bool:
         return self.over.holds(first) and self.second.holds(second)
@@ -173,9 +173,9 @@ class Curve:
     def _at_cusp(self, *folds: OnCurve) -> str:
         """Note on the two folds that meet at the cusp."""
         places = " and ".join(
-            f"{self.over.name} = {one.parameters[0]:.10g}, {self.second.name} = {one.parameters[1]:.8g} "
-            f"(period {one.special.point.closed.cycle.period:.6g})"
-            for one in folds
+            f"{self.over.name} = {fold.parameters[0]:.10g}, {self.second.name} = {fold.parameters[1]:.8g} "
+            f"(period {fold.special.point.closed.cycle.period:.6g})"
+            for fold in folds
         )
         return f"the curve ends at a cusp, where two folds meet and are no more; right before it they lie at {places}"
 
@@ -194,8 +194,8 @@ class Curve:
         return OnCurve((first, second), special), length
 
 
-def _saved(one: OnCurve, length: float) -> dict[str, Array]:
+def _saved(point: OnCurve, length: float) -> dict[str, Array]:
     """A point of the curve, and the length of the next step, as arrays."""
-    special = one.special
+    special = point.special
     numbers = (special.bracket, special.unstable_before, special.unstable_after, special.multiplier.real, special.multiplier.imag)
-    return stored(special.point, length) | {"place": np.array(one.parameters), "special": np.array(numbers)}
+    return stored(special.point, length) | {"place": np.array(point.parameters), "special": np.array(numbers)}

@@ -66,10 +66,10 @@ class SpecialEnds:
     def extreme(self, kind: str) -> CurveEnd:
         """Of all curves of the kind, that which leads farthest; without an extreme if one of them has none."""
         curves = self.curves[kind]
-        none = [one for one in curves if one.extreme is None]
+        none = [end for end in curves if end.extreme is None]
         if none:
-            return none[0]._replace(reason="; ".join(f"{', '.join(one.points)}: {one.reason}" for one in none))
-        return max(curves, key=lambda one: self._progress(one.extreme or 0.0))
+            return none[0]._replace(reason="; ".join(f"{', '.join(end.points)}: {end.reason}" for end in none))
+        return max(curves, key=lambda end: self._progress(end.extreme or 0.0))
 
     def follow(self, own: FollowedBranch, limits: StopAt) -> None:
         """Fill it, with the branch `own` at the first value, which was followed before."""
@@ -133,22 +133,22 @@ class SpecialEnds:
         """The curve of Hopf points that was begun, through the point `name`."""
         from scipy.optimize import minimize_scalar
 
-        points, progress = curve.points, [self._progress(one.second) for one in curve.points]
+        points, progress = curve.points, [self._progress(point.second) for point in curve.points]
         best = int(np.argmax(progress))
         if best in (0, len(points) - 1):
             return CurveEnd((name,), reason=_leaves(*curve.end_near(points[best].first, points[best].second)))
         near = points[best - 1 : best + 2]
-        places = [curve.plane.at((one.first, one.second)).real for one in near]
+        places = [curve.plane.at((point.first, point.second)).real for point in near]
         if not (places[1] - places[0]) * (places[2] - places[1]) > 0.0:
             return CurveEnd((name,), reason="its curve turns too sharply")
-        low, middle, high = (one.first for one in near)
-        reach = 2.0 * max(abs(one.second - near[1].second) for one in near)
+        low, middle, high = (point.first for point in near)
+        reach = 2.0 * max(abs(point.second - near[1].second) for point in near)
         around = near[1].second - reach, near[1].second + reach
 
         def onset(first: float) -> Onset:
             """The Hopf point of the curve over the second parameter at this `first` one."""
             hopf_points = onsets(lambda second: curve.plane.scene_at(first, second), *around, one_port_of(curve.model))
-            return min(hopf_points, key=lambda one: abs(one.parameter - near[1].second))
+            return min(hopf_points, key=lambda hopf: abs(hopf.parameter - near[1].second))
 
         minimum = minimize_scalar(
             lambda first: -self.second.sign * onset(first).parameter, bracket=(low, middle, high), tol=_TURN
@@ -168,5 +168,5 @@ def _leaves(name: str, end: float) -> str:
 def _named_at(own: FollowedBranch, left: Mapping[str, int], first: float, period: float) -> str:
     """The name of the point of the branch, of those `left`, at this value and period; empty if there is none."""
     apart, known = _SAME * abs(own.over.last - own.over.first), ((name, own.special[index]) for name, index in left.items())
-    near = (name for name, one in known if abs(one.value - first) < apart and abs(one.period / period - 1.0) < _SAME)
+    near = (name for name, point in known if abs(point.value - first) < apart and abs(point.period / period - 1.0) < _SAME)
     return next(near, "")

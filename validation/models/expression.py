@@ -45,7 +45,7 @@ def value_at(text: str, variables: Mapping[str, Value]) -> Value:
 @lru_cache(maxsize=256)
 def _tokens(text: str) -> tuple[tuple[str, str], ...]:
     """Kind (number, word, or empty) and text of each token."""
-    return tuple(("number" if one["number"] else "word" if one["word"] else "", one[1]) for one in _TOKEN.finditer(text))
+    return tuple(("number" if token["number"] else "word" if token["word"] else "", token[1]) for token in _TOKEN.finditer(text))
 
 
 class _Reader:

@@ -145,7 +145,7 @@ def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[
     for name, column in zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True):
         text = name == "kind"
         variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
-        variable[:] = np.array([_UNCOUNTED if one is None else one for one in column], dtype=object if text else float)
+        variable[:] = np.array([_UNCOUNTED if value is None else value for value in column], dtype=object if text else float)
         variable.setncatts({"long_name": "kind"} if text else _notes(name, followed))
 
 
@@ -161,7 +161,7 @@ def _notes(name: str, followed: Followed) -> dict[str, Any]:
 def _read_table(file: "Dataset", kind: str, names: tuple[str, ...]) -> Iterator[tuple[Any, ...]]:
     """The rows that `_write_table` wrote, with whole numbers, truth values and None restored."""
     columns = [(file[f"{kind}_{name}"][:].tolist(), _KINDS.get(name)) for name in names]
-    whole = ([None if one == _UNCOUNTED else kind(one) for one in column] if kind else column for column, kind in columns)
+    whole = ([None if value == _UNCOUNTED else kind(value) for value in column] if kind else column for column, kind in columns)
     return zip(*whole, strict=True)
 
 

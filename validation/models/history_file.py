@@ -52,7 +52,7 @@ class Kept(NamedTuple):
         if window is None:
             return cls(every or 1, 0.0, math.inf, step)
         ends = window.split(":") if isinstance(window, str) else list(window)
-        times = [moment("window", one, scene) for one in ends]
+        times = [moment("window", end, scene) for end in ends]
         if len(times) != 2 or not 0.0 <= times[0] < times[1]:
             label = f"window = {shorten(':'.join(map(str, ends)))}"
             raise SceneError(f"{label}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative")

@@ -116,13 +116,13 @@ def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[
     failed = NumericsError(f"{solver.model}: the run does not come back to its state after about {period:g} transits")
     for guess in _guesses(solver, tolerance, period):
         try:
-            one = close(*guess[:3])
+            orbit = close(*guess[:3])
         except NumericsError as reason:
             failed = reason
             continue
-        known = any(abs(one.cycle.period / other.cycle.period - 1.0) < _SAME for other in orbits)
-        if not known and not repeats_sooner(one, guess.cycles):
-            orbits.append(one)
+        known = any(abs(orbit.cycle.period / other.cycle.period - 1.0) < _SAME for other in orbits)
+        if not known and not repeats_sooner(orbit, guess.cycles):
+            orbits.append(orbit)
     if not orbits:
         raise failed
     return orbits

@@ -138,9 +138,9 @@ class JudgedHalf(NamedTuple):
         parts = [Events(*(column[part] for column in self.cycles)) for part in (slice(-2 * half, -half), slice(-half, None))]
         earlier, later = (summarise(part, not self.verdict.wanders) for part in parts)
         for name in ("period", "stress_drop"):
-            one, other = getattr(earlier, name).mean, getattr(later, name).mean
+            before, after = getattr(earlier, name).mean, getattr(later, name).mean
             margins = [part.margins[name] for part in (earlier, later) if self.verdict.wanders]
-            if abs(one - other) > max([REPEATS * one, *margins]):
+            if abs(before - after) > max([REPEATS * before, *margins]):
                 return False
         return True
 

@@ -41,9 +41,9 @@ def load_families(path: Path) -> list[Family]:
         for known_by_name in (characteristic, spectrum, certified):  # of the families before
             known_by_name.cache_clear()
         for known in lists:
-            known[:] = [one for one in known if one not in _OWN.get(path, [])]
-        of_others = {id(one) for one in FAMILIES}
-        declared = [one for one in vars(module).values() if isinstance(one, Family) and id(one) not in of_others]
+            known[:] = [entry for entry in known if entry not in _OWN.get(path, [])]
+        of_others = {id(family) for family in FAMILIES}
+        declared = [value for value in vars(module).values() if isinstance(value, Family) and id(value) not in of_others]
         if not declared:
             hint = 'NAME = FullWave("name", f"{__name__}:Class", ...), see docs/extending.md'
             raise SceneError(f"{label}: declares no family of models: {hint}")

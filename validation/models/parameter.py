@@ -122,7 +122,7 @@ class Variation:
 
     def at(self, varied: Iterable[Parameter], values: Iterable[float | str]) -> Scene:
         """The scene with these values of what is `varied`."""
-        return self.scene({one.name: one.written(value) for one, value in zip(varied, values, strict=True)})
+        return self.scene({parameter.name: parameter.written(value) for parameter, value in zip(varied, values, strict=True)})
 
     def _set(self, given: Mapping[str, float | str]) -> dict[str, Any]:
         """The keys of `sets` with their values. Raises Undefined for an expression without a value."""
@@ -151,7 +151,7 @@ class Variation:
             self._set({**values, **self.fixed})
         for key in self.sets.keys() - self.variables:
             *table, last = key.split(".")
-            if not any(last in one.model_fields for one in kinds_of(table).values()):
+            if not any(last in kind.model_fields for kind in kinds_of(table).values()):
                 slipwave.read(self.base, {key: self.sets[key]})
                 raise SceneError(f"--set {key}: is no key of a scene")
 
@@ -207,7 +207,7 @@ class Over(Parameter):
             return self.unit
         *path, last = self.name.split(".")
         fields = (table.model_fields.get(last) for table in kinds_of(path).values())
-        physical = (one.units[0] for field in fields if field for one in allowed_in(field) if isinstance(one, Physical))
+        physical = (kind.units[0] for field in fields if field for kind in allowed_in(field) if isinstance(kind, Physical))
         return next(physical, "") or (_unit_of_machine(self.base, self.name) if self.base.units else "")
 
     def scene_at(self, value: float) -> Scene:
@@ -325,7 +325,7 @@ def measured_value(given: float | str) -> Value:
 
 def allowed_numbers(table: KeyTable, field: str) -> Numbers:
     """The numbers that a key of a checked table may be."""
-    return next(one for one in allowed_in(type(table).model_fields[field]) if isinstance(one, Numbers))
+    return next(kind for kind in allowed_in(type(table).model_fields[field]) if isinstance(kind, Numbers))
 
 
 def number_in(table: KeyTable, key: str, value: float | Quantity, base: Scene) -> tuple[float, str, str]:
@@ -365,12 +365,12 @@ def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> 
     if not scenes.base.drive.is_constant:
         raise SceneError(f"scene {scenes.base.name!r}: a branch of periodic orbits needs a constant drive.velocity")
     ranges = [_range(text, scenes, option) for option, text in texts.items()]
-    first = {one.name: one.written(one.first) for one in ranges if one.name in scenes.variables}
+    first = {over.name: over.written(over.first) for over in ranges if over.name in scenes.variables}
     checked = []
-    for one in ranges:
-        over = replace(one, scenes=replace(scenes, fixed={name: value for name, value in first.items() if name != one.name}))
-        over.scenes.require({one.name: one.written(one.first)})
-        key = _KEYS.get(one.name, "")
+    for given in ranges:
+        over = replace(given, scenes=replace(scenes, fixed={name: value for name, value in first.items() if name != given.name}))
+        over.scenes.require({given.name: given.written(given.first)})
+        key = _KEYS.get(given.name, "")
         for value in over.ends:
             if key and _has_key(over.base, key, over.name):  # so that an error names the key
                 slipwave.read(over.base, {key: value})
@@ -448,7 +448,7 @@ def _unit_of_machine(base: Scene, key: str) -> str:
     if base.units is None or kind is None or not kind.is_own or last not in face_sizes(1.0, 1.0):
         return ""
     field = kinds_of(path)[table["kind"]].model_fields.get(last)
-    allowed = next((one for one in allowed_in(field) if isinstance(one, Numbers)), None) if field else None
+    allowed = next((kind for kind in allowed_in(field) if isinstance(kind, Numbers)), None) if field else None
     return allowed.units[-1 if "area" in table else 0] if allowed and allowed.units else ""
 
 

@@ -45,12 +45,12 @@ def changes_since(before: Record, now: Record, since: str) -> Changes:
     pairs = [*_pairs(before.numbers, now.numbers), *(_pairs(_rows(before), _rows(now)) if before.verdicts else ())]
     every = []  # the baseline tells no verdicts
     for there, here in pairs:
-        one = here or there
-        if one and (here or one.study in whole):  # an entry can be gone only if its study is whole
-            name, kind = (one.name, "number") if isinstance(one, Number) else (one.claim, "verdict")
+        entry = here or there
+        if entry and (here or entry.study in whole):  # an entry can be gone only if its study is whole
+            name, kind = (entry.name, "number") if isinstance(entry, Number) else (entry.claim, "verdict")
             told = {"bar": 0.0, "why": ""} | _change(there, here)
-            told |= {"word": Word.NOT_COMPARABLE, "why": "another scene of the same name"} if one.study in other else {}
-            every.append(Change.model_validate({"id": one.id, "study": one.study, "name": name, "kind": kind} | told))
+            told |= {"word": Word.NOT_COMPARABLE, "why": "another scene of the same name"} if entry.study in other else {}
+            every.append(Change.model_validate({"id": entry.id, "study": entry.study, "name": name, "kind": kind} | told))
     listed = sorted((change for change in every if change.word is not Word.SAME), key=lambda change: -change.over)
     return Changes(since=since, counts=dict(Counter(change.word for change in every)), listed=tuple(listed))
 
@@ -61,7 +61,7 @@ def _rows(report: Record) -> list[Verdict]:
 
 def _pairs(before: Sequence[Entry], now: Sequence[Entry]) -> Iterator[tuple[Entry | None, Entry | None]]:
     """Entries of the same id, before and now."""
-    old, new = {one.id: one for one in before}, {one.id: one for one in now}
+    old, new = {entry.id: entry for entry in before}, {entry.id: entry for entry in now}
     return ((old.get(name), new.get(name)) for name in dict.fromkeys([*new, *old]))
 
 
@@ -71,7 +71,7 @@ def _change(before: Entry | None, now: Entry | None) -> dict[str, Any]:
         return _of_number(before, now)
     if isinstance(before, Verdict) and isinstance(now, Verdict):
         return _of_verdict(before, now)
-    old, new = (one.value if isinstance(one, Number) else one and one.outcome.value for one in (before, now))
+    old, new = (entry.value if isinstance(entry, Number) else entry and entry.outcome.value for entry in (before, now))
     return {"before": old, "now": new, "word": Word.NEW if now else Word.GONE}
 
 
@@ -110,9 +110,15 @@ def change_lines(changes: Changes) -> Iterator[str]:
     counts = ", ".join(f"{changes.counts[word]} {word}" for word in Word if word in changes.counts)
     yield f"Since {changes.since}: {counts or 'nothing to compare'}."
     rows = [
-        [bare(f"{one.study}: {one.name}"), one.word, _shown(one.before), _shown(one.now), f"{one.over:.2g}".replace("inf", "-")]
-        for one in changes.listed
-        if one.word is not Word.NOT_COMPARABLE
+        [
+            bare(f"{change.study}: {change.name}"),
+            change.word,
+            _shown(change.before),
+            _shown(change.now),
+            f"{change.over:.2g}".replace("inf", "-"),
+        ]
+        for change in changes.listed
+        if change.word is not Word.NOT_COMPARABLE
     ]
     if rows:
         yield from aligned(["number or claim", "is", "before", "now", "moved by bars"], rows)
@@ -125,10 +131,10 @@ def _shown(value: float | str | None) -> str:
 def as_report(now: Record) -> Record:
     """The baseline as a report to compare `now` with: numbers alone."""
     numbers = [
-        Number(**one, id=f"{study.name}.{name}", study=study.name, name=name)
+        Number(**stored, id=f"{study.name}.{name}", study=study.name, name=name)
         for study in now.studies
         if (path := FOLDER / f"{study.name}.json").exists()
-        for name, one in json.loads(path.read_text(encoding="utf-8")).items()
+        for name, stored in json.loads(path.read_text(encoding="utf-8")).items()
     ]
     return now.model_copy(update={"numbers": tuple(numbers), "verdicts": ()})
 

@@ -18,7 +18,7 @@ def orbit_traces(branch: Branch, name: str) -> Iterator[Trace]:
     looks = {"": model_look(branch.model, dashes="-", kind="smooth"), ", unstable": _UNSTABLE.but(color=color)}
     for words, look in looks.items():
         curves = [corners for stable, corners in parts(branch.corners) if stable != bool(words)]
-        points = (([one.value for one in corners], [getattr(one, name) for one in corners]) for corners in curves)
+        points = (([point.value for point in corners], [getattr(point, name) for point in corners]) for corners in curves)
         yield Trace(branch.model + words, *with_gaps(points), look)
 
 
@@ -26,7 +26,7 @@ def branch_traces(branch: Branch, name: str) -> Iterator[Trace]:
     """As `orbit_traces`, and the special points with their marks."""
     yield from orbit_traces(branch, name)
     marked = [("HB", branch.onset.parameter, branch.onset.period if name == "period" else 0.0)]
-    marked += [(one.kind, one.point.parameter, figures_of(one.point.closed)[name]) for one in branch.special]
+    marked += [(special.kind, special.point.parameter, figures_of(special.point.closed)[name]) for special in branch.special]
     for kind in dict.fromkeys(kind for kind, *_ in marked):
         x, y = zip(*(place for own, *place in marked if own == kind), strict=True)
         yield Trace(f"{NAMES[kind]}, {branch.model}", x, y, _mark(kind, style_of(branch.model).color))

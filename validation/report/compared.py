@@ -55,11 +55,13 @@ def compared_table(
     exact = regimes[EXACT_MODEL]
     rows = []
     for model, motions in regimes.items():
-        cells = tuple(_cell(one, None if model == EXACT_MODEL else other) for one, other in zip(motions, exact, strict=True))
+        cells = tuple(
+            _cell(regime, None if model == EXACT_MODEL else other) for regime, other in zip(motions, exact, strict=True)
+        )
         rows.append(ModelRow(model, cells, onsets.get(model), tuple(known.get(model) for known in costs.values()), "", ""))
     grouped = (
-        replace(one, group=one.group or ("torus, irregular" if regime.cycles else regime.words))
-        for one, regime in zip(columns, exact, strict=True)
+        replace(column, group=column.group or ("torus, irregular" if regime.cycles else regime.words))
+        for column, regime in zip(columns, exact, strict=True)
     )
     table = ModelTable(name, caption, parameter, QUANTITIES, tuple(grouped), tuple(costs), EXACT_MODEL, tuple(rows))
     advised = ((row, advice_on(row, table)) for row in table.rows)
@@ -84,7 +86,7 @@ def against(ours: Estimate, exact: Estimate | None) -> Compared:
 
 def onset(model: str, scene: Scene) -> Compared | None:
     """Onset of a model, log10 of its critical r, with the relative error of r itself; None if it has none."""
-    own, exact = (critical_r(one, scene) for one in (model, EXACT_MODEL))
+    own, exact = (critical_r(name, scene) for name in (model, EXACT_MODEL))
     return Compared(math.log10(own), None if model == EXACT_MODEL else own / exact - 1.0, _EXACTLY) if own > 0.0 else None
 
 
@@ -113,8 +115,8 @@ def advice_on(row: ModelRow, table: ModelTable, symbols: Sequence[str] = JUDGED)
         return "use", "exact"
     witness = _is_witness(row)
     known = [(column.over_onset, cell) for column, cell in decided(table, row)]
-    bad = [one for one in known if not is_good(one[1], _BY_CHANCE if witness else 2.0, symbols)]
-    first, fault = min(bad, key=lambda one: one[0], default=(math.inf, None))
+    bad = [pair for pair in known if not is_good(pair[1], _BY_CHANCE if witness else 2.0, symbols)]
+    first, fault = min(bad, key=lambda pair: pair[0], default=(math.inf, None))
     below = [over_onset for over_onset, _ in known if over_onset < first]
     if not below:
         return "avoid", _trouble(row, table, symbols)
@@ -126,7 +128,7 @@ def advice_on(row: ModelRow, table: ModelTable, symbols: Sequence[str] = JUDGED)
 def decided(table: ModelTable, row: ModelRow) -> list[tuple[ModelColumn, ModelCell]]:
     """The cells of a model in the columns where its regime and the reference's are known."""
     cells = zip(table.columns, table.row(table.reference).cells, row.cells, strict=True)
-    return [(one, cell) for one, exact, cell in cells if {exact.regime, cell.regime}.isdisjoint(UNKNOWN)]
+    return [(column, cell) for column, exact, cell in cells if {exact.regime, cell.regime}.isdisjoint(UNKNOWN)]
 
 
 def _is_witness(row: ModelRow) -> bool:

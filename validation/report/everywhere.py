@@ -20,13 +20,13 @@ def recorded_table(
 ) -> ModelTable:
     """The motions on record of every model in the scenes of the `columns`, against the exact ones; `costs` in the column
     titled `costed`. A model without a motion there counts as undecided."""
-    motions = {model: [on_record(model, one.settings) or Regime(UNDECIDED) for one in columns] for model in models}
+    motions = {model: [on_record(model, column.settings) or Regime(UNDECIDED) for column in columns] for model in models}
     return compared_table(name, "", "scene", columns, motions, {}, {costed: costs})
 
 
 def summary(model_table: ModelTable, where: str, remark: str = "") -> Table:
     """One row a model; the largest errors by the groups of the columns. `where` names the scenes, `remark` ends the caption."""
-    groups = list(dict.fromkeys(one.group for one in model_table.columns))
+    groups = list(dict.fromkeys(column.group for column in model_table.columns))
     rows = []
     for row in model_table.rows[1:]:
         cells = decided(model_table, row)
@@ -68,7 +68,7 @@ def repeated(title: str, again: Sequence[tuple[str, ModelColumn]], motion_at: Ca
     missed = []
     for model, column in again:
         known, now = on_record(model, column.settings), motion_at(model, column.settings, _SHORT)
-        if not (known and all(_same(known, now, one) for one in JUDGED)):
+        if not (known and all(_same(known, now, symbol) for symbol in JUDGED)):
             missed.append(f"`{model}`, {column.title}")
     remark = f"T and Δμ: orbits to {plain(ROUNDING)}, means within {ERRORS:g} standard errors"
     return every(title, SELF, len(again) - len(missed), len(again), "; not: ".join([remark, *missed]), "motions")
@@ -86,22 +86,22 @@ def motion_cells(motion: Regime, clock: float = 1.0) -> list[str | None]:
     return [motion.words, _with_bar(motion.figures.get("T"), clock), _with_bar(motion.figures.get("Δμ"))]
 
 
-def _with_bar(one: Estimate | None, scale: float = 1.0) -> str | None:
+def _with_bar(estimate: Estimate | None, scale: float = 1.0) -> str | None:
     """A figure times `scale`, with the digits that its error leaves, and with two standard errors if it is a mean."""
-    if one is None:
+    if estimate is None:
         return None
-    bar = 2.0 * one.error * scale
+    bar = 2.0 * estimate.error * scale
     digits = min(6, max(2, 1 - math.floor(math.log10(bar)))) if bar > 0.0 else 6
-    return f"{one.value * scale:.{digits}f}" + (f" ± {bar:.{digits}f}" if bar > 1e-6 else "")
+    return f"{estimate.value * scale:.{digits}f}" + (f" ± {bar:.{digits}f}" if bar > 1e-6 else "")
 
 
 def _largest(cells: Sequence[tuple[ModelColumn, ModelCell]], symbol: str, group: str) -> str | None:
     """The largest error of a quantity in a group, in per cent, with two standard errors if it is one of means."""
-    errors = [cell.figures[symbol] for one, cell in cells if one.group == group and symbol in cell.figures]
-    errors = [one for one in errors if one.error is not None]
+    errors = [cell.figures[symbol] for column, cell in cells if column.group == group and symbol in cell.figures]
+    errors = [figure for figure in errors if figure.error is not None]
     if not errors:
         return None
-    worst = max(errors, key=lambda one: one.size)
+    worst = max(errors, key=lambda figure: figure.size)
     bar = 200.0 * worst.standard_error
     return minus(f"{100.0 * (worst.error or 0.0):+.2g}") + (f" ± {bar:.1g}" if bar > 1e-4 else "")
 

@@ -24,7 +24,7 @@ def write_files(out: Path, report: Record, red: tuple[Word, ...], patch: str) ->
     from markupsafe import Markup
 
     texts = {table.csv: _text_of_rows(table.sheet) for table in report.tables}
-    for table, records in ((one.csv, [*one.table.records()]) for one in report.model_tables):
+    for table, records in ((stored.csv, [*stored.table.records()]) for stored in report.model_tables):
         texts[table] = _text_of_rows([*records[:1], *(record.values() for record in records)])
     environment = templates()
     environment.filters["legal"] = lambda words: Markup(escape(_CONTROL.sub("?", bare(words)), _ENTITIES))
@@ -53,9 +53,9 @@ def _cases(report: Record, study: StudyRecord, red: tuple[Word, ...]) -> Iterato
         yield "ends", "error", study.error, ""
     for row in (row for verdict in report.verdicts if verdict.study == study.name for row in verdict.rows):
         yield row.id.removeprefix(f"{study.name}."), "failure" * (row.outcome is Outcome.FAIL), row.line, row.outcome
-    changes = {one.id: one for one in report.changes.listed if one.study == study.name}
-    names = {one.id: one.name for one in report.numbers if one.study == study.name}
-    names |= {one.id: one.name for one in changes.values() if one.word is not Word.NEW}
+    changes = {change.id: change for change in report.changes.listed if change.study == study.name}
+    names = {number.id: number.name for number in report.numbers if number.study == study.name}
+    names |= {change.id: change.name for change in changes.values() if change.word is not Word.NEW}
     for place, name in names.items():
         change = changes.get(place)
         failed = change is not None and change.word in red

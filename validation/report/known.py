@@ -127,8 +127,9 @@ def range_of_r(grid: Sequence[float]) -> str:
 def order_of_periods(listed: Mapping[float, Mapping[str, Sequence[float]]], remark: str) -> Verdict:
     """Verdict on P7 at every r; by r and model, all its periods there."""
     held = sum(
-        max(one["kelvin-voigt"]) < min(one["delay"]) and max(one["delay"]) < min(*one["block8"], *one["block12"])
-        for one in listed.values()
+        max(periods["kelvin-voigt"]) < min(periods["delay"])
+        and max(periods["delay"]) < min(*periods["block8"], *periods["block12"])
+        for periods in listed.values()
     )
     title = f"P7 T_{{ODE}} < T_{{delay}} < T_{{block}} for {range_of_r([*listed])}"
     return every(title, PAPER, held, len(listed), remark, "r")

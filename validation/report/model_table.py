@@ -187,6 +187,6 @@ class ModelTable:
         """Cells of a row as they are shown, with their first column and the number of columns that they span: neighbours without
         numbers and of one regime, in one group, are one."""
         pairs = zip(self.columns, row.cells, strict=True)
-        for _, alike in groupby(pairs, lambda one: (one[0].group, one[1].regime, symbol in one[1].figures and one[0].title)):
+        for _, alike in groupby(pairs, lambda pair: (pair[0].group, pair[1].regime, symbol in pair[1].figures and pair[0].title)):
             (column, cell), *others = alike
             yield column, cell, 1 + len(others)

@@ -64,9 +64,9 @@ def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Ver
     has numbers."""
     known, missing = verdicts_of(studies), []
     for study in studies:
-        for one in study.result.omissions:
-            proofs = [verdict for verdict in known if one.claims and verdict.claim.startswith(one.claims)]
-            missing.append((study, one, proofs, not proofs and any(map(str.isdigit, one.what + one.why))))
+        for omission in study.result.omissions:
+            proofs = [verdict for verdict in known if omission.claims and verdict.claim.startswith(omission.claims)]
+            missing.append((study, omission, proofs, not proofs and any(map(str.isdigit, omission.what + omission.why))))
     return missing
 
 

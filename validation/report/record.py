@@ -211,13 +211,15 @@ def record_of(studies: Sequence[Stored], quick: bool, written: str) -> Record:
         numbers=tuple(number for _, result in done for number in result.numbers.values()),
         tables=tuple(table for _, result in done for table in result.tables),
         model_tables=tuple(
-            ModelTableRecord(id=f"models.{one.name}", study=name, table=one, csv=f"data/{name}/models-{one.name}.csv")
+            ModelTableRecord(
+                id=f"models.{model_table.name}", study=name, table=model_table, csv=f"data/{name}/models-{model_table.name}.csv"
+            )
             for name, result in done
-            for one in result.model_tables
+            for model_table in result.model_tables
         ),
         figures=tuple(picture for study in studies for picture in study.figures),
         changes=Changes(since="", counts={}, listed=()),
-        times=Times(written=written, seconds={one.name: one.wall_seconds for one in studies}, before={}, machine=machine),
+        times=Times(written=written, seconds={study.name: study.wall_seconds for study in studies}, before={}, machine=machine),
     )
 
 

@@ -112,10 +112,10 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
         figures=(),
         verdicts=by_claim(study.NAME, result.verdicts),
         tables=tuple(
-            replace(one, id=f"{study.NAME}.{one.name}", csv=f"data/{study.NAME}/table-{one.name}.csv", **own)
-            for one in result.tables
+            replace(table, id=f"{study.NAME}.{table.name}", csv=f"data/{study.NAME}/table-{table.name}.csv", **own)
+            for table in result.tables
         ),  # a figure of the same name has its data in the same folder
-        numbers={name: replace(one, id=f"{study.NAME}.{name}", name=name, **own) for name, one in result.numbers.items()},
+        numbers={name: replace(number, id=f"{study.NAME}.{name}", name=name, **own) for name, number in result.numbers.items()},
     )
     try:
         pictures = []
@@ -123,7 +123,7 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
             told = vars(figure) | own | render(figure.draw(), part / figure.name, f"{study.NAME}-{figure.name}")
             told |= {"id": f"{study.NAME}.{figure.name}"}
             files = tuple(f"data/{study.NAME}/{figure.name}{suffix}" for suffix in SUFFIXES)
-            pictures.append(Picture(files=files, **{name: one for name, one in told.items() if name != "draw"}))
+            pictures.append(Picture(files=files, **{name: fact for name, fact in told.items() if name != "draw"}))
         stored = Stored(study.NAME, study.QUESTION, wall_seconds, False, whole, tuple(pictures), key=key)
         record = json.loads(json.dumps(asdict(stored), default=lambda value: value.item()))  # numbers of numpy as Python's
         digested = {"digest": _digest(record, part)} | record

@@ -153,9 +153,9 @@ def in_range(
     """PASS if all of `ours` lie between the `ends`; shown are the ends, the least and the largest in this `form`. A claim of the
     paper's that does not hold is a finding."""
     extremes, (middle, half) = (min(ours), max(ours)), (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]))
-    words = (" to ".join(dict.fromkeys(format(one, form) for one in pair)) for pair in (ends, extremes))
-    expected, shown = (minus(one).replace("%", " %") for one in words)
-    off = max((abs(one - middle) for one in ours), key=lambda one: (math.isnan(one), one))
+    words = (" to ".join(dict.fromkeys(format(number, form) for number in pair)) for pair in (ends, extremes))
+    expected, shown = (minus(text).replace("%", " %") for text in words)
+    off = max((abs(number - middle) for number in ours), key=lambda number: (math.isnan(number), number))
     return holding(title, evidence, expected, shown, off < half, remark).with_margin(off, half)
 
 

@@ -137,7 +137,7 @@ def run(budget: Budget) -> StudyResult:
     exact = {pair: on_record(EXACT_MODEL, pair.settings) or Regime(UNDECIDED) for pair in PAIRS}
     ends = {pair: _end_of(pair) for pair in FOLLOWED}
     budget.report(0.6)
-    timed = [one for one in MODELS if one != "quasidynamic"]
+    timed = [model for model in MODELS if model != "quasidynamic"]
     costs = relative_costs(timed, {}, scene_of(_COSTED.settings), budget.plan(quick=3, full=5))
     compared = recorded_table(NAME, [_column(pair) for pair in PAIRS], MODELS, _COSTED.title, costs)
     again = [(model, _column(pair)) for model, pair in budget.plan(_AGAIN, _AGAIN + _MORE)]
@@ -298,8 +298,8 @@ def _periods(exact: _Motions) -> Chart:
         traces = []
         for q, color, marker in zip(IMPEDANCES, _COLORS, "os^", strict=True):
             known = [(pair.clock, exact[pair].figures.get("T")) for pair in _of(q, log10_r)]
-            values = [clock * one.value if one else math.nan for clock, one in known]
-            bars = [2.0 * clock * one.error if one else 0.0 for clock, one in known]
+            values = [clock * period.value if period else math.nan for clock, period in known]
+            bars = [2.0 * clock * period.error if period else 0.0 for clock, period in known]
             traces.append(Trace(f"$q = {q:g}$", ROUND_TRIPS, values, Look(color, DOTTED, marker=marker), y_error=bars))
         title = rf"$\log_{{10}} r = {minus(f'{log10_r:g}')}$"
         panels.append(Panel(title, _RATIO, Scale("$T$ (transits of alike slabs)"), traces, grid=True))

@@ -92,16 +92,16 @@ def _caught(faults: list[dict[str, Any]]) -> Verdicts:
 def _stated_errors(kinds: dict[str, dict[str, Any]]) -> tuple[dict[str, float], Table, list[Verdict]]:
     """Of each kind of stated error the figure whose errors hold the truth least often: their share, and whether it suffices."""
     shares, rows, verdicts = dict[str, float](), [], []
-    for kind, one in kinds.items():
-        figure, counts = min(one["figures"].items(), key=lambda pair: pair[1]["held"] / pair[1]["number"])
+    for kind, row in kinds.items():
+        figure, counts = min(row["figures"].items(), key=lambda pair: pair[1]["held"] / pair[1]["number"])
         held, many = counts["held"], counts["number"]
         span = binomtest(held, many).proportion_ci(method="wilson")
         shares[kind] = share = held / many
         percent = [100.0 * share, 100.0 * span.low, 100.0 * span.high]
-        rows.append((kind, one["bar"], one["truth"], figure, many, *percent, counts["width"]))
+        rows.append((kind, row["bar"], row["truth"], figure, many, *percent, counts["width"]))
         verdict = holding(
             "Stated errors hold the truth in at least 95 of 100 computations",
-            Evidence(one["evidence"]),
+            Evidence(row["evidence"]),
             "95.0 of 100 or more",
             f"{100.0 * share:.1f} of 100",
             share >= ENOUGH,

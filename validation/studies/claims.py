@@ -148,9 +148,9 @@ _GROUPS = (
 def _groups(scenes: list[sw.Scene]) -> Table:
     columns = []
     for s in scenes:
-        one = onset_of(s.law, s.upper.epsilon, s.velocity)
-        onsets = [one[name] for name in ("quasistatic", "delay", "kelvin-voigt", "omega_c")]
-        columns.append([s.law.a, s.law.b, s.velocity, s.upper.epsilon, s.transit, *onsets, s.transit / one["delay"]])
+        onset = onset_of(s.law, s.upper.epsilon, s.velocity)
+        onsets = [onset[name] for name in ("quasistatic", "delay", "kelvin-voigt", "omega_c")]
+        columns.append([s.law.a, s.law.b, s.velocity, s.upper.epsilon, s.transit, *onsets, s.transit / onset["delay"]])
     rows = zip(_GROUPS, *columns, strict=True)
     caption = (
         "The scenes in dimensionless groups. L: slip over which friction’s state renews itself; V*: reference rate; σ: normal "
@@ -213,7 +213,9 @@ def _scene_claims(paper: sw.Scene, same: sw.Scene) -> Verdicts:
 def _settled_at(log10_r: float) -> dict[str, Orbit]:
     """Every model's orbit from the scene's own nudge; empty if one of them does not settle."""
     settled = {model: memo.settled(model, sw.read("paper", {"slab.log10_r": log10_r})) for model in MODELS}
-    return {} if any(one.unrest > RESTLESS for one in settled.values()) else {model: one.orbit for model, one in settled.items()}
+    if any(motion.unrest > RESTLESS for motion in settled.values()):
+        return {}
+    return {model: motion.orbit for model, motion in settled.items()}
 
 
 def _run_deep(model: str, until: float) -> tuple[Events, History]:
@@ -267,7 +269,7 @@ def _onset_claims() -> Verdicts:
     away, digit = max(abs(value - paper) for value in onsets), 2.0 * half_digit(paper)
     yield holding(title, PAPER, minus(f"{paper} ± {digit:.4f}"), both, away < digit, "log_{10} r_{c}").with_margin(away, digit)
     # P2, which the paper's Fig 2 shows: the largest error up to V = 10^3, and that at V = 10^4
-    slow, fast = (abs(one["kelvin-voigt"] / one["delay"] - 1.0) for one in map(_onset_at, (1e3, 1e4)))
+    slow, fast = (abs(onset["kelvin-voigt"] / onset["delay"] - 1.0) for onset in map(_onset_at, (1e3, 1e4)))
     small = "read as: below a tenth of the error that is claimed for V = 10^{4}"
     yield claim("P2 the error of (27) is very small for V < 10^{3}", PAPER, slow, _VERY_SMALL, small)
     large = "read as: nearer to 10 % than to 1 % or 100 %, on a logarithmic scale"
@@ -307,7 +309,7 @@ def _stable_branch_claims(orbits: Orbits) -> Verdicts:
     """P6, P7 and P11 on orbits on which runs settle."""
     figures = {r: {model: orbit.values() for model, orbit in by_model.items()} for r, by_model in orbits.items()}
     where, here = range_of_r(list(orbits)), figures[-2.68]
-    off = {model: {name: abs(one[name] / here["delay"][name] - 1.0) for name in one} for model, one in here.items()}
+    off = {model: {name: abs(figures[name] / here["delay"][name] - 1.0) for name in figures} for model, figures in here.items()}
     symbols = {"period": "T", "elastic_stress_drop": "Δy", "stress_drop": "Δμ"}
     closer = {symbol: off["block8"][name] < off["block12"][name] for name, symbol in symbols.items()}
     text = ", ".join(f"{symbol} {'yes' if yes else 'no'}" for symbol, yes in closer.items())
@@ -320,7 +322,7 @@ def _stable_branch_claims(orbits: Orbits) -> Verdicts:
         "at r = 10^{-2.68}",
     )
     yield order_of_periods(
-        {r: {model: [one["period"]] for model, one in by_model.items()} for r, by_model in figures.items()},
+        {r: {model: [own["period"]] for model, own in by_model.items()} for r, by_model in figures.items()},
         "where runs of all four models settle: from just beyond the onset to where the exact orbit loses stability. The paper "
         "claims it for the whole primary branch",
     )
@@ -351,7 +353,7 @@ def _load_claims(orbits: Orbits, events: Events, ripples: dict[str, dict[str, fl
     title = "P12 The period is Δy/(εV) + (time in which y falls) + (slip while y rises)/V"
     yield claim(title, EXACT, off, _CLOSES, text.format(**ripples["delay"]))
     exact = [by_model["delay"] for by_model in orbits.values()]
-    periods, drops = (np.array([getattr(one, name).value for one in exact]) for name in ("period", "elastic_stress_drop"))
+    periods, drops = (np.array([getattr(orbit, name).value for orbit in exact]) for name in ("period", "elastic_stress_drop"))
     power, shares = np.polyfit(np.log(drops), np.log(periods), 1)[0], drops / _load_rate() / periods
     yield claim(
         "P12 The period is proportional to the elastic drop: T ~ Δy/((ε/r) V) along the branch",

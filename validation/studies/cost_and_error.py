@@ -120,7 +120,7 @@ def _answer(points: Sequence[_SettingRun]) -> str:
         """Text of the two points."""
         chosen = [p for p in points if p.model == model and p.march[1] != "explicit"]
         both = min(chosen, key=lambda p: p.times[1]), min(chosen, key=lambda p: abs(p.error))
-        return " to ".join(f"~{{{one.times[1]:.0f} ms ({plain(abs(one.error), '.0e')})}}" for one in both)
+        return " to ".join(f"~{{{setting.times[1]:.0f} ms ({plain(abs(setting.error), '.0e')})}}" for setting in both)
 
     return (
         f"For {TRANSITS:.0f} transits (error of the period in brackets) the exact delay system takes {words('delay')}, the full "
@@ -186,6 +186,6 @@ def _work_precision(points: Sequence[_SettingRun]) -> Chart:
         half = (cfl is not None and cfl < 1.0) or time == "explicit"
         look = model_look(model, dashes=dashes, marker=style_of(model).marker, width=1.0, hollow=half)
         name = model + (f", CFL {cfl:g}" if cfl else "") + (f", {time} in time" if time else "")
-        traces.append(Trace(name, [one.times[1] for one in chosen], [abs(one.error) for one in chosen], look))
+        traces.append(Trace(name, [setting.times[1] for setting in chosen], [abs(setting.error) for setting in chosen], look))
     axes = Scale("run time (ms)", "log"), Scale("relative error of the period", "log", floor=_EXACT)
     return Chart([Panel("", *axes, traces, grid=True)], 4.6, legend="outside right center")

@@ -39,7 +39,7 @@ SECONDS = (10.0, 28.0)
 
 _LEEMAN_2016 = laboratory()["leeman-2016"]
 _RUNS: list[Mapping[str, Any]] = _LEEMAN_2016["rows"]
-_FITS = [np.transpose([one[key] for key in ("a", "b", "Dc_um")]) for one in _LEEMAN_2016["rate_and_state"]["fits"]]
+_FITS = [np.transpose([fit[key] for key in ("a", "b", "Dc_um")]) for fit in _LEEMAN_2016["rate_and_state"]["fits"]]
 """The seven runs of Leeman et al. (2016); the printed fits: a, b and L (um), and their standard deviations."""
 
 LAWS = ("ageing", "slip")
@@ -84,7 +84,7 @@ def run(budget: Budget) -> StudyResult:
     cases = [_case(row, law, drawn) for row, law in budget.each(pairs, 0.6)]
     untuned = {(row["sigma_MPa"], k): _cycle_without_tuning(row, _FITS[k][0]) for row in _RUNS for k in (1, 2)}
     budget.report(0.7)
-    rises = [_rise_of(*one) for one in _RISES[:events]]
+    rises = [_rise_of(*rise) for rise in _RISES[:events]]
     programs = [(row, *_fitted_to(row)) for row in laboratory()["programs"]["rows"]]
     return StudyResult(
         answers=_answers(cases),
@@ -97,7 +97,7 @@ def run(budget: Budget) -> StudyResult:
             *_against_measured(cases),
             *_on_waves(_waves_in_blocks(with_keeping)),
             _on_rises(rises),
-            *(verdict for one in programs for verdict in _program_verdicts(*one)),
+            *(verdict for program in programs for verdict in _program_verdicts(*program)),
         ),
         notes=(_NOTE,),
         numbers=_numbers(cases, rises, len(drawn)),
@@ -125,13 +125,13 @@ def _answers(cases: Sequence[_Case]) -> Answers:
 
 
 def _case(row: Mapping[str, Any], law: str, drawn: Sequence[tuple[np.ndarray, float]]) -> _Case:
-    cycles = [one for one in _cycles_of_samples(row, law, drawn) if one is not None]
-    figures = {name: [one[name] for one in cycles] for name in NAMES}
+    cycles = [cycle for cycle in _cycles_of_samples(row, law, drawn) if cycle is not None]
+    figures = {name: [cycle[name] for cycle in cycles] for name in NAMES}
     bands = {
         name: np.quantile(values if len(cycles) > 2 else [math.nan], (0.025, 0.5, 0.975)) for name, values in figures.items()
     }
-    off = [{name: abs(one[name] / _measured_figure(row, name) - 1.0) for name in NAMES} for one in cycles]
-    meets = sum(all(one[name] <= 2.0 * _SCATTER[name] for name in NAMES) for one in off)
+    off = [{name: abs(cycle[name] / _measured_figure(row, name) - 1.0) for name in NAMES} for cycle in cycles]
+    meets = sum(all(errors[name] <= 2.0 * _SCATTER[name] for name in NAMES) for errors in off)
     return _Case(row, law, len(cycles) / len(drawn), bands, meets)
 
 
@@ -153,7 +153,7 @@ def _waves_in_blocks(with_keeping: bool) -> dict[str, MeasuredCycle]:
     block, absorbed = (_cycle_in_run(absorbing, model, seconds, 0.0) for model in ("quasidynamic", "delay"))
     keeping = _steel_blocks(row, fit, dashpot=0.0, mass=400.0)
     kept = _cycle_in_run(keeping, "delay", seconds, 0.0, 1e-5) if with_keeping else None
-    return {name: one for name, one in (("block", block), ("absorb", absorbed), ("keep", kept)) if one}
+    return {name: cycle for name, cycle in (("block", block), ("absorb", absorbed), ("keep", kept)) if cycle}
 
 
 def _reproduced(untuned: Mapping[tuple[float, int], MeasuredCycle | None]) -> Verdicts:
@@ -195,7 +195,7 @@ def _against_measured(cases: Sequence[_Case]) -> Verdicts:
     ).with_margin(0.5 / max(onset.values()) if any(onset.values()) else math.inf, 1.0)
     for name, words in zip(NAMES, ("period", "drop of friction", "peak slip rate"), strict=True):
         inside = {law: sum(case.holds(name) for case in own) for law, own in of_law.items()}
-        ratio = {law: np.median([one.bands[name][1] / _measured_figure(one.row, name) for one in of_law[law]]) for law in LAWS}
+        ratio = {law: np.median([case.bands[name][1] / _measured_figure(case.row, name) for case in of_law[law]]) for law in LAWS}
         yield _of_others(
             "Leeman et al. 2016: what was measured lies within the uncertainty of a, b, L and k'",
             "7 of 7 runs by one of the laws",
@@ -424,7 +424,7 @@ def _fitted_to(row: Mapping[str, Any]) -> tuple[float, np.ndarray]:
         file.write_text("time [s],friction\n" + "".join(f"{time!r},{friction!r}\n" for time, friction in samples))
         scene, free = sw.read(block, {"drive.velocity": steps, "start.size": 0.0}), ["a", "b", "memory_length"]
         summary = sw.fit(scene, data=[str(file)], free=free, model="quasistatic", tol=_OF_FIT).summary
-    a, b, length = (one["value"] for one in summary["parameters"].values())
+    a, b, length = (parameter["value"] for parameter in summary["parameters"].values())
     return summary["residual"]["largest"], np.array([a, b, 1e6 * length]) / true
 
 

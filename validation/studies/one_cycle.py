@@ -114,7 +114,7 @@ def _table(orbits: Mapping[str, Orbit]) -> Table:
     rows = []
     for model, own in orbits.items():
         pairs = [(value, None if model == "delay" else _off(orbits, model, name)) for name, value in own.values().items()]
-        own_error = max(float(one.error / abs(one.value)) for one in vars(own).values())
+        own_error = max(float(estimate.error / abs(estimate.value)) for estimate in vars(own).values())
         rows.append((model, *(cell for pair in pairs for cell in pair), own_error))
     heading = " | ".join(["model", *(f"{column} | error [relative] .1e" for column in columns), "own error [relative] .0e"])
     caption = (

@@ -165,7 +165,7 @@ def _closed_form_verdicts(paper: slipwave.Scene, velocity: np.ndarray, critical:
     epsilon = paper.upper.epsilon
     known = [[closed(friction_slopes(paper.law, v), epsilon) for v in velocity.tolist()] for closed, _ in FORMS.values()]
     gaps = [_gaps_at(paper, v) for v in _SPEEDS]
-    worst = {name: max(one[name] for one in gaps) for name in gaps[0]}
+    worst = {name: max(gap[name] for gap in gaps) for name in gaps[0]}
     worst["r_{c} equals (39) and (27)"] = np.abs(np.array([*critical.values()]) / known - 1.0).max()
     for name, gap in worst.items():
         yield claim(CLOSED, EXACT, gap, _ROUNDING, f"{name}; relative, V = 1 to 10^{{4}}")
@@ -179,7 +179,10 @@ def _gaps_at(paper: slipwave.Scene, velocity: float) -> dict[str, float]:
     quartic, s = closed_forms.kelvin_voigt_quartic(slopes, epsilon, r), 1j * slopes.omega_c
     at_39 = replace(paper.upper, round_trip=closed_forms.delay_r(slopes, epsilon))
     driven = replace(scaled(paper, velocity=velocity), upper=at_39, lower=at_39)
-    off = [float(abs(np.polyval(one, at) / (np.polyval(np.polyder(one), at) * at))) for one, at in ((cubic, x), (quartic, s))]
+    off = [
+        float(abs(np.polyval(polynomial, at) / (np.polyval(np.polyder(polynomial), at) * at)))
+        for polynomial, at in ((cubic, x), (quartic, s))
+    ]
     return {
         "(27) is the middle root of the cubic (21)": off[0],
         "(27) makes the quartic (18) vanish at i ω_{c}": off[1],
@@ -221,7 +224,7 @@ def _fig_3(traced: Mapping[str, Sequence[Boundary]], slopes: FrictionSlopes, pap
 def _around(scene: slipwave.Scene, model: str, name: str, value: float, step: float) -> list[int]:
     """The certified counts of growing roots a step below and above a value of a parameter."""
     scenes = (with_parameter(scene, name, value + shift) for shift in (-step, step))
-    return [unstable_count(characteristic(one, model)) for one in scenes]
+    return [unstable_count(characteristic(scene, model)) for scene in scenes]
 
 
 def _counts_across(paper: slipwave.Scene, model: str, curve: Boundary) -> list[int]:

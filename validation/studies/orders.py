@@ -97,7 +97,7 @@ def run(budget: Budget) -> StudyResult:
             ),
             _independence(),
             *(_approach_verdict(model, ladder) for model, _, ladder in orbits),
-            *(verdict for one in (*orbits, *others) for verdict in _agreement_verdicts(*one)),
+            *(verdict for orbit in (*orbits, *others) for verdict in _agreement_verdicts(*orbit)),
             *means,
             *(verdict for model, times in marches.items() for verdict in _time_verdicts(model, *times)),
             *(_motion_verdict(*pair, sizes) for pair, sizes in motions.items()),
@@ -110,9 +110,9 @@ def run(budget: Budget) -> StudyResult:
 
 def _numbers(climbs: Iterable[Climb], motions: Mapping[tuple[str, str], np.ndarray]) -> dict[str, Number]:
     together = {climbed.ladder.model: climbed.fits["together"] for climbed in climbs if not climbed.lost}
-    numbers = {f"{model} order": stated(one.order, one.half_width) for model, one in together.items()}
-    alike = {model: one for (model, pair), one in motions.items() if pair == "alike"}
-    return numbers | {f"error, {model}, alike": Number(one[1], 0.02) for model, one in alike.items()}
+    numbers = {f"{model} order": stated(fit.order, fit.half_width) for model, fit in together.items()}
+    alike = {model: sizes for (model, pair), sizes in motions.items() if pair == "alike"}
+    return numbers | {f"error, {model}, alike": Number(sizes[1], 0.02) for model, sizes in alike.items()}
 
 
 def _errors_chart(curves: Iterable[tuple[str, str, np.ndarray, np.ndarray]]) -> Chart:
@@ -200,9 +200,9 @@ def _modules_of(family: str) -> frozenset[str]:
     return frozenset(".".join(path.parts).removesuffix(".__init__") for path in files)
 
 
-def _shared(one: str, other: str) -> tuple[str, ...]:
+def _shared(model: str, other: str) -> tuple[str, ...]:
     """Modules outside `slipwave` that two families share, without the tables of facts, which compute nothing."""
-    common = _modules_of(one) & _modules_of(other)
+    common = _modules_of(model) & _modules_of(other)
     return tuple(sorted(name for name in common if not name.startswith("slipwave") and not name.endswith(".families")))
 
 
@@ -210,7 +210,7 @@ def _independence() -> Verdict:
     """What the imports say."""
     waves = [family.name for family in GRIDS]
     apart = sum(not _shared("delay", name) for name in waves)
-    among = ", ".join(f"`{one}` and `{other}` {len(_shared(one, other))}" for one, other in combinations(waves, 2))
+    among = ", ".join(f"`{model}` and `{other}` {len(_shared(model, other))}" for model, other in combinations(waves, 2))
     return every(_INDEPENDENT, EXACT, apart, len(waves), f"by their imports; all share `slipwave`; modules in common: {among}")
 
 
@@ -233,7 +233,7 @@ _NEAR_ONSET = {"start.size": 2.0}  # a small nudge grows for thousands of transi
 def _orbit_errors(model: str, log10_r: float, cells: Iterable[int]) -> dict[int, dict[str, float]]:
     """Relative errors of the figures of a grid's own orbit, stable or not, against the delay system's, by cells."""
     exact, own = _figures("delay", log10_r, None), {n: _figures(model, log10_r, n) for n in cells}
-    return {n: {name: abs(one[name] / exact[name] - 1.0) for name in _QUANTITIES} for n, one in own.items()}
+    return {n: {name: abs(figures[name] / exact[name] - 1.0) for name in _QUANTITIES} for n, figures in own.items()}
 
 
 def _figures(model: str, log10_r: float, cells: int | None) -> dict[str, Any]:
@@ -243,8 +243,8 @@ def _figures(model: str, log10_r: float, cells: int | None) -> dict[str, Any]:
 
 def _orbit_order(ladder: Mapping[int, Mapping[str, float]], quantity: str) -> float:
     """Mean order from the coarsest grid to the finest one whose error is above the floor, the second one in any case."""
-    (coarse, first), *finer = ((cells, one[quantity]) for cells, one in ladder.items())
-    fine, last = next((one for one in reversed(finer) if one[1] > _QUANTITIES[quantity][1]), finer[0])
+    (coarse, first), *finer = ((cells, figures[quantity]) for cells, figures in ladder.items())
+    fine, last = next((level for level in reversed(finer) if level[1] > _QUANTITIES[quantity][1]), finer[0])
     return math.log(first / last) / math.log(fine / coarse)
 
 

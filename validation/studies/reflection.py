@@ -168,19 +168,19 @@ def _torus_end(kind: str) -> TorusEnd:
     setting = {"slab.face.coefficient": "1 - leak"} if kind == "bare" else {"slab.face.impedance": "2/leak - 1"}
     scene, along = scene_of(_LeakyFace(kind, True, 0.99).settings()), {"leak": (_BEGIN[kind], 0.01)}
     curve = sw.curve(scene, "NS", _FIRST_TORUS, along, set=setting, model=EXACT_MODEL, most_points=_ALONG)
-    points = sorted(curve.summary["points"], key=lambda one: one["log10_r"])
-    best, second = sorted(points, key=lambda one: one["leak"], reverse=True)[:2]
+    points = sorted(curve.summary["points"], key=lambda point: point["log10_r"])
+    best, second = sorted(points, key=lambda point: point["leak"], reverse=True)[:2]
     return best["log10_r"], best["leak"], best["leak"] - second["leak"], best not in (points[0], points[-1])
 
 
 def run(budget: Budget) -> StudyResult:
     """Onsets of all faces; full waves; a few motions and a branch on record again."""
     shown = columns()
-    exact = {key: on_record(EXACT_MODEL, one.settings) or Regime(UNDECIDED) for key, one in shown.items()}
+    exact = {key: on_record(EXACT_MODEL, column.settings) or Regime(UNDECIDED) for key, column in shown.items()}
     budget.report(0.2)
     words = {face: face.settings(-2.6) for face in budget.plan(_WITNESSED[::2], _WITNESSED)}
-    delay = {face: state_at(one, UNTIL, tol=1e-11) for face, one in words.items()}
-    waves = {face: state_at(one, UNTIL, "dg:7", cells=_CELLS, time="explicit") for face, one in words.items()}
+    delay = {face: state_at(scene, UNTIL, tol=1e-11) for face, scene in words.items()}
+    waves = {face: state_at(scene, UNTIL, "dg:7", cells=_CELLS, time="explicit") for face, scene in words.items()}
     budget.report(0.5)
     costs = relative_costs(MODELS[:-1], {}, scene_of(shown[_COSTED].settings), budget.plan(quick=3, full=5))
     compared = recorded_table(NAME, [*shown.values()], MODELS, shown[_COSTED].title, costs)
@@ -222,7 +222,7 @@ def _answers(
     torus: Mapping[str, TorusEnd],
     of_models: str,
 ) -> Answers:
-    bare, one = map(_edge, _BOTH)
+    bare, single = map(_edge, _BOTH)
     ends = [f"R = {1.0 - leak:.6f} ± {plain(error, '.0e')} behind {_KINDS[kind]}" for kind, (_, leak, error, _) in torus.items()]
     wild = [(face.kind, face.reflection) for (face, _), motion in regimes.items() if motion.words == "irregular"]
     seen = [
@@ -242,7 +242,7 @@ def _answers(
         ),
         (
             "Grips, which keep the load, keep stick-slip at every R tried; bare faces, which leak it, move its onset to larger r "
-            f"and end it at R = {bare:.3f} (on one slab {one:.3f}), where steady sliding is unstable at every r and the "
+            f"and end it at R = {bare:.3f} (on one slab {single:.3f}), where steady sliding is unstable at every r and the "
             "interface locks."
         ): ("Stick-slip behind bare faces",),
         of_models: (_FIRST, "Motions behind faces"),
@@ -252,7 +252,7 @@ def _answers(
 
 def _last(known: _Points, kind: str, point: str) -> str:
     """The least R of the branches that has special points of one kind, and the next one without."""
-    own = [face for face, points in known.items() if face.kind == kind and any(one.kind == point for one in points)]
+    own = [face for face, points in known.items() if face.kind == kind and any(special.kind == point for special in points)]
     return _down_to([face.reflection for face in own], _FOLLOWED)
 
 
@@ -276,7 +276,7 @@ def _of_faces(delay: Mapping[_LeakyFace, float], waves: Mapping[_LeakyFace, floa
     title = f"Another program, {others.SEM2DPACK}, has the exact solution’s ψ behind bare faces"
     words = {f"reflection-{R:g}": command_words("reflection", {"slab.face.coefficient": R}) for R in (0.5, 0.9)}
     if others.FILES:
-        yield as_foreign(title, {name: {t: state_at(one, t, tol=1e-12) for t in OTHERS_AT} for name, one in words.items()})
+        yield as_foreign(title, {name: {t: state_at(scene, t, tol=1e-12) for t in OTHERS_AT} for name, scene in words.items()})
     title, edges = (
         "Stick-slip behind bare faces ends where their dashpot is as strong as friction’s weakening",
         [*map(_edge, _BOTH)],
@@ -306,7 +306,7 @@ def _of_points(known: _Points, torus: Mapping[str, TorusEnd]) -> Verdicts:
     for kind, (_, leak, *_) in torus.items():
         scene = scene_of(_LeakyFace(kind, True, 1.0 - leak * (1.0 + _BESIDE)).settings())
         beyond = sw.branch(scene, _FIRST_TORUS, model=EXACT_MODEL, longest_period=_PERIOD).summary["special"]
-        held.append(all(one["type"] != "NS" for one in beyond))
+        held.append(all(point["type"] != "NS" for point in beyond))
     remark = f"{', '.join(_KINDS[kind] for kind in torus)}: the curve turns; torus points at 1 − R {100 * _BESIDE:g} % above"
     yield every(title, WITNESS, sum(held), len(held), remark, "sides")
 
@@ -352,15 +352,20 @@ def _plane(
     for kind, title in _KINDS.items():
         faces = [_LeakyFace(kind, True, R) for R in _ROWS]
         rows = [[_word(regimes.get((face, x))) for x in _COLUMNS] for face in faces]
-        traces = [Trace("regime", _COLUMNS, leaks, _CELL, value=[[words.index(one) for one in row] for row in rows])]
+        traces = [Trace("regime", _COLUMNS, leaks, _CELL, value=[[words.index(word) for word in row] for row in rows])]
         onset = [math.log10(_face_onset(face)) for face in faces]
         traces += [
             Trace("", onset, leaks, Look(PAPER, width=3.6)),
             Trace("onset (Hopf point)", onset, leaks, Look(INK, width=1.8)),
         ]
         for point, (marker, color, size) in _MARKS.items():
-            own = [(face, one) for face, points in known.items() for one in points if (face.kind, one.kind) == (kind, point)]
-            places_of = [one.log10_r for _, one in own], [1.0 - face.reflection for face, _ in own]
+            own = [
+                (face, special)
+                for face, points in known.items()
+                for special in points
+                if (face.kind, special.kind) == (kind, point)
+            ]
+            places_of = [special.log10_r for _, special in own], [1.0 - face.reflection for face, _ in own]
             first = _first_beyond(own)
             traces += [Trace("", *first, Look(PAPER, width=3.0)), Trace("", *first, Look(color, DASHED))]
             traces.append(Trace(NAMES[point], *places_of, Look(color, "", marker, size=size, hollow=True)))
@@ -376,7 +381,7 @@ def _plane(
 
 def _first_beyond(own: Sequence[tuple[_LeakyFace, KnownPoint]]) -> tuple[list[float], list[float]]:
     """log10 r of the first of special points of one kind that lies beyond the neighbourhood of the onset, and 1 - R, by faces."""
-    beyond = [(face, one.log10_r) for face, one in own if one.log10_r > math.log10(_face_onset(face)) + _NEAR_ONSET]
+    beyond = [(face, special.log10_r) for face, special in own if special.log10_r > math.log10(_face_onset(face)) + _NEAR_ONSET]
     faces = list(dict.fromkeys(face for face, _ in beyond))
     return [min(x for other, x in beyond if other == face) for face in faces], [1.0 - face.reflection for face in faces]
 

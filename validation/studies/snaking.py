@@ -170,11 +170,11 @@ def _orbits_along(branch: Branch) -> Chart:
 def _snake(branch: Branch, runs: Iterable[_DirectRun]) -> Chart:
     """T over log10 r, with the periods of direct runs, and the number of unstable multipliers."""
     corners = [corner for corner in branch.corners if corner.period > _LEAST]
-    periods, r = [one.period for one in corners], [one.value for one in corners]
+    periods, r = [corner.period for corner in corners], [corner.value for corner in corners]
     ends = np.array([(run.log10_r, run.last.min(), run.last.max()) for run in runs]).T
     middle, half = 0.5 * (ends[1] + ends[2]), 0.5 * (ends[2] - ends[1])
     seen = Trace("direct run, all its periods", ends[0], middle, Look(ORANGE, "", "o", hollow=True), y_error=half)
-    outside = Trace("", [one.unstable or 0 for one in corners], periods, Look(kind="steps-pre", width=1.0))
+    outside = Trace("", [corner.unstable or 0 for corner in corners], periods, Look(kind="steps-pre", width=1.0))
     up = Scale("$T$ (transits)", limits=(_LEAST, max(periods)))
     across = Scale(r"$\log_{10} r$", limits=(min(r) - 0.002, max(r) + 0.002))
     panels = (
@@ -205,7 +205,7 @@ def _run_at(log10_r: float, size: float, orbits: Sequence[Closed]) -> _DirectRun
     scene = scene_at(log10_r)
     settled = memo.settled("delay", replace(scene, start=replace(scene.start, size=size)), 1e-10, 1e-8, _MOST)
     last = settled.observer.events(_LAST * settled.transits).period
-    known = [one.cycle.period for one in orbits if count_unstable(one) == 0] or [one.cycle.period for one in orbits]
+    known = [orbit.cycle.period for orbit in orbits if count_unstable(orbit) == 0] or [orbit.cycle.period for orbit in orbits]
     return _DirectRun(log10_r, size, last, settled.settled, min(known, key=lambda period: abs(period - last[-1])))
 
 
@@ -268,23 +268,23 @@ def _fold_claims(branch: Branch, finer: Branch) -> Verdicts:
     folds."""
     title = "Special points depend neither on the mesh nor on the length of steps"
     both = list(zip(branch.special, finer.special, strict=False))
-    off = max(abs(one.point.parameter - other.point.parameter) for one, other in both)
-    sizes = " and ".join(str(one.point.closed.flow.size) for one in both[-1])
+    off = max(abs(special.point.parameter - other.point.parameter) for special, other in both)
+    sizes = " and ".join(str(special.point.closed.flow.size) for special in both[-1])
     mesh = f"mesh: largest change of log_{{10}} r of {len(both)} points, states of {sizes} values at the last one"
     yield claim(title, SELF, off, _MESHES, mesh)
-    kinds, others = ([one.kind for one in some.special[: len(both)]] for some in (branch, finer))
+    kinds, others = ([special.kind for special in some.special[: len(both)]] for some in (branch, finer))
     last = finer.points[-1].closed.cycle.period
-    beyond, special = sum(one.point.closed.cycle.period < last for one in branch.special), len(finer.special)
+    beyond, finely = sum(point.point.closed.cycle.period < last for point in branch.special), len(finer.special)
     up_to = f"steps of half the length: special points up to T = {last:.1f} transits"
-    verdict = holding(title, SELF, f"{beyond} points", f"{special} points", kinds == others and beyond == special, up_to)
-    yield verdict.with_margin(abs(special - beyond), 1.0)
+    verdict = holding(title, SELF, f"{beyond} points", f"{finely} points", kinds == others and beyond == finely, up_to)
+    yield verdict.with_margin(abs(finely - beyond), 1.0)
     growth = np.diff([turn.point.closed.cycle.period for turn, _ in _fold_pairs(branch)]).tolist()
     yield claim(
         "Folds come in pairs, and T grows by one transit from pair to pair: each pair lets one more ripple into the cycle",
         ASYMPTOTIC,
         growth[-1],
         _ONE,
-        f"T grows by {', '.join(f'{one:.3f}' for one in growth)}; the last is judged",
+        f"T grows by {', '.join(f'{factor:.3f}' for factor in growth)}; the last is judged",
         near=1.0,
     )
 

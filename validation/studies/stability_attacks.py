@@ -94,7 +94,7 @@ def run(budget: Budget) -> StudyResult:
     )
     return StudyResult(
         answers={
-            answer(steps, attacks): tuple(dict.fromkeys(one.claim for one in verdicts)),
+            answer(steps, attacks): tuple(dict.fromkeys(verdict.claim for verdict in verdicts)),
         },
         verdicts=verdicts,
         notes=_NOTES,
@@ -178,14 +178,16 @@ def _late_error(ours: Trajectory, exact: Trajectory) -> float:
     of_state = abs(late - known)
     if min(cycles.time.size, others.time.size) < _FEWEST_CYCLES:
         return of_state
-    mine, theirs = (np.array([one.period.mean(), one.stress_drop.mean(), one.v_max.max()]) for one in (cycles, others))
+    mine, theirs = (
+        np.array([events.period.mean(), events.stress_drop.mean(), events.v_max.max()]) for events in (cycles, others)
+    )
     return min(of_state, float(np.abs(mine / theirs - 1.0).max()))
 
 
 def _attack_verdict(name: str, by_model: Mapping[str, _AttackOutcome]) -> Verdict:
     """Whether an attack ended right or with a message in every model."""
-    ended = [one.off for one in by_model.values() if not one.message]
-    silent = [model for model, one in by_model.items() if one.is_silently_wrong]
+    ended = [attack.off for attack in by_model.values() if not attack.message]
+    silent = [model for model, attack in by_model.items() if attack.is_silently_wrong]
     stopped = len(by_model) - len(ended)
     remark = ATTACKS[name].title + (f"; silently wrong: {', '.join(silent)}" if silent else "")
     if not ended:

@@ -81,7 +81,7 @@ def _words_as_models(data: Dataset) -> Dataset:
     if not names or len(names) == len(_axes_of(data)):
         return data
     together = (data if "model" in data.dims else data.expand_dims("model")).stack(which=("model", *names))
-    words = [", ".join(map(str, one)) for one in together["which"].values]
+    words = [", ".join(map(str, which)) for which in together["which"].values]
     return together.drop_vars(["which", "model", *names]).rename(which="model").assign_coords(model=words)
 
 
@@ -320,7 +320,10 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
         return (), [f"no boundary of stability: it is not computed over {' and '.join(words)}"]
     scenes, varied = _scenes_over(data, axes), [_parameter_of(data[axis]) for axis in axes]
     # a short name is sooner set than a key is read, but a slab of its own would follow it
-    varied = [one if one.unit or scenes.sets else replace(one, name=SHORT.get(one.name, one.name)) for one in varied]
+    varied = [
+        parameter if parameter.unit or scenes.sets else replace(parameter, name=SHORT.get(parameter.name, parameter.name))
+        for parameter in varied
+    ]
     ends = [(float(np.min(data[axis].values)), float(np.max(data[axis].values))) for axis in axes]
     powers = [_is_logarithmic(data[axis].values) for axis in axes]
     across, up = (
@@ -329,10 +332,10 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     )
 
     def on_axes(*values: Any) -> list[Any]:
-        return [10.0**one if is_power else one for one, is_power in zip(values, powers, strict=True)]
+        return [10.0**value if is_power else value for value, is_power in zip(values, powers, strict=True)]
 
     def scene_at(*values: float) -> Scene:
-        return scenes.at(varied, [float(f"{one:.15g}") for one in on_axes(*values)])  # the end of an axis may be that of its key
+        return scenes.at(varied, [float(f"{x:.15g}") for x in on_axes(*values)])  # the end of an axis may be that of its key
 
     lines, notes = [], []
     for model in (str(name) for name in np.atleast_1d(data["model"].values)):
@@ -376,11 +379,11 @@ def _require_same_scenes(path: str, curve: Dataset, data: Dataset, axes: Sequenc
     start and the length of a run, which move no orbit."""
     varied, values = [_parameter_of(data[axis]) for axis in axes], [data[axis].values[0].item() for axis in axes]
     sets = json.loads(curve.attrs["options"]).get("set", {})
-    theirs = scenes_with(_base_of(curve), [one.name for one in varied], sets).at(varied, values)
+    theirs = scenes_with(_base_of(curve), [parameter.name for parameter in varied], sets).at(varied, values)
     ours = _scenes_over(data, axes).at(varied, values)
-    here, there = ((repr(one.law), repr(one.upper), repr(one.lower), repr(one.drive)) for one in (ours, theirs))
+    here, there = ((repr(scene.law), repr(scene.upper), repr(scene.lower), repr(scene.drive)) for scene in (ours, theirs))
     parts = ("friction law", "upper slab", "lower slab", "drive")
-    others = [part for part, one, other in zip(parts, here, there, strict=True) if one != other]
+    others = [part for part, own, other in zip(parts, here, there, strict=True) if own != other]
     if others:
         differ = f"{' and '.join(others)} differ{'s' if len(others) == 1 else ''}"
         raise SceneError(f"--curve = {str(path)!r}: is of another scene, whose {differ} from the sweep's")

@@ -62,7 +62,7 @@ def _touched(axis: Axis) -> set[str]:
     converted: of a unit of the scene all, since others may be converted by it."""
     table, last = axis.name.partition(".")[0], axis.name.rpartition(".")[2]
     if last in UNIT_KEYS:
-        return {one.name for one in fields(Scene) if one.init}
+        return {field.name for field in fields(Scene) if field.init}
     if table == "run":
         return {"until", "record"} | ({"upper"} if axis.unit else set())
     return {"drive": {"drive"}, "start": {"start"}, "interface": {"law"}}.get(table, {"upper", "lower"})
@@ -101,7 +101,7 @@ def _from_text(key: str, text: str, where: str) -> Axis:
 
 def _read(where: str, given: list[Any]) -> tuple[list[float] | list[str], str]:
     """Words, or numbers and their unit: that of all of them, or, where they differ, that of SI."""
-    texts = [str(one).strip() for one in given]
+    texts = [str(value).strip() for value in given]
     if all(_WORD.fullmatch(text) for text in texts):
         return texts, ""
     read = [number_of(text) for text in texts]
@@ -197,7 +197,9 @@ class Plan:
         if (key, value) not in self._known:
             scene = self.scenes.scene({key: value})
             now, before = vars(scene), vars(self.base)
-            differ = {one.name: now[one.name] for one in fields(Scene) if one.init and now[one.name] != before[one.name]}
+            differ = {
+                field.name: now[field.name] for field in fields(Scene) if field.init and now[field.name] != before[field.name]
+            }
             self._known[key, value] = differ, scene
         return self._known[key, value]
 

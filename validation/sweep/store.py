@@ -140,7 +140,7 @@ def _read(path: Path, plan: Plan) -> dict[str, npt.NDArray[Any]] | None:
     words = {**measure.words, "status": STATUS}
     try:
         with path.open("rb") as file, zipfile.ZipFile(file) as packed:
-            if not path.is_file() or sum(one.file_size for one in packed.infolist()) > _LARGEST:
+            if not path.is_file() or sum(member.file_size for member in packed.infolist()) > _LARGEST:
                 return None
             kinds, size = {}, 0
             for name in packed.namelist():

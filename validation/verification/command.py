@@ -185,6 +185,6 @@ def _member(model: str) -> str:
     """The full name of a member on a grid. Raises SceneError for another model."""
     family, number = parse(resolve(model, slipwave.read(_SCENE))[0])
     if family not in GRIDS:
-        waves = ", ".join(one.pattern for one in GRIDS)
+        waves = ", ".join(grid.pattern for grid in GRIDS)
         raise SceneError(f"model = {model!r}: has no grid, so no order and no step limit to verify; models that do: {waves}")
     return family.called(family.default if number is None else number)

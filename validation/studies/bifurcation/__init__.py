@@ -123,8 +123,8 @@ def _numbers(branches: Iterable[Branch], orbits: Doubled) -> dict[str, Number]:
     for branch in branches:
         numbers[f"{branch.model} HB"] = Number(branch.onset.parameter, 1e-11)
         for kind in ("LP", "PD", "NS"):
-            for count, one in enumerate(branch.of_kind(kind), 1):
-                numbers[f"{branch.model} {kind} {count}"] = stated(one.point.parameter, one.bracket)
+            for count, special in enumerate(branch.of_kind(kind), 1):
+                numbers[f"{branch.model} {kind} {count}"] = stated(special.point.parameter, special.bracket)
     for name, orbit, within in (("", orbits.single, 1e-7), ("doubled ", orbits.double, 1e-6)):
         period = orbit.orbit.period
         numbers[f"{name}T"] = stated(period.value, period.error)
@@ -149,10 +149,10 @@ def _special_table(branch: Branch) -> Table:
     rows: list[tuple[Cell, ...]] = [
         ("Hopf point", onset.parameter, onset.period, "", f"{onset.unstable_below} → {onset.unstable_above}")
     ]
-    for one in branch.special:
-        width = plain(one.bracket, ".0e") if one.bracket > ROUNDING else f"below {plain(ROUNDING, '.0e')}"
-        counts = f"{one.unstable_before} → {one.unstable_after}"
-        rows.append((NAMES[one.kind], one.point.parameter, one.point.closed.cycle.period, width, counts))
+    for special in branch.special:
+        width = plain(special.bracket, ".0e") if special.bracket > ROUNDING else f"below {plain(ROUNDING, '.0e')}"
+        counts = f"{special.unstable_before} → {special.unstable_after}"
+        rows.append((NAMES[special.kind], special.point.parameter, special.point.closed.cycle.period, width, counts))
     caption = (
         f"Special points of the branch of `{model}`, in order from the Hopf point. Bracket: width of the interval that holds the "
         "point; at a fold T is known to 10^{-6}, relative. Unstable: number of multipliers outside the unit circle before and "
@@ -171,7 +171,7 @@ def _wave_orbit(branch: Branch, log10_r: float) -> tuple[dict[str, float], dict[
     anew on a finer mesh."""
     scene = scene_at(log10_r)
     wave = sw.orbit(scene, _WAVE, tol=_TOLERANCE, cells=_CELLS).summary
-    nearest = min((one.cycle.period for one in branch.orbits_at(log10_r)), key=lambda period: abs(period - wave["period"]))
+    nearest = min((closed.cycle.period for closed in branch.orbits_at(log10_r)), key=lambda period: abs(period - wave["period"]))
     return wave, sw.orbit(scene, "delay", tol=1e-10).summary | {"period": nearest}
 
 
@@ -182,9 +182,11 @@ def published(branches: Iterable[Branch]) -> Verdicts:
         pairs = [(branch.onset.parameter, reference()["hopf"][branch.model]["log10_r"], 0.0)]
         for name, kind in _PUBLISHED.items():
             if name in known:
-                pairs += [(one.point.parameter, known[name]["log10_r"], one.bracket) for one in branch.of_kind(kind)[:1]]
+                pairs += [
+                    (special.point.parameter, known[name]["log10_r"], special.bracket) for special in branch.of_kind(kind)[:1]
+                ]
         errors = [(abs(ours - theirs), 2.0 * half_digit(theirs) + bracket) for ours, theirs, bracket in pairs]
-        off, allowed = max(errors, key=lambda one: one[0] / one[1])
+        off, allowed = max(errors, key=lambda error: error[0] / error[1])
         others = "AUTO-07p" if branch.model == "kelvin-voigt" else "lifted shooting and DDE-BIFTOOL"
         remark = f"`{branch.model}`: log_{{10}} r of {len(pairs)} points, Hopf point included, against {others}"
         yield claim("Special points are where other programs find them", PROGRAM, off, allowed, remark)
@@ -217,8 +219,10 @@ def _same_orbits(waves: WaveOrbits) -> Verdicts:
 def _mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
     """P8."""
     first = {branch.model: branch.special[0] for branch in (delay, ode)}
-    turned = {one.model: 1.0 - 10.0 ** (first[one.model].point.parameter - one.onset.parameter) for one in (delay, ode)}
-    kinds = {(one.kind, one.unstable_before, one.unstable_after) for one in first.values()}
+    turned = {
+        branch.model: 1.0 - 10.0 ** (first[branch.model].point.parameter - branch.onset.parameter) for branch in (delay, ode)
+    }
+    kinds = {(special.kind, special.unstable_before, special.unstable_after) for special in first.values()}
     return holding(
         "P8 The Hopf point is very mildly subcritical; the branch becomes stable at a saddle-node",
         PAPER,
@@ -231,7 +235,7 @@ def _mildly_subcritical(delay: Branch, ode: Branch) -> Verdict:
 
 def _bubbles_of(ode: Branch) -> Verdicts:
     """P9: special points of the ODE's branch up to its torus point, and where that is."""
-    kinds = [one.kind for one in ode.special]
+    kinds = [special.kind for special in ode.special]
     until = kinds[kinds.index("PD") : kinds.index("NS") + 1] if "NS" in kinds else kinds
     paper, torus = reference()["paper"]["log10_r_torus"], ode.of_kind("NS")[0].point.parameter
     title = "P9 The ODE’s orbits lose stability in pairs of period doublings split by saddle-nodes, then at a torus point"
@@ -257,11 +261,15 @@ def _bubbles_of(ode: Branch) -> Verdicts:
 def unlike(delay: Branch, ode: Branch) -> Verdict:
     """P14: the first loss of stability of the two systems' orbits, except folds."""
     lost = {
-        branch.model: next(one for one in branch.special if one.kind != "LP" and one.unstable_before < one.unstable_after)
+        branch.model: next(
+            special for special in branch.special if special.kind != "LP" and special.unstable_before < special.unstable_after
+        )
         for branch in (delay, ode)
     }
     words = {"PD": "period doubling", "NS": "torus"}
-    first = (f"{model}: first a " + minus(f"{words[one.kind]} at {one.point.parameter:.4f}") for model, one in lost.items())
+    first = (
+        f"{model}: first a " + minus(f"{words[special.kind]} at {special.point.parameter:.4f}") for model, special in lost.items()
+    )
     counts = [", ".join(str(len(branch.of_kind(kind))) for kind in ("LP", "PD", "NS")) for branch in (delay, ode)]
     return holding(
         "P14 The delay system has bifurcations similar to the ODE’s",
@@ -311,7 +319,7 @@ def _orbits_in_planes(doubled: Doubled, ode: Branch, bubbles: Iterable[Bubble]) 
     curves = [np.transpose(points) for *_, points in bubbles]
     halves = [Trace("half of doubled T", r, half, double) for r, half in curves]
     log_v, limits = r"$\log_{10} v$", (pairs[0][0].value - _BESIDE, pairs[-1][-1].value + _BESIDE)
-    periods = [one.period for pair in pairs for one in pair]
+    periods = [closed.period for pair in pairs for closed in pair]
     over_r = Scale("$T$, half of the doubled $T$", limits=(min(periods) - 0.2, max(periods) + 0.2))
     panels = (
         Panel("", Scale("time over the period of each orbit"), Scale(log_v), rows[0], grid=True),
@@ -349,7 +357,7 @@ def _folds_over_drive(model: str, most: int) -> list[Fold]:
     curves = [
         sw.curve("paper", of="LP", over=over, along=f"V=100:{end}", model=model, tol=_OF_FOLDS, most_points=most) for end in _ENDS
     ]
-    return sorted(((one["log10_r"], one["V"]) for curve in curves for one in curve.points), key=lambda fold: fold[1])
+    return sorted(((point["log10_r"], point["V"]) for curve in curves for point in curve.points), key=lambda fold: fold[1])
 
 
 def _fold_at(velocity: float) -> float:

@@ -69,7 +69,7 @@ def bubble(low: float, high: float) -> Bubble:
     last = [end.point for end in ends_of(branch, StopAt())][-_NEAREST:]
     square = [difference_of_parts(point.closed, 2) ** 2 for point in last]
     ends = np.polyfit(square, [point.parameter for point in last], _NEAREST - 1)[-1]
-    return branch.special[0].value, ends, [(one.value, 0.5 * one.period) for one in branch.points]
+    return branch.special[0].value, ends, [(point.value, 0.5 * point.period) for point in branch.points]
 
 
 def between_doublings(ode: Branch) -> list[list[BranchPoint]]:

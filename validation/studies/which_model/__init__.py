@@ -124,7 +124,7 @@ def place(name: str, over_onset: float) -> ModelColumn:
     own = slipwave.read(name)
     factor = over_onset * critical_r(EXACT_MODEL, own) / own.transit
     settings = [*_settings(own, factor), f"start.size={_NUDGE:g}"]
-    scene, words = slipwave.read(name, settings), " ".join(f"--set {one}" for one in settings)
+    scene, words = slipwave.read(name, settings), " ".join(f"--set {setting}" for setting in settings)
     return ModelColumn(name, math.log10(scene.transit), over_onset, f"r = {over_onset:.2f} r_{{c}}", f"{name} {words}")
 
 
@@ -177,10 +177,10 @@ def _costs_at(log10_r: float, rounds: int) -> dict[str, float]:
 def _in_scenes(others: Sequence[ModelColumn], budget: Budget) -> ModelTable:
     """The same models in other scenes."""
     regimes = {
-        model: [on_record(model, one.settings) or regime_in(model, one.settings) for one in others]
+        model: [on_record(model, column.settings) or regime_in(model, column.settings) for column in others]
         for model in budget.each(IN_SCENES, 0.7, 0.4)
     }
-    words = "; ".join(f"`{name}`: {what}" for name, what in ELSEWHERE.items() if any(name == one.title for one in others))
+    words = "; ".join(f"`{name}`: {what}" for name, what in ELSEWHERE.items() if any(name == column.title for column in others))
     caption = (
         f"Errors at r over the onset r_{{c}} of the exact system, by runs from a nudge of {_NUDGE:g}, with advice by the rule of "
         f"the first table, in other scenes ({words}); –: not for this scene."
@@ -208,13 +208,13 @@ def _numbers(table: ModelTable, regimes: ByModel) -> dict[str, Number]:
     """Errors of orbits and onsets; figures of the quasi-dynamic orbits. Means of irregular motions differ between machines."""
     shown = {_title(x): x for x in SHOWN}
     numbers = {
-        f"{row.model} error of {symbol} at {shown[column.title]}": stated(one.error, one.standard_error)
+        f"{row.model} error of {symbol} at {shown[column.title]}": stated(figure.error, figure.standard_error)
         for column, row, cell in judged.cells_of(table, *ORBITS)
         if column.title in shown
         for symbol, name in _NAMES.items()
-        if (one := cell.figures.get(name)) and one.error is not None
+        if (figure := cell.figures.get(name)) and figure.error is not None
     }
-    damped = {x: one.figures["T"] for x, one in regimes["quasidynamic"].items() if one.figures}
+    damped = {x: regime.figures["T"] for x, regime in regimes["quasidynamic"].items() if regime.figures}
     numbers |= {f"quasidynamic T at {x}": stated(period.value, period.error) for x, period in damped.items()}
     known = {row.model: row.onset.error for row in table.rows if row.onset and row.onset.error}
     return numbers | {f"{model} error of onset": Number(off, max(1e-6, 1e-13 / abs(off))) for model, off in known.items()}
@@ -240,8 +240,8 @@ def _bias_and_scatter(table: ModelTable, row: ModelRow, symbol: str, over_onset:
     """(mean, standard deviation over scenes, root mean square of the standard errors) of the errors of a quantity at this r over
     the onset; NaN for too few errors."""
     cells = [cell for column, cell in zip(table.columns, row.cells, strict=True) if column.over_onset == over_onset]
-    errors = [one for cell in cells if (one := cell.figures.get(symbol)) and one.error is not None]
-    values, own = (np.array([getattr(one, name) for one in errors], dtype=float) for name in ("error", "standard_error"))
+    errors = [figure for cell in cells if (figure := cell.figures.get(symbol)) and figure.error is not None]
+    values, own = (np.array([getattr(figure, name) for figure in errors], dtype=float) for name in ("error", "standard_error"))
     if not values.size:
         return math.nan, math.nan, math.nan
     return values.mean(), values.std(ddof=1) if values.size > 1 else math.nan, np.sqrt((own**2).mean())
@@ -266,10 +266,12 @@ def _scene_answer(table: ModelTable) -> str:
 def _scene_numbers(table: ModelTable, models: Sequence[str]) -> dict[str, Number]:
     """Errors of T of these models where cycles repeat, with the accuracy of runs."""
     return {
-        f"{column.title}: {row.model} error of T at {column.over_onset:g}": Number(one.error, max(1e-3, 3e-7 / abs(one.error)))
+        f"{column.title}: {row.model} error of T at {column.over_onset:g}": Number(
+            figure.error, max(1e-3, 3e-7 / abs(figure.error))
+        )
         for row in table.rows
         for column, exact, cell in zip(table.columns, table.rows[0].cells, row.cells, strict=True)
-        if row.model in models and not cell.cycles and not exact.cycles and (one := cell.figures.get("T")) and one.error
+        if row.model in models and not cell.cycles and not exact.cycles and (figure := cell.figures.get("T")) and figure.error
     }
 
 

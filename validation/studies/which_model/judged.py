@@ -39,7 +39,10 @@ def cells_of(table: ModelTable, *models: str) -> list[Found]:
     """The cells of some models, or of all, in scenes in which they were tried."""
     rows = [row for row in table.rows if not models or row.model in models]
     return [
-        (one, row, cell) for row in rows for one, cell in zip(table.columns, row.cells, strict=True) if cell.regime != UNTRIED
+        (column, row, cell)
+        for row in rows
+        for column, cell in zip(table.columns, row.cells, strict=True)
+        if cell.regime != UNTRIED
     ]
 
 
@@ -71,7 +74,7 @@ def wave_verdicts(table: ModelTable, on_coarse: Callable[[int], Regime], cells: 
     column, and what the tolerance of the exact system's `run` leaves."""
     exact, fine = table.row(EXACT_MODEL).cells, table.row(WAVE).cells
     columns = [
-        n for n, (one, other) in enumerate(zip(exact, fine, strict=True)) if one.figures and not one.cycles and other.right
+        n for n, (cell, other) in enumerate(zip(exact, fine, strict=True)) if cell.figures and not cell.cycles and other.right
     ]
     coarse = {n: on_coarse(n).figures for n in columns}
     for symbol in JUDGED:
@@ -87,8 +90,8 @@ def mean_verdicts(table: ModelTable) -> Verdicts:
     than a good model's may."""
     for model, limit, unit in ((WAVE, ERRORS, "standard errors"), (ADVISED[0], GOOD, "")):
         cells = [cell for _, _, cell in cells_of(table, model) if cell.cycles and cell.right]
-        wander = [one for cell in cells for symbol in JUDGED if (one := cell.figures[symbol]).error is not None]
-        off = [one.size / (one.standard_error if unit else 1.0) for one in wander]
+        wander = [figure for cell in cells for symbol in JUDGED if (figure := cell.figures[symbol]).error is not None]
+        off = [figure.size / (figure.standard_error if unit else 1.0) for figure in wander]
         if off:
             who = "the full wave has the exact system’s means" if unit else "eight modes have its means to 1 %"
             where = f"{table.name}, `{model}`: the largest of {len(off)} differences of T and Δμ"
@@ -143,16 +146,21 @@ def _cost_verdict(table: ModelTable) -> Verdict:
 def run_verdict(regimes: ByModel) -> Verdict:
     """Last cycles of runs against the orbits of the same models, which Newton's method finds."""
     cells = (
-        (model, x, one, symbol) for model, by_r in regimes.items() for x, one in by_r.items() if one.ran for symbol in JUDGED
+        (model, x, regime, symbol)
+        for model, by_r in regimes.items()
+        for x, regime in by_r.items()
+        if regime.ran
+        for symbol in JUDGED
     )
     pairs = [
-        (f"`{model}`, {symbol} at {places([x])}", symbol, one.ran[symbol], one.figures[symbol]) for model, x, one, symbol in cells
+        (f"`{model}`, {symbol} at {places([x])}", symbol, regime.ran[symbol], regime.figures[symbol])
+        for model, x, regime, symbol in cells
     ]
     sizes = [
         (abs(run.value / orbit.value - 1.0), error_of(run, orbit) + _RUN_ERROR[symbol], where)
         for where, symbol, run, orbit in pairs
     ]
-    off, allowed, where = max(sizes, key=lambda one: one[0] / one[1])
+    off, allowed, where = max(sizes, key=lambda pair: pair[0] / pair[1])
     title = "Runs whose cycles repeat have the period and the drop of the model’s orbit"
     return claim(title, WITNESS, off, allowed, f"{len(sizes)} figures; shown: {where}")
 
@@ -176,10 +184,12 @@ def record_verdicts() -> Verdicts:
     """Whether the present code has the means on record."""
     places_of = {paper_at(x): x for x in _AGAIN}
     repeated = []
-    for model, x, one in ((model, places_of[scene], one) for (model, scene), one in motions().items() if scene in places_of):
-        torus = one.words == "torus"
-        now = regime_at(model, x, float(one.command.split()[2]) if torus else _SHORT)
-        pairs = [(now.figures[symbol], one.figures[symbol]) for symbol in JUDGED if symbol in now.figures]
+    for model, x, recorded in (
+        (model, places_of[scene], recorded) for (model, scene), recorded in motions().items() if scene in places_of
+    ):
+        torus = recorded.words == "torus"
+        now = regime_at(model, x, float(recorded.command.split()[2]) if torus else _SHORT)
+        pairs = [(now.figures[symbol], recorded.figures[symbol]) for symbol in JUDGED if symbol in now.figures]
         off = max((abs(new.value - old.value) / (old.value if torus else new.error) for new, old in pairs), default=math.nan)
         if torus:
             repeated.append(off < 10.0 * TOLERANCE)

@@ -85,7 +85,7 @@ def measure_cycle(paper: slipwave.Scene, scale: float) -> _CycleErrors:
     theta = scene.transit * omega
     exact, *orbits = (memo.settled(model, scene, 1e-9, _SETTLED, 600.0 / theta).orbit for model in ("delay", *_CYCLING))
     periods = {model: against(orbit.period, exact.period) for model, orbit in zip(_CYCLING, orbits, strict=True)}
-    known = {model: replace(one, standard_error=2.0 * _SETTLED + one.standard_error) for model, one in periods.items()}
+    known = {model: replace(period, standard_error=2.0 * _SETTLED + period.standard_error) for model, period in periods.items()}
     return _CycleErrors(scale, theta, exact.v_max.value * scene.transit, known)
 
 
@@ -150,7 +150,7 @@ def fall(onsets: Onsets, cycles: Sequence[_CycleErrors]) -> Chart:
     """Errors of the onset, left, and of the period of the cycle, right, over theta = r omega_c."""
     left, right, theta = list[Trace](), list[Trace](), [cycle.theta for cycle in cycles]
     for model, onset in onsets.items():
-        laws = [abs(onset.law.at(one)) for one in onset.theta]
+        laws = [abs(onset.law.at(theta)) for theta in onset.theta]
         left += [model_line(model, onset.theta, laws, f"law of {model}", dashes="-", width=0.8)]
         left += [Trace(model, onset.theta, np.abs(onset.error), model_marks(model, size=4.5))]
         if model in _CYCLING:

@@ -46,13 +46,15 @@ def _periods_at(model: str, log10_r: float, branches: Mapping[str, Branch], regi
     """The periods of a model of Fig 8, from its branch, if it has one, and from its `regime` there."""
     orbits, seen = branches[model].orbits_at(log10_r) if model in branches else [], regime.figures["T"]
     alone = None if regime.cycles else stated(seen.value, seen.error)
-    return _Periods([one.cycle.period for one in orbits], seen, regime.cycles, numbered_period(orbits[0]) if orbits else alone)
+    return _Periods(
+        [closed.cycle.period for closed in orbits], seen, regime.cycles, numbered_period(orbits[0]) if orbits else alone
+    )
 
 
 def periods_of(branches: Mapping[str, Branch], regimes: Mapping[str, Mapping[float, Regime]]) -> ByModel:
     """The periods of all models of Fig 8 at every r of the table."""
     return {
-        model: {log10_r: _periods_at(model, log10_r, branches, one) for log10_r, one in regimes[model].items()}
+        model: {log10_r: _periods_at(model, log10_r, branches, regime) for log10_r, regime in regimes[model].items()}
         for model in (*WAVES, *BLOCKS)
     }
 
@@ -62,9 +64,11 @@ def period_verdicts(periods: ByModel) -> Verdicts:
     listed = {log10_r: {model: by_r[log10_r].every for model, by_r in periods.items()} for log10_r in periods["delay"]}
     yield order_of_periods(listed, "all orbits known at an r, stable or not, and means of runs with two standard errors")
     for model, by_r in periods.items():
-        for log10_r, one in by_r.items():
-            if log10_r != _PRINTED and one.number:
-                yield from as_known("Periods over r are those of other programs", model, log10_r, {"period": one.number.value})
+        for log10_r, place_periods in by_r.items():
+            if log10_r != _PRINTED and place_periods.number:
+                yield from as_known(
+                    "Periods over r are those of other programs", model, log10_r, {"period": place_periods.number.value}
+                )
 
 
 def period_numbers(periods: ByModel, places: tuple[float, ...]) -> dict[str, Number]:
@@ -95,11 +99,14 @@ _LOWEST, _HIGHEST = 47.0, 145.0
 def over_r(branches: Mapping[str, Branch], periods: ByModel) -> Chart:
     """Branches, blocks, means and the paper's values."""
     traces = [trace for branch in branches.values() for trace in orbit_traces(branch, "period")]
-    traces += [model_line(model, [*periods[model]], [one.seen.value for one in periods[model].values()]) for model in BLOCKS]
+    traces += [model_line(model, [*periods[model]], [drawn.seen.value for drawn in periods[model].values()]) for model in BLOCKS]
     for model in WAVES:
-        shown = {x: one.seen for x, one in periods[model].items() if one.cycles}
-        look, bars = model_look(model, dashes="", marker="o", size=4.0, hollow=True), [2.0 * one.error for one in shown.values()]
-        traces.append(Trace(f"{model}, means", [*shown], [one.value for one in shown.values()], look, y_error=bars))
+        shown = {x: drawn.seen for x, drawn in periods[model].items() if drawn.cycles}
+        look, bars = (
+            model_look(model, dashes="", marker="o", size=4.0, hollow=True),
+            [2.0 * estimate.error for estimate in shown.values()],
+        )
+        traces.append(Trace(f"{model}, means", [*shown], [estimate.value for estimate in shown.values()], look, y_error=bars))
     paper = reference()["paper"]
     printed = [_PRINTED, _PRINTED], [paper["T_ode"], paper["T_dde"]]
     traces.append(Trace("the paper’s values", *printed, Look(ORANGE, "", "x", size=7.0)))
