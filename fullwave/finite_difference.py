@@ -22,7 +22,7 @@ import numpy as np
 from fullwave.families import LEAPFROG
 from fullwave.leapfrog.grid import LeapfrogGrid
 from fullwave.leapfrog.kernel import FRICTION, INPUT, MOST_PIECES, RATE, STEPS_PER_PIECE, STRESS, Z, march_leapfrog, steady_memory
-from fullwave.leapfrog.media import CHANGED, KelvinVoigt, Rigid, Side, StandardLinear, face_energy, steady_side
+from fullwave.leapfrog.media import CHANGED, KelvinVoigt, MarchedSlab, Rigid, StandardLinear, face_energy, steady_side
 from fullwave.lines.budget import enough_memory, require_bytes, steps_at_once
 from fullwave.options import MOST_CELLS, require_cfl, require_whole
 from fullwave.sampling import pieces_until
@@ -37,7 +37,7 @@ _CELL_WORK = 20.0  # products in the time of one step of a cell: 1 ns in an elas
 _STEP_SECONDS, _CELL_SECONDS = 1e-7, 2e-9  # of the interface, and of a cell: 0.6 ns in an elastic slab, 10 in a Kelvin-Voigt one
 
 
-def _side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
+def _side_energy(side: MarchedSlab, grid: LeapfrogGrid, steady_stress: float, velocity: float) -> tuple[float, float, float]:
     """(change of stored energy, radiated energy, energy lost to viscosity) of a slab, in units of sigma L / transit."""
     medium, face = side
     stretch = np.diff(medium.velocity)
@@ -58,7 +58,7 @@ def _side_energy(side: Side, grid: LeapfrogGrid, steady_stress: float, velocity:
     return kinetic + elastic + branch + spring, radiated, viscous
 
 
-def _slab(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:
+def _slab(side: MarchedSlab, grid: LeapfrogGrid, interface_stress: float, rate: float, drive: float) -> SlabSnapshot:
     """Fields of a slab: the deviation of the stress from steady sliding, and the velocity in the slab's own direction."""
     velocity, stress = _at_whole_time(side, grid, interface_stress, rate)
     if isinstance(side.face, Rigid):
@@ -72,7 +72,7 @@ def _slab(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float, 
     return SlabSnapshot(grid.depth / grid.depth[-1], velocity, at_nodes)
 
 
-def _at_whole_time(side: Side, grid: LeapfrogGrid, interface_stress: float, rate: float) -> tuple[Array, Array]:
+def _at_whole_time(side: MarchedSlab, grid: LeapfrogGrid, interface_stress: float, rate: float) -> tuple[Array, Array]:
     """Velocities at the nodes (except the outermost) and total stresses in the cells."""
     medium = side.medium
     velocity = medium.velocity.copy()

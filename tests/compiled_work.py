@@ -5,7 +5,7 @@ from typing import NamedTuple
 import fullwave.finite_difference
 import fullwave.lines.explicit
 from fullwave.leapfrog import kernel
-from fullwave.leapfrog.media import Side
+from fullwave.leapfrog.media import MarchedSlab
 from fullwave.lines.system import SCALARS
 
 
@@ -27,7 +27,7 @@ def count_calls(monkeypatch):
 
     def counted_leapfrog(*arguments):
         *_, upper, lower, _, first, pieces = arguments
-        media = [side.medium for side in (upper, lower) if isinstance(side, Side)]
+        media = [side.medium for side in (upper, lower) if isinstance(side, MarchedSlab)]
         steps = kernel.STEPS_PER_PIECE * pieces.time.size + (first < 0)
         calls.append(Call(steps, sum(medium.velocity.size + medium.stress.size for medium in media)))
         return leapfrog(*arguments)

@@ -19,7 +19,7 @@ import math
 
 import numpy as np
 
-from fullwave.leapfrog.media import Side, accelerate, load, strain
+from fullwave.leapfrog.media import MarchedSlab, accelerate, load, strain
 from slipwave.compiled import inlined, njit
 from slipwave.friction import Law, respond, unknown_of
 from slipwave.friction.interface import solve_interface
@@ -128,7 +128,14 @@ def steady_memory(scene: Scene) -> Array:
 
 @inlined
 def _take_step(
-    law: Law, dt: float, forcing: Forcing, drive: Constant | Ramps, upper: Side, lower: Side | None, memory: Array, n: int
+    law: Law,
+    dt: float,
+    forcing: Forcing,
+    drive: Constant | Ramps,
+    upper: MarchedSlab,
+    lower: MarchedSlab | None,
+    memory: Array,
+    n: int,
 ) -> bool:
     """March to sample `n` (time n dt, in transits). Returns False if the friction solve did not converge or the step was too long
     to follow the state."""
@@ -191,8 +198,8 @@ def march_leapfrog(
     dt: float,
     forcing: Forcing,
     drive: Constant | Ramps,
-    upper: Side,
-    lower: Side | None,
+    upper: MarchedSlab,
+    lower: MarchedSlab | None,
     memory: Array,
     first: int,
     pieces: Pieces,

@@ -146,7 +146,7 @@ class _Layered(NamedTuple):
     outer_inertia: float
 
 
-class Side(NamedTuple):
+class MarchedSlab(NamedTuple):
     """A marched slab; of alike slabs, which move antisymmetrically, only the upper one is marched."""
 
     medium: Medium
@@ -261,19 +261,19 @@ def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid 
     return KelvinVoigt(*fields, inertia, damping, alpha, pivot, np.zeros(n + 1), np.zeros(1))
 
 
-def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> Side:
+def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> MarchedSlab:
     """A slab in steady sliding at the scene's initial velocity."""
     face = _compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
     velocity, solid = 0.5 * scene.velocity, slab.rheology
     if solid.blocks_fast_waves:
-        return Side(_kelvin_voigt(grid, velocity, solid.retardation / scene.transit, face), face)
+        return MarchedSlab(_kelvin_voigt(grid, velocity, solid.retardation / scene.transit, face), face)
     if solid.ratio == 0.0:
-        return Side(_elastic_medium(grid, velocity), face)
+        return MarchedSlab(_elastic_medium(grid, velocity), face)
     time, share = solid.relaxation / scene.transit, solid.ratio / (1.0 + solid.ratio)
     branch, decay = share * grid.stiffness, 0.5 * grid.step / time
     weight = grid.width / (share * grid.impedance * time)
     elastic = _layered_medium(grid, velocity)
-    return Side(StandardLinear(*elastic, np.zeros(grid.width.size), branch, decay, weight, np.zeros(1)), face)
+    return MarchedSlab(StandardLinear(*elastic, np.zeros(grid.width.size), branch, decay, weight, np.zeros(1)), face)
 
 
 @strain.register(StandardLinear)

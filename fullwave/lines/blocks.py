@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fullwave.lines.panels import LANES
-from fullwave.lines.system import SCALARS, Elastic, GridInterface, Operator, System, Tops, Traces, Viscous
+from fullwave.lines.system import SCALARS, Elastic, GridInterface, Operator, OuterFaces, System, Traces, Viscous
 from fullwave.options import MOST_CELLS, require_whole
 from fullwave.slabs import marched_slabs
 from slipwave.observe.pieces import Array
@@ -132,7 +132,7 @@ def _traces(chains: Sequence[tuple[Block, ...]], medium: Elastic | Viscous) -> T
     return traces
 
 
-def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], traces: Traces) -> Tops:
+def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], traces: Traces) -> OuterFaces:
     columns = []
     for index, (slab, chain) in enumerate(zip(marched_slabs(scene), chains, strict=True)):
         held, impedance = slab.termination.in_transits(scene.transit), chain[-1].section.impedance
@@ -143,7 +143,7 @@ def _tops(scene: Scene, chains: Sequence[tuple[Block, ...]], traces: Traces) -> 
         resistance = dashpot + float(traces.stiffened[index - len(chains)])
         yielding = 1.0 / resistance
         columns.append((dashpot / resistance, yielding, held.spring / impedance, held.dashpot, held.has_dead_load, held.mass))
-    return Tops(*np.array(columns, dtype=float).T.copy())
+    return OuterFaces(*np.array(columns, dtype=float).T.copy())
 
 
 def _medium(scene: Scene, grid: BlockGrid) -> Elastic | Viscous:

@@ -23,8 +23,8 @@ from fullwave.lines.system import (
     SCALARS,
     VISCOUS,
     GridInterface,
+    OuterFaces,
     System,
-    Tops,
     Traces,
     apply,
     dissipate,
@@ -84,7 +84,14 @@ def _meet_interface(
 
 @inlined
 def _meet_tops(
-    interface: GridInterface, forcing: Forcing, traces: Traces, tops: Tops, drive: float, state: Array, rates: Array, at: int
+    interface: GridInterface,
+    forcing: Forcing,
+    traces: Traces,
+    tops: OuterFaces,
+    drive: float,
+    state: Array,
+    rates: Array,
+    at: int,
 ) -> None:
     """Sets w* - w at the outer faces, each driven at half of `drive`, and the rates of the springs' loads, of heavy faces'
     velocities, of the input and of the radiation."""

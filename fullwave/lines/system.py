@@ -66,7 +66,7 @@ class Traces(NamedTuple):
     jump: Array
 
 
-class Tops(NamedTuple):
+class OuterFaces(NamedTuple):
     """The outer faces of the marched slabs (sides,): A and B of w* = A V + B (y_g - o); spring over impedance (per transit);
     dashpot Z_g in units of stress/V*; 1 if the steady load acts on the face itself (no spring); mass in units of stress/V* times
     a transit."""
@@ -101,7 +101,7 @@ class System(NamedTuple):
     forcing: Forcing
     drive: Constant | Ramps
     traces: Traces
-    tops: Tops
+    tops: OuterFaces
 
 
 @by_class()

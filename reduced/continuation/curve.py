@@ -64,7 +64,7 @@ class OnCurve(NamedTuple):
     special: Special
 
 
-class Reached(NamedTuple):
+class CurveState(NamedTuple):
     """State of following a curve: its last two points (at the beginning both are the first), the direction of the step between
     them (at the beginning, of the next), and the length of the next step."""
 
@@ -80,12 +80,12 @@ CURVE_STEPS = Control(2e-3, 1e-9, 0.05)
 _AT_CUSP = 1e-5  # shortest step of a curve of folds: those at a cusp are too near to be told apart
 
 
-def beginning(start: OnCurve, towards: Values, steps: Control = CURVE_STEPS) -> Reached:
+def beginning(start: OnCurve, towards: Values, steps: Control = CURVE_STEPS) -> CurveState:
     """Beginning of a curve at `start`, a special point of a branch in the first parameter, in the direction `towards`."""
-    return Reached(start, start, towards, steps.first)
+    return CurveState(start, start, towards, steps.first)
 
 
-def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Control = CURVE_STEPS) -> Iterator[Reached]:
+def follow_curve(plane: Plane, reached: CurveState, tolerance: float, steps: Control = CURVE_STEPS) -> Iterator[CurveState]:
     """Yield the points of the curve after `reached` on meshes that keep relative errors of the figures below `tolerance`: without
     end, but for a curve of folds, which ends with the cusp, of kind CP, where it meets another. Raises NumericsError, after
     yielding all earlier points, where the curve cannot be followed.
@@ -102,11 +102,11 @@ def follow_curve(plane: Plane, reached: Reached, tolerance: float, steps: Contro
             return
         step = plane.at(new.parameters) - plane.at(reached.last.parameters)
         used = abs(step)
-        reached = Reached(reached.last, new, (step.real / used, step.imag / used), min(steps.longest, _GROWTH * used))
+        reached = CurveState(reached.last, new, (step.real / used, step.imag / used), min(steps.longest, _GROWTH * used))
         yield reached
 
 
-def _next(plane: Plane, reached: Reached, tolerance: float, shortest: float) -> OnCurve:
+def _next(plane: Plane, reached: CurveState, tolerance: float, shortest: float) -> OnCurve:
     before, last, direction, length = reached
 
     def step(length: float) -> OnCurve:
@@ -123,7 +123,7 @@ def _next(plane: Plane, reached: Reached, tolerance: float, shortest: float) -> 
         raise NumericsError(f"the curve cannot be followed beyond the parameters {at}: {reason}") from None
 
 
-def _across(plane: Plane, reached: Reached, length: float, tolerance: float) -> OnCurve:
+def _across(plane: Plane, reached: CurveState, length: float, tolerance: float) -> OnCurve:
     """The special point on the line across the curve at the predicted point, a step of `length` after the last one."""
     _, last, direction, _ = reached
     centre, line = plane.at(last.parameters) + length * complex(*direction), complex(*direction) / 1j
@@ -137,7 +137,7 @@ def _across(plane: Plane, reached: Reached, length: float, tolerance: float) -> 
     return OnCurve(plane.values(centre + special.point.parameter * line), special)
 
 
-def _predicted(plane: Plane, reached: Reached, centre: complex) -> Array:
+def _predicted(plane: Plane, reached: CurveState, centre: complex) -> Array:
     """Guess of the unknowns at the centre of a line: the last point's deviation from steady sliding, extrapolated along the
     secant if both points have the same mesh."""
     before, last = reached.before, reached.last
@@ -167,7 +167,9 @@ def _nearest(family: FlowFamily, point: OrbitPoint, kind: str) -> Special:
     raise NumericsError(f"no {kind} was found near an orbit of period {point.closed.cycle.period:.6g}")
 
 
-def turn(plane: Plane, reached: Reached, near: Reached, beyond: Reached, sign: float, tolerance: float) -> tuple[OnCurve, float]:
+def turn(
+    plane: Plane, reached: CurveState, near: CurveState, beyond: CurveState, sign: float, tolerance: float
+) -> tuple[OnCurve, float]:
     """The point between those `reached` and `beyond`, around that `near`, at which `sign` times the second parameter is largest,
     and the width that contains this parameter's extreme."""
     from scipy.optimize import minimize_scalar
@@ -179,7 +181,7 @@ def turn(plane: Plane, reached: Reached, near: Reached, beyond: Reached, sign: f
     return at.known[best], abs(at(best) - at(next_best))
 
 
-def crossing(plane: Plane, reached: Reached, beyond: Reached, second: float, tolerance: float) -> OnCurve:
+def crossing(plane: Plane, reached: CurveState, beyond: CurveState, second: float, tolerance: float) -> OnCurve:
     """The point between those `reached` and `beyond` at which the second parameter has the value `second`."""
     from scipy.optimize import brentq
 
@@ -193,7 +195,7 @@ class _Line:
     """Points of a curve by their distance ahead of the last one `reached`, along its direction; some are known from the start.
     Calling it gives the second parameter."""
 
-    def __init__(self, plane: Plane, reached: Reached, tolerance: float, others: tuple[OnCurve, ...]) -> None:
+    def __init__(self, plane: Plane, reached: CurveState, tolerance: float, others: tuple[OnCurve, ...]) -> None:
         self._across = partial(_across, plane, reached, tolerance=tolerance)
         own = plane.at(reached.last.parameters)
         ahead = [((plane.at(other.parameters) - own) / complex(*reached.direction)).real for other in others]
@@ -206,7 +208,7 @@ class _Line:
         return self.known[length].parameters[1]
 
 
-def _cusp_after(plane: Plane, reached: Reached) -> Reached | None:
+def _cusp_after(plane: Plane, reached: CurveState) -> CurveState | None:
     """The cusp right after the last point of a curve of folds, of kind CP, with the other fold that meets it there as the point
     `before`; None if none is near.
 
@@ -259,4 +261,4 @@ def _cusp_after(plane: Plane, reached: Reached) -> Reached | None:
     special = Special("CP", known, _CUSP, outside, outside, complex(1.0))
     at = OnCurve(plane.values(start + x * direction + known.parameter * line), special)
     partner = OnCurve(plane.values(start + other.parameter * line), replace(fold, point=other))
-    return Reached(partner, at, reached.direction, reached.length)
+    return CurveState(partner, at, reached.direction, reached.length)

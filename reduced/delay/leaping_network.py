@@ -21,7 +21,7 @@ import numpy as np
 from reduced.delay.frozen_step import Disturbance, Friction, FrozenStep, advanced, mean_friction, powers_of, slow_parts
 from reduced.delay.march import DelayMemory, present
 from reduced.delay.network_kernel import lines_with
-from reduced.delay.slow_motion import Slow, SlowMotion
+from reduced.delay.slow_motion import SlowMotion, SlowStep
 from reduced.delay.stroboscopic import StroboscopicNetwork
 from reduced.delay.transmission_lines import COINCIDENT, Lines
 from slipwave.friction import respond
@@ -53,7 +53,7 @@ _MOST_SPLITS, _NUDGES = 8, 1e-5  # steps by the first slopes that take the motio
 class _Split(NamedTuple):
     """The split of the motion at one time: the slow step, y at its beginning, and the `rest` of the memory."""
 
-    slow: Slow
+    slow: SlowStep
     y: float
     rest: Array
 
@@ -238,7 +238,7 @@ class LeapingNetwork(StroboscopicNetwork):
         rows[0, -2], rows[1] = 1.0, radau(stages).integral[-1] @ by_rest / friction_z
         rows = slow_parts(powers_of(matrix, int(_SETTLES / (self._length * motion.radius))), rows)
 
-        def rest(slow: Slow) -> Array:
+        def rest(slow: SlowStep) -> Array:
             return now.vector - self._composed(_Split(slow, y, now.vector), start).vector
 
         steps = np.diag([_NUDGES, _NUDGES * friction_z / abs(motion.to_stress[0])])
@@ -279,7 +279,7 @@ class LeapingNetwork(StroboscopicNetwork):
             drift[-2] = 0.0  # rounding: a march's psi stops where it changes by less in a step
         return pieces, drift, float(ripple)
 
-    def _carried(self, slow: Slow, rest: Array, begin: float, end: float, steps: int) -> tuple[Array, float]:
+    def _carried(self, slow: SlowStep, rest: Array, begin: float, end: float, steps: int) -> tuple[Array, float]:
         """The `rest` (n, 2) of the memory and its drift after `steps` steps, and the change of the rest if friction is averaged
         over all of them instead of over each half."""
         frozen, parts = self._parts()[1], (steps // 2, steps - steps // 2)
@@ -317,7 +317,7 @@ class LeapingNetwork(StroboscopicNetwork):
         waves, tops, slip = motion.memory(split.slow, times, time)
         return Disturbance(waves, tops, np.array([psi, split.y - self.scene.stiffness * slip]))
 
-    def _friction(self, slow: Slow, begin: float, end: float) -> Friction:
+    def _friction(self, slow: SlowStep, begin: float, end: float) -> Friction:
         """Mean of `Friction` from `begin` to `end`; its value at `begin` if they are equal."""
         points, weights = _gauss(self._stages if end > begin else 1)
         interface = self._parts()[0].interface(slow, begin + 0.5 * (end - begin) * (1.0 + points))
@@ -337,7 +337,7 @@ class LeapingNetwork(StroboscopicNetwork):
         changes = [np.diff(values[:, 0]) for values in (fill.z, fill.mu, fill.y)]
         return all(bool((change >= 0.0).all() or (change <= 0.0).all()) for change in changes)
 
-    def _scale(self, slow: Slow, error: float) -> float:
+    def _scale(self, slow: SlowStep, error: float) -> float:
         """Ratio of the next leap's length to that of the step `slow`, which has this `error`."""
         smooth = (self._limits.resolution / max(slow.tail, 1e-300)) ** (1.0 / _ORDER)
         return float(min(_GROW, max(_SHRINK, _SAFETY * min(smooth, math.sqrt(self._allowed / max(error, 1e-300))))))

@@ -21,7 +21,7 @@ LONGEST = 4096
 """Transits or blocks that a leap skips, at most."""
 
 
-class Past(NamedTuple):
+class MarchedTransits(NamedTuple):
     """The latest transits that were marched, at most `order`, which is even: `number` (p,), the `change` (p, m) of the state in
     each, and the `highest` (p, q) values of q quantities in it."""
 
@@ -30,10 +30,10 @@ class Past(NamedTuple):
     change: Array
     highest: Array
 
-    def then(self, number: float, change: Array, highest: Array) -> "Past":
-        """`Past` with one more transit, without those that are too old."""
+    def then(self, number: float, change: Array, highest: Array) -> "MarchedTransits":
+        """`MarchedTransits` with one more transit, without those that are too old."""
         longer = (np.append(self.number, number), np.vstack([self.change, change]), np.vstack([self.highest, highest]))
-        return Past(self.order, *(values[-self.order :] for values in longer))
+        return MarchedTransits(self.order, *(values[-self.order :] for values in longer))
 
     def total(self, first: float, last: float) -> Array:
         """Sum (m,) of the changes in the transits `first` to `last` - 1."""

@@ -18,7 +18,7 @@ from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.scene import Scene
 from slipwave.step.collocation import Nodes, rule_of
 from slipwave.step.impedance import Diagonal
-from slipwave.step.sensitivity import Given, Sides, answer_given, drive_on, given_by, start_by, stress_by
+from slipwave.step.sensitivity import DirectDerivatives, ShiftedScenes, answer_given, drive_on, given_by, start_by, stress_by
 from slipwave.step.tangent import Motion, blank_answer, step_answer
 
 
@@ -31,7 +31,7 @@ def _carry_waves(
     integral: Array,
     motion: Motion,
     waves: Array,
-    given: Given,
+    given: DirectDerivatives,
     psi: Array,
 ) -> None:
     """Carry the derivatives, of the arriving `waves` at the nodes of one transit's steps (steps, m, s) and of `psi` (m,), along
@@ -50,7 +50,9 @@ def _carry_waves(
                 arriving[c, j] += given.memory[k, c, j] - 2.0 * impedance * given.rate[k, c, j]
 
 
-def delay_sensitivity(scene: Scene, sides: Sequence[Sides], until: float, tolerance: float) -> Iterator[tuple[Pieces, Array]]:
+def delay_sensitivity(
+    scene: Scene, sides: Sequence[ShiftedScenes], until: float, tolerance: float
+) -> Iterator[tuple[Pieces, Array]]:
     """Yield the motion up to `until` (transits), in whole transits, each part with d mu/dp (k, m, s) at its nodes. Raises
     SceneError for a parameter that changes the transit, NumericsError where the march fails."""
     if any(abs(clock - 1.0) > SAME for _, clocks, _ in sides for clock in clocks):
@@ -77,7 +79,7 @@ def _mesh_of(pieces: Pieces) -> TransitMesh:
     return TransitMesh(count, pieces.length[:count].copy(), pieces.time[:count] - pieces.time[0])
 
 
-def _carried_along(scene: Scene, sides: Sequence[Sides], pieces: Pieces, arriving: Array, psi: Array) -> Array:
+def _carried_along(scene: Scene, sides: Sequence[ShiftedScenes], pieces: Pieces, arriving: Array, psi: Array) -> Array:
     """d mu/dp along `pieces`; `arriving` and `psi` are advanced to their end."""
     _, rule, shape = rule_of(pieces.z.shape[1])
     nodes, own = np.array(shape), plain_impedance(scene)

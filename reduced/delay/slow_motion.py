@@ -84,7 +84,7 @@ def _responses(lines: Lines, s: Complex) -> tuple[Complex, Complex, Complex, Com
     return rates[0] * stresses[1] + rates[1] * stresses[0], stresses[0] * stresses[1], waves, tops
 
 
-class Slow(NamedTuple):
+class SlowStep(NamedTuple):
     """A solved step of slow motion from the time `start` (transits) and of the `length`: `guess`, nodal psi and z; `rate` (s,),
     nodal dv; `load`, the load at its start, as a slip; `psi` at its start; `tail`, the highest Legendre coefficient of z; whether
     Newton's method `solved` it within its limit."""
@@ -111,7 +111,7 @@ class SlowMotion:
         self._with_start = lagrange_basis(np.append(0.0, self._matrices.nodes))
         self._apart, self._held = lines.apart, np.any(self._to_tops != 0.0, axis=(1, 2))
 
-    def step(self, start: float, length: float, begin: Array, guess: Interface) -> Slow:
+    def step(self, start: float, length: float, begin: Array, guess: Interface) -> SlowStep:
         """Solve the step of `length` from `begin` (psi, load) at the time `start`; V is constant."""
         scene, terms, shape = self._scene, self.to_stress, self._shape
         velocity, (psi, load) = scene.drive.at(start + 0.5 * length), begin.tolist()
@@ -130,24 +130,24 @@ class SlowMotion:
         solved = used > 0 and tail <= self._limits.resolution and float(nodal.slope.max()) <= self._limits.growth
         to_own(law, nodal.z)
         interface = Interface(nodal.psi.copy(), nodal.z.copy())
-        return Slow(start, length, interface, nodal.v - velocity, load, psi, tail, solved)
+        return SlowStep(start, length, interface, nodal.v - velocity, load, psi, tail, solved)
 
-    def interface(self, slow: Slow, times: Array) -> Interface:
+    def interface(self, slow: SlowStep, times: Array) -> Interface:
         """psi and z at `times` (..) in a step or slightly outside."""
         at = ((times - slow.start) / slow.length).ravel()
         psi = interpolation_matrix(self._with_start, at) @ np.append(slow.psi, slow.guess.psi)
         z = interpolation_matrix(self._basis, at) @ slow.guess.z
         return Interface(psi.reshape(times.shape), z.reshape(times.shape))
 
-    def slip(self, slow: Slow, times: Array) -> Array:
+    def slip(self, slow: SlowStep, times: Array) -> Array:
         """Integral of v - V from the step's start to `times`, in V* times transits."""
         return self._terms(slow, times)[..., 0] - slow.load
 
-    def stress(self, slow: Slow, times: Array) -> Array:
+    def stress(self, slow: SlowStep, times: Array) -> Array:
         """Friction stress at `times`."""
         return self._scene.steady_stress + self._terms(slow, times) @ self.to_stress
 
-    def memory(self, slow: Slow, times: Array, now: float) -> tuple[Array, Array, float]:
+    def memory(self, slow: SlowStep, times: Array, now: float) -> tuple[Array, Array, float]:
         """Waves launched at `times` (..), as deviations, of shape (layers, 2, ..); load and velocity of each outer face, and the
         slip, at the time `now`."""
         terms = self._terms(slow, np.append(times, now))
@@ -158,7 +158,7 @@ class SlowMotion:
         tops[self._held, VELOCITY] += 0.5 * drift
         return waves, tops, float(terms[-1, 0] - slow.load)
 
-    def _terms(self, slow: Slow, times: Array) -> Array:
+    def _terms(self, slow: SlowStep, times: Array) -> Array:
         """Slip (with the load of the step's start), dv, dv', .. at `times` (..); shape (.., TERMS + 1)."""
         at = ((times - slow.start) / slow.length).ravel()
         rows, values = interpolation_matrix(self._basis, at), slow.rate

@@ -14,7 +14,7 @@ import numpy as np
 
 from reduced.delay.alike import MOST_FIRST_STEPS, Delay, TransitMesh, first_steps
 from reduced.delay.march import EXTREMES, DelayMemory, extremes, present
-from reduced.delay.multirevolution import Past
+from reduced.delay.multirevolution import MarchedTransits
 from reduced.delay.transmission_lines import NODES, Lines, lines_of
 from slipwave.friction import rates, respond
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces
@@ -84,7 +84,7 @@ class LeapingDelay(Delay):
         super().restore(state)
         number, states, highest = np.split(saved["past"], [1, 3], axis=1)
         waves = saved["past.incoming"].reshape(len(number), self._lines.incoming.size)
-        self._past = Past(_ORDER, number.ravel(), np.column_stack([waves, states]), highest)
+        self._past = MarchedTransits(_ORDER, number.ravel(), np.column_stack([waves, states]), highest)
         self.skipped, self._length, self._next_try, self._pause = leaps
 
     def _change(self, mesh: TransitMesh, incoming: Array, now: Array) -> None:
@@ -136,7 +136,7 @@ class LeapingDelay(Delay):
             self._give_up()
         return True
 
-    def _visit(self, before: _Moment, past: Past, number: float) -> Pieces:
+    def _visit(self, before: _Moment, past: MarchedTransits, number: float) -> Pieces:
         """The pieces of a transit that was left out."""
         present = self._mesh, self._lines.incoming, self._memory
         self._jump_to(before, past.total(past.number[-1] + 1.0, number), number)
@@ -195,8 +195,8 @@ class LeapingDelay(Delay):
         self._next_try = int(self._memory.now[TIME]) + self._pause
         self._pause = min(2 * self._pause, _LONGEST_PAUSE)
 
-    def _nothing(self) -> Past:
-        return Past(_ORDER, np.empty(0), np.empty((0, self._lines.incoming.size + 2)), np.empty((0, EXTREMES)))
+    def _nothing(self) -> MarchedTransits:
+        return MarchedTransits(_ORDER, np.empty(0), np.empty((0, self._lines.incoming.size + 2)), np.empty((0, EXTREMES)))
 
 
 _LONGEST_STEP = 1.0 / 3.0  # transits

@@ -26,7 +26,7 @@ _Bins: TypeAlias = tuple[Array, Array]
 """The width (1,) of intervals, and the ranges (intervals, columns) of the samples in them; infinite where there are none."""
 
 
-class Shown(NamedTuple):
+class EnvelopeIntervals(NamedTuple):
     """The intervals that hold samples, as arrays of equal length: `time` (transits) and `slip` (L, from the first sample on) of
     the latest sample, and the ranges of the slip rate (V*) and of the friction stress."""
 
@@ -70,20 +70,20 @@ class Envelope:
             _take(pieces, self._nodes, reached, frame, self._scene.drive.travelled, scratch, self._origin, *self._bins)
         self._unread.clear()
 
-    def by_time(self) -> Shown:
+    def by_time(self) -> EnvelopeIntervals:
         """The motion so far over equal intervals of time."""
         return self._shown(0)
 
-    def by_slip(self) -> Shown:
+    def by_slip(self) -> EnvelopeIntervals:
         """The motion so far over equal intervals of slip."""
         return self._shown(1)
 
-    def _shown(self, which: int) -> Shown:
+    def _shown(self, which: int) -> EnvelopeIntervals:
         self._read()
         _, ranges = self._bins[which]
         low, high = np.split(ranges[np.isfinite(ranges[:, 0])].T, 2)
         rate = rates(self._scene.law, low[_Z]), rates(self._scene.law, high[_Z])
-        return Shown(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
+        return EnvelopeIntervals(high[_TIME], high[_SLIP], rate, (low[_MU], high[_MU]))
 
     def state(self) -> dict[str, Array]:
         """The ranges so far, for a checkpoint."""

@@ -24,7 +24,7 @@ from slipwave.step.port import Port, Slabs, prepared, propagate
 from slipwave.step.tangent import Answer, Motion, blank_answer, step_answer
 
 
-class Sides(NamedTuple):
+class ShiftedScenes(NamedTuple):
     """The scenes at p + `step` and p - `step`, and the number of their transits per transit of the present scene."""
 
     scenes: tuple[Scene, Scene]
@@ -32,7 +32,7 @@ class Sides(NamedTuple):
     step: float
 
 
-class Given(NamedTuple):
+class DirectDerivatives(NamedTuple):
     """Direct derivatives of k steps of s nodes by m parameters: of the `stress` and of h G, `gain` (k, m, s), and of the `memory`
     (k, m, n) by the step. The responses: of v, `rate`, and of psi, `state` (k, m, s)."""
 
@@ -75,7 +75,7 @@ def _drive_at(drive: Constant | Ramps, times: Array, lengths: Array, nodes: Arra
             velocity[k, j] = velocity_at(drive, times[k] + nodes[j] * lengths[k], times[k] + 0.5 * lengths[k])
 
 
-def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: int) -> tuple[Given, Array]:
+def given_by(scene: Scene, sides: Sequence[ShiftedScenes], pieces: Pieces, remembered: int) -> tuple[DirectDerivatives, Array]:
     """Direct derivatives along `pieces` through the law and the clock, zero through the slabs; and v, v_z, F, F_z, F_psi and G
     along them (6, k, s)."""
     (steps, stages), count, here = pieces.z.shape, len(sides), _law_along(scene.law, pieces)
@@ -86,16 +86,16 @@ def given_by(scene: Scene, sides: Sequence[Sides], pieces: Pieces, remembered: i
             stress[:, i] -= sign / step * friction
             gain[:, i] += (sign / step * clock * moved.transit * pieces.length)[:, None] * growth
     rate, state = np.empty((2, steps, count, stages))
-    return Given(stress, gain, np.zeros((steps, count, remembered)), rate, state), here
+    return DirectDerivatives(stress, gain, np.zeros((steps, count, remembered)), rate, state), here
 
 
-def start_by(sides: Sequence[Sides]) -> Array:
+def start_by(sides: Sequence[ShiftedScenes]) -> Array:
     """Derivatives of psi at the start (m,); those of the memory, zero in steady sliding, vanish."""
     ends = [(a.steady_psi + a.start.jump_size - b.steady_psi - b.start.jump_size) / (2.0 * step) for (a, b), _, step in sides]
     return np.array(ends)
 
 
-def stress_by(law: Array, given: Given, direct: Array) -> Array:
+def stress_by(law: Array, given: DirectDerivatives, direct: Array) -> Array:
     """d mu/dp at the nodes (k, m, s) from the responses, with F_p = `direct` (k, m, s); `law` as from `given_by`."""
     _, v_z, _, by_z, by_psi, _ = law[:, :, None]
     stress: Array = by_z / v_z * given.rate + by_psi * given.state + direct
@@ -103,7 +103,7 @@ def stress_by(law: Array, given: Given, direct: Array) -> Array:
 
 
 @njit
-def answer_given(nodes: Nodes, answer: Answer, k: int, given: Given, psi: Array) -> None:
+def answer_given(nodes: Nodes, answer: Answer, k: int, given: DirectDerivatives, psi: Array) -> None:
     """given.rate and given.state of step `k` <- `answer` applied to its direct derivatives and to the derivatives `psi` (m,) at
     its start, which are replaced by those at its end."""
     s, rows, matrix = len(nodes), given.stress.shape[2], answer.matrix
@@ -126,7 +126,7 @@ def _carry(
     integral: Array,
     plan: NDArray[np.int64],
     motion: Motion,
-    given: Given,
+    given: DirectDerivatives,
     changes: tuple[Array, Array],
 ) -> None:
     """Carry the `changes`, of the memory (m, n) and of psi (m,), along the `motion` in steps of the levels `plan`, one `transit`
@@ -151,7 +151,7 @@ def _remember(change: Array, plan: NDArray[np.int64], moved: Array, values: Arra
         propagate(change, plan[k], moved.shape[1], moved[k], values)
 
 
-def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Array:
+def port_sensitivity(slabs: Slabs, sides: Sequence[ShiftedScenes], pieces: Pieces) -> Array:
     """d mu/dp (k, m, s) at the nodes of all `pieces` of a march of `slabs` from the start of their scene, without a nudge."""
     scene, (rule, compiled, shape) = slabs.scene, rule_of(slabs.stages)
     remembered = slabs.port(1.0, 1).values.size
@@ -163,7 +163,7 @@ def port_sensitivity(slabs: Slabs, sides: Sequence[Sides], pieces: Pieces) -> Ar
     cuts = np.searchsorted(pieces.time, np.array(scene.drive.knots) - SAME)
     for begin, end in pairwise(np.unique([0, *cuts, pieces.time.size])):  # between knots: one length over powers of two
         part = slice(begin, end)
-        here, own = pieces.part(part), Given(*(array[part] for array in given))
+        here, own = pieces.part(part), DirectDerivatives(*(array[part] for array in given))
         longest = float(here.length.max())
         plan = np.rint(np.log2(longest / here.length)).astype(np.int64)
         levels = int(plan.max()) + 1

@@ -71,7 +71,7 @@ def travel_times(scene, slab):
 
 
 @dataclass
-class Side:
+class MarchedSlab:
     """A slab with its past waves: `launched` (2, layers) lists of (copies, NODES), outwards and inwards."""
 
     scene: Scene
@@ -173,7 +173,7 @@ class Plain:
 
     def __init__(self, scene, copies):
         self.scene, law = scene, scene.law
-        self.sides = [Side(scene, slab, copies) for slab in (scene.upper, scene.lower)]
+        self.sides = [MarchedSlab(scene, slab, copies) for slab in (scene.upper, scene.lower)]
         self.near = np.array([side.e[0] for side in self.sides])
         self.impedance = 1.0 / np.sum(1.0 / self.near)
         self.a_star, self.a, self.b, self.slip = law.a_star, law.a, law.b, isinstance(law, Slip)

@@ -10,7 +10,7 @@ import slipwave
 from reduced.delay.alike import Delay
 from reduced.delay.break_points import DelayBreaks
 from reduced.delay.leaping_network import LeapingNetwork
-from reduced.delay.multirevolution import Past, sum_rules
+from reduced.delay.multirevolution import MarchedTransits, sum_rules
 from reduced.delay.slow_motion import SlowMotion
 from reduced.delay.stroboscopic_kernel import _sum_of_new, _weights_of_sum, turns
 from reduced.delay.system import LeapingDelay, delay_system
@@ -376,7 +376,9 @@ EVERY = every_transit()
 def known(number):
     """The latest transits, of these numbers, as the march knows them."""
     order = len(number)
-    return Past(order, np.array(number, dtype=float), np.array([change(EVERY[n]) for n in number]), np.zeros((order, 1)))
+    return MarchedTransits(
+        order, np.array(number, dtype=float), np.array([change(EVERY[n]) for n in number]), np.zeros((order, 1))
+    )
 
 
 def leapt(length, order):
@@ -417,7 +419,7 @@ def test_the_estimated_error_of_a_leap_is_one_order_smaller(order):
 @pytest.mark.parametrize("last", [62.0, 63.0, 64.0, 150.0])
 def test_sums_are_exact_for_polynomials(last):
     """Transits at unequal distances, as the control of the error makes them; sums of one, two, three and many terms."""
-    past = Past(ORDER, np.empty(0), np.empty((0, 1)), np.empty((0, 1)))
+    past = MarchedTransits(ORDER, np.empty(0), np.empty((0, 1)), np.empty((0, 1)))
     for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):
         past = past.then(n, np.array([(n / 50.0) ** 5 - n]), np.zeros(1))
     ahead = np.arange(61.0, last)
@@ -426,7 +428,7 @@ def test_sums_are_exact_for_polynomials(last):
 
 def test_peaks_between_two_transits_are_found():
     """Two of four quantities turn at 51.3 and 44.8, one turned before 44, one rises all the time; twice the same counts once."""
-    past = Past(ORDER, np.empty(0), np.empty((0, 1)), np.empty((0, 5)))
+    past = MarchedTransits(ORDER, np.empty(0), np.empty((0, 1)), np.empty((0, 5)))
     for n in (7.0, 11.0, 12.0, 20.0, 44.0, 60.0):
         past = past.then(
             n, np.zeros(1), np.array([-((n - 51.3) ** 2), -((n - 44.8) ** 2), -((n - 30.0) ** 2), n, 2 * n - n**2 / 102.6])
@@ -439,7 +441,7 @@ def test_peaks_between_two_transits_are_found():
 def test_compiled_leaps_are_those_in_plain_numpy(distance):
     """Sums over what a leap leaves out, what the block after it changes in them, and the blocks in which something turns."""
     number, random = np.array([3.0, 5.0, 12.0, 20.0, 24.0, 30.0]), np.random.default_rng(distance)
-    past, new = Past(ORDER, number, random.random((ORDER, 3)), random.random((ORDER, 4))), random.random(3)
+    past, new = MarchedTransits(ORDER, number, random.random((ORDER, 3)), random.random((ORDER, 4))), random.random(3)
     first, last = 31.0, 31.0 + distance
     later = past.then(last, new, random.random(4))
     rule = [table[distance] for table in sum_rules(ORDER)]

@@ -79,8 +79,8 @@ def _covered(figure: str, group: list[Held]) -> Coverage:
 
 _CLOSE = (1.01, 1.25)  # times the round trip at which steady sliding loses its stability
 
-Part = Callable[[np.random.Generator], dict[str, Any]]
-SLABS: dict[str, Part] = {
+ReportPart = Callable[[np.random.Generator], dict[str, Any]]
+SLABS: dict[str, ReportPart] = {
     "alike": lambda random: {},
     "unlike": lambda random: {},
     "layered": lambda random: {

@@ -98,7 +98,7 @@ class Trace:
         return self.look.kind not in _UNSAID
 
 
-class Second(NamedTuple):
+class SecondScale(NamedTuple):
     """Another scale of an axis: `factor` times its value or, if `is_power`, its power of ten."""
 
     label: str
@@ -115,7 +115,7 @@ class Scale:
     kind: str = "linear"
     limits: tuple[float | None, float | None] = (None, None)
     ticks: Mapping[float, str] | None = None
-    second: Second | None = None
+    second: SecondScale | None = None
     floor: float = -np.inf
 
     @property

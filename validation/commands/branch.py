@@ -29,7 +29,7 @@ from validation.models.branch import FollowedBranch
 from validation.models.ends import CurveEnd, SpecialEnds
 from validation.models.followed import End, Followed, pursue, write_followed
 from validation.models.orbits import LARGEST_TOLERANCE, LEAST_TOLERANCE, flowing
-from validation.models.parameter import Over, Values, names_of, over_range, range_text
+from validation.models.parameter import ParameterRange, Values, names_of, over_range, range_text
 from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 from validation.models.provenance import provenance
 
@@ -354,7 +354,7 @@ def _telling(values: list[float]) -> int:
     return next(enough, 17)
 
 
-def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], over: Over) -> dict[str, Any]:
+def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], over: ParameterRange) -> dict[str, Any]:
     """Columns of points as variables, in SI each by the units of its own scene, which the parameter may change; `stable` is -1
     where undecided."""
     columns = dict(zip(names, zip(*rows, strict=True) if rows else [()] * len(names), strict=True))

@@ -13,7 +13,7 @@ from slipwave.observe.protocol import StageFigures
 from slipwave.observe.verdict import REPEATS
 from slipwave.scene import Scene
 from slipwave.solve import Leaping
-from validation.chart import GREY, GUIDE, POINTS, Chart, Look, Panel, Scale, Second, Trace, outline
+from validation.chart import GREY, GUIDE, POINTS, Chart, Look, Panel, Scale, SecondScale, Trace, outline
 from validation.commands.reasons import PREFIXES, power_of
 from validation.data.variables import INTERFACE, si_factor, stored_name
 from validation.models.run import Run, second_half
@@ -33,7 +33,7 @@ def scale_of(name: str, scene: Scene) -> Scale:
     if size is None:
         return _SCALES[name]
     power = power_of(_STRESS * size) if name == "stress" else 0
-    return replace(_SCALES[name], second=Second(_SI_LABELS[name].format(PREFIXES[power]), size / 10.0**power))
+    return replace(_SCALES[name], second=SecondScale(_SI_LABELS[name].format(PREFIXES[power]), size / 10.0**power))
 
 
 def for_rates(scale: Scale, rates: Iterable[Array]) -> Scale:

@@ -32,9 +32,9 @@ from validation.commands.wording import header
 from validation.data.datasets import Dataset
 from validation.data.series import read_series
 from validation.fit.by_orbits import fitted_orbit
-from validation.fit.least_squares import Best, Intervals, Solution, at_bounds, intervals, minimise, profiled
+from validation.fit.least_squares import BestValues, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.orbits import MOST_TRANSITS, CycleOfOrbit
-from validation.fit.parameters import NUISANCES, Free, Variants, begun, schedule_of, sizes
+from validation.fit.parameters import NUISANCES, FreeParameter, Variants, begun, schedule_of, sizes
 from validation.fit.problem import FrictionProblem, problem_of
 from validation.fit.records import Experiment, experiment_of
 from validation.models.by_name import family_of
@@ -270,7 +270,7 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     problem = problem_of(scenes, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
     facts = {"scene": scene.digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}
-    best = Best.kept(options.checkpoint, next(problem.starts()), facts)
+    best = BestValues.kept(options.checkpoint, next(problem.starts()), facts)
     stopped, waves = False, next((forward for forward in problem.models if isinstance(forward, CycleOfOrbit)), None)
     try:
         starts, is_cheap = problem.starts(), all(forward.is_cheap for forward in problem.models)
@@ -330,7 +330,7 @@ def _going_on(source: SceneSource, options: _FitOptions) -> _FitOptions:
     return whole.with_expressions(stored.options.get("set", {}))
 
 
-def _from_best(words: list[str], free: Iterable[Free], inner: Array) -> list[str]:
+def _from_best(words: list[str], free: Iterable[FreeParameter], inner: Array) -> list[str]:
     """What is fitted, variables with their best values as starts."""
     best = {key.name: key.written(key.value(x)) for key, x in zip(free, inner.tolist(), strict=False)}
     names = [word.partition("=")[0].strip() for word in words]
@@ -340,7 +340,7 @@ def _from_best(words: list[str], free: Iterable[Free], inner: Array) -> list[str
 def _nearby(cheap: FrictionProblem, others: Iterator[Array]) -> Iterator[Array]:
     """Starts of an expensive model: the best values of a cheap one, or its own starts where there are none."""
     try:
-        solution = minimise(cheap, cheap.starts(), Best(next(cheap.starts())))
+        solution = minimise(cheap, cheap.starts(), BestValues(next(cheap.starts())))
     except NumericsError as error:
         log.info("%s: %s", _CHEAP, error)
         yield from others

@@ -20,7 +20,7 @@ from slipwave.input.quantity import Quantity
 from slipwave.input.schema import KeyTable
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from validation.chart import GUIDE, Chart, Look, Panel, Scale, Second, Trace
+from validation.chart import GUIDE, Chart, Look, Panel, Scale, SecondScale, Trace
 from validation.chart.thin import staying
 from validation.commands.reasons import PREFIXES, power_of
 from validation.commands.result import aligned, rounded
@@ -245,4 +245,4 @@ def _scale(name: str, scene: Scene, largest: float) -> Scale:
         return Scale(label.format(meaning.unit))
     power = min(9, 3 + power_of(1.0 / (size * largest)))
     unit = shown_in(meaning.unit, scene)[1].replace("/", f"/{PREFIXES[power]}")
-    return Scale(label.format(meaning.unit), second=Second(label.format(unit), size * 10.0**power))
+    return Scale(label.format(meaning.unit), second=SecondScale(label.format(unit), size * 10.0**power))

@@ -40,7 +40,7 @@ from validation.data.variables import cycle_in_si
 from validation.data.writing import MOST_LINES, write_series
 from validation.models.build import judged_grid, prepare
 from validation.models.by_name import Options, made, one_port_of
-from validation.models.history_file import ALL, Kept, Window
+from validation.models.history_file import ALL, Thinning, Window
 from validation.models.outlook import amplified_rounding, costly_steps, expected_period, length_of, needed
 from validation.models.progress import log, progress
 from validation.models.provenance import provenance
@@ -382,7 +382,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
         raise SceneError(f"scene {scene.name!r}: a Lyapunov exponent needs a constant drive.velocity")
     every = time_between(checkpoint, options.checkpoint_every, scene)
     chosen = (options.every, options.window, options.rate) != (None, None, None)
-    kept = Kept.of(options.every, options.window, scene, options.rate) if chosen else ALL
+    kept = Thinning.of(options.every, options.window, scene, options.rate) if chosen else ALL
     if scene.start.kind is StartKind.ORBIT:
         built = prepare(options.model, scene, checkpoint is not None and checkpoint.exists(), **options.numerical)
     else:
@@ -459,7 +459,7 @@ def _exponent(done: Run, options: RunOptions) -> tuple[Exponent | None, str, boo
         return None, f"interrupted at t = {done.solver.time:.6g} transits, before the Lyapunov exponent was known", True
 
 
-def _afterwards(choice: "Choice | None", kept: Kept, end: float) -> list[str]:
+def _afterwards(choice: "Choice | None", kept: Thinning, end: float) -> list[str]:
     """Warnings about a run that ended at `end` (transits): of what is kept nothing was reached, or the default grid is too
     coarse."""
     if kept.begin >= end:

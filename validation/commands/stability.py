@@ -19,7 +19,7 @@ from slipwave.input.assemble import SceneSource
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.scene import doubts
-from validation.chart import BLUE, DASHED, GREY, GUIDE, ORANGE, POINTS, Chart, Look, Panel, Scale, Second, Trace
+from validation.chart import BLUE, DASHED, GREY, GUIDE, ORANGE, POINTS, Chart, Look, Panel, Scale, SecondScale, Trace
 from validation.commands.options import SceneOptions, command, option
 from validation.commands.reasons import on_stability
 from validation.commands.result import Output, Result, aligned, rounded
@@ -251,7 +251,7 @@ def _mark(rate: float, name: str, dashes: Any) -> Trace:
 
 def _scale(scene: Scene, along: Array) -> Scale:
     size, unit = (1.0 / scene.units.time, "Hz") if scene.units else (scene.transit, "cycles per transit")
-    second = Second(f"frequency / {unit}" if scene.units else unit, size / (2.0 * math.pi))
+    second = SecondScale(f"frequency / {unit}" if scene.units else unit, size / (2.0 * math.pi))
     return Scale("angular frequency omega / (V*/L)", "log", (float(along[0]), float(along[-1])), second=second)
 
 

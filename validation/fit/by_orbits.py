@@ -9,7 +9,7 @@ from reduced.orbit.periodic import periodic_orbit
 from slipwave.errors import NumericsError
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
-from validation.fit.least_squares import Best, Solution, minimise
+from validation.fit.least_squares import BestValues, Solution, minimise
 from validation.fit.orbits import Anchor, CycleOfOrbit
 from validation.fit.problem import FrictionProblem
 from validation.models.progress import log
@@ -55,7 +55,7 @@ class _OrbitCoordinates:
         return np.column_stack(columns) / self.model.record.noise
 
 
-def fitted_orbit(problem: FrictionProblem, model: CycleOfOrbit, starts: Iterable[Array], best: Best) -> Solution:
+def fitted_orbit(problem: FrictionProblem, model: CycleOfOrbit, starts: Iterable[Array], best: BestValues) -> Solution:
     """Fit the orbit of the `model` of the problem's record from the first of `starts` that leads to a residual as small as the
     noise, else from the best.
 
@@ -76,7 +76,7 @@ def fitted_orbit(problem: FrictionProblem, model: CycleOfOrbit, starts: Iterable
             )
             coordinates = _OrbitCoordinates(problem, model)
             first = np.concatenate([[0.0, 0.0], begun.coordinates[1:], start[keys:]])
-            solution = minimise(coordinates, [first], Best(first, also=see))
+            solution = minimise(coordinates, [first], BestValues(first, also=see))
             coordinates.inner(solution.inner)
         except NumericsError as reason:
             reasons.append(str(reason))

@@ -65,7 +65,7 @@ class Solution(NamedTuple):
 
 
 @dataclass
-class Best:
+class BestValues:
     """The best values so far, available after an interruption; tells the `news`. `file`: the checkpoint that keeps them with the
     `facts` of their fit, from which a killed fit continues. `also` is called with all values and residuals."""
 
@@ -114,7 +114,7 @@ class Best:
             self.also(inner, residual)
 
 
-def minimise(problem: Problem, starts: Iterable[Array], best: Best) -> Solution:
+def minimise(problem: Problem, starts: Iterable[Array], best: BestValues) -> Solution:
     """The lowest minimum from several `starts`: descend from the first and, if its residual is far above the noise, take a few
     steps from each other start and descend from the best of these. Raises NumericsError if no start can be computed."""
     tried: list[tuple[optimize.OptimizeResult, list[str]]] = []
@@ -149,7 +149,7 @@ def _is_above(end: optimize.OptimizeResult) -> bool:
     return bool(gained @ gained > _ABOVE * (end.fun @ end.fun) / end.fun.size)
 
 
-def _descend(problem: Problem, start: Array, best: Best, most: int) -> tuple[optimize.OptimizeResult, list[str]]:
+def _descend(problem: Problem, start: Array, best: BestValues, most: int) -> tuple[optimize.OptimizeResult, list[str]]:
     """Descend from one start: the end, and why steps on the way could not be computed, which are shortened. NumericsError if the
     residual of the start cannot be computed."""
     inside = np.clip(start, problem.low, problem.high)

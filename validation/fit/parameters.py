@@ -15,7 +15,7 @@ from slipwave.input.wording import choices, key_text, nearest
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
-from slipwave.step.sensitivity import Sides
+from slipwave.step.sensitivity import ShiftedScenes
 from validation.models.parameter import Parameter, Variation, allowed_numbers, measured_value, number_in
 
 NUISANCES = ("level", "drift")
@@ -26,7 +26,7 @@ _REACH = 1e4  # a positive parameter may become so much larger or smaller than a
 
 
 @dataclass(frozen=True, kw_only=True)
-class Free(Parameter):
+class FreeParameter(Parameter):
     """A free parameter: its `start` value, the least and the largest. `is_positive`: its logarithm is fitted. `shown_unit`:
     that of SI, also where the scene takes bare numbers in it."""
 
@@ -51,7 +51,7 @@ class Variants:
     the base); the load point is driven by the `schedule`, in SI for a scene with units, else in transits and V*."""
 
     scenes: Variation
-    free: tuple[Free, ...]
+    free: tuple[FreeParameter, ...]
     schedule: Drive
     start: Start | None = None
 
@@ -67,12 +67,12 @@ class Variants:
         own = changed.start if changed.start.kind is StartKind.JUMP else Start(size=0.0)
         return replace(changed, drive=drive, start=self.start or own, record=frozenset({"events"}))
 
-    def neighbours(self, inner: Array) -> list[Sides]:
+    def neighbours(self, inner: Array) -> list[ShiftedScenes]:
         """The scenes on either side of each parameter."""
         clock, sides = sizes(self.scene(inner))[0], []
         for shift in _STEP * np.eye(len(self.free)):
             scenes = self.scene(inner + shift), self.scene(inner - shift)
-            sides.append(Sides(scenes, (clock / sizes(scenes[0])[0], clock / sizes(scenes[1])[0]), _STEP))
+            sides.append(ShiftedScenes(scenes, (clock / sizes(scenes[0])[0], clock / sizes(scenes[1])[0]), _STEP))
         return sides
 
 
@@ -89,11 +89,11 @@ def schedule_of(scene: Scene) -> Drive:
     return Drive(tuple(t * clock for t in scene.drive.times), tuple(v * pace for v in scene.drive.velocities))
 
 
-def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...]:
+def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[FreeParameter, ...]:
     """The free keys, and variables with their starts, among `words`, without nuisances. Raises SceneError for a key that the
     scene lacks or that is no number, for a repeated key, and for a variable without a start."""
     _, data = tables_of(scenes.base)
-    known, free = validate(data), list[Free]()
+    known, free = validate(data), list[FreeParameter]()
     for name, sign, start in (word.partition("=") for word in words if word not in NUISANCES):
         if name.strip() in scenes.variables:
             free.append(_variable(name.strip(), start))
@@ -108,7 +108,7 @@ def _free_parameters(scenes: Variation, words: Sequence[str]) -> tuple[Free, ...
     return tuple(free)
 
 
-def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[Free, ...]]:
+def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[FreeParameter, ...]]:
     """The scenes, with the variables of the base at their starts, and `_free_parameters`. Raises SceneError as these, and for a
     scene that cannot be read at the starts."""
     free = _free_parameters(scenes, words)
@@ -119,7 +119,7 @@ def begun(scenes: Variation, words: Sequence[str]) -> tuple[Variation, tuple[Fre
     return scenes, free
 
 
-def _variable(name: str, text: str) -> Free:
+def _variable(name: str, text: str) -> FreeParameter:
     """A variable that begins at a number, with or without a unit."""
     try:
         start, unit = measured_value(text)
@@ -128,10 +128,10 @@ def _variable(name: str, text: str) -> Free:
     if not math.isfinite(start):
         raise SceneError(f"--free {name}{text and '='}{text}: must be a variable with its start, as {name}=1")
     low, high = (start / _REACH, start * _REACH) if start > 0.0 else (-math.inf, math.inf)
-    return Free(name=name, unit=unit, start=start, low=low, high=high, is_positive=start > 0.0, shown_unit=unit)
+    return FreeParameter(name=name, unit=unit, start=start, low=low, high=high, is_positive=start > 0.0, shown_unit=unit)
 
 
-def _free(key: Sequence[str], known: Any, base: Scene) -> Free:
+def _free(key: Sequence[str], known: Any, base: Scene) -> FreeParameter:
     name, table = key_text(key), known
     for part in key[:-1]:
         table = getattr(table, part, None)
@@ -154,4 +154,4 @@ def _free(key: Sequence[str], known: Any, base: Scene) -> Free:
     )
     if isinstance(value, Quantity):
         low, high = (start / _REACH, start * _REACH) if is_positive else (-math.inf, math.inf)
-    return Free(name=name, unit=written, start=start, low=low, high=high, is_positive=is_positive, shown_unit=unit)
+    return FreeParameter(name=name, unit=written, start=start, low=low, high=high, is_positive=is_positive, shown_unit=unit)

@@ -17,7 +17,7 @@ from slipwave.scene import Scene
 from validation.fit.cycles import CycleOfReduction, MeanCycle, disturbed, folded
 from validation.fit.forward import Forward, OfReduction, OfSolver
 from validation.fit.orbits import CycleOfOrbit
-from validation.fit.parameters import NUISANCES, Free, Variants, sizes
+from validation.fit.parameters import NUISANCES, FreeParameter, Variants, sizes
 from validation.fit.records import FINEST, Experiment
 from validation.models.by_name import requested
 from validation.models.parameter import Variation
@@ -42,7 +42,7 @@ _RATIOS = (None, 0.6, 0.8)  # a/b; None: the scene's, if it can stick and slip
 class FrictionProblem:
     """Friction of `records` against a model's, over the `free` keys, then the `nuisances` of each record."""
 
-    free: tuple[Free, ...]
+    free: tuple[FreeParameter, ...]
     records: Sequence[Experiment]
     models: Sequence[Forward]
     nuisances: tuple[str, ...]
@@ -118,7 +118,12 @@ class FrictionProblem:
 
 
 def problem_of(
-    scenes: Variation, free: tuple[Free, ...], words: Sequence[str], records: Sequence[Experiment], model: str, tolerance: float
+    scenes: Variation,
+    free: tuple[FreeParameter, ...],
+    words: Sequence[str],
+    records: Sequence[Experiment],
+    model: str,
+    tolerance: float,
 ) -> FrictionProblem:
     """The problem of fitting `records` by `model`. Raises SceneError for an unknown model and one that cannot compute the
     scene."""
@@ -164,7 +169,7 @@ def _with_waves(variants: Variants, record: Experiment, model: str) -> tuple[Exp
     return own, CycleOfOrbit(variants, cycles, model)
 
 
-def _other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:
+def _other_starts(free: Sequence[FreeParameter], first: Array) -> Iterator[Array]:
     """Start values with another memory length, and with other a and b."""
     for group, factor in _FACTORS:
         moves = [key.is_positive and _word(key) in _GROUPS[group] for key in free]
@@ -172,7 +177,9 @@ def _other_starts(free: Sequence[Free], first: Array) -> Iterator[Array]:
             yield first + np.log(factor) * np.array(moves, dtype=float)
 
 
-def _sticking_starts(free: Sequence[Free], first: Array, cycle: MeanCycle, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
+def _sticking_starts(
+    free: Sequence[FreeParameter], first: Array, cycle: MeanCycle, scene_of: Callable[[Array], Scene]
+) -> Iterator[Array]:
     """Start values at which steady sliding is unstable, friction falls by about as much as in the mean cycle and, if the spring
     is free, rises before an event at the measured rate."""
     index = {_word(key): k for k, key in enumerate(free) if key.is_positive}
@@ -205,7 +212,7 @@ def _effects(scene: Scene) -> tuple[float, float]:
     return parameters.get("a", 0.0), parameters.get("b", 0.0)
 
 
-def _unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
+def _unstable_starts(free: Sequence[FreeParameter], first: Array, scene_of: Callable[[Array], Scene]) -> Iterator[Array]:
     """The first values with one of a, b and L changed, so that steady sliding is unstable: the stiffness is one of some shares of
     the critical one."""
     index = {_word(key): k for k, key in enumerate(free) if key.is_positive}
@@ -224,7 +231,7 @@ def _unstable_starts(free: Sequence[Free], first: Array, scene_of: Callable[[Arr
         yield inner
 
 
-def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of: Callable[[Array], Scene]) -> float:
+def _as_stiff(free: Sequence[FreeParameter], inner: Array, k: int, steep: float, scene_of: Callable[[Array], Scene]) -> float:
     """The k-th value at which a locked interface is loaded at the rate `steep`; unchanged if there is none."""
 
     def short(x: float) -> float:
@@ -238,5 +245,5 @@ def _as_stiff(free: Sequence[Free], inner: Array, k: int, steep: float, scene_of
     return float(inner[k])
 
 
-def _word(key: Free) -> str:
+def _word(key: FreeParameter) -> str:
     return key.name.rpartition(".")[2]

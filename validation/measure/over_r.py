@@ -12,7 +12,7 @@ from reduced.orbit.closing import Closed
 from reduced.stability.onsets import Onset
 from slipwave.scene import Scene
 from validation.models.branch import FollowedBranch
-from validation.models.parameter import Over, over_range
+from validation.models.parameter import ParameterRange, over_range
 from validation.models.points import BranchPoint
 
 RANGE = (-2.72, -2.3)
@@ -69,7 +69,7 @@ def branch_of(model: str, highest: float, longest: float, tolerance: float = TOL
 
 
 @cache
-def _paper_over_r() -> Over:
+def _paper_over_r() -> ParameterRange:
     low, high = RANGE
     return over_range(f"log10_r={low}:{high}", "paper")
 

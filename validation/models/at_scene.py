@@ -19,7 +19,7 @@ from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.followed import ends_of
 from validation.models.orbits import SceneOrbit, find_orbit, most_transits, moving, orbits_near, refined_orbit
-from validation.models.parameter import Over, Variation
+from validation.models.parameter import ParameterRange, Variation
 from validation.models.points import StopAt
 from validation.models.progress import log
 
@@ -149,7 +149,7 @@ def _points(model: str, scene: Scene, cells: int | None, here: float, longest: f
         )
     onset = math.log10(critical)
     first, last = (onset + _BACK, here - _BEYOND) if here < onset else (onset - _BEYOND, here + _BEYOND)
-    over = Over(_NAME, first=first, last=last, scenes=Variation(scaling(scene)))  # as for the onset
+    over = ParameterRange(_NAME, first=first, last=last, scenes=Variation(scaling(scene)))  # as for the onset
     points: list[OrbitPoint] = []
     try:
         for end in ends_of(FollowedBranch(over, model, _TOLERANCE, cells), StopAt(longest, _MOST, outside=0.0)):

@@ -33,7 +33,7 @@ from slipwave.sources import source_digest
 from validation.models.by_name import one_port_of
 from validation.models.orbits import find_orbit, moving
 from validation.models.own import digests
-from validation.models.parameter import Over
+from validation.models.parameter import ParameterRange
 from validation.models.points import SPECIAL_KINDS, BranchPoint, SpecialPoint, StopAt
 
 _FORMAT = 4
@@ -69,7 +69,7 @@ class FollowedBranch:
     `doubled`: the branch of orbits of twice the period from the first period doubling of the scene's own branch."""
 
     what: ClassVar[str] = "branch"
-    over: Over
+    over: ParameterRange
     model: str
     tolerance: float
     cells: int | None = None
@@ -81,7 +81,7 @@ class FollowedBranch:
     outlines: dict[int, State] = field(default_factory=dict)
 
     @property
-    def varied(self) -> dict[str, Over]:
+    def varied(self) -> dict[str, ParameterRange]:
         """Column of the file -> the parameter whose values it holds."""
         return {"value": self.over}
 

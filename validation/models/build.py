@@ -9,7 +9,7 @@ from slipwave.family import Family
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
 from slipwave.solve import FieldSolver, Solver, State
-from validation.models.by_name import OPTIONS, Built, Options, given, made, parse, resolve
+from validation.models.by_name import OPTIONS, BuiltSolver, Options, given, made, parse, resolve
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
@@ -31,7 +31,7 @@ def build_full_wave(model: str, scene: Scene, **options: Unpack[Options]) -> Fie
     return solver
 
 
-def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[Options]) -> Built:
+def prepare(model: str, scene: Scene, resumed: bool = False, **options: Unpack[Options]) -> BuiltSolver:
     """The solver of `made` at the scene's start. For a start on the orbit the model is first marched there, unless the run is
     `resumed` from a checkpoint. Raises as `made`."""
     built = made(model, scene, **options)

@@ -50,7 +50,7 @@ def given(options: Options, *names: str) -> dict[str, Any]:
     return {name: value for name in names if (value := options.get(name)) is not None}
 
 
-class Built(NamedTuple):
+class BuiltSolver(NamedTuple):
     """A solver, the grid that was chosen for a tolerance (`choice`), and `why` `auto` took its model."""
 
     solver: "Solver"
@@ -120,7 +120,7 @@ def resolve(model: str, scene: "Scene", among: Collection[Family] = FAMILIES) ->
     return best.example, f"the delay system cannot do {DELAY.refusal(scene) or 'it is not part of this installation'}"
 
 
-def made(model: str, scene: "Scene", **options: Unpack[Options]) -> Built:
+def made(model: str, scene: "Scene", **options: Unpack[Options]) -> BuiltSolver:
     """The solver called `model` for `scene`, at the beginning of it, and what was chosen for it; a grid's degree may be left out
     of its name and is then chosen (`dg` for `dg:P`).
 
@@ -186,20 +186,20 @@ def _numbers(allowed: range | tuple[int, ...]) -> str:
     return f"one of {', '.join(str(number) for number in allowed)}"
 
 
-def make(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:
+def make(family: Family, scene: "Scene", number: int | None, options: Options) -> BuiltSolver:
     """A solver of the member of `family` with this number after the colon; SceneError for an option out of range or a scene it
     cannot compute."""
     if family in GRIDS:
         return _on_a_grid(family, scene, number, options)
     if family is DELAY:
-        return Built(family.maker()(scene, **given(options, "tolerance")))
+        return BuiltSolver(family.maker()(scene, **given(options, "tolerance")))
     from reduced.impedance import reduction_of
     from reduced.ode.slabs import ReducedModel
 
-    return Built(ReducedModel(scene, reduction_of(scene, family.called(number)), **given(options, "tolerance")))
+    return BuiltSolver(ReducedModel(scene, reduction_of(scene, family.called(number)), **given(options, "tolerance")))
 
 
-def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Options) -> Built:
+def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Options) -> BuiltSolver:
     """A full wave on the requested grid, for which a tolerance only sets the steps, or else on a grid fine enough for the
     tolerance."""
     numbers = () if number is None else (number,)
@@ -210,19 +210,19 @@ def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Opti
 
     tolerance, cells = options.get("tolerance"), options.get("cells")
     if tolerance is None:
-        return Built(member(scene, **given(options, "cells", "cfl", "time")))
+        return BuiltSolver(member(scene, **given(options, "cells", "cfl", "time")))
     if cells is not None:
         steps = {"resolution": tolerance} if "time" in family.options else {}
         solver = member(scene, **steps, **given(options, "cells", "cfl", "time"))
         if "resolution" not in solver.settings:
             raise SceneError(f"tolerance = {tolerance:g}: chooses the cells itself; leave out cells = {cells}")
-        return Built(solver)
+        return BuiltSolver(solver)
     from fullwave.adapt import resolution_for, to_tolerance
 
     steps = {"resolution": resolution_for(tolerance)} if "time" in family.options else {}
     facts = facts_of(family.name)
     order = (facts.order_at_best or facts.order_interface)(number or 0)
-    return Built(*to_tolerance(scene, tolerance, member, order, **steps, **given(options, "cfl", "time")))
+    return BuiltSolver(*to_tolerance(scene, tolerance, member, order, **steps, **given(options, "cfl", "time")))
 
 
 load_from_packages("slipwave.families", add_family)

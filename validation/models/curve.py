@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from reduced.continuation.curve import OnCurve, Plane, Reached, beginning, follow_curve
+from reduced.continuation.curve import CurveState, OnCurve, Plane, beginning, follow_curve
 from reduced.continuation.point import FlowFamily
 from reduced.continuation.special import Special
 from reduced.continuation.start import from_stored, stored
@@ -21,7 +21,7 @@ from slipwave.sources import source_digest
 from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.own import digests
-from validation.models.parameter import Over
+from validation.models.parameter import ParameterRange
 from validation.models.points import CurvePoint, StopAt
 
 _FORMAT = 2
@@ -34,14 +34,14 @@ class Curve:
 
     what: ClassVar[str] = "curve"
     kind: str
-    over: Over
-    second: Over
+    over: ParameterRange
+    second: ParameterRange
     model: str
     tolerance: float
     start: tuple[FollowedBranch, int] | None = None
     points: list[CurvePoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
-    left: list[tuple[str, float, Reached]] = field(default_factory=list)
+    left: list[tuple[str, float, CurveState]] = field(default_factory=list)
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -62,7 +62,7 @@ class Curve:
         (low, high), (least, most) = self.over.ends, self.second.ends
         return Plane(self._scene_at, (high - low, most - least))
 
-    def begin(self) -> Reached | None:
+    def begin(self) -> CurveState | None:
         """Record the first point, on the branch at the second parameter's first value, or all Hopf points, which lie on the
         boundary of stability of steady sliding, those of the curve through `start` if given. Raises NumericsError if there is
         none."""
@@ -104,7 +104,7 @@ class Curve:
                 f"--and {second.name}={second.first:g}:{second.last:g}: FROM must be the value that the branch of --from has"
             )
 
-    def follow(self, end: Reached, limits: StopAt) -> Iterator[Reached]:
+    def follow(self, end: CurveState, limits: StopAt) -> Iterator[CurveState]:
         """Record point after point, yielding the end after each, up to the number in `limits` or until the curve leaves the
         rectangle or ends at a cusp. Raises NumericsError where the curve cannot be followed."""
         steps = follow_curve(self.plane, end, self.tolerance)
@@ -132,20 +132,20 @@ class Curve:
         axis, value = max(((self.over, first), (self.second, second)), key=lambda pair: pair[0].beyond(pair[1]))
         return axis.name, axis.nearest_end(value)
 
-    def saved(self, end: Reached) -> dict[str, State]:
+    def saved(self, end: CurveState) -> dict[str, State]:
         """As `FollowedBranch`."""
         ends = {name: _saved(point, end.length) for name, point in (("before", end.before), ("last", end.last))}
         return ends | {"resume": {"direction": np.array(end.direction)}}
 
-    def restored(self, saved: Mapping[str, State]) -> Reached:
+    def restored(self, saved: Mapping[str, State]) -> CurveState:
         """As `FollowedBranch`."""
         last, length = self._on_curve(saved["last"])
         along, across = saved["resume"]["direction"].tolist()
         before = last if len(self.points) < 2 else self._on_curve(saved["before"])[0]
-        return Reached(before, last, (along, across), length)
+        return CurveState(before, last, (along, across), length)
 
     @property
-    def varied(self) -> dict[str, Over]:
+    def varied(self) -> dict[str, ParameterRange]:
         """As `FollowedBranch`."""
         return {"first": self.over, "second": self.second}
 

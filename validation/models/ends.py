@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from reduced.continuation.curve import Reached, crossing, turn
+from reduced.continuation.curve import CurveState, crossing, turn
 from reduced.stability.onsets import Onset, onsets
 from slipwave.errors import NumericsError, SceneError
 from slipwave.input.assemble import SceneSource
@@ -15,7 +15,7 @@ from validation.models.branch import FollowedBranch
 from validation.models.by_name import one_port_of
 from validation.models.curve import Curve
 from validation.models.followed import ends_of
-from validation.models.parameter import Over, Variation, over_ranges
+from validation.models.parameter import ParameterRange, Variation, over_ranges
 from validation.models.points import SPECIAL_KINDS, StopAt
 
 _CURVE = StopAt(points=400)
@@ -39,13 +39,13 @@ class SpecialEnds:
     """The `branches` of one scene at `values` of the parameter `second`; `curves`: kind -> the curves of it through all points of
     the first branch."""
 
-    def __init__(self, second: Over, values: tuple[float, ...]) -> None:
+    def __init__(self, second: ParameterRange, values: tuple[float, ...]) -> None:
         self.second, self.values = second, values
         self.branches: list[FollowedBranch] = []
         self.curves: dict[str, list[CurveEnd]] = {}
 
     @classmethod
-    def read(cls, text: str, over: str, source: "SceneSource | Variation") -> tuple[Over, Self]:
+    def read(cls, text: str, over: str, source: "SceneSource | Variation") -> tuple[ParameterRange, Self]:
         """The parameter of `--over` at the first value of `--ends KEY=VALUE,VALUE,...`, and the latter, for a scene, or scenes
         with variables. Raises SceneError for another form."""
         key, equals, values = text.partition("=")
@@ -96,7 +96,7 @@ class SpecialEnds:
         name, index = next(iter(left.items()))
         curve = Curve(own.special[index].kind, own.over, self.second, own.model, own.tolerance, (own, index))
         del left[name]
-        trail, failed = list[Reached](), ""
+        trail, failed = list[CurveState](), ""
         try:
             trail.extend(end for end in ends_of(curve, _CURVE))
         except NumericsError as error:
@@ -119,7 +119,7 @@ class SpecialEnds:
         best = max(range(len(curve.points)), key=lambda k: self._progress(curve.points[k].second))
         return CurveEnd(tuple(points), *self._extreme(curve, trail, best))
 
-    def _extreme(self, curve: Curve, trail: list[Reached], best: int) -> tuple[float, float, float, float]:
+    def _extreme(self, curve: Curve, trail: list[CurveState], best: int) -> tuple[float, float, float, float]:
         """Second and first parameter and period at the extreme near the point `best`, and the bracket of the second."""
         top = curve.points[best]
         if top.kind == "CP":

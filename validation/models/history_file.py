@@ -35,7 +35,7 @@ Window: TypeAlias = str | Sequence[float | str]
 """(20, 45) or "20:45" in transits, or times with a unit: "10s:60s"."""
 
 
-class Kept(NamedTuple):
+class Thinning(NamedTuple):
     """Which samples are kept: each `every`-th of those between the times `begin` and `end` (transits); with a `step` (transits)
     even ones, from `begin` on, instead of the solver's own."""
 
@@ -59,7 +59,7 @@ class Kept(NamedTuple):
         return cls(every or 1, times[0], times[1], step)
 
 
-ALL = Kept()
+ALL = Thinning()
 
 
 def temporary_samples() -> Path:
@@ -81,7 +81,7 @@ class HistoryFile:
     disk, would fill a quarter of the memory or have 1e9 samples. Gaps are refused within the window of `kept`.
     """
 
-    def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True, kept: Kept = ALL) -> None:
+    def __init__(self, law: Law, nodes: Array, path: Path, until: float, stays: bool = True, kept: Thinning = ALL) -> None:
         self._law, self._nodes, self._basis = law, np.asarray(nodes), lagrange_basis(nodes)
         self.path, self.problem = path, ""
         self._kept, self._seen = kept, 0
@@ -156,7 +156,7 @@ class HistoryFile:
     def restore(self, state: dict[str, Array]) -> None:
         """Continue after the samples counted in `state`. Raises SceneError if the file does not hold them, or others were
         kept."""
-        kept = Kept(*state["kept"].tolist())
+        kept = Thinning(*state["kept"].tolist())
         if kept != self._kept:
             raise SceneError(f"{self._label} keeps {_in_words(kept)}; this run asks for {_in_words(self._kept)}")
         self._reached = float(state["reached"])
@@ -276,6 +276,6 @@ def _memory() -> float:
     return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
 
 
-def _in_words(kept: Kept) -> str:
+def _in_words(kept: Thinning) -> str:
     evenly = f", {kept.step:g} apart," if kept.step else ""
     return f"one in {kept.every:g} samples{evenly} from t = {kept.begin:g} to {kept.end:g}"

@@ -178,7 +178,7 @@ class Variation:
 
 
 @dataclass(frozen=True)
-class Over(Parameter):
+class ParameterRange(Parameter):
     """A parameter between `first` and `last`."""
 
     first: float = field(kw_only=True)
@@ -220,7 +220,7 @@ class Over(Parameter):
             return self.scenes.scene({_KEYS.get(self.name, self.name): value})
         return self.scene_at(value)
 
-    def beside(self, other: Parameter, value: float) -> "Over":
+    def beside(self, other: Parameter, value: float) -> "ParameterRange":
         """The same in scenes with this `value` of another parameter."""
         fixed = {**self.scenes.fixed, other.name: other.written(value)}
         return replace(self, scenes=replace(self.scenes, fixed=fixed))
@@ -351,7 +351,7 @@ def names_of(*ranges: Values | None) -> tuple[str, ...]:
     return tuple(text.partition("=")[0].strip() for text in map(range_text, ranges) if text)
 
 
-def over_range(text: str, source: "SceneSource | Variation", option: str = "--over") -> Over:
+def over_range(text: str, source: "SceneSource | Variation", option: str = "--over") -> ParameterRange:
     """The parameter of `--over KEY=FROM:TO`, or of another `option`, for a scene, or for scenes with variables.
 
     Raises SceneError if the text has another form, and if the scene cannot be read at one of the ends.
@@ -359,7 +359,7 @@ def over_range(text: str, source: "SceneSource | Variation", option: str = "--ov
     return over_ranges({option: text}, source)[0]
 
 
-def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> list[Over]:
+def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> list[ParameterRange]:
     """As `over_range` for several options: each varies with the variables among the others at their first ends."""
     scenes = source if isinstance(source, Variation) else Variation(slipwave.read(source))
     if not scenes.base.drive.is_constant:
@@ -379,7 +379,7 @@ def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> 
     return checked
 
 
-def _range(text: str, scenes: Variation, option: str) -> Over:
+def _range(text: str, scenes: Variation, option: str) -> ParameterRange:
     """The range, whose ends may be no values of the scene."""
 
     def require(holds: object, reason: str) -> None:
@@ -407,7 +407,7 @@ def _range(text: str, scenes: Variation, option: str) -> Over:
         f"{shorten(name)} is no parameter; must be one of {', '.join(PARAMETERS)}, a key of the scene with its dots, as "
         "upper.epsilon or slab.face.stiffness, or a variable that a --set names",
     )
-    return Over(name, unit, first=first, last=last, scenes=scenes)
+    return ParameterRange(name, unit, first=first, last=last, scenes=scenes)
 
 
 def number_of(text: str) -> tuple[float, str]:

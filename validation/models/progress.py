@@ -40,7 +40,7 @@ Advise: TypeAlias = Callable[[tuple[float, float]], None]
 """Takes the seconds that a work still needs: the smaller and the larger prediction."""
 
 
-class Remaining:
+class RemainingTime:
     """The seconds that a work still needs, by the `share` of it that is done. Nothing is predicted before a tenth of it is done;
     from then on once at its mean speed so far and once at that of its last tenth. What came before the first news may have been
     compilation and does not count."""
@@ -76,7 +76,7 @@ class _Meter:
         self._label, self._total, self._advise = label, total, advise
         self._share = share or (lambda done: done / total)
         self._began = self._printed = time.monotonic()
-        self._remaining = Remaining()
+        self._remaining = RemainingTime()
         self._bar: Progress | None = None
         self._task: TaskID | None = None
 
@@ -154,7 +154,7 @@ class LongRunAdvice:
         self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
 
     def __call__(self, left: tuple[float, float]) -> None:
-        """Take the time `left` (s), as `Remaining` predicts it."""
+        """Take the time `left` (s), as `RemainingTime` predicts it."""
         if self._silent or math.sqrt(left[0] * left[1]) < LONG:
             return
         self._silent = True

@@ -32,7 +32,7 @@ from slipwave.scene.drive import Drive
 from slipwave.solve import Energy, FieldSolver, Final, Mark, Observer, Resumable, Solver, follow
 from slipwave.solve.checkpoint import Checkpoints
 from slipwave.solve.follow import DAY, Foresight, named_observers, require_time
-from validation.models.history_file import ALL, HistoryFile, Kept, temporary_samples
+from validation.models.history_file import ALL, HistoryFile, Thinning, temporary_samples
 from validation.models.outlook import LEFT_BY_ROUNDING, Ended, JudgedHalf, Length, growth_rate, is_stable
 from validation.models.own import digests
 from validation.models.progress import LongRunAdvice, progress, share_of_run
@@ -62,7 +62,7 @@ class Records:
         length: Length,
         interface: bool | None = None,
         fields: bool | None = None,
-        kept: Kept = ALL,
+        kept: Thinning = ALL,
         samples: Path | None = None,
         checkpoint: Path | None = None,
         every: float | None = None,
@@ -131,7 +131,7 @@ def _fields(solver: Solver, until: float, fields: bool | None) -> "FieldRecord |
     return FieldRecord(solver, max(until - FIELD_WINDOW, 0.0), until)
 
 
-def _history(solver: Solver, until: float, kept: Kept, samples: Path | None, checkpoint: Path | None) -> HistoryFile:
+def _history(solver: Solver, until: float, kept: Thinning, samples: Path | None, checkpoint: Path | None) -> HistoryFile:
     """The observer of the interface's history in a run to `until` (transits).
 
     The samples that are `kept` are in the file `samples`, or in a temporary one, until it is closed. With a `checkpoint` they are

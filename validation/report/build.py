@@ -79,7 +79,7 @@ def make_report(
         return _write(out, [result for result in stored.values() if result], quick, against)
 
 
-def _write(out: Path, results: list[store.Stored], quick: bool, against: Record | None) -> Path:
+def _write(out: Path, results: list[store.StoredStudy], quick: bool, against: Record | None) -> Path:
     """Write the page and its files; raises RedReport at the end."""
     bare = record_of(results, quick, datetime.now(UTC).strftime("%Y-%m-%d %H:%M UTC"))
     kept = baseline.as_report(bare)
@@ -102,17 +102,17 @@ def _write(out: Path, results: list[store.Stored], quick: bool, against: Record 
 
 
 def _side_by_side(
-    works: Mapping[str, Callable[[Tell], store.Stored]], workers: int, tell: Callable[[str, float], None]
-) -> Iterator[store.Stored]:
+    works: Mapping[str, Callable[[Tell], store.StoredStudy]], workers: int, tell: Callable[[str, float], None]
+) -> Iterator[store.StoredStudy]:
     """Yield results as studies end, which processes of their own begin in this order; those that were running or waiting when a
     process died have failed. How far each is stands in a file."""
     with TemporaryDirectory() as folder, executors.processes(workers) as start:
-        pool, notes, names = start(), {name: Path(folder, name) for name in works}, dict[Future[store.Stored], str]()
+        pool, notes, names = start(), {name: Path(folder, name) for name in works}, dict[Future[store.StoredStudy], str]()
         for name, work in works.items():
             try:
                 names[pool.submit(work, partial(_note, notes[name]))] = name
             except BrokenExecutor as error:  # a process died while others were started
-                broken = Future[store.Stored]()
+                broken = Future[store.StoredStudy]()
                 broken.set_exception(error)
                 names[broken] = name
         while names:
@@ -120,7 +120,7 @@ def _side_by_side(
             for name in (names[future] for future in running):
                 tell(name, float(notes[name].read_text() or 0.0) if notes[name].exists() else 0.0)
             for name, future in ((names.pop(future), future) for future in done):
-                died = store.Stored(name, study_called(name).QUESTION, 0.0, True, error=_DIED)
+                died = store.StoredStudy(name, study_called(name).QUESTION, 0.0, True, error=_DIED)
                 yield died if future.exception() else future.result()
 
 
@@ -128,7 +128,7 @@ def _note(file: Path, share: float) -> None:
     file.write_text(f"{share}")
 
 
-def _perform(module: str, folder: Path, key: str, quick: bool, tell: Tell) -> store.Stored:
+def _perform(module: str, folder: Path, key: str, quick: bool, tell: Tell) -> store.StoredStudy:
     """Run a study and store its result under a key; any exception becomes the result of this study."""
     study = cast(Study, import_module(module))
     began = time.perf_counter()
@@ -138,10 +138,10 @@ def _perform(module: str, folder: Path, key: str, quick: bool, tell: Tell) -> st
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
         message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
-        return store.Stored(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=message)
+        return store.StoredStudy(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=message)
 
 
-def _say(stored: store.Stored) -> None:
+def _say(stored: store.StoredStudy) -> None:
     """Log one line for a finished study."""
     state = "failed" if stored.error else f"{stored.wall_seconds:6.1f} s" if stored.fresh else "  stored"
     print(f"{stored.name:24} {state}", file=sys.stderr, flush=True)

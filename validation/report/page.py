@@ -13,7 +13,7 @@ from validation.report import Evidence, Verdict
 from validation.report.compared import JUDGED, advice_on
 from validation.report.questions import ask, left_out, tally, verdicts_of
 from validation.report.record import Changes, Record, Word
-from validation.report.store import Picture, Stored
+from validation.report.store import Picture, StoredStudy
 from validation.report.text import templates
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _HERE = Path(__file__).parent
 
 
-def write_page(out: Path, studies: Sequence[Stored], report: Record) -> Path:
+def write_page(out: Path, studies: Sequence[StoredStudy], report: Record) -> Path:
     """Render out/index.html from the studies' results; the file appears whole or not at all."""
     said = _said(report.changes)
     told = {"report": report, "studies": studies, "said": said}
@@ -33,7 +33,7 @@ def write_page(out: Path, studies: Sequence[Stored], report: Record) -> Path:
     return out / "index.html"
 
 
-def _templates(studies: Sequence[Stored], out: Path) -> "Environment":
+def _templates(studies: Sequence[StoredStudy], out: Path) -> "Environment":
     """The environment of the templates, of a page in the folder `out`: jinja's functions and ours, styles, scripts, the figures'
     dark colours."""
     from markupsafe import Markup

@@ -6,7 +6,7 @@ from typing import Any
 
 from validation.report import Evidence, Omission, Outcome, Verdict
 from validation.report.registered import STUDIES
-from validation.report.store import Stored
+from validation.report.store import StoredStudy
 
 QUESTIONS = {
     "which": "Which model may I use?",
@@ -20,7 +20,7 @@ QUESTIONS = {
 """Anchor of a question, which its studies name (`validation.report.registered.STUDIES`), and its text."""
 
 
-def ask(studies: Sequence[Stored], changed: str) -> Iterator[dict[str, Any]]:
+def ask(studies: Sequence[StoredStudy], changed: str) -> Iterator[dict[str, Any]]:
     """All questions in display order: `name` and `title`, the `studies` that answer it, their `answers`, with reservations for
     failed checks and unfinished studies, and the verdicts that these rest on, `rests_on`, by study. Studies that no question
     names are listed with the checks. `changed` answers the last question."""
@@ -48,18 +48,18 @@ def ask(studies: Sequence[Stored], changed: str) -> Iterator[dict[str, Any]]:
         yield {"name": name, "title": title, "studies": mine, "answers": answers, "rests_on": rests_on}
 
 
-def verdicts_of(studies: Sequence[Stored]) -> list[Verdict]:
+def verdicts_of(studies: Sequence[StoredStudy]) -> list[Verdict]:
     """All verdicts of the studies, in order."""
     return [verdict for study in studies for verdict in study.result.verdicts]
 
 
-def tally(studies: Sequence[Stored]) -> dict[str, int]:
+def tally(studies: Sequence[StoredStudy]) -> dict[str, int]:
     """Number of verdicts by outcome, and of failed studies."""
     counts = Counter(verdict.outcome.value for verdict in verdicts_of(studies))
     return {outcome.value: counts[outcome.value] for outcome in Outcome} | {"broken": sum(bool(study.error) for study in studies)}
 
 
-def left_out(studies: Sequence[Stored]) -> list[tuple[Stored, Omission, list[Verdict], bool]]:
+def left_out(studies: Sequence[StoredStudy]) -> list[tuple[StoredStudy, Omission, list[Verdict], bool]]:
     """Omissions of the report: study, omission, verdicts that check its reason, and whether these are missing although the reason
     has numbers."""
     known, missing = verdicts_of(studies), []

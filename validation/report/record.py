@@ -26,20 +26,20 @@ from validation.report import Number, Omission, Table, Verdict
 from validation.report.model_table import ModelTable
 from validation.report.questions import tally
 from validation.report.registered import STUDIES, study_called
-from validation.report.store import Picture, Stored
+from validation.report.store import Picture, StoredStudy
 from validation.report.verdict import RECORDED, Real
 
 NAME = "report.json"
 FORMAT: Literal[1] = 1
 
 
-class Part(BaseModel):
+class ReportPart(BaseModel):
     """A part of report.json. A later version may add keys."""
 
     model_config = RECORDED | ConfigDict(frozen=True)
 
 
-class StudyRecord(Part):
+class StudyRecord(ReportPart):
     """One question of the report."""
 
     name: str
@@ -58,7 +58,7 @@ class StudyRecord(Part):
     """Why it did not finish; empty if it did."""
 
 
-class AnswerRecord(Part):
+class AnswerRecord(ReportPart):
     """An answer to one of the page's questions."""
 
     question: str
@@ -71,7 +71,7 @@ class AnswerRecord(Part):
     """Ids of the verdicts that it rests on."""
 
 
-class ModelTableRecord(Part):
+class ModelTableRecord(ReportPart):
     """A table of all models at several values of the parameter; `costs` are run times."""
 
     id: str
@@ -95,7 +95,7 @@ class Word(StrEnum):
     NOT_COMPARABLE = "not comparable"
 
 
-class Change(Part):
+class Change(ReportPart):
     """A number or a verdict, in an earlier report and now."""
 
     id: str
@@ -122,7 +122,7 @@ class Change(Part):
         return math.inf
 
 
-class Changes(Part):
+class Changes(ReportPart):
     """What became of every number and verdict since an earlier report."""
 
     since: str
@@ -137,7 +137,7 @@ class Changes(Part):
         return [change for change in self.listed if change.word in words]
 
 
-class Times(Part):
+class Times(ReportPart):
     """All that differs between two reports of the same commit."""
 
     written: str
@@ -149,7 +149,7 @@ class Times(Part):
     machine: dict[str, str]
 
 
-class Record(Part):
+class Record(ReportPart):
     """A whole report: of every study, or of those that were asked for and stored."""
 
     format: Literal[1]
@@ -185,7 +185,7 @@ def _processor() -> str:
     return platform.processor() or "unknown"
 
 
-def record_of(studies: Sequence[Stored], quick: bool, written: str) -> Record:
+def record_of(studies: Sequence[StoredStudy], quick: bool, written: str) -> Record:
     """The report of the stored `studies`, in their order, on this machine, without comparison."""
     done = [(study.name, study.result) for study in studies if not study.error]
     packages = {name: metadata.version(name) for name in ("numpy", "scipy", "numba")}
@@ -223,7 +223,7 @@ def record_of(studies: Sequence[Stored], quick: bool, written: str) -> Record:
     )
 
 
-def _study(stored: Stored) -> StudyRecord:
+def _study(stored: StoredStudy) -> StudyRecord:
     result, scenes = stored.result, study_called(stored.name).SCENES
     return StudyRecord(
         name=stored.name,

@@ -51,7 +51,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Stored:
+class StoredStudy:
     """A study for the page: its result read from disk, or the error that stopped it, without a result."""
 
     name: str
@@ -64,7 +64,7 @@ class Stored:
     key: str = ""
 
 
-_STORED = TypeAdapter(Stored)
+_STORED = TypeAdapter(StoredStudy)
 
 
 def study_key(study: Study, quick: bool) -> str:
@@ -77,7 +77,7 @@ def study_key(study: Study, quick: bool) -> str:
     return digest.hexdigest()[:16]
 
 
-def stored_result(folder: Path, study: Study, key: str) -> Stored | None:
+def stored_result(folder: Path, study: Study, key: str) -> StoredStudy | None:
     """The study's stored result with its pictures, if it is complete and has the same key; else None."""
     own = folder / study.NAME
     try:
@@ -97,7 +97,7 @@ def _digest(record: dict[str, Any], folder: Path) -> str:
     return digest.hexdigest()
 
 
-def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> Stored:
+def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall_seconds: float) -> StoredStudy:
     """Write the result with its figures under folder/NAME, whole or not at all."""
     target = folder / study.NAME
     part = folder / f".{study.NAME}.{os.getpid()}"
@@ -124,7 +124,7 @@ def store_result(folder: Path, study: Study, key: str, result: StudyResult, wall
             told |= {"id": f"{study.NAME}.{figure.name}"}
             files = tuple(f"data/{study.NAME}/{figure.name}{suffix}" for suffix in SUFFIXES)
             pictures.append(Picture(files=files, **{name: fact for name, fact in told.items() if name != "draw"}))
-        stored = Stored(study.NAME, study.QUESTION, wall_seconds, False, whole, tuple(pictures), key=key)
+        stored = StoredStudy(study.NAME, study.QUESTION, wall_seconds, False, whole, tuple(pictures), key=key)
         record = json.loads(json.dumps(asdict(stored), default=lambda value: value.item()))  # numbers of numpy as Python's
         digested = {"digest": _digest(record, part)} | record
         (part / "result.json").write_text(json.dumps(digested, indent=1) + "\n", encoding="utf-8")

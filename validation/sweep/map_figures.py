@@ -17,7 +17,7 @@ import slipwave
 from reduced.stability.boundary import boundary
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
-from validation.chart import POINTS, Chart, Look, Panel, Scale, Second, Trace, cell_edges, color_number
+from validation.chart import POINTS, Chart, Look, Panel, Scale, SecondScale, Trace, cell_edges, color_number
 from validation.chart.colors import PAPER, REGIMES
 from validation.data.datasets import DataArray, Dataset, flag_numbers, flag_words, load_dataset
 from validation.models.by_name import one_port_of
@@ -288,7 +288,7 @@ def _strip(models: Sequence[Dataset], name: str, along: Scale) -> Panel:
     return Panel("", along, side, [Trace("regime", _positions(models[0][name]), [*ticks], look, value=values)])
 
 
-def _other_side(data: Dataset, coordinate: DataArray) -> Second | None:
+def _other_side(data: Dataset, coordinate: DataArray) -> SecondScale | None:
     """The other scale of this axis of a sweep; None for a scene without units, and for a key that is no velocity or thickness."""
     own = _parameter_of(coordinate)
     key = own.name
@@ -306,7 +306,7 @@ def _other_side(data: Dataset, coordinate: DataArray) -> Second | None:
     if key in _VELOCITIES:
         (plain, value), (label, size) = ("V/V*", scene.velocity), ("V / (m/s)", scene.velocity * scene.units.reference_velocity)
     here = 10.0**first if is_power else first
-    return Second(plain, value / here, is_power) if own.unit else Second(label, size / here, is_power)
+    return SecondScale(plain, value / here, is_power) if own.unit else SecondScale(label, size / here, is_power)
 
 
 def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:

@@ -28,7 +28,7 @@ from validation.chart import (
     Look,
     Panel,
     Scale,
-    Second,
+    SecondScale,
     Trace,
     outline,
     with_gaps,
@@ -50,7 +50,7 @@ CHART = Chart(
     [
         Panel(
             "",
-            Scale("time", second=Second("time / s", 2.0)),
+            Scale("time", second=SecondScale("time / s", 2.0)),
             Scale(r"stress $\mu$"),
             [
                 Trace("", *outline([1.0, 2.0], [-np.inf] * 2, [np.inf] * 2), Look("#efeee8", kind="area")),
@@ -151,7 +151,7 @@ def test_what_is_drawn():
 
 def test_small_numbers_of_a_second_scale_are_whole_where_they_stand():
     """A power of ten at its end would meet the words of the other second scale."""
-    sides = [Scale(name, second=Second(f"{name} / s", 1e-10)) for name in ("t", "T")]
+    sides = [Scale(name, second=SecondScale(f"{name} / s", 1e-10)) for name in ("t", "T")]
     (axes,) = draw(Chart([Panel("", *sides, [Trace("", [1.0, 3.0], [1.0, 3.0])])])).axes
     axes.figure.draw_without_rendering()
     for marks in (axes.child_axes[0].xaxis, axes.child_axes[1].yaxis):

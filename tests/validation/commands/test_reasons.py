@@ -19,7 +19,7 @@ from validation.models import progress as module
 from validation.models.build import build
 from validation.models.cycle import watch
 from validation.models.outlook import amplified_rounding, expected_period, growth_rate, is_stable
-from validation.models.progress import LongRunAdvice, Remaining, progress, share_of_run
+from validation.models.progress import LongRunAdvice, RemainingTime, progress, share_of_run
 from validation.models.run import simulate
 
 
@@ -129,7 +129,7 @@ def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, ca
 
 def test_a_continued_run_is_predicted_from_where_it_goes_on():
     """From a half on at 5 % in 2 s; the first news, of any time, is the beginning."""
-    remaining = Remaining()
+    remaining = RemainingTime()
     assert [remaining(share, now) for share, now in ((0.5, 70.0), (0.54, 72.0))] == [None, None]
     assert remaining(0.6, 74.0) == pytest.approx((0.4 * 2.0 / 0.06, 16.0))
 

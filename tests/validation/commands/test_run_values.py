@@ -19,7 +19,7 @@ from validation.commands.cli import main
 from validation.commands.curve import CurveOptions, CurveResult
 from validation.models.by_name import families
 from validation.models.curve import Curve
-from validation.models.parameter import Over, Variation
+from validation.models.parameter import ParameterRange, Variation
 from validation.models.points import CurvePoint
 
 UNTIL = 4000.0
@@ -107,7 +107,7 @@ def table(lines, heading):
 
 
 RANGES = tuple(
-    Over(name, first=first, last=last, scenes=Variation(PAPER))
+    ParameterRange(name, first=first, last=last, scenes=Variation(PAPER))
     for name, first, last in (("log10_r", -2.8, -2.6), ("V", 90.0, 120.0))
 )
 

@@ -13,7 +13,7 @@ from validation.commands.fit import _chart, _missing_in, _values_in_words
 from validation.data.series import Series
 from validation.fit.cycles import CycleOfReduction, disturbed, mean_cycle
 from validation.fit.forward import OfReduction, OfSolver, solved
-from validation.fit.least_squares import Best, intervals, minimise
+from validation.fit.least_squares import BestValues, intervals, minimise
 from validation.fit.parameters import Variants, begun, schedule_of
 from validation.fit.problem import problem_of
 from validation.fit.records import Experiment, experiment_of
@@ -85,7 +85,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
         noise = NOISE * np.random.default_rng(seed).standard_normal(times.size)
         noisy = experiment._replace(friction=friction + noise)
         problem = problem_of(Variation(scene), begun(Variation(scene), KEYS)[1], [], [noisy], "quasidynamic", 1e-8)
-        found = minimise(problem, [inner], Best(inner))
+        found = minimise(problem, [inner], BestValues(inner))
         spread = intervals(problem, found)
         held += (spread.low < inner) & (inner < spread.high)
     assert (held >= 25).all()  # of 30 at 95 %: fewer once in 2,000
@@ -308,7 +308,7 @@ class Walled:
 
 @pytest.mark.parametrize(("wall", "line"), [(0.5, "cannot be computed beside these values"), (1.5, "")])
 def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wall, line):
-    best = Best(start := np.array([-3.0, 4.0]))
+    best = BestValues(start := np.array([-3.0, 4.0]))
     found = minimise(Walled(wall), [start], best)
     assert found.failed.startswith(line)
     assert bool(found.failed) == bool(line)
@@ -317,7 +317,7 @@ def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wal
 
 
 def test_a_fit_goes_on_where_its_checkpoint_cannot_be_written(tmp_path, caplog):
-    best = Best(start := np.array([-3.0, 4.0]), file=tmp_path / "gone" / "best.json")
+    best = BestValues(start := np.array([-3.0, 4.0]), file=tmp_path / "gone" / "best.json")
     found = minimise(Walled(1.5), [start], best)
     assert (found.failed, np.abs(found.inner - 1.0).max() < 1e-4) == ("", True)
     why = f"the folder {str(best.file.parent)!r} does not exist"

@@ -10,7 +10,7 @@ from slipwave.scene.drive import Drive
 from tests.validation.records import assert_held, written
 from validation.fit.cycles import FoldedRecord, disturbed, folded
 from validation.fit.forward import OfSolver
-from validation.fit.least_squares import Best
+from validation.fit.least_squares import BestValues
 from validation.fit.orbits import CycleOfOrbit
 from validation.fit.parameters import Variants, begun, schedule_of
 from validation.models.own import load_families
@@ -135,7 +135,7 @@ def test_a_search_without_an_answer_ends_and_says_where_it_is(scene, work, line,
 
 def test_a_fit_says_how_far_it_is(monkeypatch, caplog):
     monkeypatch.setattr("validation.models.progress._LINE_INTERVAL", 0.0)
-    best = Best(np.zeros(1))
+    best = BestValues(np.zeros(1))
     with caplog.at_level("INFO", "slipwave"):
         best.see(np.zeros(1), np.full(9, 3.0))
         best.see(np.zeros(1), np.full(9, 5.0))

@@ -14,7 +14,7 @@ from tests.copies import killed
 from tests.validation.records import assert_held, written
 from validation.commands.cli import main
 from validation.data.series import read_series
-from validation.fit.least_squares import Best
+from validation.fit.least_squares import BestValues
 from validation.fit.records import experiment_of, followed
 
 TRUTH = {"interface.a": 0.01, "interface.b": 0.015, "interface.memory_length": 1e-5}
@@ -183,7 +183,7 @@ def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path, capsys):
     whole = sw.fit(SAMPLE, data=[path], free=FREE)
     at = int(np.random.default_rng(10).integers(3, whole.summary["evaluations"]))
     words = ["fit", str(scene), "--data", path, "--free", ",".join(FREE), "--checkpoint", str(kept)]
-    killed(words, Best, "see", at + 1)
+    killed(words, BestValues, "see", at + 1)
     done = json.loads(kept.read_text())
     assert 1 <= done["evaluations"] <= at
     assert main([*words, "--json"]) == 0

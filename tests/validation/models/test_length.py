@@ -22,7 +22,7 @@ from tests.slipwave.test_verdict import henon
 from validation.commands.cli import main
 from validation.data.variables import stored_name
 from validation.models.build import build
-from validation.models.history_file import HistoryFile, Kept
+from validation.models.history_file import HistoryFile, Thinning
 from validation.models.outlook import JudgedHalf, UntilCycles, UntilSettled, growth_rate
 from validation.models.run import simulate
 
@@ -188,7 +188,7 @@ def test_memory_does_not_grow_with_the_run(tmp_path):
 def test_more_than_a_quarter_of_the_memory_is_refused_early(tmp_path, monkeypatch, until, seen):
     """Of 8 GB after 1 %, of a run without a known end when 0.1 GB are there; one sample in ten is not too much."""
     monkeypatch.setattr("validation.models.history_file._memory", lambda: 4 * (7.9e9 if np.isfinite(until) else 0.09e9))
-    history, thin = (HistoryFile(PAPER.law, NODES, tmp_path / f"{every}", until, kept=Kept(every)) for every in (1, 10))
+    history, thin = (HistoryFile(PAPER.law, NODES, tmp_path / f"{every}", until, kept=Thinning(every)) for every in (1, 10))
     for first in range(seen - 1):
         history.scan(pieces(first))
         thin.scan(pieces(first))
