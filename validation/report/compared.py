@@ -19,7 +19,7 @@ from validation.measure.costs import march_times
 from validation.measure.memo import critical_r
 from validation.measure.regimes import UNKNOWN, Regime
 from validation.models.by_name import family_of
-from validation.report.model_table import ComparedFigure, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
+from validation.report.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.report.text import minus, plain
 
 EXACT_MODEL = "delay"
@@ -47,7 +47,7 @@ def compared_table(
     parameter: str,
     columns: Sequence[ModelColumn],
     regimes: Mapping[str, Sequence[Regime]],
-    onsets: Mapping[str, ComparedFigure | None],
+    onsets: Mapping[str, Compared | None],
     costs: Mapping[str, Mapping[str, float]],
 ) -> ModelTable:
     """The table, with advice and sentences, of models whose `regimes` in the columns are known, the exact system's among them;
@@ -75,19 +75,19 @@ def _cell(ours: Regime, exact: Regime | None) -> ModelCell:
     return ModelCell(ours.words, exact is None or ours.agrees(exact), ours.cycles, figures, ours.command)
 
 
-def against(ours: Estimate, exact: Estimate | None) -> ComparedFigure:
+def against(ours: Estimate, exact: Estimate | None) -> Compared:
     """A quantity of a model compared with the exact system's, if known."""
     own = ours.error / abs(ours.value)
     if exact is None:
-        return ComparedFigure(ours.value, None, own)
+        return Compared(ours.value, None, own)
     ratio = ours.value / exact.value
-    return ComparedFigure(ours.value, ratio - 1.0, ratio * math.hypot(own, exact.error / exact.value))
+    return Compared(ours.value, ratio - 1.0, ratio * math.hypot(own, exact.error / exact.value))
 
 
-def onset(model: str, scene: Scene) -> ComparedFigure | None:
+def onset(model: str, scene: Scene) -> Compared | None:
     """Onset of a model, log10 of its critical r, with the relative error of r itself; None if it has none."""
     own, exact = (critical_r(name, scene) for name in (model, EXACT_MODEL))
-    return ComparedFigure(math.log10(own), None if model == EXACT_MODEL else own / exact - 1.0, _EXACTLY) if own > 0.0 else None
+    return Compared(math.log10(own), None if model == EXACT_MODEL else own / exact - 1.0, _EXACTLY) if own > 0.0 else None
 
 
 def relative_costs(models: Collection[str], cells: Mapping[str, int], scene: Scene, rounds: int) -> dict[str, float]:

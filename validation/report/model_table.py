@@ -27,7 +27,7 @@ _CERTAIN = 1e-6
 
 
 @dataclass(frozen=True)
-class ComparedFigure:
+class Compared:
     """A quantity of a model in a column: `value` in the quantity's unit; signed relative `error` against the reference model's
     value, None for the reference itself; `standard_error` of that error, relative (of the reference: of its own value). For means
     over cycles it is the statistical one, of both means; for orbits the error of their computation."""
@@ -57,7 +57,7 @@ class ModelCell:
     regime: str
     right: bool
     cycles: int = 0
-    figures: dict[str, ComparedFigure] = field(default_factory=dict)
+    figures: dict[str, Compared] = field(default_factory=dict)
     command: str = ""
 
     def command_for(self, row: "ModelRow", column: "ModelColumn") -> str:
@@ -126,7 +126,7 @@ class ModelRow:
 
     model: str
     cells: tuple[ModelCell, ...]
-    onset: ComparedFigure | None
+    onset: Compared | None
     costs: tuple[float | None, ...]
     advice: str
     why: str

@@ -10,7 +10,7 @@ from slipwave.observe.statistics import Estimate
 from validation.measure.regimes import AWAY, STEADY, UNDECIDED, UNTRIED, Regime
 from validation.report import Evidence, Omission, Outcome, StudyResult, Verdict
 from validation.report.compared import compared_table, onset
-from validation.report.model_table import ComparedFigure, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
+from validation.report.model_table import Compared, ModelCell, ModelColumn, ModelQuantity, ModelRow, ModelTable
 from validation.report.names import by_claim
 from validation.report.page import write_page
 from validation.report.questions import QUESTIONS, ask, left_out
@@ -35,12 +35,12 @@ def models():
         ModelColumn(f"−{x}", -x, 1.0, group, f"paper --set slab.log10_r=-{x}")
         for x, group in ((2.7, "periodic"), (2.6, "periodic"), (2.5, "torus"))
     )
-    own = [{"T": ComparedFigure(70.0 + n, None, 1e-9), "Δμ": ComparedFigure(0.2, None, 1e-9)} for n in range(3)]
-    short = {"T": ComparedFigure(43.2, -0.4, 0.001), "Δμ": ComparedFigure(0.21, 0.05, 0.001)}
+    own = [{"T": Compared(70.0 + n, None, 1e-9), "Δμ": Compared(0.2, None, 1e-9)} for n in range(3)]
+    short = {"T": Compared(43.2, -0.4, 0.001), "Δμ": Compared(0.21, 0.05, 0.001)}
     still, moving = ModelCell("slides steadily", False), ("periodic", True, 140, short, "run --until 2e+04")
     exact = tuple(ModelCell("periodic", True, 0, figures) for figures in own)
     rows = (
-        ModelRow("delay", exact, ComparedFigure(-2.69, None, 0.0), (1.0,), "use", ""),
+        ModelRow("delay", exact, Compared(-2.69, None, 0.0), (1.0,), "use", ""),
         ModelRow("quasidynamic", (still, still, ModelCell(*moving)), None, (0.05,), "avoid", "other cycles"),
     )
     quantities = (ModelQuantity("T", "period", "transits"), ModelQuantity("Δμ", "stress drop", "σ"))
@@ -196,9 +196,9 @@ def test_the_table_has_errors_against_the_exact_system():
     table = a_table()
     assert [column.group for column in table.columns] == ["periodic", "torus, irregular"]
     exact, modal = table.row("delay").cells[1], table.row("modal:8").cells[1]
-    assert exact.figures["T"] == ComparedFigure(90.0, None, pytest.approx(0.01))
-    assert modal.figures["T"] == ComparedFigure(90.9, pytest.approx(0.01), pytest.approx(0.0141, rel=1e-2))
-    assert modal.figures["v_{max}"] == ComparedFigure(4000.0, 0.0, 0.0)
+    assert exact.figures["T"] == Compared(90.0, None, pytest.approx(0.01))
+    assert modal.figures["T"] == Compared(90.9, pytest.approx(0.01), pytest.approx(0.0141, rel=1e-2))
+    assert modal.figures["v_{max}"] == Compared(4000.0, 0.0, 0.0)
     assert table.row("kelvin-voigt").cells[0].figures["T"].error == pytest.approx(-0.03)
     assert table.row("quasidynamic").cells[0] == ModelCell(STEADY, right=False)
     assert table.row("quasidynamic").onset.error == pytest.approx(0.1126, rel=1e-3)

@@ -19,7 +19,7 @@ from test_page import models
 from slipwave.errors import SceneError
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
-from validation.report.model_table import ComparedFigure, ModelCell
+from validation.report.model_table import Compared, ModelCell
 from validation.report.names import by_claim
 from validation.report.text import number
 
@@ -134,7 +134,7 @@ def test_numbers(value, spec, html):
 
 
 def model_cell(value, error, standard_error=1e-9, right=True):
-    return ModelCell("periodic", right, 0, {"T": ComparedFigure(value, error, standard_error)})
+    return ModelCell("periodic", right, 0, {"T": Compared(value, error, standard_error)})
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from validation.chart.looks import model_line, model_marks, style_of
 from validation.measure import memo
 from validation.report import ASYMPTOTIC, Number, Outcome, Verdict, Verdicts, claim, holding, plain, stated
 from validation.report.compared import against
-from validation.report.model_table import ComparedFigure
+from validation.report.model_table import Compared
 
 MODELS = ("quasistatic", "quasidynamic", "block8", "block12", "kelvin-voigt", "modal:1", "modal:2", "modal:8")
 _CYCLING = ("block8", "block12", "kelvin-voigt", "modal:1", "modal:2")
@@ -53,7 +53,7 @@ class _CycleErrors(NamedTuple):
     scale: float
     theta: float
     swiftness: float
-    periods: dict[str, ComparedFigure]
+    periods: dict[str, Compared]
 
     def error(self, model: str = "kelvin-voigt") -> float:
         """Relative error of the model's period."""
