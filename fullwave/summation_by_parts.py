@@ -23,7 +23,7 @@ but Q stays skew and the conditions hold to rounding (tests/fullwave/test_operat
 
 from collections.abc import Sequence
 from functools import cache
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import scipy.sparse
@@ -119,13 +119,6 @@ class _Differences(NamedTuple):
     half: int
 
 
-def _difference_norm(order: int, cells: int) -> Any:
-    """H at h = 1: sparse (nodes, nodes), the identity except for a block at each end."""
-    norm, _ = _boundary_closure(order)
-    inside = scipy.sparse.eye_array(cells + 1 - 2 * norm.shape[0])
-    return scipy.sparse.block_diag((norm, inside, norm[::-1, ::-1]), format="csr")
-
-
 @apply.register(_Differences)
 def _apply(operator, state, rates, at):  # type: ignore[no-untyped-def]
     firsts, scales, central, closure = operator.first, operator.scale, operator.central, operator.closure
@@ -176,8 +169,8 @@ class SummationByParts(MethodOfLines):
             slots = start + np.arange(section.cells + 1)
             lift = 1.0 / (h * norm[0, 0])
             depth = section.start + h * (slots - start)
-            blocks.append(
-                Block(section, slots, half + slots, depth, h * _difference_norm(self.number, section.cells), (lift, lift))
-            )
+            inside = scipy.sparse.eye_array(section.cells + 1 - 2 * norm.shape[0])
+            weights = h * scipy.sparse.block_diag((norm, inside, norm[::-1, ::-1]), format="csr")
+            blocks.append(Block(section, slots, half + slots, depth, weights, (lift, lift)))
         scale = np.array([section.cells / section.length for section in sections])
         return BlockGrid(_Differences(first, scale, _central_coefficients(self.number), closure, half), 2 * half, tuple(blocks))

@@ -46,7 +46,7 @@ from fullwave.leapfrog.grid import LeapfrogGrid
 from slipwave.compiled.dispatch import by_class
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.slab import Slab, Termination
+from slipwave.scene.slab import Slab
 
 CHANGED = ("velocity", "stress", "relaxing", "lost", "memory")
 """Fields of media and faces that a march changes, for checkpoints."""
@@ -100,11 +100,6 @@ def _push_rigid(face, traction, velocity, mean):  # type: ignore[no-untyped-def]
     return traction * velocity
 
 
-def _coupling(face: Rigid | _Grip, inertia: float, damping: float) -> float:
-    """alpha of the face's row."""
-    return 0.0 if isinstance(face, Rigid) else damping / (inertia + face.impedance + face.half_spring + damping)
-
-
 def face_energy(face: Rigid | _Grip, steady_stress: float, step: float) -> tuple[float, float]:
     """(change of the spring's energy, radiated energy) of a face since t = 0, in units of sigma L / transit."""
     if isinstance(face, Rigid):
@@ -112,13 +107,6 @@ def face_energy(face: Rigid | _Grip, steady_stress: float, step: float) -> tuple
     stiffness, load = 2.0 * face.half_spring / step, float(face.memory[0])
     spring = load * (load + 2.0 * steady_stress) / (2.0 * stiffness) if stiffness > 0.0 else 0.0
     return spring, float(face.memory[1]) * step
-
-
-def _compiled_face(held: Termination, step: float, steady_stress: float) -> Rigid | _Grip:
-    """The kernel's form of an outer face; `held` and the time step `step` in transits."""
-    if held.is_rigid:
-        return Rigid()
-    return _Grip(held.dashpot, 0.5 * held.spring * step, steady_stress, np.zeros(2))
 
 
 Medium: TypeAlias = Any
@@ -151,21 +139,6 @@ class MarchedSlab(NamedTuple):
 
     medium: Medium
     face: Rigid | _Grip
-
-
-def _layered_medium(grid: LeapfrogGrid, velocity: float) -> _Layered:
-    """A slab of any layers that moves steadily at `velocity`."""
-    n, inertia = grid.width.size, grid.inertia
-    ends = float(inertia[0]), float(inertia[-1])
-    return _Layered(np.full(n + 1, velocity), np.zeros(n), 2.0 / inertia, grid.stiffness, *ends)
-
-
-def _elastic_medium(grid: LeapfrogGrid, velocity: float) -> _Uniform | _Layered:
-    """A slab that moves steadily at `velocity`."""
-    layered = _layered_medium(grid, velocity)
-    if not grid.is_uniform:
-        return layered
-    return _Uniform(*layered[:2], 0.5 * float(layered.mobility[0]), float(layered.stiffness[0]), layered.inertia)
 
 
 @by_class(inline=True)
@@ -253,7 +226,8 @@ def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid 
     n, inertia = grid.width.size, grid.inertia
     damping = grid.impedance * time / grid.width
     alpha, pivot = np.zeros(n + 1), np.zeros(n + 1)
-    alpha[n] = _coupling(face, inertia[-1], damping[-1])
+    if isinstance(face, _Grip):
+        alpha[n] = damping[-1] / (inertia[-1] + face.impedance + face.half_spring + damping[-1])
     for j in range(n - 1, 0, -1):
         pivot[j] = 1.0 / (inertia[j] + damping[j] * (1.0 - alpha[j + 1]) + damping[j - 1])
         alpha[j] = damping[j - 1] * pivot[j]
@@ -263,17 +237,25 @@ def _kelvin_voigt(grid: LeapfrogGrid, velocity: float, time: float, face: Rigid 
 
 def steady_side(scene: Scene, slab: Slab, grid: LeapfrogGrid) -> MarchedSlab:
     """A slab in steady sliding at the scene's initial velocity."""
-    face = _compiled_face(slab.termination.in_transits(scene.transit), grid.step, scene.steady_stress)
+    held = slab.termination.in_transits(scene.transit)
+    face: Rigid | _Grip = Rigid()
+    if not held.is_rigid:
+        face = _Grip(held.dashpot, 0.5 * held.spring * grid.step, scene.steady_stress, np.zeros(2))
     velocity, solid = 0.5 * scene.velocity, slab.rheology
     if solid.blocks_fast_waves:
         return MarchedSlab(_kelvin_voigt(grid, velocity, solid.retardation / scene.transit, face), face)
+    n, inertia = grid.width.size, grid.inertia
+    ends = float(inertia[0]), float(inertia[-1])
+    elastic = _Layered(np.full(n + 1, velocity), np.zeros(n), 2.0 / inertia, grid.stiffness, *ends)
+    if solid.ratio == 0.0 and not grid.is_uniform:
+        return MarchedSlab(elastic, face)
     if solid.ratio == 0.0:
-        return MarchedSlab(_elastic_medium(grid, velocity), face)
+        uniform = _Uniform(*elastic[:2], 0.5 * float(elastic.mobility[0]), float(elastic.stiffness[0]), elastic.inertia)
+        return MarchedSlab(uniform, face)
     time, share = solid.relaxation / scene.transit, solid.ratio / (1.0 + solid.ratio)
     branch, decay = share * grid.stiffness, 0.5 * grid.step / time
     weight = grid.width / (share * grid.impedance * time)
-    elastic = _layered_medium(grid, velocity)
-    return MarchedSlab(StandardLinear(*elastic, np.zeros(grid.width.size), branch, decay, weight, np.zeros(1)), face)
+    return MarchedSlab(StandardLinear(*elastic, np.zeros(n), branch, decay, weight, np.zeros(1)), face)
 
 
 @strain.register(StandardLinear)

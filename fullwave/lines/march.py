@@ -54,13 +54,11 @@ def _block_energy(block: Block, system: System, state: Array) -> float:
         parts += [(stress - memory, steady, 1.0 - fraction), (memory, 0.0, fraction)]
     else:
         parts.append((stress, steady, 1.0))
-    return block.section.impedance * sum(_excess(block.norm, values, mean) / share for values, mean, share in parts)
-
-
-def _excess(norm: Any, change: Array, mean: float) -> float:
-    """Integral of ((mean + change)^2 - mean^2)/2."""
-    weighted = _weighted(norm, change)
-    return float(0.5 * (change @ weighted) + mean * weighted.sum())
+    energy = 0.0
+    for change, mean, share in parts:  # the integral of ((mean + change)^2 - mean^2)/2
+        weighted = _weighted(block.norm, change)
+        energy += float(0.5 * (change @ weighted) + mean * weighted.sum()) / share
+    return block.section.impedance * energy
 
 
 def _weighted(norm: Any, values: Array) -> Array:

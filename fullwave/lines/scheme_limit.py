@@ -92,14 +92,11 @@ def spectral_limit(scene: Scene, build: Builder, sections: Sequence[Section], me
     """Longest stable step (transits) of `scene` with the cells of `sections`. The spectra are computed for shortened slabs (a few
     cells per section), with the interface locked (v = 0) and free (constant stress). `MARGIN` covers the shortening, which
     changed the limit by 0.3 per cent (measured)."""
-    system = assemble(scene, build([_cut_short(section, build) for section in sections]))
+    short = []
+    for section in sections:
+        nodes = sum(block.depth.size for block in build([section]).blocks)
+        cells = min(section.cells, max(section.fewest, -(-_SAMPLE_NODES * section.cells // nodes)))
+        short.append(section._replace(length=section.length * cells / section.cells, cells=cells))
+    system = assemble(scene, build(short))
     spectra = [np.linalg.eigvals(motion_matrix(system, locked)).astype(complex) for locked in (True, False)]
     return MARGIN * longest_step(np.concatenate(spectra), method)
-
-
-def _cut_short(section: Section, build: Builder) -> Section:
-    """The same section with fewer cells of the same length, so that it has about `_SAMPLE_NODES` nodes."""
-    whole = build([section])
-    nodes = sum(block.depth.size for block in whole.blocks)
-    cells = min(section.cells, max(section.fewest, -(-_SAMPLE_NODES * section.cells // nodes)))
-    return section._replace(length=section.length * cells / section.cells, cells=cells)
