@@ -1,7 +1,7 @@
 """One line about the first fault that pydantic finds in a scene's tables."""
 
 import re
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -26,7 +26,10 @@ def complaint(failure: ValidationError) -> str:
         case "missing":
             return f"{key}: missing; {_wanted(fault, at)}"
         case "range":
-            return f"{key} = {value}: {fault['msg']}{_logarithm(at, fault['input'])}"
+            name, number = f"log10_{at.path[-1]}", fault["input"]
+            negative = isinstance(number, int | float) and number <= 0.0
+            told = f"; its logarithm is {key_text([*at.path[:-1], name])}" if name in at.table.model_fields and negative else ""
+            return f"{key} = {value}: {fault['msg']}{told}"
         case "union_tag_invalid" | "union_tag_not_found":
             word = next(iter(next(iter(at.below.values())).model_fields))
             given = fault["input"].get(word) if isinstance(fault["input"], dict) else fault["input"]
@@ -61,13 +64,6 @@ def _located(loc: tuple[str | int, ...]) -> _Located:
         below = at.below if isinstance(part, int) else tables_in(field.annotation) if field else {}
         at = at._replace(path=[*at.path, part], below=below)
     return at
-
-
-def _logarithm(at: _Located, value: Any) -> str:
-    """Names the key of the logarithm if a number that is not positive may be one."""
-    name = f"log10_{at.path[-1]}"
-    negative = isinstance(value, int | float) and value <= 0.0
-    return f"; its logarithm is {key_text([*at.path[:-1], name])}" if name in at.table.model_fields and negative else ""
 
 
 def _suggestion(at: _Located) -> str:

@@ -177,17 +177,13 @@ class Foresight:
 def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
     seconds = pieces * solver.seconds_per_piece
     if seconds > most:
+        some = f"{seconds / (365 * DAY):.2g} years" if seconds > 365 * DAY else f"{seconds / DAY:.3g} days"
+        time = some if seconds < 1e4 * 365 * DAY else "more than ten thousand years"
         raise SceneError(
-            f"model {solver.model}: {until:g} transits would take about {_in_words(seconds)} "
+            f"model {solver.model}: {until:g} transits would take about {time} "
             f"({pieces * (solver.nodes.size - 1):.2g} samples of the interface): "
             f"run fewer transits, or use fewer cells or a larger cfl; --yes runs them anyway"
         )
-
-
-def _in_words(seconds: float) -> str:
-    if not seconds < 1e4 * 365 * DAY:
-        return "more than ten thousand years"
-    return f"{seconds / (365 * DAY):.2g} years" if seconds > 365 * DAY else f"{seconds / DAY:.3g} days"
 
 
 class NamedObserver(Observer, Resumable, Protocol):

@@ -66,7 +66,8 @@ def largest_exponent(
         _march(both[:1], time)
         before, now = now, _moving(solver)
     difference = {name: array - before[name] for name, array in now.items()}
-    scales = {name: _scale(array, before[name]) for name, array in difference.items()}
+    sizes, rounding = {name: _largest(array) for name, array in difference.items()}, np.finfo(float).eps
+    scales = {name: size if _DISTANCE * size > rounding * _largest(before[name]) else 0.0 for name, size in sizes.items()}
     if not any(scales.values()):
         raise NumericsError(
             f"{solver.model}: it slides steadily within rounding at t = {solver.time:.6g} transits, so that no exponent can be "
@@ -127,12 +128,6 @@ def _fits(state: State, other: State) -> bool:
 def _size(difference: State, scales: dict[str, float]) -> float:
     """Largest component of a difference, each array in units of its scale."""
     return max(_largest(array) / scales[name] for name, array in difference.items() if scales[name])
-
-
-def _scale(difference: Array, values: Array) -> float:
-    """Largest component of a difference of values; 0 if `_DISTANCE` times that is below their rounding."""
-    lost = np.finfo(float).eps * _largest(values)
-    return _largest(difference) if _DISTANCE * _largest(difference) > lost else 0.0
 
 
 def _largest(array: Array) -> float:

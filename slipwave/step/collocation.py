@@ -49,7 +49,12 @@ def radau(stages: int) -> Collocation:
     """Radau IIA rule with `stages` nodes: order 2 stages - 1 at the step's end, L-stable (Hairer and Wanner II, IV.5)."""
     if not 1 <= stages <= 12:
         raise ValueError(f"stages = {stages}: must be in 1..12")
-    nodes = _radau_nodes(stages)
+    # right Radau points on (0, 1]: the end, and the roots of Jacobi's P^(1,0) of stages - 1, shifted
+    difference = legendre.Legendre.basis(stages - 1) - legendre.Legendre.basis(stages)  # (1 - x) P^(1,0), up to a factor
+    slope, points = difference.deriv(), np.sort(difference.roots().real)[:-1]
+    for _ in range(_POLISHED):
+        points = points - difference(points) / slope(points)
+    nodes = np.append(0.5 * (points + 1.0), 1.0)
     gauss, weights = legendre.leggauss(stages + 2)
     basis = lagrange_basis(nodes)
     rows = [0.5 * x * weights @ interpolation_matrix(basis, 0.5 * x * (gauss + 1.0)) for x in nodes]
@@ -93,12 +98,3 @@ def from_moments(nodes: Array) -> Array:
     """(s, s): values at `nodes` in [0, 1] of the L2 projection with given Legendre moments."""
     values: Array = legendre.legvander(2.0 * nodes - 1.0, nodes.size - 1) * (2.0 * np.arange(nodes.size) + 1.0)
     return values
-
-
-def _radau_nodes(stages: int) -> Array:
-    """Right Radau points on (0, 1]: the end, and the roots of Jacobi's P^(1,0) of stages - 1, shifted."""
-    difference = legendre.Legendre.basis(stages - 1) - legendre.Legendre.basis(stages)  # (1 - x) P^(1,0), up to a factor
-    slope, points = difference.deriv(), np.sort(difference.roots().real)[:-1]
-    for _ in range(_POLISHED):
-        points = points - difference(points) / slope(points)
-    return np.append(0.5 * (points + 1.0), 1.0)

@@ -97,7 +97,9 @@ class PortMarch:
             steps += more
             self.iterations += iterations
             if ended == NOT_READY:
-                self._prepare(int(self._memory.levels[NEXT]))
+                level = int(self._memory.levels[NEXT])
+                self.slabs.prepare(self._port, level)
+                self._resist(np.array([level]))
         if ended == TOO_LONG and not steps:
             raise self._refusal()
         return pieces.part(slice(steps))
@@ -207,7 +209,3 @@ class PortMarch:
 
     def _resist(self, levels: Levels) -> None:
         self._stretch.resistance[levels] = self.slabs.resistance(self._port, levels, self._limits.growth)
-
-    def _prepare(self, level: int) -> None:
-        self.slabs.prepare(self._port, level)
-        self._resist(np.array([level]))
