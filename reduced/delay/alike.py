@@ -22,7 +22,7 @@ from slipwave.friction import allows_rest, rates, respond
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import SAME, Array, Pieces, empty_pieces, interpolation_matrix, lagrange_basis
 from slipwave.scene import Scene
-from slipwave.scene.drive import Drive, velocity_at
+from slipwave.scene.drive import velocity_at
 from slipwave.solve import State, tables, whole_numbers
 from slipwave.step.collocation import radau
 from slipwave.step.flow import Cycle, InterfaceState
@@ -79,14 +79,6 @@ def _read_at(coarse: TransitMesh, nodes: tuple[float, ...], finer: TransitMesh) 
     local = np.clip((at - coarse.starts[step]) / coarse.lengths[step], 0.0, 1.0)
     basis = lagrange_basis(np.array(nodes))
     return step, interpolation_matrix(basis, local.ravel()).reshape(*at.shape, len(nodes))
-
-
-def _cuts_of(drive: Drive) -> tuple[float, ...]:
-    """Fractions of the transit at which the drive's knots cause a kink of the load or of the wave at the interface, and 0."""
-    knots = np.array(drive.knots)
-    fractions = np.sort(np.concatenate(([0.0], knots % 1.0, (knots + 0.5) % 1.0)))
-    fractions = fractions[fractions < 1.0 - _SAME]
-    return tuple(fractions[np.concatenate(([True], np.diff(fractions) > _SAME))].tolist())
 
 
 @lru_cache(maxsize=256)
@@ -147,7 +139,11 @@ class Delay(DelayMarch):
         super().__init__(scene, stages, tolerance, dense_resolution(tolerance, stages) if emit else at_ends)
         self._emit, self._negligible = emit, _SHARE * tolerance
         self.settings = {"nodes": stages, "steps": steps, "tolerance": tolerance, "emit": emit}
-        self._cuts = _cuts_of(scene.drive)
+        # fractions of the transit at which the drive's knots cause a kink of the load or of the wave at the interface, and 0
+        knots = np.array(scene.drive.knots)
+        fractions = np.sort(np.concatenate(([0.0], knots % 1.0, (knots + 0.5) % 1.0)))
+        fractions = fractions[fractions < 1.0 - _SAME]
+        self._cuts = tuple(fractions[np.concatenate(([True], np.diff(fractions) > _SAME))].tolist())
         mesh = _transit_mesh(steps or first_steps(scene, stages), self._cuts)
         self._impedance = plain_impedance(scene)
         start = present(0.0, scene.steady_psi + scene.start.jump_size, scene.steady_stress)

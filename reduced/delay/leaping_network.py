@@ -210,8 +210,11 @@ class LeapingNetwork(StroboscopicNetwork):
         if behind is None:
             return None, _SHRINK
         after, drift, ripple = behind
-        sizes = (max(self._size(change, friction.mu_z), 1e-300) for change in (later[:, 1], drift))
-        missed = _share_behind(*sizes) * steps * (drift - later[:, 1])
+        # the drift changes exponentially from the first size to the last: `share` is the weight of the last in its mean
+        first, last = (max(self._size(change, friction.mu_z), 1e-300) for change in (later[:, 1], drift))
+        fall = math.log(first / last)
+        share = 0.5 + fall / 12.0 if abs(fall) < 0.01 else 1.0 / -math.expm1(-fall) - 1.0 / fall
+        missed = share * steps * (drift - later[:, 1])
         error = max(_CORRECTED * self._size(missed, friction.mu_z), spread)
         if error > self._allowed or (rises and ripple > visible):
             return None, min(0.5, self._scale(slow, error))
@@ -344,9 +347,3 @@ class LeapingNetwork(StroboscopicNetwork):
 
 
 _gauss = cache(np.polynomial.legendre.leggauss)
-
-
-def _share_behind(first: float, last: float) -> float:
-    """Weight of the `last` value in the mean of what changes from the `first` to it exponentially; the other's is 1 minus it."""
-    fall = math.log(first / last)
-    return 0.5 + fall / 12.0 if abs(fall) < 0.01 else 1.0 / -math.expm1(-fall) - 1.0 / fall

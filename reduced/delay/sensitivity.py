@@ -62,7 +62,8 @@ def delay_sensitivity(
     end = np.ceil(until - SAME)
     while solver.time < end - SAME:
         pieces = solver.advance(end)
-        now = _mesh_of(pieces)
+        count = int(np.searchsorted(pieces.time, pieces.time[0] + 1.0 - SAME))  # steps of the first transit
+        now = TransitMesh(count, pieces.length[:count].copy(), pieces.time[:count] - pieces.time[0])
         if mesh is None:
             changes = [
                 first_waves(plus, now, solver.nodes) - first_waves(minus, now, solver.nodes) for (plus, minus), _, _ in sides
@@ -71,12 +72,6 @@ def delay_sensitivity(
         elif now.steps != mesh.steps or not np.allclose(now.lengths, mesh.lengths):
             arriving, mesh = np.moveaxis(mesh.resample(np.moveaxis(arriving, 0, 1), solver.nodes, now), 1, 0).copy(), now
         yield pieces, _carried_along(scene, sides, pieces, arriving, psi)
-
-
-def _mesh_of(pieces: Pieces) -> TransitMesh:
-    """The steps of the first transit of `pieces`, which begin at a whole transit."""
-    count = int(np.searchsorted(pieces.time, pieces.time[0] + 1.0 - SAME))
-    return TransitMesh(count, pieces.length[:count].copy(), pieces.time[:count] - pieces.time[0])
 
 
 def _carried_along(scene: Scene, sides: Sequence[ShiftedScenes], pieces: Pieces, arriving: Array, psi: Array) -> Array:

@@ -82,7 +82,10 @@ class StroboscopicNetwork(DelayNetwork):
         march = LineMarch(self._physics, self._lines, self._memory, self._nodal, self._limits)
         pieces = empty_pieces(_ORDER * (reach + 1) * steps + _MARCHED, self._stages)
         while True:
-            _prepare(block, int(walk.counts[REACH]))
+            reach = int(walk.counts[REACH])
+            if block.slot[reach] < 0:  # the map over a leap of `reach` blocks and the next one is missing
+                slot = int((block.slot >= 0).sum())
+                block.after[slot], block.slot[reach] = advanced(list(block.powers), block.powers[0], reach), slot
             walk_on(self._shape, march, block, task, walk, pieces)
             if block.slot[walk.counts[REACH]] >= 0:
                 break
@@ -168,10 +171,3 @@ class StroboscopicNetwork(DelayNetwork):
         waves, tops = self._frozen_step().empty.waves, np.ones((len(self._layers.last), 2))
         tops[:, VELOCITY] = self._layers.impedance[list(self._layers.last)]
         return np.append(np.ones(waves.size), tops)
-
-
-def _prepare(block: StickBlock, reach: int) -> None:
-    """Make the map over a leap of `reach` blocks and the next one, if it is missing."""
-    if block.slot[reach] < 0:
-        slot = int((block.slot >= 0).sum())
-        block.after[slot], block.slot[reach] = advanced(list(block.powers), block.powers[0], reach), slot

@@ -100,7 +100,10 @@ class LeapingDelay(Delay):
             self._give_up()
             return
         self._waiting = pieces
-        if self._rests(start) and self._is_slow(start, pieces) and _PRICE * self._size(pieces, change) < _COVERED * self.steps:
+        drive = self.scene.drive
+        # whether V is constant until the waves of this transit have returned
+        rests = drive.at(start + 2.0) == drive.at(start) and self._next_kink(start) >= start + 2.0
+        if rests and self._is_slow(start, pieces) and _PRICE * self._size(pieces, change) < _COVERED * self.steps:
             self._past = self._past.then(start, change, extremes(pieces))
         else:
             self._give_up()
@@ -119,7 +122,8 @@ class LeapingDelay(Delay):
         error = math.inf
         if verdict == DONE and self.failures == failures and self._is_slow(target, pieces):
             error = self._size(pieces, past.error(start + 1.0, target, change))
-        self._length = min(_LONGEST, int((target - start) * self._scale(error)))
+        ratio = min(_GROW, max(_SHRINK, _SAFETY * (self._allowed / max(error, 1e-300)) ** (1.0 / (_ORDER + 1))))
+        self._length = min(_LONGEST, int((target - start) * ratio))
         pays = self._length > target - start or self._length * self.steps >= _PRICE
         if not error <= self._allowed:
             self._take(*before)
@@ -170,11 +174,6 @@ class LeapingDelay(Delay):
             return True
         return highest < self._stick_limit(start)
 
-    def _rests(self, start: float) -> bool:
-        """Whether V is constant until the waves of the transit that begins at `start` have returned."""
-        drive = self.scene.drive
-        return drive.at(start + 2.0) == drive.at(start) and self._next_kink(start) >= start + 2.0
-
     def _next_kink(self, time: float) -> float:
         """The next time (transits) at which V has a kink; infinite if there is none."""
         return self.scene.drive.knot_after(time)
@@ -184,10 +183,6 @@ class LeapingDelay(Delay):
         psi = float(pieces.psi[-1, -1])
         friction_z = respond(self.scene.law, float(pieces.z[-1, -1]), psi)[3]
         return float(max(np.abs(change[:-2]).max() / friction_z, abs(change[-2]) * math.exp(-psi), abs(change[-1])))
-
-    def _scale(self, error: float) -> float:
-        """Ratio of the next leap's length to that of a leap with this `error`."""
-        return float(min(_GROW, max(_SHRINK, _SAFETY * (self._allowed / max(error, 1e-300)) ** (1.0 / (_ORDER + 1)))))
 
     def _give_up(self) -> None:
         """March for a while before the next try to leap."""
@@ -217,7 +212,12 @@ def delay_system(scene: Scene, tolerance: float = 1e-9) -> "Delay | DelayNetwork
     from reduced.delay.leaping_network import LeapingNetwork
 
     lines = lines_of(scene)
-    if _breaks_within_steps(scene, lines.divisor) and not _hides_breaks(scene, lines, tolerance):
+    if lines.divisor is None:
+        breaks_within_steps = scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
+    else:
+        knots = np.array(scene.drive.knots) / lines.divisor
+        breaks_within_steps = bool((np.abs(knots - np.round(knots)) > _ALIGNED).any())
+    if breaks_within_steps and not _hides_breaks(scene, lines, tolerance):
         return DelayBreaks(scene, tolerance=tolerance, lines=lines)
     return LeapingNetwork(scene, tolerance=tolerance, lines=lines)
 
@@ -234,11 +234,3 @@ def _hides_breaks(scene: Scene, lines: Lines, tolerance: float) -> bool:
     friction_z = scene.steady_response[3]
     bend = max(top.spring / top.mass * lines.impedance[last] for top, last in zip(lines.tops, lines.last, strict=True))
     return bool(jump * bend * ((_LONGEST_STEP / (NODES - 1)) ** 2 / 8.0) < tolerance * friction_z)
-
-
-def _breaks_within_steps(scene: Scene, divisor: float | None) -> bool:
-    """Whether echoes of a jump or of a knot of the drive fall within equal steps, which divide `divisor`."""
-    if divisor is None:
-        return scene.start.kind is StartKind.JUMP or not scene.drive.is_constant
-    knots = np.array(scene.drive.knots) / divisor
-    return bool((np.abs(knots - np.round(knots)) > _ALIGNED).any())

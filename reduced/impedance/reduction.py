@@ -225,13 +225,6 @@ class Reduction:
         return zeros[np.isfinite(zeros)]
 
 
-def _modal(modes: int) -> Reduction:
-    frequencies = tuple(2.0 * math.pi * k for k in range(1, modes + 1))
-    mass = 1.0 / 12.0 - sum(2.0 / omega**2 for omega in frequencies)
-    reduced = Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
-    return reduced.driven(tuple(2.0 * (-1.0) ** k for k in range(1, modes + 1)))
-
-
 TABULATED: dict[str, Callable[[], Reduction]] = {
     "quasistatic": lambda: Reduction("quasistatic"),
     "quasidynamic": lambda: Reduction("quasidynamic", damping=0.5),
@@ -240,7 +233,7 @@ TABULATED: dict[str, Callable[[], Reduction]] = {
     # (11), (14), (41): (1/s)(1 + s^2/8)/(1 + s^2/24) = 1/s + 2 s/(s^2 + 24), and V by (1/s)/(1 + s^2/24) = 1/s - s/(s^2 + 24)
     "kelvin-voigt": lambda: Reduction("kelvin-voigt", frequencies=(math.sqrt(24.0),), residues=(2.0,)).driven((-1.0,)),
 }
-"""Reductions of the alike pair in closed form, except modal:N (`_modal`)."""
+"""Reductions of the alike pair in closed form, except modal:N (`reduction`)."""
 
 
 def _taylor() -> Reduction:
@@ -269,7 +262,11 @@ def reduction(name: str) -> Reduction:
             "model = 'taylor': its impedance has poles in the right half plane, every run of it blows up; use modal:N"
         )
     if name.partition(":")[0] == "modal":
-        return _modal(mode_count(name))
+        modes = mode_count(name)
+        frequencies = tuple(2.0 * math.pi * k for k in range(1, modes + 1))
+        mass = 1.0 / 12.0 - sum(2.0 / omega**2 for omega in frequencies)
+        reduced = Reduction(f"modal:{modes}", mass=mass, frequencies=frequencies, residues=(2.0,) * modes)
+        return reduced.driven(tuple(2.0 * (-1.0) ** k for k in range(1, modes + 1)))
     raise SceneError(f"model = {name!r} is not an ODE reduction; known: {', '.join(family.pattern for family in REDUCTIONS)}")
 
 

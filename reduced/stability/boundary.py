@@ -58,9 +58,12 @@ def boundary(
         for start in _seeds(plane):
             apart = (np.linalg.norm(curve[:, 1:] - start[1:], axis=1) + 0.2 * np.abs(curve[:, 0] - start[0]) for curve in curves)
             if all(distances.min() > 2.0 * _STEP for distances in apart):
-                curves.append(_trace(plane, start))
+                forward = _march(plane, start, 1.0)
+                is_closed = len(forward) > 3 and np.linalg.norm(forward[-1] - start) < 1.5 * _STEP
+                curves.append(np.array(forward if is_closed else _march(plane, start, -1.0)[:0:-1] + forward))
         for curve in curves:
-            ends = _vanishing(curve)
+            both = ((0, 1), (-1, -2)) if len(curve) > 1 else ()
+            ends = tuple(end for end, inside in both if _falls(curve[end] - curve[inside], 2.0 * _STILL))
             kept = _thinned(curve) if ends else curve
             first, second = plane.values(kept[:, 1:]).T
             omega = np.zeros(len(kept)) if plane.is_single else np.exp(kept[:, 0])
@@ -199,15 +202,8 @@ def _thinned(curve: Array) -> Array:
     return np.array([*kept, curve[-1]])
 
 
-def _trace(plane: _Plane, start: Array) -> Array:
-    """The curve through `start`, followed both ways; one row (ln omega, u_1, u_2) per point."""
-    forward = _march(plane, start, 1.0)
-    if len(forward) > 3 and np.linalg.norm(forward[-1] - start) < 1.5 * _STEP:
-        return np.array(forward)
-    return np.array(_march(plane, start, -1.0)[:0:-1] + forward)
-
-
 def _march(plane: _Plane, start: Array, direction: float) -> list[Array]:
+    """Points (ln omega, u_1, u_2) of the curve from `start` one way."""
     points, size = [start], _STEP
     tangent = direction * _tangent(_central_differences(plane.residual, start), None)
     while len(points) < 4000:
@@ -235,11 +231,6 @@ def _march(plane: _Plane, start: Array, direction: float) -> list[Array]:
 def _falls(step: Array, still: float = _STILL) -> bool:
     """Whether the frequency falls over a `step` in which the parameters hardly change."""
     return bool(np.linalg.norm(step[1:]) < -still * step[0])
-
-
-def _vanishing(curve: Array) -> tuple[int, ...]:
-    """The ends of a curve of two points or more towards which its frequency falls to 0."""
-    return tuple(end for end, inside in ((0, 1), (-1, -2)) if len(curve) > 1 and _falls(curve[end] - curve[inside], 2.0 * _STILL))
 
 
 def _tangent(jacobian: Array, before: Array | None) -> Array:

@@ -44,7 +44,7 @@ _LEADING = 8
 
 
 def _rectangle(low: complex, high: complex) -> Complex:
-    """Corners of the _rectangle between `low` (left, below) and `high` (right, above), counter-clockwise, closed."""
+    """Corners of the rectangle between `low` (left, below) and `high` (right, above), counter-clockwise, closed."""
     return np.array([low, complex(high.real, low.imag), high, complex(low.real, high.imag), low])
 
 
@@ -124,10 +124,10 @@ def _polish(function: Function, starts: Complex) -> Complex:
 def _zeros_in(
     function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...] = (), depth: int = 0
 ) -> Complex:
-    """All `expected` zeros in the _rectangle with corners `low` (left, below) and `high`, each once; for at most a few dozen
+    """All `expected` zeros in the rectangle with corners `low` (left, below) and `high`, each once; for at most a few dozen
     zeros.
 
-    `expected`: their number by `_count_zeros`; `anchors` as in `_resolved`. The _rectangle is halved until Newton's method finds
+    `expected`: their number by `_count_zeros`; `anchors` as in `_resolved`. The rectangle is halved until Newton's method finds
     them all. Raises NumericsError if zeros lie too close to be distinguished.
     """
     if expected == 0:
@@ -147,7 +147,7 @@ def _zeros_in(
 def _halves(
     function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...]
 ) -> list[tuple[tuple[complex, complex], int]]:
-    """Both halves of a _rectangle, cut across its longer side, with their counts; the cut is shifted if it meets a zero."""
+    """Both halves of a rectangle, cut across its longer side, with their counts; the cut is shifted if it meets a zero."""
     size = high - low
     for share in _CUTS:
         if size.imag >= size.real:
@@ -296,7 +296,7 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
 
 def _certified(problem: Characteristic, corner: complex, right: float, most: int) -> Complex:
     """The leading roots with Re s between Re `corner` and `right` and |Im s| < Im `corner`: by Newton's method from a few starts,
-    confirmed by a count, else by halving the counted _rectangle."""
+    confirmed by a count, else by halving the counted rectangle."""
     top = corner.imag
     offset = _OFF_AXIS * _neutral_rate(problem)
     edge, jet = _resolved(problem.jet, np.array([complex(offset), complex(offset, top)]), problem.anchors)
@@ -305,7 +305,7 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
         roots = roots[(roots.imag < top) & (roots.real > corner.real) & (roots.real < right)]
         cut = _cut(problem, roots, corner.real, most)
         roots = roots[roots.real > cut]
-        upper = np.array([right, complex(right, top), complex(cut, top), cut])  # half of a _rectangle, mirrored at the real axis
+        upper = np.array([right, complex(right, top), complex(cut, top), cut])  # half of a rectangle, mirrored at the real axis
         count = _count_zeros(problem.jet, upper, problem.anchors)
         if count == _number(roots):
             return roots
