@@ -48,7 +48,12 @@ def apply_overrides(data: Mapping[str, Any], overrides: Iterable[str] | Mapping[
         pairs = [(_key(str(key)), copy.deepcopy(value)) for key, value in overrides.items()]
     else:
         texts = [overrides] if isinstance(overrides, str) or not isinstance(overrides, Iterable) else list(overrides)
-        pairs = [_parse(text) for text in texts]
+        pairs = []
+        for text in texts:
+            name, sign, value = text.partition("=") if isinstance(cast(object, text), str) else ("", "", "")
+            if not sign:
+                raise SceneError(f"--set {shorten(text)}: must be KEY=VALUE, as in slab.log10_r=-2.3")
+            pairs.append((_key(name), toml_value(name.strip(), value.strip())))
     data = dict(data)
     for key, value in sorted(pairs, key=lambda pair: pair[0][-1] not in ("kind", "law")):
         _set(data, full_key(key, value, data), value)
@@ -138,13 +143,6 @@ def _key(text: str) -> list[str]:
     if not _KEY.fullmatch(key):
         raise SceneError(f"--set {shorten(text)}: the key must be dotted words, as in slab.log10_r=-2.3")
     return key.split(".")
-
-
-def _parse(text: str) -> tuple[list[str], Any]:
-    key, sign, value = text.partition("=") if isinstance(cast(object, text), str) else ("", "", "")
-    if not sign:
-        raise SceneError(f"--set {shorten(text)}: must be KEY=VALUE, as in slab.log10_r=-2.3")
-    return _key(key), toml_value(key.strip(), value.strip())
 
 
 def toml_value(key: str, text: str) -> Any:

@@ -1,7 +1,7 @@
 """Numbers with units, as in "5 MPa": read by pint, which is loaded with the first of them."""
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from decimal import Decimal
 from functools import cache, lru_cache
@@ -67,7 +67,11 @@ def quantity(text: str, *units: str) -> Quantity:
         value = _converted(number, written, unit)
         if value is not None:
             return Quantity(value, unit, text)
-    meant = next(_meant(written, units), None)
+    # a unit of the right dimension that differs in the case of letters, else one that resembles what was written
+    by_lower_case = {usual.lower(): usual for usual in _USUAL}
+    recased = re.sub(r"[^\W\d_]+", lambda word: by_lower_case.get(word[0].lower(), word[0]), written)
+    others = (guess for guess in (recased, nearest(written, _USUAL)) if guess and guess != written)
+    meant = next((guess for guess in others if any(_converted("1", guess, unit) is not None for unit in units)), None)
     is_known = _converted("1", written, written) is not None
     reason = f'{wanted}, not "{written}"' if is_known else f'"{written}" is not a unit; {wanted}'
     raise ValueError(f'{reason}; did you mean "{number} {meant}"?' if meant else reason)
@@ -99,12 +103,3 @@ def _registry() -> "pint.UnitRegistry[Decimal]":
     return pint.UnitRegistry(
         non_int_type=Decimal, preprocessors=[lambda text: re.sub(r"(?<=[^\W\d_])(-?[1-9])\b", r"**\1", text)]
     )
-
-
-def _meant(written: str, units: tuple[str, ...]) -> Iterator[str]:
-    """Units of the right dimension that differ from `written` in the case of letters, then those that resemble it."""
-    by_lower_case = {usual.lower(): usual for usual in _USUAL}
-    recased = re.sub(r"[^\W\d_]+", lambda word: by_lower_case.get(word[0].lower(), word[0]), written)
-    for guess in (recased, nearest(written, _USUAL)):
-        if guess and guess != written and any(_converted("1", guess, unit) is not None for unit in units):
-            yield guess
