@@ -224,15 +224,6 @@ def certified(scene: Scene, model: str = "delay") -> tuple[bool | None, int]:
     return (True if _number(idle[np.abs(idle.real) <= _neutral_rate(problem)]) >= near else None), 0
 
 
-def _upper_half(disc: tuple[float, float], left: float) -> Complex:
-    """Corners of the path around {Re s > left, |s - centre| < radius} in the upper half plane, counter-clockwise from the real
-    axis to the real axis; `disc` is (centre, radius), and its arc is divided into 32 chords outside of it."""
-    centre, radius = disc[0], disc[1] / np.cos(np.pi / 64.0)
-    angle = np.linspace(0.0, np.arccos((left - centre) / radius), 33)
-    arc = centre + radius * np.exp(1j * angle)
-    return np.append(arc[:-1], [complex(left, arc[-1].imag), complex(left)])
-
-
 def _neutral_rate(problem: Characteristic) -> float:
     """|Re s| below which a root is neutral."""
     return NEUTRAL * min(problem.slopes.reach, 1.0 / problem.longest)
@@ -250,10 +241,14 @@ def unstable_count(problem: Characteristic, beyond: float | None = None) -> int:
         centre, radius = 0.0, max(problem.slopes.reach, _FASTEST / problem.transit)
     elif not problem.slopes.weakening:
         return 0
-    left = _neutral_rate(problem) if beyond is None else beyond
+    least = _neutral_rate(problem) if beyond is None else beyond
     for margin in _MARGINS:
+        # around {Re s > left, |s - centre| < radius} in the upper half plane, counter-clockwise; 32 chords lie outside the arc
+        left, outer = least * margin, margin * radius / np.cos(np.pi / 64.0)
+        arc = centre + outer * np.exp(1j * np.linspace(0.0, np.arccos((left - centre) / outer), 33))
+        path = np.append(arc[:-1], [complex(left, arc[-1].imag), complex(left)])
         try:
-            return _count_zeros(problem.jet, _upper_half((centre, margin * radius), left * margin), problem.anchors)
+            return _count_zeros(problem.jet, path, problem.anchors)
         except _OnContour as error:
             failure = error
     raise failure
