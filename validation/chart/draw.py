@@ -99,7 +99,10 @@ def draw(chart: Chart) -> Drawing:
 
 def _draw_panel(axes: Axes, panel: Panel, letters: float) -> None:
     """Draw a panel in whose width there is room for so many `letters`."""
-    for which, label, axis in (("x", _in_lines(panel.x.label, int(letters)), panel.x), ("y", panel.y.label, panel.y)):
+    # in lines of so many letters at most, each formula and unit whole
+    kept = re.sub(r"\$[^$]*\$| / .*", lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), panel.x.label)
+    across = "\n".join(textwrap.wrap(kept, int(letters), break_long_words=False)).replace("\N{NO-BREAK SPACE}", " ")
+    for which, label, axis in (("x", across, panel.x), ("y", panel.y.label, panel.y)):
         axes.set(**{f"{which}scale": axis.kind, f"{which}label": label, f"{which}lim": axis.ends})
         _draw_scale(axes, which, axis)
     axes.set_title(panel.name)
@@ -112,12 +115,6 @@ def _draw_panel(axes: Axes, panel: Panel, letters: float) -> None:
     if keys:
         place: Any = panel.legend
         axes.legend(handles=keys, loc=place)
-
-
-def _in_lines(label: str, letters: int) -> str:
-    """A label in lines of at most so many letters, each formula and unit whole."""
-    kept = re.sub(r"\$[^$]*\$| / .*", lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), label)
-    return "\n".join(textwrap.wrap(kept, letters, break_long_words=False)).replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:

@@ -41,7 +41,7 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
     own = {old: f"{name}-{n}" for n, old in enumerate(dict.fromkeys(old for _, old in _REFERENCE.findall(text)))}
     text = re.sub(' id="(.*?)"', lambda id: f' id="{own[id[1]]}"' if id[1] in own else "", text)
     text = _REFERENCE.sub(lambda match: match[1] + own[match[2]], text)
-    text = _PLACES.sub(lambda places: _NUMBER.sub(_tenths, places[0]), text)
+    text = _PLACES.sub(lambda places: _NUMBER.sub(lambda number: f"{float(number[0]):.1f}".removesuffix(".0"), places[0]), text)
     text = re.sub('style=".*?"', lambda style: re.sub("(?<=[:;]) ", "", style[0]), text)
     text = re.sub('<image (.*?base64,)(.*?)(".*?/>)', _day_and_night, text)
     while _GROUP.search(text):
@@ -51,10 +51,6 @@ def svg_of(figure: "Drawing", name: str, title: str, description: str) -> str:
     words = f'<title id="{name}-title">{escape(title)}</title>\n<desc id="{name}-desc">{escape(description)}</desc>\n'
     text = text.replace(">", f" {known}>{words}", 1)
     return _COLOR.sub(lambda match: f"var({variable(match[0])},{match[0]})", text) + "\n"
-
-
-def _tenths(number: re.Match[str]) -> str:
-    return f"{float(number[0]):.1f}".removesuffix(".0")
 
 
 def _day_and_night(element: re.Match[str]) -> str:
