@@ -61,7 +61,10 @@ def slip_events(time: Array, friction: Array, slip: Array | None = None) -> Slip
     first, last = np.array(spans, dtype=np.intp).reshape(-1, 2).T
     top, bottom = together * first, np.minimum(together * last + together, time.size) - 1
     middle = 0.5 * (means[first] + means[last])
-    passages = [_passage(friction[a : b + 1], level) for a, b, level in zip(top, bottom, middle, strict=True)]
+    passages = [  # the last sample above the middle that is followed by one below
+        np.flatnonzero((friction[a:b] > level) & (friction[a + 1 : b + 1] <= level))[-1]
+        for a, b, level in zip(top, bottom, middle, strict=True)
+    ]
     above = top + np.array(passages, dtype=np.intp)
     share = (friction[above] - middle) / (friction[above] - friction[above + 1])
     return SlipEvents(top, bottom, above, means[first] - means[last], time[above] + share * (time[above + 1] - time[above]))
@@ -96,11 +99,6 @@ def _without_cut(spans: list[tuple[int, int]], values: Array) -> list[tuple[int,
     begins = values[top] - values[bottom] > usual or top > bottom - top
     ends = values[late] - values[end] > usual or values.size - 1 - end > end - late
     return spans[not begins : len(spans) - (not ends)]
-
-
-def _passage(values: Array, level: float) -> int:
-    """The last sample above `level` that is followed by one below."""
-    return int(np.flatnonzero((values[:-1] > level) & (values[1:] <= level))[-1])
 
 
 def falls(values: Array, least: float) -> list[tuple[int, int]]:

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Iterator
 from contextlib import suppress
 from typing import NamedTuple, TypeAlias
 from unicodedata import normalize
@@ -94,8 +95,7 @@ def heading(text: str) -> Heading:
         if name.startswith(prefix) and _words(name.removeprefix(prefix)) in _NAMES:
             name, unit = name.removeprefix(prefix), f"log10 {unit or ''}".strip()
     key = _NAMES.get(_words(name), "")
-    found_in_cuts = () if key or unit is not None else filter(None, map(_ending_in_unit, _cuts(text)))
-    return next(iter(found_in_cuts), (key, unit))
+    return (key, unit) if key or unit is not None else next(_ending_in_unit(text), (key, unit))
 
 
 def _plain(text: str) -> str:
@@ -105,16 +105,12 @@ def _plain(text: str) -> str:
     return re.sub(r"[\W_]+", "_", apart).strip("_")
 
 
-def _cuts(text: str) -> list[tuple[str, str]]:
-    """`text` cut in two at each separator, the longest beginning first."""
-    spans = [separator.span() for separator in re.finditer(r"\s*[_/, ]\s*", text)]
-    return [(_plain(text[:begin]), text[end:].replace("_per_", "/").replace("_", " ")) for begin, end in reversed(spans)]
-
-
-def _ending_in_unit(parts: tuple[str, str]) -> Heading | None:
-    name, unit = parts
-    key = _NAMES.get(_words(name))
-    return (key, unit) if key and unit and _size(unit, key) is not None else None
+def _ending_in_unit(text: str) -> Iterator[Heading]:
+    """`text` cut in two at each separator, the longest beginning first, where these are a quantity and a unit of it."""
+    for begin, end in reversed([separator.span() for separator in re.finditer(r"\s*[_/, ]\s*", text)]):
+        key, unit = _NAMES.get(_words(_plain(text[:begin]))), text[end:].replace("_per_", "/").replace("_", " ")
+        if key and unit and _size(unit, key) is not None:
+            yield key, unit
 
 
 def unit_of(written: str | None, key: str, where: str, area: float | None = None) -> Unit | None:

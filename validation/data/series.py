@@ -142,14 +142,17 @@ def read_series(
     for (key, index), column in zip(chosen.items(), values.T, strict=True):
         if key in _ONE_RANGE:
             _require_no_mark(f"{label!r}, column {index + 1}", key, column, text.numbers)
-    _require_units_of_one_kind(label, column_units)
+    kinds = {key: unit.is_own for key, unit in column_units.items() if unit and MEASURED[key].unit}
+    if len(set(kinds.values())) > 1:
+        own = listed(key for key, is_own in kinds.items() if is_own)
+        raise SceneError(f"{label!r}: {own} in the units of a scene, the rest in SI: must be all of one kind")
     series = dict[str, Array]()
     for key, column in zip(chosen, values.T, strict=True):
         unit = column_units[key] or Unit(1.0)
         series[key] = np.asarray((10.0**column if unit.is_log else column) * unit.size * factors.get(key, 1.0))
     series, dropped = _rising(label, series, text.numbers)
     measured = {key: unit for key, unit in column_units.items() if MEASURED[key].unit}
-    is_own = None if not any(measured.values()) else any(unit.is_own for unit in measured.values() if unit)
+    is_own = any(kinds.values()) if kinds else None
     notes = [*_notes_on(headings, chosen, measured, text), *gaps, *dropped]
     return Series(label, series, is_own, notes, text.there)
 
@@ -301,13 +304,6 @@ def _given_units(label: str, units: str | None, headings: Sequence[Heading]) -> 
     if len(parts) > len(headings):
         raise SceneError(f"--units = {shorten(units)}: has {len(parts)} units; {label!r} has {len(headings)} columns")
     return {key: unit for (key, _), unit in zip(headings, parts, strict=False) if key and unit not in _SKIP}
-
-
-def _require_units_of_one_kind(label: str, units: Mapping[str, Unit | None]) -> None:
-    kinds = {key: unit.is_own for key, unit in units.items() if unit and MEASURED[key].unit}
-    if len(set(kinds.values())) > 1:
-        own = listed(key for key, is_own in kinds.items() if is_own)
-        raise SceneError(f"{label!r}: {own} in the units of a scene, the rest in SI: must be all of one kind")
 
 
 def _without_missing(text: _Text, indices: Sequence[int], missing: str | None) -> tuple[_Text, list[str]]:
