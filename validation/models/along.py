@@ -22,8 +22,12 @@ class _AlongBranch(PandasIndex):
                 (values.min() if label.start is None else label.start, values.max() if label.stop is None else label.stop)
             )
             indices = np.flatnonzero((values >= low) & (values <= high))
-        else:
-            indices = _crossings(values, float(np.asarray(label)))
+        else:  # for each crossing of the value the nearer one of the two points next to it
+            value = float(np.asarray(label))
+            side = np.sign(values - value)
+            before = np.flatnonzero(side[:-1] * side[1:] < 0.0)
+            nearer = np.abs(values[before] - value) <= np.abs(values[before + 1] - value)
+            indices = np.union1d(np.where(nearer, before, before + 1), np.flatnonzero(side == 0.0))
         if not indices.size:
             raise KeyError(f"{name} = {label}: the branch goes from {values.min():g} to {values.max():g}")
         return IndexSelResult({self.dim: indices})
@@ -32,11 +36,3 @@ class _AlongBranch(PandasIndex):
 def along(data: Dataset, name: str) -> Dataset:
     """`data` of points of a branch, indexed by the variable `name`, the parameter (`_AlongBranch`)."""
     return data.set_coords(name).set_xindex(name, _AlongBranch)
-
-
-def _crossings(values: np.ndarray[Any, Any], value: float) -> np.ndarray[Any, Any]:
-    """Indices of `values`, one for each crossing of `value`: of the two values next to it the nearer one."""
-    side = np.sign(values - value)
-    before = np.flatnonzero(side[:-1] * side[1:] < 0.0)
-    nearer = np.abs(values[before] - value) <= np.abs(values[before + 1] - value)
-    return np.union1d(np.where(nearer, before, before + 1), np.flatnonzero(side == 0.0))

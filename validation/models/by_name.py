@@ -176,14 +176,13 @@ def parse(model: str) -> tuple[Family, int | None]:
             raise SceneError(f"model = {shorten(model)}: {name} takes no number")
         return family, None
     if not (number.isascii() and number.isdigit() and len(number) < 9 and int(number) in family.numbers):
-        raise SceneError(f"model = {shorten(model)}: must be {family.pattern} with {_numbers(family.numbers)}")
+        numbers = family.numbers
+        if isinstance(numbers, range):
+            choice = f"a whole number from {numbers.start} to {numbers.stop - 1}"
+        else:
+            choice = f"one of {', '.join(map(str, numbers))}"
+        raise SceneError(f"model = {shorten(model)}: must be {family.pattern} with {choice}")
     return family, int(number)
-
-
-def _numbers(allowed: range | tuple[int, ...]) -> str:
-    if isinstance(allowed, range):
-        return f"a whole number from {allowed.start} to {allowed.stop - 1}"
-    return f"one of {', '.join(str(number) for number in allowed)}"
 
 
 def make(family: Family, scene: "Scene", number: int | None, options: Options) -> BuiltSolver:

@@ -116,7 +116,12 @@ class Variation:
         scene = slipwave.read(self.base, keys) if keys else self.base
         read, tables = scene, scene.tables or {}
         for name in [name for name in given if name in PARAMETERS]:
-            scene = PARAMETERS[name](scene, _allowed(name, given[name]))
+            value = given[name]
+            if isinstance(value, str):
+                raise SceneError(f"{name} = {value}: must be a number without a unit")
+            if name in ("r", "epsilon", "ratio_r", "ratio_epsilon") and not value > 0.0:
+                raise SceneError(f"{name} = {value:g}: must be above 0")
+            scene = PARAMETERS[name](scene, value)
         scene = held(scene, read)
         return scene if scene.transit == read.transit else _with_times_of(tables, scene)
 
@@ -168,7 +173,8 @@ class Variation:
     def key_of(self, name: str) -> str:
         """The full key of the scene that ends in `name`; `name` itself if there is none."""
         if name not in self._keys:
-            self._keys[name] = _key_of(self.base, name)
+            is_short = name in PARAMETERS and not _has_key(self.base, name, name)
+            self._keys[name] = name if is_short else ".".join(full_key(name.split("."), "", self.base.tables or {}))
         return self._keys[name]
 
     @cached_property
@@ -452,12 +458,6 @@ def _unit_of_machine(base: Scene, key: str) -> str:
     return allowed.units[-1 if "area" in table else 0] if allowed and allowed.units else ""
 
 
-def _key_of(base: Scene, name: str) -> str:
-    if name in PARAMETERS and not _has_key(base, name, name):
-        return name
-    return ".".join(full_key(name.split("."), "", base.tables or {}))
-
-
 def _has_key(base: Scene, key: str, name: str) -> bool:
     """Whether the scene has the key of a parameter: whether it can be read again with its present value."""
     with suppress(SceneError):
@@ -470,12 +470,3 @@ def _present(name: str, base: Scene) -> float:
     """The value of a parameter in a scene; 1 for ratios and values relative to a slab."""
     values = {"r": base.transit, "log10_r": math.log10(base.transit), "epsilon": base.upper.epsilon, "V": base.velocity}
     return values[name] if name in values else float(base.law._asdict().get(name, 1.0))
-
-
-def _allowed(name: str, value: float | str) -> float:
-    """A value of a short name. Raises SceneError for one that is no number, and one that must be above 0."""
-    if isinstance(value, str):
-        raise SceneError(f"{name} = {value}: must be a number without a unit")
-    if name in ("r", "epsilon", "ratio_r", "ratio_epsilon") and not value > 0.0:
-        raise SceneError(f"{name} = {value:g}: must be above 0")
-    return value

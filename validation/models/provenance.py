@@ -3,6 +3,7 @@
 import datetime
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from importlib.metadata import version
 from typing import Any
 
@@ -25,6 +26,9 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
     now = datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds")
     law, family = own_law(name_of(scene.law)), own_family(model)
     program = f"slipwave {version('slipwave')}, commit {commit()}"
+    scene_text = dict[str, str]()
+    with suppress(SceneError):
+        scene_text["scene_toml"] = to_toml(scene)
     return {
         "Conventions": CONVENTIONS,
         "title": f"slipwave {command} of scene {scene.name} with model {model}",
@@ -39,20 +43,13 @@ def provenance(command: str, scene: Scene, model: str, options: Mapping[str, Any
         "commit": commit(),
         "scene": scene.name,
         "scene_digest": scene.digest,
-        **_scene_text(scene),
+        **scene_text,
         **({"law_file": law.path.name, "law_digest": law.digest} if law else {}),
         "model": model,
         **({"family_file": family.path.name, "family_digest": family.digest} if family else {}),
         "options": json.dumps({name: value for name, value in options.items() if value is not None}),
         **_numbers(scene),
     }
-
-
-def _scene_text(scene: Scene) -> dict[str, str]:
-    try:
-        return {"scene_toml": to_toml(scene)}
-    except SceneError:
-        return {}
 
 
 def _numbers(scene: Scene) -> dict[str, float]:

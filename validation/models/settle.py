@@ -70,7 +70,9 @@ class _UntilAlike(Length):
         """As `Length`."""
         self.cycles = now.cycles
         if self.has_cycles:
-            self.history.append(_unrest(self.cycles))
+            table = _window(self.cycles)
+            # the largest relative spread (max - min over mean) among these cycles
+            self.history.append(float(np.max(np.ptp(table, axis=0) / np.abs(table.mean(axis=0)))))
         return "settled" if self.is_steady or self.finished else None
 
     @property
@@ -110,12 +112,6 @@ def settle(solver: Solver, tolerance: float = 1e-9, most: float = MOST_TRANSITS)
 def _window(events: Events) -> Array:
     """Last WINDOW cycles, rows; period, drops and rates, columns."""
     return np.array([getattr(events, field.name)[-WINDOW:] for field in fields(Orbit)]).T
-
-
-def _unrest(events: Events) -> float:
-    """Largest relative spread (max - min over mean) among the last WINDOW cycles."""
-    table = _window(events)
-    return float(np.max(np.ptp(table, axis=0) / np.abs(table.mean(axis=0))))
 
 
 def estimate(events: Events) -> Orbit:
