@@ -103,7 +103,9 @@ class OfSolver(Forward):
     def friction(self, inner: Array) -> Array:
         """As `Forward`."""
         if self._last is None or not np.array_equal(self._last[0], inner):
-            self._last = inner.copy(), self._along(inner, self._pieces(self.scene(inner)))[:, 0]
+            scene = self.scene(inner)
+            parts = solved(self._model, scene, self._times[-1] / sizes(scene)[0], self._tolerance)
+            self._last = inner.copy(), self._along(inner, ((pieces, [pieces.mu]) for pieces in parts))[:, 0]
         return np.asarray(self._last[1])
 
     def slopes(self, inner: Array) -> Array:
@@ -117,10 +119,6 @@ class OfSolver(Forward):
                 return self._along(inner, ((pieces, [*np.moveaxis(by_parameter, 1, 0)]) for pieces, by_parameter in parts))
         shifts = _SHIFT * np.eye(inner.size)
         return np.column_stack([(self.friction(inner + s) - self.friction(inner - s)) / (2.0 * _SHIFT) for s in shifts])
-
-    def _pieces(self, scene: Scene) -> Iterator[tuple[Pieces, list[Array]]]:
-        for pieces in solved(self._model, scene, self._times[-1] / sizes(scene)[0], self._tolerance):
-            yield pieces, [pieces.mu]
 
     def _along(self, inner: Array, parts: Iterable[tuple[Pieces, list[Array]]]) -> Array:
         """Nodal values of every part at the times of the record, (samples, rows)."""

@@ -92,7 +92,9 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
             fault = "begins at rest" if load.velocities[0] == 0.0 else "turns back"
             raise SceneError(f"{series.source!r}: the load point {fault}; a fit begins in steady sliding: cut the file")
         times, known = times - times[0], Drive(tuple(t - times[0] for t in load.times), load.velocities)
-        notes.append(f"the load point moves as in the file: {_in_words(known)}")
+        paces = [known.velocities[0], *known.velocities[2::2]]
+        shown = ", ".join(f"{pace:.4g}" for pace in paces[:6]) + (", ..." if len(paces) > 6 else "")
+        notes.append(f"the load point moves as in the file: {len(known.times) // 2} velocities, {shown}")
     if times[0] < 0.0 or times[0] > known.times[-1] > 0.0:
         notes.append(f"the file's clock begins at {times[0]:g}: its first sample is taken for the start of drive.velocity")
         times = times - times[0]
@@ -250,9 +252,3 @@ def _merged(times: Array, moved: Array, cuts: list[int], noise: float) -> list[i
             if 0 <= m < len(gains):
                 gains[m] = left(cuts[m], cuts[m + 2]) - parts[m] - parts[m + 1]
     return cuts
-
-
-def _in_words(schedule: Drive) -> str:
-    paces = [schedule.velocities[0], *schedule.velocities[2::2]]
-    shown = ", ".join(f"{pace:.4g}" for pace in paces[:6])
-    return f"{len(schedule.times) // 2} velocities, {shown}{', ...' if len(paces) > 6 else ''}"

@@ -1,6 +1,7 @@
 """The final motion of a model in a scene: its regime in words, and the figures of its cycles, if any."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -55,7 +56,12 @@ def regime_of(model: str, scene: Scene, until: float, cells: int | None = None, 
     if run.failed or run.verdict is None:
         return Regime(AWAY, command=command)
     kind, events = run.verdict.kind, run.verdict.multiplicity or 1
-    orbit = _own_figures(model, scene, tolerance, cells) if tolerance and kind in ("periodic", "settling") else {}
+    orbit = dict[str, Estimate]()
+    if tolerance and kind in ("periodic", "settling"):
+        with suppress(NumericsError):
+            own = own_orbit(model, scene, tolerance, cells)
+            if own.multipliers.stable is not False:  # a run cannot have come near an unstable one
+                orbit = _figures(own.orbit)
     if orbit and events == 1:
         ran = _figures(estimate(run.events)) if kind == "periodic" else {}
         return Regime("periodic", orbit, 0, f"orbit --tol {tolerance:g}{grid}", ran)
@@ -79,12 +85,3 @@ def _figures_of(run: Run) -> dict[str, Estimate]:
     columns = [getattr(run.events, name)[-events:] for name in FIGURES.values()]
     last = [float(columns[0].mean()), float(columns[1].mean()), float(columns[2].max())]
     return {symbol: Estimate(value, abs(value - late)) for symbol, value, late in zip(FIGURES, values, last, strict=True)}
-
-
-def _own_figures(model: str, scene: Scene, tolerance: float, cells: int | None) -> dict[str, Estimate]:
-    """Figures of the model's orbit, none if it is unstable: a run cannot have come near it."""
-    try:
-        own = own_orbit(model, scene, tolerance, cells)
-    except NumericsError:
-        return {}
-    return {} if own.multipliers.stable is False else _figures(own.orbit)
