@@ -24,7 +24,13 @@ def sem2dpack(scheme: str = "newmark") -> dict[str, float]:
         for row in csv.DictReader(file):
             if row["scheme"] == scheme:
                 runs.setdefault(row["id"], {})[1.0 / float(row["steps_per_transit"])] = float(row["value"])
-    return {name: _extrapolated(values) for name, values in runs.items() if len(values) >= len(_POWERS)}
+    values = dict[str, float]()
+    for name, known in runs.items():
+        if len(known) >= len(_POWERS):
+            steps = np.array(sorted(known)[: len(_POWERS)])
+            powers = (steps[:, None] / steps[0]) ** np.array(_POWERS)
+            values[name] = float(np.linalg.solve(powers, [known[step] for step in steps])[0])
+    return values
 
 
 @cache
@@ -32,9 +38,3 @@ def pairs() -> dict[str, float]:
     """id -> value of orbits and special points of pairs of slabs, in which slipwave and the second program agree."""
     with _PAIRS.open(encoding="utf-8", newline="") as file:
         return {row["id"]: float(row["value"]) for row in csv.DictReader(file)}
-
-
-def _extrapolated(values: dict[float, float]) -> float:
-    steps = np.array(sorted(values)[: len(_POWERS)])
-    powers = (steps[:, None] / steps[0]) ** np.array(_POWERS)
-    return float(np.linalg.solve(powers, [values[step] for step in steps])[0])

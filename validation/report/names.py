@@ -18,7 +18,10 @@ def with_names(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
     """The verdicts of a study with their `id`, each once: a number is appended to repeated names."""
     seen, named = Counter[str](), []
     for verdict in verdicts:
-        name = _name(verdict, [other for other in verdicts if _slug(other.claim) == _slug(verdict.claim)])
+        # the claim and, after a point, the fewest clauses that distinguish it from others of this claim, or else the evidence
+        clauses, alike = _clauses(verdict), [other for other in verdicts if _slug(other.claim) == _slug(verdict.claim)]
+        apart = (n for n in range(len(clauses) + 1) if sum(_clauses(other)[:n] == clauses[:n] for other in alike) == 1)
+        name = ".".join(filter(None, (_slug(verdict.claim), _slug(" ".join(clauses[: next(apart, 1)])))))
         seen[name] += 1
         again = f"-{seen[name]}" if seen[name] > 1 else ""
         named.append(replace(verdict, study=study, id=f"{study}.{name}{again}"))
@@ -38,13 +41,6 @@ def by_claim(study: str, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
         whole.append(replace(worst, remark=remark, cases=tuple(cases)) if len(cases) > 1 else worst)
     named = with_names(study, [replace(verdict, remark="") for verdict in whole])
     return tuple(replace(verdict, id=name.id) if verdict.cases else verdict for verdict, name in zip(whole, named, strict=True))
-
-
-def _name(verdict: Verdict, alike: Sequence[Verdict]) -> str:
-    """The claim and, after a point, the fewest clauses that distinguish it from others of this claim, or else the evidence."""
-    clauses = _clauses(verdict)
-    apart = (n for n in range(len(clauses) + 1) if sum(_clauses(other)[:n] == clauses[:n] for other in alike) == 1)
-    return ".".join(filter(None, (_slug(verdict.claim), _slug(" ".join(clauses[: next(apart, 1)])))))
 
 
 def _clauses(verdict: Verdict) -> list[str]:

@@ -62,7 +62,10 @@ def rows_of_family(model: str) -> Verdicts:
 def rows_on_scene(model: str, scene: Scene) -> Verdicts:
     """Energy balance and order of the error of psi against the delay system, or against a finer grid where it cannot compute the
     scene."""
-    cells = _grids_for(model)
+    family, number = grid_of(model)
+    cells = [max(2, min(ladder_of(family, number).first, family.cells))]  # per slab, from the member's coarsest on
+    while len(cells) < _GRIDS:
+        cells.append(max(cells[-1] + 1, round(_FINER * cells[-1])))
     yield _ledger_row(model, scene, cells)
     if not starts_smoothly(scene):
         return
@@ -70,7 +73,6 @@ def rows_on_scene(model: str, scene: Scene) -> Verdicts:
     reference = build("delay", scene, tolerance=_RESOLUTION) if witness else _explicit(model, scene, 2 * cells[-1])
     true = np.array([follow(reference, moment).psi for moment in _MOMENTS])
     known = {n: error for n in cells if math.isfinite(error := _error(model, scene, n, true))}
-    family, number = grid_of(model)
     title = f"psi converges to that of {'the delay system' if witness else 'a finer grid'}"
     remark = f"`{model}`, scene {scene.name}, up to t = {_MOMENTS[-1]:g}"
     yield _falling(
@@ -85,15 +87,6 @@ def rows_on_scene(model: str, scene: Scene) -> Verdicts:
 def starts_smoothly(scene: Scene) -> bool:
     """Whether nothing jumps, at the start or later."""
     return scene.drive.is_constant and scene.start.kind == "nudge"
-
-
-def _grids_for(model: str) -> list[int]:
-    """Cells per slab of a few grids, from the coarsest of the member's ladder on."""
-    family, number = grid_of(model)
-    cells = [max(2, min(ladder_of(family, number).first, family.cells))]
-    while len(cells) < _GRIDS:
-        cells.append(max(cells[-1] + 1, round(_FINER * cells[-1])))
-    return cells
 
 
 def _explicit(model: str, scene: Scene, cells: int) -> "slipwave.solve.FieldSolver":

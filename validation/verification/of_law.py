@@ -31,7 +31,11 @@ def rows_of_law(name: str, scene: Scene) -> Verdicts:
     law, sample = LAWS[name], scene.law
     yield from _rows_of_functions(name, law, sample_of(name, law))
     yield from _rows_of_functions(f"{name}, parameters of scene {scene.name}", law, sample)
-    refused = _not_compiled(scene)
+    refused = ""
+    try:
+        build("delay", scene).advance(0.1)
+    except NumbaError as error:  # whose text holds the compiler's reason
+        refused = next((line for line in str(error).splitlines() if "name" in line or "resolve" in line), type(error).__name__)
     yield holding("It compiles into the solvers", EXACT, "no error", refused or "no error", not refused, f"`{name}`")
     if refused:
         return
@@ -73,15 +77,6 @@ def _left_after_a_step(law: Any, sample: Any) -> float:
 def _evolution(_: float, psi: Any, law: Any, sample: Any, z: float) -> list[float]:
     """psi' at a held rate."""
     return [law.respond(sample, z, float(psi[0]))[5]]
-
-
-def _not_compiled(scene: Scene) -> str:
-    """First line of the compiler's reason to refuse the law of the scene; empty if it compiles."""
-    try:
-        build("delay", scene).advance(0.1)
-    except NumbaError as error:
-        return next((line for line in str(error).splitlines() if "name" in line or "resolve" in line), type(error).__name__)
-    return ""
 
 
 def _growth_row(name: str, scene: Scene) -> Verdict:
