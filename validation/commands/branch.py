@@ -296,10 +296,12 @@ class BranchResult(FollowedResult):
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The special points, and some of the others."""
         followed, scene, listed = self.followed, self.followed.over.base, thinned(self.followed.shown, _LISTED)
-        (low, high), digits = followed.over.ends, _telling([point.value for point in listed])
+        (low, high), values = followed.over.ends, [point.value for point in listed]
+        pairs = [pair for pair in pairwise(values) if pair[0] != pair[1]]  # of neighbours, which the digits distinguish
+        digits = next((n for n in range(8, 17) if all(rounded(value, n) != rounded(other, n) for value, other in pairs)), 17)
         words = {True: "yes", None: "not decided"}
         columns = {
-            followed.over.name: [rounded(point.value, digits) for point in listed],
+            followed.over.name: [rounded(value, digits) for value in values],
             "period": self._column(listed, "period"),
         }
         if scene.units:
@@ -345,13 +347,6 @@ class BranchResult(FollowedResult):
         heading = ["kind", "curves", f"extreme {name}", "bracket", self.followed.over.name, "period", ""]
         yield from aligned(heading, rows) if rows else []
         yield ""
-
-
-def _telling(values: list[float]) -> int:
-    """Digits that distinguish neighbours that differ."""
-    pairs = [pair for pair in pairwise(values) if pair[0] != pair[1]]
-    enough = (n for n in range(8, 17) if all(rounded(value, n) != rounded(other, n) for value, other in pairs))
-    return next(enough, 17)
 
 
 def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]], over: ParameterRange) -> dict[str, Any]:

@@ -67,7 +67,10 @@ def on_a_scene(
         """Take the words of the command line."""
         files = {output: _path_of(output, words.pop(output.name), json) for output in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
-        _require_files_of_their_own(files)
+        taken = dict[Path, str]()
+        for output, path in files.items():
+            if path is not None and taken.setdefault(path.resolve(), output.flag) != output.flag:
+                raise SceneError(f"{output.flag} {path}: must be another file than that of {taken[path.resolve()]}")
         try:
             act(source, kind(**given).load_own(), files, json)
         except SystemExit as end:
@@ -124,14 +127,6 @@ def _path_of(output: Output, path: Path | None, json: bool) -> Path | None:
     if path is not None:
         require_writable(path, output.suffixes, output.flag)
     return path
-
-
-def _require_files_of_their_own(files: Files) -> None:
-    """Raises SceneError if two outputs name one file."""
-    taken = dict[Path, str]()
-    for output, path in files.items():
-        if path is not None and taken.setdefault(path.resolve(), output.flag) != output.flag:
-            raise SceneError(f"{output.flag} {path}: must be another file than that of {taken[path.resolve()]}")
 
 
 def _finish(result: Result, options: SceneOptions, files: Files, json: bool) -> None:

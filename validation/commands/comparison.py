@@ -34,19 +34,16 @@ def differences(run: Run, reference: Run) -> dict[str, dict[str, float | None]]:
     values, margins = dict[str, float | None](), dict[str, float | None]()
     for name in ("period", "stress_drop"):
         ours, theirs = (getattr(motion.statistics, name).mean for motion in (run, reference))
-        parts = [_relative_margin(motion, name) for motion in (run, reference)]
+        parts = [
+            0.0 if motion.kind == "periodic" else motion.statistics.margins[name] / float(mean)
+            for motion, mean in ((run, ours), (reference, theirs))
+        ]
         value = math.nan if run.failed else ours / theirs - 1.0
         if run.kind == reference.kind == "periodic" or not math.isnan(value):
             values[name], margins[name] = value, 0.0 if run is reference else (1.0 + value) * math.hypot(*parts)
     if run.kind == reference.kind == "periodic":
         return {"error": values}
     return {"error": dict.fromkeys(("period", "stress_drop"))} | ({"difference": values, "margin": margins} if values else {})
-
-
-def _relative_margin(run: Run, name: str) -> float:
-    """The margin of a mean over the mean; 0 if the motion is periodic."""
-    statistics = run.statistics
-    return 0.0 if run.kind == "periodic" else statistics.margins[name] / float(getattr(statistics, name).mean)
 
 
 def conclusion(rows: Sequence[_Row]) -> str:

@@ -161,7 +161,10 @@ def curve(source: "SceneSource | None" = None, options: CurveOptions = _UNCHANGE
     options = replace(options, over=range_text(options.over), along=range_text(options.along))
     begun = _begun(source, options)
     if begun is not None:
-        source, options = begun[0].over.base, _of_branch(options, *begun)
+        branch, kind = begun[0], begun[0].special[begun[1]].kind
+        kept = {key: text for key, text in branch.over.scenes.sets.items() if key not in options.varied}
+        source = branch.over.base
+        options = replace(options, model=branch.model, of=kind, over=options.over or branch.over.text, set=kept)
     elif source is None:
         raise SceneError("SCENE: missing; must be given, or --from FILE.nc with a --point")
     options = options.completed(source, "curve", tol=BRANCH_TOLERANCE, most_points=CURVE_POINTS)
@@ -209,10 +212,3 @@ def _begun(source: "SceneSource | None", options: CurveOptions) -> tuple[Followe
     if options.of not in (None, branch.special[index].kind):
         raise SceneError(f"--of {shorten(options.of)}: leave it out; {options.point} has its own kind")
     return branch, index
-
-
-def _of_branch(options: CurveOptions, branch: FollowedBranch, index: int) -> CurveOptions:
-    """The options completed by those of the branch; what it sets and the curve varies is no longer set."""
-    kept = {key: text for key, text in branch.over.scenes.sets.items() if key not in options.varied}
-    kind, over = branch.special[index].kind, options.over or branch.over.text
-    return replace(options, model=branch.model, of=kind, over=over, set=kept)

@@ -160,7 +160,10 @@ class SceneOptions(Frozen):
 
         source = source.scene if isinstance(source, PointOfBranch) else source
         if isinstance(source, Scene) and source.tables is None and until is not None:  # no tables to write the length into
-            source, until = replace(source, until=_transits(until, source)), None
+            transits = moment("run.until", until, source)
+            if not UNTIL.low <= transits <= UNTIL.high:
+                raise SceneError(f"run.until = {shorten(until)}: must be {UNTIL}")
+            source, until = replace(source, until=transits), None
         length = [] if until is None else [f"run.until={until}"]
         given = read(source, [*self._texts, *length])
         changes = {**(self.set or {}), **self.changes}
@@ -315,14 +318,6 @@ class RecordOptions(SceneOptions):
     def reading(self) -> dict[str, str | None]:
         """The options for `validation.data.series.read_series`."""
         return {name: getattr(self, name) for name in ("columns", "units", "missing", "area", "scale")}
-
-
-def _transits(until: float | str, scene: Scene) -> float:
-    """The length of a run in transits. Raises SceneError for one out of range."""
-    transits = moment("run.until", until, scene)
-    if not UNTIL.low <= transits <= UNTIL.high:
-        raise SceneError(f"run.until = {shorten(until)}: must be {UNTIL}")
-    return transits
 
 
 def options_of(kind: type[SceneOptions]) -> Mapping[str, Option]:

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from reduced.orbit import PeriodicOrbit
-from reduced.orbit.closing import Closed
 from reduced.orbit.multipliers import multipliers
 from reduced.orbit.periodic import figures_of
 from reduced.orbit.phase import PhaseResponse
@@ -24,7 +23,6 @@ from slipwave.input.wording import shorten
 from slipwave.observe.history import named_columns
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import Estimate, Orbit
-from slipwave.scene import Scene
 from slipwave.scene.scene import doubts
 from validation.chart import Chart
 from validation.commands.branch import tolerance_option
@@ -213,9 +211,12 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
     began = time.perf_counter()
     if isinstance(source, PointOfBranch):
         if source.closed is not None and options.is_default:
-            known = {"tol": source.tolerance, "near_period": source["period"]}
-            closed = replace(source.closed, flow=source.closed.flow.of(source.scene))  # whose keys are known
-            scene_orbit = _neutral_orbit(closed, source.tolerance)
+            tolerance, flow = source.tolerance, source.closed.flow.of(source.scene)  # whose keys are known
+            closed = replace(source.closed, flow=flow, monodromy=flow.tangent(source.closed.cycle))
+            figures = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(closed).items()})
+            periodic = PeriodicOrbit(closed, figures, multipliers(closed)._replace(stable=None), True)  # neutral: a special point
+            scene_orbit = SceneOrbit(periodic, tolerance, "the special point of the branch: errors are its tolerance")
+            known = {"tol": tolerance, "near_period": source["period"]}
             return OrbitResult(scene_orbit, known, time.perf_counter() - began, bool(options.response))
         if source.get("type") == "HB" and options.near_period is None:
             raise SceneError(
@@ -227,17 +228,11 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
     options = replace(options, tol=options.tol or ORBIT_TOLERANCE)
     scene = options.scene_of(source)
     name = announced(*flowing(options.model, scene))
-    period = _period(options.near_period, scene)
+    period = None if options.near_period is None else moment("near_period", options.near_period, scene)
+    if period is not None and not 0.0 < period < math.inf:
+        raise SceneError(f"near_period = {shorten(options.near_period)}: must be above 0, in transits or with a unit of time")
     scene_orbit = orbit_at_scene(name, scene, options.tol or ORBIT_TOLERANCE, options.cells, period, bool(options.others))
     return OrbitResult(scene_orbit, options.stored, time.perf_counter() - began, bool(options.response))
-
-
-def _neutral_orbit(closed: Closed, tolerance: float) -> SceneOrbit:
-    """The orbit of a special point of a branch, `closed` on a mesh that gives figures to the relative `tolerance`: neutral."""
-    exact = replace(closed, monodromy=closed.flow.tangent(closed.cycle))
-    figures = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(exact).items()})
-    periodic = PeriodicOrbit(exact, figures, multipliers(exact)._replace(stable=None), True)
-    return SceneOrbit(periodic, tolerance, "the special point of the branch: errors are its tolerance")
 
 
 def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
@@ -245,11 +240,3 @@ def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:
     value = mode.multiplier(period)
     facts = {"quarter_waves": [mode.upper, mode.lower], "frequency": mode.frequency, "decay": mode.decay}
     return facts | {"multiplier": [value.real, value.imag]}
-
-
-def _period(given: float | str | None, scene: Scene) -> float | None:
-    """The period in transits. Raises SceneError unless it is a positive time."""
-    period = None if given is None else moment("near_period", given, scene)
-    if period is None or 0.0 < period < math.inf:
-        return period
-    raise SceneError(f"near_period = {shorten(given)}: must be above 0, in transits or with a unit of time")

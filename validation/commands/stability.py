@@ -126,7 +126,12 @@ class StabilityResult(Result):
         edge = Trace("", [0.0, 0.0], [-np.inf, np.inf], GUIDE.but(color=GREY, dashes="--"))
         sides = Scale("growth rate Re s / (V*/L)"), Scale("frequency Im s / (V*/L)")
         omega = watched(scene, self._root)
-        along, marks = _frequencies(scene, omega), [_mark(omega, "leading root", ":")] if omega > 0.0 else []
+        # frequencies (V*/L) from below the root's and the rates of faces to above these and the slabs' own first waves
+        rates = [slab.termination.spring_rate for _, slab in scene.named_slabs]
+        known = [rate for rate in (omega, *rates, 1.0 / scene.transit) if 0.0 < rate < math.inf]
+        last = max(2.0 * math.pi * _CYCLES / scene.transit, 3.0 * max(known))
+        along = np.unique([*np.geomspace(min(known) / _BELOW, last, _POINTS), *np.linspace(last / _POINTS, last, _POINTS)])
+        marks = [_mark(omega, "leading root", ":")] if omega > 0.0 else []
         panels = [Panel("", *sides, [shown, edge]), _impedance(scene, one_port_of(analysis.model), analysis.model, marks, along)]
         curves, springs = list[Trace](), list[Trace]()
         for name, slab in ((name, slab) for name, slab in scene.named_slabs if not slab.termination.is_rigid):
@@ -235,14 +240,6 @@ def _has_own_faces(scene: Scene) -> bool:
     measured = any(isinstance(value, str) for table in tables for key, value in table.items() if key != "kind")
     own = scene.units is not None and any(slab.face.is_own for _, slab in scene.named_slabs)
     return not scene.is_held_rigidly and (own or measured)
-
-
-def _frequencies(scene: Scene, omega: float) -> Array:
-    """Angular frequencies (V*/L) from below `omega` and the rates of faces to above these and the slabs' own first waves."""
-    rates = [slab.termination.spring_rate for _, slab in scene.named_slabs]
-    known = [rate for rate in (omega, *rates, 1.0 / scene.transit) if 0.0 < rate < math.inf]
-    last = max(2.0 * math.pi * _CYCLES / scene.transit, 3.0 * max(known))
-    return np.unique([*np.geomspace(min(known) / _BELOW, last, _POINTS), *np.linspace(last / _POINTS, last, _POINTS)])
 
 
 def _mark(rate: float, name: str, dashes: Any) -> Trace:
