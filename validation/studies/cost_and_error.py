@@ -74,7 +74,11 @@ class _SettingRun(NamedTuple):
 def run(budget: Budget) -> StudyResult:
     """Run and time every model at a ladder of settings."""
     exact = memo.settled("delay", sw.read("paper"), _EXACT, 1e-10).orbit
-    settings = _settings(budget.plan(_LEAPFROG[:-1], _LEAPFROG), budget.plan(_ELEMENTS[::2], _ELEMENTS))
+    leapfrog, elements = budget.plan(_LEAPFROG[:-1], _LEAPFROG), budget.plan(_ELEMENTS[::2], _ELEMENTS)  # cells per slab
+    settings: list[tuple[str, dict[str, Any]]] = [("delay", {"tol": tolerance}) for tolerance in _TOLERANCES]
+    settings += [("fd", {"cells": n, "cfl": cfl}) for cfl in (1.0, 0.5) for n in leapfrog]
+    settings += [(_WAVE, {"cells": n, "time": march}) for march in _MARCHES for n in elements]
+    settings += [(model, {"tol": tolerance}) for model in _ODES for tolerance in _TOLERANCES]
     cycles = [_cycle_at(*setting) for setting in budget.each(settings, end=0.4)]
     points = [
         _SettingRun(*setting, cycle, _off(cycle.period, exact.period), _off(cycle.stress_drop, exact.stress_drop), times)
@@ -88,14 +92,6 @@ def run(budget: Budget) -> StudyResult:
         tables=(_table(points),),
         verdicts=(*_finest_verdicts(points), _marches(points)),
     )
-
-
-def _settings(leapfrog: Sequence[int], elements: Sequence[int]) -> list[tuple[str, dict[str, Any]]]:
-    """Models and their options; given are the cells per slab of the full waves."""
-    settings: list[tuple[str, dict[str, Any]]] = [("delay", {"tol": tolerance}) for tolerance in _TOLERANCES]
-    settings += [("fd", {"cells": n, "cfl": cfl}) for cfl in (1.0, 0.5) for n in leapfrog]
-    settings += [(_WAVE, {"cells": n, "time": march}) for march in _MARCHES for n in elements]
-    return settings + [(model, {"tol": tolerance}) for model in _ODES for tolerance in _TOLERANCES]
 
 
 def _cycle_at(model: str, options: Mapping[str, Any]) -> Orbit:

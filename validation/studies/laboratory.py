@@ -79,7 +79,10 @@ class _Case(NamedTuple):
 def run(budget: Budget) -> StudyResult:
     """Compute every run within the parameters' uncertainty, with and without waves, and compare it with the measurement."""
     count, events, with_keeping = budget.plan(quick=(6, 3, False), full=(24, len(_RISES), True))
-    drawn = _samples(count)
+    # parameters within the printed uncertainty, with a factor of k': the three fits in turn, a, b and L normal and independent of
+    # each other (no correlation is printed)
+    numbers = zip(np.random.default_rng(20160331).standard_normal((count, 4)), cycle(_FITS))
+    drawn = [(mean + spread * row[:3], math.exp(_STIFFNESS_SPREAD * row[3])) for row, (mean, spread) in numbers]
     pairs = [(row, law) for law in LAWS for row in _RUNS]
     cases = [_case(row, law, drawn) for row, law in budget.each(pairs, 0.6)]
     untuned = {(row["sigma_MPa"], k): _cycle_without_tuning(row, _FITS[k][0]) for row in _RUNS for k in (1, 2)}
@@ -307,14 +310,6 @@ _STIFFNESS_SPREAD = 0.05  # of k', for which no uncertainty is printed: our assu
 _TOLERANCE = 1e-6
 _CYCLES = 12.0
 _START = 2.0
-
-
-def _samples(count: int) -> list[tuple[np.ndarray, float]]:
-    """Parameters within the printed uncertainty, with a factor of k': the three fits in turn, a, b and L normal and independent
-    of each other (no correlation is printed)."""
-    drawn = np.random.default_rng(20160331).standard_normal((count, 4))
-    pairs = zip(drawn, cycle(_FITS))
-    return [(mean + spread * row[:3], math.exp(_STIFFNESS_SPREAD * row[3])) for row, (mean, spread) in pairs]
 
 
 def _plain_block(row: Mapping[str, Any], fit: np.ndarray, law: str, factor: float = 1.0) -> sw.Scene:

@@ -152,23 +152,18 @@ def _overlay(cycles: Mapping[str, OneCycle]) -> Chart:
     shade = Trace("", *outline(_ZOOM, [-np.inf] * 2, [np.inf] * 2), Look("#efeee8", kind="area"))
     shown = []
     for name, axis in (("stress", _STRESS), ("slip_rate", _RATE)):
-        ends = _framed(getattr(exact, name)[slow], axis.kind)
+        is_log, values = axis.kind == "log", getattr(exact, name)[slow]
+        values = np.log(values) if is_log else values
+        ends = values.min() - 0.6 * np.ptp(values), values.max() + 0.6 * np.ptp(values)  # 0.6 of the range free on both sides
+        low, high = np.exp(ends) if is_log else ends
         lines = [(cycles[model].time, getattr(cycles[model], name), style_of(model).width) for model in _SHOWN]
         whole = [model_line(model, *xy, width=0.6 * width) for model, (*xy, width) in zip(_SHOWN, lines, strict=True)]
         close = [model_line(model, *xy) for model, (*xy, _) in zip(_SHOWN, lines, strict=True)]
         ticks = {value: f"{value:g}" for value in (4.0, 6.0, 10.0, 15.0, 20.0)} if name == "slip_rate" else None
         title = "slow phase, enlarged" if name == "stress" else ""
         shown += [Panel("", replace(_SINCE, limits=(-4.0, 82.0)), axis, [shade, *whole])]
-        shown += [Panel(title, replace(_SINCE, limits=_ZOOM), replace(axis, limits=ends, ticks=ticks), close)]
+        shown += [Panel(title, replace(_SINCE, limits=_ZOOM), replace(axis, limits=(low, high), ticks=ticks), close)]
     return Chart(shown, 5.2, 2, widths=(1.9, 1.0), legend="outside upper left", legend_columns=3, keys=shown[1].traces)
-
-
-def _framed(values: np.ndarray, scale: str) -> tuple[float, float]:
-    """Limits that leave 0.6 of the range free on both sides."""
-    values = np.log(values) if scale == "log" else values
-    ends = values.min() - 0.6 * np.ptp(values), values.max() + 0.6 * np.ptp(values)
-    low, high = np.exp(ends) if scale == "log" else ends
-    return low, high
 
 
 def _panels(cycles: Mapping[str, OneCycle]) -> Chart:

@@ -231,19 +231,14 @@ def sides(branch: Branch, first: int = 0, stride: int = 1) -> list[tuple[float, 
     number, points = {id(point): n for n, point in enumerate(branch.points)}, []
     for special in branch.special[first::stride]:
         for point in (branch.points[number[id(special.point)] + beside] for beside in (-1, 1)):
-            passing, direction = _passing(point.closed, special.kind)
+            values, vectors = np.linalg.eig(point.closed.monodromy)
+            others = np.delete(values, np.abs(values - 1.0).argmin())
+            passing = critical(special.kind, others.astype(complex))
+            vector = vectors[:, np.abs(values - passing).argmin()].real
+            direction = vector / np.abs(vector).max()
             apart = _cycles(point.closed, _OFF * direction) - _cycles(point.closed, -_OFF * direction)
             points.append((point.parameter, passing, _multiplier_seen(apart, abs(passing.imag) > _REAL)))
     return points
-
-
-def _passing(closed: Closed, kind: str) -> tuple[complex, np.ndarray]:
-    """The critical multiplier at a point of `kind`, and the real part of its eigenvector, with 1 as the largest component."""
-    values, vectors = np.linalg.eig(closed.monodromy)
-    others = np.delete(values, np.abs(values - 1.0).argmin())
-    passing = critical(kind, others.astype(complex))
-    vector = vectors[:, np.abs(values - passing).argmin()].real
-    return passing, vector / np.abs(vector).max()
 
 
 def _cycles(closed: Closed, change: np.ndarray) -> np.ndarray:

@@ -123,17 +123,14 @@ def place(name: str, over_onset: float) -> ModelColumn:
     """The column of a scene with both slabs scaled together to r = `over_onset` times the onset of the exact system."""
     own = slipwave.read(name)
     factor = over_onset * critical_r(EXACT_MODEL, own) / own.transit
-    settings = [*_settings(own, factor), f"start.size={_NUDGE:g}"]
+    if own.upper.material and own.units:
+        settings = [f"slab.thickness={factor * 0.5 * own.transit * own.units.time * own.upper.material.wave_speed:.6g}"]
+    else:
+        slabs = {"slab": own.upper} if own.alike else {"upper": own.upper, "lower": own.lower}
+        settings = [f"{key}.r={factor * slab.round_trip:.7g}" for key, slab in slabs.items()]
+    settings.append(f"start.size={_NUDGE:g}")
     scene, words = slipwave.read(name, settings), " ".join(f"--set {setting}" for setting in settings)
     return ModelColumn(name, math.log10(scene.transit), over_onset, f"r = {over_onset:.2f} r_{{c}}", f"{name} {words}")
-
-
-def _settings(own: slipwave.Scene, factor: float) -> list[str]:
-    """The settings that make the slabs thicker by `factor`."""
-    if own.upper.material and own.units:
-        return [f"slab.thickness={factor * 0.5 * own.transit * own.units.time * own.upper.material.wave_speed:.6g}"]
-    slabs = {"slab": own.upper} if own.alike else {"upper": own.upper, "lower": own.lower}
-    return [f"{key}.r={factor * slab.round_trip:.7g}" for key, slab in slabs.items()]
 
 
 def places_of(names: Iterable[str] = tuple(ELSEWHERE)) -> list[ModelColumn]:
