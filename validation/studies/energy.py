@@ -10,7 +10,7 @@ import slipwave as sw
 from validation.chart import Chart, Look, Panel, Scale, Trace
 from validation.chart.looks import style_of
 from validation.measure.order_fit import Fit, fit_order
-from validation.report import EXACT, Budget, Cell, Figure, StudyResult, Verdicts, claim, plain, stated, table
+from validation.report import EXACT, Budget, Cell, Figure, StudyResult, claim, plain, stated, table
 from validation.report.known import of_order, rounding
 
 NAME = "energy"
@@ -59,7 +59,14 @@ def run(budget: Budget) -> StudyResult:
         },
         figures=(Figure("closure", _CLOSURE, lambda: _closure(residuals)),),
         tables=(table("shares", _SHARES, " | ".join(["scene", *(f"{name} [% of input] .4g" for name in _SINKS)]), rows),),
-        verdicts=tuple(_balance_verdicts(ladders["fd"], orders, high)),
+        verdicts=(
+            claim(CONSERVES, EXACT, max(residuals["fd"].tolist()), ladders["fd"][0][1], "the worst of all grids"),
+            *(of_order(SQUARED, EXACT, fit, ORDERS[model], f"`{model}`") for model, fit in orders.items()),
+            *(
+                claim(CLOSES, EXACT, abs(entries["residual"]), allowed, f"`{model}`, scene {scene}")
+                for (model, scene), (entries, allowed) in high.items()
+            ),
+        ),
         numbers={f"order of {model}": stated(fit.order, fit.half_width) for model, fit in orders.items()},
     )
 
@@ -82,16 +89,6 @@ def _balance(model: str, cells: int, scene: str = "paper") -> Balance:
     """The ledger after `_UNTIL` transits of explicit steps."""
     done = sw.run(scene, model, cells=cells, time=None if model == "fd" else "explicit", until=_UNTIL)
     return done.energy or {}, rounding(_UNTIL / done.step)
-
-
-def _balance_verdicts(fd: Sequence[Balance], orders: Mapping[str, Fit], high: Mapping[tuple[str, str], Balance]) -> Verdicts:
-    """The leapfrog on every grid; the order of every model that does not conserve, with its 95 % interval; models of high degree
-    on every scene."""
-    yield claim(CONSERVES, EXACT, max(abs(entries["residual"]) for entries, _ in fd), fd[0][1], "the worst of all grids")
-    for model, fit in orders.items():
-        yield of_order(SQUARED, EXACT, fit, ORDERS[model], f"`{model}`")
-    for (model, scene), (entries, allowed) in high.items():
-        yield claim(CLOSES, EXACT, abs(entries["residual"]), allowed, f"`{model}`, scene {scene}")
 
 
 _SINKS = ("friction", "radiated", "viscous", "stored")
