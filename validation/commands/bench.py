@@ -97,7 +97,7 @@ def bench(source: SceneSource, options: _BenchOptions) -> BenchResult:
     """
     scene = options.scene_of(source, options.until)
     tolerances = [{"tolerance": tolerance} for tolerance in _TOLERANCES]
-    settings = {family.name: [{"cells": cells} for cells in family.grids] or tolerances for family in honouring(scene)}
+    settings = {family.name: _grids(scene, family) or tolerances for family in honouring(scene)}
     trials = [(family, setting) for family in honouring(scene) for setting in settings[family.name]]
     if not trials:
         raise SceneError(f"scene = {scene.name!r}: no model of this installation can do it")
@@ -126,6 +126,12 @@ def bench(source: SceneSource, options: _BenchOptions) -> BenchResult:
     failed = [reference.failed] if reference.failed else [run.failed for run, _, _ in runs if run.solver.failures]
     failed = ["interrupted", *failed, stopped] if stopped else failed
     return BenchResult(scene, reference, options.stored, runs, failed="; ".join(failed), stopped=bool(stopped))
+
+
+def _grids(scene: Scene, family: Family) -> list[dict[str, Any]]:
+    """The grids of `family` on the scene, each once: layers that have their fewest cells are the same at fewer cells yet."""
+    distinct = {str(build(family.example, scene, cells=cells).settings): {"cells": cells} for cells in family.grids}
+    return [*distinct.values()]
 
 
 def _prepared(scene: Scene, family: Family, setting: dict[str, Any], length: Length, most: float) -> Callable[[], Run]:

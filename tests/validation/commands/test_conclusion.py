@@ -15,6 +15,7 @@ from slipwave.observe.statistics import RunStatistics, Spread
 from slipwave.observe.verdict import MotionVerdict
 from slipwave.solve import follow
 from tests.validation.records import written
+from validation.commands.bench import _grids
 from validation.commands.cli import INPUT_WRONG, main
 from validation.commands.comparison import conclusion, differences, nothing
 from validation.data.events import FALL, falls, measured_motion, noise_of, slip_events
@@ -22,6 +23,7 @@ from validation.data.series import Series
 from validation.data.writing import _as_record
 from validation.fit.records import experiment_of
 from validation.models.build import build
+from validation.models.by_name import honouring
 
 
 def row(model, wall, error=1e-3, **more):
@@ -120,6 +122,13 @@ def test_the_overlay_has_the_last_cycle_of_each_model():
         np.testing.assert_allclose(time, columns["time"][inside] - begin, atol=1e-9)
         np.testing.assert_allclose(values, columns[name][inside], rtol=1e-9)
         assert len(axes.get_lines()) == 2
+
+
+def test_each_grid_of_a_layered_scene_is_tried_once():
+    """A layer has a cell of an element at least, or 16 of a difference: fewer were the same grid under another number."""
+    scene = sw.read("layered")
+    tried = {one.name: [row["cells"] for row in _grids(scene, one)] for one in honouring(scene) if one.grids}
+    assert tried == {"fd": [16, 32, 64], "sbp": [32, 64], "fem": [2, 4, 8], "dg": [2, 4]}
 
 
 NAME, UNTIL = "steel-on-pmma", 90000.0
