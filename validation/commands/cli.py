@@ -33,6 +33,7 @@ _SPREAD: dict[str, Callable[[str], bool]] = {
     "--only": lambda word: True,
     "--data": lambda word: True,
     "--free": lambda word: True,
+    "--curve": lambda word: True,
 }
 
 _REPORT = "validation.report.command"  # it uses the commands

@@ -40,7 +40,7 @@ class _MapOptions(SceneOptions):
     show: str | None = option("the column to be drawn (default: regime, period and stress drop)", metavar="COLUMN")
     model: str | None = option("one of the models (default: all)", positional=True)
     against: str | None = option("draw where this model has another regime, and by how much its period and stress drop differ")
-    curve: Iterable[str] = option("netCDF files of `slipwave curve` to be drawn over the map", (), metavar="FILE.nc ...")
+    curve: Iterable[str | Path] = option("netCDF files of `slipwave curve` to be drawn over the map", (), metavar="FILE.nc ...")
     title: str = option("a title above the figure", "")
     size: str | None = option("size for print: single (8.5 cm wide) or double (17 cm) column", metavar="single|double")
     plain: bool = option("without the boundary on which steady sliding loses its stability", False)

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import reduce
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -31,11 +32,15 @@ HATCHES = {"too short": "////", "no figures": "xxx", "not computed": "..."}
 """Patterns of cells without a regime, the last two for points that were refused or failed and for those still to be computed."""
 
 _LINE, _HALO = Look(dashes=(0, (4, 1.5))), Look(PAPER, width=3.2)
+_CURVES = ("-", (0, (1, 1.2)), (0, (5, 1.2, 1, 1.2)))
 _ABREAST = 3
 _PICTURES = ("exponent", "period", "stress_drop")
 _BRUSH = ("cycle_period", "cycle_stress_drop")
 _STRIP = 0.16
 """Height of a strip of regimes over one axis, for each model, over that of a panel."""
+
+_CONTINUED = ("point_first", "point_second")
+"""The parameters of a curve in a file from which it can be continued; their `long_name` is that of the key."""
 
 _VELOCITIES, _TRANSITS = ("V", "drive.velocity"), ("r", "log10_r", "slab.r", "slab.log10_r", "slab.thickness")
 """Keys whose values (for a logarithm, its power of ten) are proportional to V and to the transit."""
@@ -112,13 +117,22 @@ def _over_two(data: Dataset, names: Sequence[str], shown: str | None, lines: Seq
             title = str(model["model"].item())
             if len(columns) > 1 or column == "stable":
                 title += f": {'regime' if column == 'verdict' else column.replace('_', ' ')}"
-            own = [line for line in lines if line.model in ("", model["model"].item())]
-            edges = [Trace("", line.across, line.up, _HALO) for line in own]
-            edges += [Trace(line.name.partition(",")[0], line.across, line.up, _LINE) for line in own]
-            panels.append(Panel(title, across, up, [*_cells(model, names, column), *edges]))
+            panels.append(Panel(title, across, up, [*_cells(model, names, column), *_edges(lines, str(model["model"].item()))]))
     width = min(len(panels), _ABREAST) if len(columns) == 1 else len(columns)
     height = 3.6 * math.ceil(len(panels) / width)
     return Chart(panels, height, width, 4.0 * width, legend="outside lower center", legend_columns=6)
+
+
+def _edges(lines: Sequence[Line], model: str) -> list[Trace]:
+    """The lines over a panel of the `model`: onsets are dashed; each curve of orbits has a line of its own and the name of its
+    model, which may be another one."""
+    own = [line for line in lines if line.model in ("", model)]
+    curves = [*dict.fromkeys(line.name for line in own if not line.model)]
+    edges = [Trace("", line.across, line.up, _HALO) for line in own]
+    for line in own:
+        look = _LINE if line.model else Look(dashes=_CURVES[curves.index(line.name) % len(_CURVES)])
+        edges.append(Trace(line.name.partition(",")[0] if line.model else line.name, line.across, line.up, look))
+    return edges
 
 
 def _cells(data: Dataset, names: Sequence[str], column: str) -> list[Trace]:
@@ -357,24 +371,28 @@ def onset_lines(data: Dataset) -> tuple[tuple[Line, ...], list[str]]:
     return tuple(lines), notes
 
 
-def lines_of_curve(files: Iterable[str], data: Dataset) -> tuple[Line, ...]:
+def lines_of_curve(files: Iterable[str | Path], data: Dataset) -> tuple[Line, ...]:
     """The special curves in files of `slipwave curve`. Raises SceneError for another file, or one over other parameters or of
     another scene."""
     axes, lines = _axes_of(data), []
-    for path in files:
+    for path in [files] if isinstance(files, str) else files:
         curve = load_dataset(path, f"--curve = {str(path)!r}: is no netCDF file")
         if "law_digest" in curve.attrs:
             require_files(f"--curve = {str(path)!r}", {f"law {curve.attrs['law_file']}": curve.attrs["law_digest"]})
-        names = {str(name): str(name) for name in curve.variables} | ({"drive_velocity": "V"} if "V" in curve else {})
+        names = {str(name): str(name) for name in curve.variables}
+        # of a curve that can be continued
+        names |= {str(curve[one].attrs["long_name"]).replace(".", "_"): one for one in _CONTINUED if one in curve}
+        names |= {"drive_velocity": names["V"]} if "V" in names else {}
         if any(axis not in names for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")
         _require_same_scenes(path, curve, data, axes)
         first, second = (np.asarray(curve[names[axis]].values, dtype=float) / _bare(data[axis], _base_of(data)) for axis in axes)
-        lines.append(Line(f"{curve['type'].values[0]}, {curve.attrs['model']}", first, second, ""))
+        kind = curve["type" if "type" in curve else "point_kind"].values[0]
+        lines.append(Line(f"{kind}, {curve.attrs['model']}", first, second, ""))
     return tuple(lines)
 
 
-def _require_same_scenes(path: str, curve: Dataset, data: Dataset, axes: Sequence[str]) -> None:
+def _require_same_scenes(path: str | Path, curve: Dataset, data: Dataset, axes: Sequence[str]) -> None:
     """Raises SceneError unless the scenes of a `curve` and of a sweep are the same at the same values of the `axes`, but for the
     start and the length of a run, which move no orbit."""
     varied, values = [_parameter_of(data[axis]) for axis in axes], [data[axis].values[0].item() for axis in axes]

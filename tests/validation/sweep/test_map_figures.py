@@ -193,6 +193,24 @@ def test_a_curve_lies_on_the_boundary_over_an_axis_in_another_unit(tmp_path):
         _bare(held.dataset["slab_face_stiffness"], sw.read(scene, grip))
 
 
+def test_curves_of_files_that_can_be_continued_are_drawn_each_with_its_own_line(tmp_path, printed):
+    """Files of all kinds but HB; before, they held no curve, and on the command line there was room for one file."""
+    ranges = {"over": "log10_r=-2.72:-2.69", "along": "V=100:101", "model": "kelvin-voigt"}
+    folds = sw.curve("paper", of="LP", tol=1e-3, most_points=2, out=tmp_path / "lp.nc", **ranges)
+    sw.curve("paper", of="HB", out=tmp_path / "hb.nc", **ranges)
+    vary = {"log10_r": [-2.72, -2.69], "V": [100.0, 101.0]}
+    found = sw.sweep("paper", vary=vary, models="delay", measure="stability", workers=1, out=tmp_path / "out")
+    _, drawn = sw.map(found, curve=tmp_path / "lp.nc").boundaries
+    assert drawn.across.tolist() == [one["log10_r"] for one in folds.summary["points"]]
+    assert drawn.up.tolist() == [one["V"] for one in folds.summary["points"]]
+    files = [str(tmp_path / name) for name in ("lp.nc", "hb.nc")]
+    told = printed("map", str(tmp_path / "out"), "--curve", *files, "--plot", str(tmp_path / "map.svg"))
+    assert "boundary: LP, kelvin-voigt\nboundary: HB, kelvin-voigt\n" in told
+    lines = {one.name: str(one.look.dashes) for one in sw.map(found, curve=files).chart().panels[0].traces[1:] if one.name}
+    assert [*lines] == ["onset of instability", "LP, kelvin-voigt", "HB, kelvin-voigt"]
+    assert len({*lines.values()}) == 3
+
+
 def test_the_boundary_over_variables_is_that_of_the_scenes_written_out():
     """q changes the impedance of one slab and s, on a logarithmic axis, both round trips."""
     sets = {"upper.epsilon": "2.8e-5*q", "lower.epsilon": 2.8e-5, "upper.r": "0.002*s", "lower.r": "0.0028*s"}
