@@ -235,3 +235,13 @@ def test_the_energy_balance_says_to_which_time_it_counts():
     assert abs(there.final["mu"] - found.final["mu"]) > 1e-6
     assert "energy to t = 9.75: input" in "\n".join(found.lines({}))
     assert sw.run(paper, "delay", until=9.7).energy_until is None
+
+
+def test_the_balance_of_the_leapfrog_counts_half_a_step_more_at_each_end():
+    """Its friction is larger by half a step of the powers v mu of steady sliding and of the end."""
+    fine, coarse = sw.run("paper", "dg:7", until=10.0), sw.run("paper", "fd", cells=64, until=10.0)
+    scene, end = sw.read("paper"), fine.final
+    assert (fine.energy_until, coarse.energy_until) == (10.0, 10.0)
+    half = 0.5 * scene.transit / 128.0
+    begun = half * scene.velocity * scene.steady_stress
+    assert coarse.energy["friction"] - fine.energy["friction"] == pytest.approx(begun + half * end["v"] * end["mu"], rel=5e-3)
