@@ -152,7 +152,9 @@ def _judged(source: "SceneSource | None", options: VerifyOptions) -> tuple[str, 
         if refusal:
             raise SceneError(f"model = {model!r}: cannot do {refusal} (scene {scene.name!r})")
         left = (
-            () if starts_smoothly(scene) else ("its start or its drive jumps: only the ledger is judged, no order is promised",)
+            ()
+            if starts_smoothly(scene)
+            else ("psi is compared after a nudge at constant V only: here the ledger alone is judged",)
         )
         return f"scene {scene.name} with {model}", rows_on_scene(model, scene), left
     options.require_unset((), "without SCENE a scheme is judged on scenes of its rows")

@@ -1,6 +1,7 @@
 """The rows of a full wave: orders, step limit, energy balance, noise, agreement with the delay system."""
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -72,15 +73,16 @@ def rows_on_scene(model: str, scene: Scene) -> Verdicts:
     witness = not DELAY.refusal(scene)
     reference = build("delay", scene, tolerance=_RESOLUTION) if witness else _explicit(model, scene, 2 * cells[-1])
     true = np.array([follow(reference, moment).psi for moment in _MOMENTS])
-    known = {n: error for n in cells if math.isfinite(error := _error(model, scene, n, true))}
+    known, ended = _on_grids(model, scene, cells, lambda solver: _error(solver, true))
     title = f"psi converges to that of {'the delay system' if witness else 'a finer grid'}"
     remark = f"`{model}`, scene {scene.name}, up to t = {_MOMENTS[-1]:g}"
     yield _falling(
         holding(title, WITNESS if witness else SELF, "", "", False, remark),
         "errors",
         family.order_interface(number),
-        known,
+        {n: error for n, error in known.items() if math.isfinite(error)},
         _REACHED,
+        ended,
     )
 
 
@@ -93,25 +95,41 @@ def _explicit(model: str, scene: Scene, cells: int) -> "slipwave.solve.FieldSolv
     return build_full_wave(model, scene, cells=cells, time=explicit_time(model))
 
 
-def _error(model: str, scene: Scene, cells: int, true: np.ndarray) -> float:
-    """Largest error of psi at the moments; NaN where the grid is too coarse to run."""
-    try:
-        solver = _explicit(model, scene, cells)
-        return float(max(abs(follow(solver, moment).psi - psi) for moment, psi in zip(_MOMENTS, true, strict=True)))
-    except (NumericsError, SceneError):
-        return math.nan
+def _on_grids(
+    model: str, scene: Scene, cells: list[int], measured: Callable[["slipwave.solve.FieldSolver"], float]
+) -> tuple[dict[int, float], str]:
+    """What is `measured` by cells, on the grids that can run; text on those whose run fails, with the last reason. Raises
+    SceneError if every grid is refused."""
+    sizes, refused, failed = dict[int, float](), list[SceneError](), list[NumericsError]()
+    for n in cells:
+        try:
+            sizes[n] = measured(_explicit(model, scene, n))
+        except SceneError as error:
+            refused.append(error)
+        except NumericsError as error:
+            failed.append(error)
+    if len(refused) == len(cells):
+        raise refused[-1]
+    return sizes, f"; the run fails on {len(failed)} of {len(cells)} grids: {failed[-1]}" if failed else ""
 
 
-def _falling(row: Verdict, what: str, declared: float, sizes: dict[int, float], floor: float) -> Verdict:
+def _error(solver: "slipwave.solve.FieldSolver", true: np.ndarray) -> float:
+    """Largest error of psi at the moments."""
+    return float(max(abs(follow(solver, moment).psi - psi) for moment, psi in zip(_MOMENTS, true, strict=True)))
+
+
+def _falling(row: Verdict, what: str, declared: float, sizes: dict[int, float], floor: float, ended: str) -> Verdict:
     """The row on sizes (by cells) that fall at the declared order or faster, or to below the `floor`, under which no order is
-    fitted: rounding bends the line there. Not decided if the interval of the order is too wide to tell."""
+    fitted: rounding bends the line there. Not decided if the interval of the order is too wide to tell, or too few sizes are left
+    because runs `ended`."""
     expected, cells = f"order {declared:g} or more, or {what} below {floor:.0e}", max(sizes, default=0)
     finest, above = sizes.get(cells, math.inf), {n: size for n, size in sizes.items() if size > floor}
-    row = replace(row, expected=expected, remark=f"{row.remark}; {finest:.1e} on {cells} cells")
+    row = replace(row, expected=expected, remark=f"{row.remark}; {finest:.1e} on {cells} cells{ended}")
     try:
         fit = fit_order(np.array(list(above), dtype=float), np.array(list(above.values())))
     except ValueError:
-        return replace(row, ours=f"{finest:.1e}", outcome=judge(finest < floor))
+        few = bool(ended) and finest >= floor
+        return replace(row, ours=f"{finest:.1e}", outcome=Outcome.OPEN if few else judge(finest < floor))
     short, small = shortfall(fit, declared, _SHORT, at_least=True, widest=_WIDE), finest < floor
     unknown = fit.half_width > _WIDE and fit.order + fit.half_width >= declared
     ours = f"{finest:.1e}" if short and small else f"order {fit.rounded}"  # what holds
@@ -122,17 +140,17 @@ def _ledger_row(model: str, scene: Scene, cells: list[int]) -> Verdict:
     """Whether the energy balance closes (work of the drive, dissipation by friction, faces and viscosity, stored energy) up to
     losses that decrease with the grid at the order of the fields."""
     family, number = grid_of(model)
-    lost, closed = dict[int, float](), 0.0
-    viscous = any(slab.viscosity for slab in scene.slabs)  # their heat is summed by the steps, whose error has either sign
-    for n in cells:
-        try:
-            solver = _explicit(model, scene, n)
-            follow(solver, _LEDGER_UNTIL)
-        except (NumericsError, SceneError):
-            continue
-        energy, closed = solver.energy(), rounding(_LEDGER_UNTIL / solver.step)
-        residual = math.nan if energy is None else energy.residual
-        lost[n] = abs(residual) if viscous else residual
+    steps = dict[int, float]()
+
+    def residual(solver: "slipwave.solve.FieldSolver") -> float:
+        follow(solver, _LEDGER_UNTIL)
+        steps[solver.cells], energy = solver.step, solver.energy()
+        return math.nan if energy is None else energy.residual
+
+    lost, ended = _on_grids(model, scene, cells, residual)
+    if any(slab.viscosity for slab in scene.slabs):  # their heat is summed by the steps, whose error has either sign
+        lost = {n: abs(one) for n, one in lost.items()}
+    closed = rounding(_LEDGER_UNTIL / [*steps.values()][-1]) if lost else 0.0
     worst, least = max(map(abs, lost.values()), default=math.nan), min(lost.values(), default=math.nan)
     title, remark = (
         "The energy balance closes",
@@ -140,7 +158,7 @@ def _ledger_row(model: str, scene: Scene, cells: list[int]) -> Verdict:
     )
     gained = least < -max(closed, _GAINED)
     if family.conserves or worst < closed or gained or not math.isfinite(worst):
-        told = f"{remark}, worst of {len(lost)} grids{'; energy is gained' if gained else ''}"
+        told = f"{remark}, worst of {len(lost)} grids{'; energy is gained' if gained else ''}{ended}"
         return claim(title, EXACT, least if gained else worst, closed, told)
     row = holding(title, EXACT, "", "", False, remark)
-    return _falling(row, "losses", family.order_bulk(number) if starts_smoothly(scene) else 1, lost, _LOST)
+    return _falling(row, "losses", family.order_bulk(number) if starts_smoothly(scene) else 1, lost, _LOST, ended)

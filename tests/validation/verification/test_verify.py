@@ -106,13 +106,25 @@ def test_the_heat_of_viscosity_may_have_an_error_of_either_sign():
     assert (balance.outcome, balance.found) == ("pass", None)
 
 
+def test_of_a_scene_that_no_grid_can_start_nothing_is_said_to_be_missed():
+    with pytest.raises(SceneError, match=r"^start.kind = 'orbit': needs a constant drive.velocity"):
+        sw.verify("ramp", set={"start.kind": "orbit"})
+
+
+def test_where_runs_fail_an_order_is_not_decided():
+    """Slabs of 380 critical thicknesses: explicit steps resolve no slip event on any grid but the coarsest, which has none."""
+    rows = sw.verify("layered", r=1.0).summary["rows"]
+    assert [row["outcome"] for row in rows] == ["not decided", "not decided"]
+    assert all("the run fails on 5 of 6 grids: dg:7: before t = " in row["remark"] for row in rows)
+
+
 def test_a_row_says_what_holds():
     """From two errors above 1e-8 the order was 6.0 +- 5.4; that the finest is below is why the row holds."""
     assert sw.verify("unlike", "fem:2").summary["rows"][1]["found"].startswith("3.8e-10")
 
 
 def test_of_a_scene_that_jumps_the_ledger_alone_is_judged(printed):
-    assert "note: its start or its drive jumps: only the ledger is judged, no order is promised" in printed("verify", "jump")
+    assert "note: psi is compared after a nudge at constant V only: here the ledger alone is judged" in printed("verify", "jump")
 
 
 @pytest.mark.parametrize("slope", [1.01, 0.0])
