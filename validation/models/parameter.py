@@ -226,8 +226,10 @@ class ParameterRange(Parameter):
             return self.scenes.scene({_KEYS.get(self.name, self.name): value})
         return self.scene_at(value)
 
-    def beside(self, other: Parameter, value: float) -> "ParameterRange":
+    def beside(self, other: "ParameterRange", value: float) -> "ParameterRange":
         """The same in scenes with this `value` of another parameter."""
+        if not self.scenes.sets and (base := other.written_at(value)).tables is not None:  # a file can hold it
+            return replace(self, scenes=replace(self.scenes, base=base))
         fixed = {**self.scenes.fixed, other.name: other.written(value)}
         return replace(self, scenes=replace(self.scenes, fixed=fixed))
 
