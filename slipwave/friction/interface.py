@@ -51,6 +51,8 @@ def solve_interface(law: Law, impedance: float, incoming: float, psi: float, z: 
         if not low < trial < high:
             trial = 0.5 * (low + high)
             if not low < trial < high:
-                return trial, iteration
+                # not where a user's law has no value on one side: the bracket has closed on the edge of that, not on a root
+                has_values = math.isfinite(respond(law, low, psi)[2]) and math.isfinite(respond(law, high, psi)[2])
+                return trial, iteration if has_values else 0
         z = trial
     return z, 0

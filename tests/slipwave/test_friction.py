@@ -11,6 +11,7 @@ from scipy.optimize import root
 import slipwave
 from slipwave.compiled import njit
 from slipwave.friction import LAWS, law_of_step, rate_of, respond, steady_state, to_own, to_step, unknown_of
+from slipwave.friction.ageing import Ageing, respond_ageing
 from slipwave.friction.interface import MAX_ITERATIONS, solve_interface
 from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Diagonal, Full
@@ -227,6 +228,30 @@ def test_not_a_number_is_a_counted_failure(name, where):
     values[where] = math.nan
     incoming, psi, start = values
     assert solve_interface(law_called(name), 1e-5, incoming, psi, start)[1] == 0
+
+
+respond_plain = njit(respond_ageing)
+
+
+class WithinBounds(Ageing):
+    """The ageing law with values between two rates only."""
+
+
+@respond.register(WithinBounds)
+def respond_within_bounds(law, z, psi):
+    v, v_z, friction, friction_z, friction_psi, growth, growth_z, growth_psi = respond_plain(law, z, psi)
+    return v, v_z, friction if 1e-3 < v < 1e3 else math.nan, friction_z, friction_psi, growth, growth_z, growth_psi
+
+
+@pytest.mark.parametrize("start", [-2.0, 0.0, 3.0])
+def test_a_rate_at_which_a_law_has_no_value_is_a_counted_failure(start):
+    """Before, the rate at which its values end was taken for the root: full waves went on from there."""
+    law = WithinBounds(*PAPER)
+    for rate, has_root in ((1e-4, False), (2e-3, True), (900.0, True), (1e4, False)):
+        wanted, incoming = incoming_for(Ageing(*PAPER), 1.4e-5, rate, -4.6)
+        z, iterations = solve_interface(law, 1.4e-5, incoming, -4.6, start)
+        assert (iterations > 0) == has_root
+        assert z == pytest.approx(wanted, rel=1e-12) or not has_root
 
 
 RULE, COMPILED, NODES = rule_of(5)
