@@ -22,7 +22,7 @@ _SYMBOLS = {"V": "velocity"}
 """Symbol that commands print -> key."""
 
 SAME_QUANTITY = {"r", "log10_r", "thickness"}
-"""Keys of a slab that state the same."""
+"""Keys of a slab that state the same; parameters of a law may have these names too."""
 
 _BARE_WORD = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+){0,19}")
@@ -87,8 +87,10 @@ def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]
 def label_of(key: str, unit: str = "") -> str:
     """Axis label of a `key` with values in `unit` (empty: that of its bare numbers): the title in the table of keys, with symbol
     and unit; the key itself if it has no title."""
-    first, last = key.split(".")[0], key.rpartition(".")[2]
-    fields = (table.model_fields.get(_SYMBOLS.get(last, last)) for table in _below(scene_keys()))
+    *path, last = key.split(".")
+    first = (path or [last])[0]
+    tables = kinds_of(path).values() if path else _below(scene_keys())
+    fields = (table.model_fields.get(_SYMBOLS.get(last, last)) for table in tables)
     titled = next((field for field in fields if field and field.title), None)
     words, slash, own = str(titled.title if titled else key).partition(" / ")
     unit = unit or next((kind.units[0] for kind in allowed_in(titled) if isinstance(kind, Physical)) if titled else iter(()), "")
@@ -170,7 +172,7 @@ def _set(data: dict[str, Any], key: list[str], value: Any) -> None:
     last = key[-1]
     if last == "kind" and key[-2:-1] and key[-2] in _FRESH_TABLES and table.get("kind") != value:
         table.clear()
-    if last in SAME_QUANTITY and len(key) == 2:
+    if last in SAME_QUANTITY and len(key) == 2 and key[0] != "interface":
         for other in SAME_QUANTITY - {last}:
             table.pop(other, None)
     table[last] = value

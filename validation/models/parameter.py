@@ -74,7 +74,7 @@ class Parameter:
     def quantity(self) -> str:
         """What it states, under whatever name: r for slab.r, slab.thickness, slab.log10_r and log10_r."""
         path, dot, last = self.name.rpartition(".")
-        name = f"{path}{dot}r" if last in SAME_QUANTITY else self.name
+        name = f"{path}{dot}r" if last in SAME_QUANTITY and path != "interface" else self.name
         short = SHORT.get(name, name)
         return short.removeprefix("log10_") if short in PARAMETERS else short
 

@@ -8,6 +8,7 @@ import xarray
 
 import slipwave as sw
 from slipwave.errors import SceneError
+from slipwave.friction import LAWS
 from validation.commands.cli import main
 from validation.models.expression import Undefined, value_at
 
@@ -142,6 +143,44 @@ def test_a_point_without_a_value_has_a_status(capsys):
     reasons = found.dataset["reason"].values
     assert reasons[0].startswith("slab.r = -0.002: must be")
     assert reasons[1] == "slab.r = '0.002/q': division by zero at q = 0"
+
+
+GOUGE = """
+import math
+from typing import NamedTuple
+from slipwave.friction import register
+
+class Gouge(NamedTuple):
+    a: float = 0.0349
+    b: float = 0.0489
+    r: float = 0.0
+    thickness: float = 1.0
+
+def respond(law, z, psi):
+    v, age, a, b = math.exp(z), math.exp(psi), law.a + law.r, law.b * law.thickness
+    return v, v, 0.4 + a * z + b * psi, a, b, 1.0 / age - v, -v, -1.0 / age
+
+register("gouge", Gouge, respond)
+"""
+
+
+def test_parameters_of_a_law_may_have_the_names_of_keys_of_a_slab(tmp_path):
+    """Before, to set `interface.r` put `interface.thickness` back to its default, and figures said that it was a length in m."""
+    (tmp_path / "gouge.py").write_text(GOUGE)
+    scene = {**sw.read("paper").tables, "interface": {"law": "gouge", "thickness": 1.05}}
+    axes = {"interface.r": [0.0, 0.002], "interface.thickness": [1.0, 1.05]}
+    own = {"law": str(tmp_path / "gouge.py")}
+    try:
+        weaker, stronger = (sw.stability(scene, **own, **{"interface.r": r}).summary["epsilon_c"] for r in axes["interface.r"])
+        # epsilon_c = (b - a) tan(r w_c/2)/(w_c/2), (40): here b is 1.05 times as large, and a larger by r
+        for found, a in ((weaker, 0.0349), (stronger, 0.0369)):
+            half = 50.0 * np.sqrt(0.0489 * 1.05 / a - 1.0)
+            assert found == pytest.approx((0.0489 * 1.05 - a) * np.tan(10**-2.68 * half) / half, rel=1e-9)
+        found = sw.sweep(scene, vary=axes, measure="stability", workers=1, **own)
+        assert found.dataset["epsilon_c"].values.ravel()[[1, 3]] == pytest.approx([weaker, stronger], rel=1e-12)
+        assert [axis.label_in(found.plan.scenes.base) for axis in found.plan.axes] == list(axes)
+    finally:
+        LAWS.pop("gouge", None)
 
 
 def test_axes_of_words(tmp_path):
