@@ -129,8 +129,7 @@ class FitResult(Result):
         for k, name in enumerate(self.problem.names):
             key = free.get(k)
             numbers = [self.solution.inner[k], self.spread.low[k], self.spread.high[k]]
-            with np.errstate(over="ignore"):
-                value, low, high = (float(np.exp(x) if key and key.is_positive else x) for x in numbers)
+            value, low, high = (key.value(float(x)) if key else float(x) for x in numbers)
             row = {"value": value, "low": low, "high": high, "unit": key.shown_unit if key else ""}
             rows[name] = row | {"determined": bool(self.spread.determined[k]), "start": key.start if key else 0.0}
         return rows

@@ -27,8 +27,8 @@ _REACH = 1e4  # a positive parameter may become so much larger or smaller than a
 
 @dataclass(frozen=True, kw_only=True)
 class FreeParameter(Parameter):
-    """A free parameter: its `start` value, the least and the largest. `is_positive`: its logarithm is fitted. `shown_unit`:
-    that of SI, also where the scene takes bare numbers in it."""
+    """A free parameter: its `start` value, the least and the largest. `is_positive`: its logarithm is fitted, else its share of
+    the start value, if that is not 0. `shown_unit`: that of SI, also where the scene takes bare numbers in it."""
 
     start: float
     low: float
@@ -38,11 +38,12 @@ class FreeParameter(Parameter):
 
     def inner(self, value: float) -> float:
         """The value as least squares varies it."""
-        return math.log(value) if self.is_positive else value
+        return math.log(value) if self.is_positive else value / (abs(self.start) or 1.0)
 
     def value(self, inner: float) -> float:
-        """The inverse of `inner`: the value in its unit."""
-        return math.exp(inner) if self.is_positive else inner
+        """The inverse of `inner`: the value in its unit; infinite at the end of an interval that is too large."""
+        with np.errstate(over="ignore"):
+            return float(np.exp(inner)) if self.is_positive else inner * (abs(self.start) or 1.0)
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """`slipwave.fit`: derivatives against differences, known parameters given back, and what the data do not say."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -114,6 +116,18 @@ def test_a_file_of_a_fit_is_gone_on_from_with_its_tolerance(steps, tmp_path):
 def test_a_key_named_as_its_law_may_be_free():
     """As `cutoff` of examples/own_law.py: the name of the law is no expression in it."""
     assert variables_of(["slip"], [("interface.law", "slip"), ("interface.a", "0.03")]) == frozenset()
+
+
+def test_a_small_parameter_of_an_own_law_is_found(tmp_path):
+    """Before, derivatives were differences over 1e-5 of its value, whatever that is: here the law has no value there."""
+    interface = {"law": "cutoff", "a_star": 0.6, "a": 0.01, "b": 0.015, "cutoff": 2e-6}
+    drive = {"velocity": [[0, 1e5], [2000, 1e5], [2000, 1e6]]}
+    scene = {"interface": interface, "slab": {"epsilon": 1e-9, "r": 1e-9}, "drive": drive, "start": {"size": 0.0}}
+    own = {"law": str(Path(__file__).parents[3] / "examples" / "own_law.py")}
+    sw.run(scene, "quasidynamic", until=6000, every=1, **own).write_series(tmp_path / "steps.csv")
+    found = sw.fit(scene, data=tmp_path / "steps.csv", free=["interface.cutoff"], settings=["interface.cutoff=3e-6"], **own)
+    cutoff = found.parameters["interface.cutoff"]
+    assert [cutoff[name] for name in ("value", "low", "high")] == pytest.approx([2e-6] * 3, rel=1e-6)
 
 
 def test_parameters_that_only_act_together_are_named(steps):
