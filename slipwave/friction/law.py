@@ -335,8 +335,16 @@ def _of_house(law: Registered) -> bool:
     return code is not None and Path(code.co_filename).parent == HOUSE
 
 
+def is_registered(law: Law) -> bool:
+    """Whether the class of `law` is that of a name: no longer, once the user has registered another under its name."""
+    return any(known.parameters is type(law) for known in LAWS.values())
+
+
 def name_of(law: Law) -> str:
-    """The name under which the class of `law` is registered."""
+    """The name under which the class of `law` is registered. Raises SceneError if it no longer is."""
+    if not is_registered(law):
+        text = f"friction law {type(law).__qualname__}"
+        raise SceneError(f"{text}: was loaded anew since; read the scene, or compute the result, again")
     return next(name for name, known in LAWS.items() if known.parameters is type(law))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from slipwave.errors import SceneError
-from slipwave.friction.law import LAWS, Law
+from slipwave.friction.law import LAWS, Law, is_registered, name_of
 from slipwave.packages import OwnFile, kept_if_wrong, own_file, run_file
 
 LAW_FILES: dict[Path, None] = {}
@@ -35,8 +35,8 @@ def load_laws(path: Path) -> list[str]:
 
 def _packed(law: Law) -> str | tuple[Any, ...]:
     """A pickle of `law` names its file: another process cannot import the file, but runs it."""
-    name = next((name for name, known in LAWS.items() if known.parameters is type(law)), "")
-    return (_unpacked, (name, own_law(name), tuple(law))) if name else law.__reduce_ex__(2)  # "": of a file loaded anew since
+    known = is_registered(law)  # else its file was loaded anew since
+    return (_unpacked, (name_of(law), own_law(name_of(law)), tuple(law))) if known else law.__reduce_ex__(2)
 
 
 def _unpacked(name: str, own: OwnFile, values: tuple[float, ...]) -> Law:

@@ -21,6 +21,7 @@ from pydantic import ValidationError
 import slipwave.input.schema as keys
 from slipwave.errors import SceneError
 from slipwave.friction import LAWS
+from slipwave.friction.law import is_registered
 from slipwave.input.complaint import complaint
 from slipwave.input.overrides import apply_overrides, parse_toml
 from slipwave.input.quantity import KINDS, Quantity, looks_measured, quantity
@@ -162,10 +163,10 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     """The `Scene` of a gallery name, a TOML file or a dictionary of the same shape, with single keys overridden.
 
     `overrides` is a list of "key=value" (dotted key, TOML value) or a dictionary {"slab.log10_r": -2.3}; see
-    `slipwave.input.overrides`. A scene that was read before is read again from its tables. Reading runs no code. Raises
-    SceneError: one line that names the key, the value and what is allowed.
+    `slipwave.input.overrides`. A scene that was read before is read again from its tables, also without overrides if its law
+    was loaded anew since. Reading runs no code. Raises SceneError: one line that names the key, the value and what is allowed.
     """
-    if isinstance(source, Scene) and not overrides:
+    if isinstance(source, Scene) and not overrides and (source.tables is None or is_registered(source.law)):
         return source
     name, data = load_tables(source)
     data = apply_overrides(data, overrides) if overrides else data

@@ -23,7 +23,7 @@ from slipwave.friction import LAWS, ageing
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.ageing import respond_ageing as respond
 from slipwave.friction.check import check_law
-from slipwave.friction.law import Registered, friction_slopes, register
+from slipwave.friction.law import Registered, friction_slopes, name_of, register
 from slipwave.friction.law import steady_psi as steady_state
 from slipwave.friction.own import load_laws, refused_by_compiler
 
@@ -271,6 +271,19 @@ def test_a_command_says_so_in_one_line(folder):
     path.with_suffix(".txt").write_text("1.0")
     with pytest.raises(SceneError, match=r"^friction law 'mine': numba cannot compile respond \(.*mine.py, line 14\): .+$"):
         slipwave.run("paper", "block8", until=5.0, law=path, set={"interface.law": "mine"})
+
+
+def test_a_scene_has_the_law_that_is_loaded_now(folder):
+    """Before, commands in Python took the law as it was when the scene was read, with changes of keys as it is now."""
+    ask(folder, MINE, 1.0)
+    scene = slipwave.read("paper", {"interface.law": "mine"})
+    assert slipwave.read(scene) is scene
+    ask(folder, MINE, 1.5)
+    for again in (slipwave.read(scene), slipwave.read(scene, {"title": "again"})):
+        assert friction_slopes(again.law, 100.0).direct == pytest.approx(1.5 * 0.0349 / 100.0, rel=1e-12)
+    assert friction_slopes(scene.law, 100.0).direct == pytest.approx(0.0349 / 100.0, rel=1e-12)
+    with pytest.raises(SceneError, match="friction law Mine: was loaded anew since; read the scene"):
+        name_of(scene.law)
 
 
 def test_parameters_without_steady_sliding_are_wrong_input_with_the_line_of_the_law():
