@@ -76,13 +76,13 @@ def _suggestion(at: _Located) -> str:
     elsewhere = {name: key for key, table in others.items() for name in table.model_fields}
     if word in elsewhere and (not at.kind or owner == "interface"):
         return f"did you mean {elsewhere[word]}.{word}?"
-    guess = nearest(word, known if owner else [*known, *elsewhere])
-    if guess:
-        return f"did you mean {guess if guess in known else f'{elsewhere[guess]}.{guess}'}?"
     of = next(iter(known))
     owners = [kind for kind, table in at.kinds.items() if word in table.model_fields]
     if owners:
         return f"it belongs to {of} {choices(owners)}, not to {of} {choices([at.kind])}"
+    guess = nearest(word, known if owner else [*known, *elsewhere])
+    if guess:
+        return f"did you mean {guess if guess in known else f'{elsewhere[guess]}.{guess}'}?"
     own = f"{of} {choices([at.kind])}" if at.kind and of == "kind" else (f"[{owner}]" if owner else "a scene")
     return f"{own} takes {', '.join(known)}"
 

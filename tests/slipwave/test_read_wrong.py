@@ -152,6 +152,7 @@ BOTH = {"epsilon": 1e-5, "r": 1e-3}
         (FULL, "start.sise", 1.0, "did you mean size?"),
         (FULL, "log10_r", 1.0, "did you mean slab.log10_r?"),
         (FULL, "lower.face.stiffness", 1.0, 'it belongs to kind "grip" or "machine", not to kind "reflection"'),
+        (changed(FULL, "interface.law", "ageing-cutoff"), "interface.saturation_velocity", 1.0, 'belongs to law "spinodal"'),
         (FULL, "start.stop", 1.0, "[start] takes kind, size"),
         (FULL, "interface.law", ..., "interface.law: missing; must be "),
         (FULL, "interface.law", "aging", 'must be "ageing", "slip", '),

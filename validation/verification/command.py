@@ -10,9 +10,11 @@ from typing import Any, ClassVar, Self
 import slipwave
 from slipwave.errors import SceneError
 from slipwave.files import whole_or_absent
+from slipwave.friction import LAWS
 from slipwave.friction.check import LawError
 from slipwave.friction.own import load_laws
-from slipwave.input.assemble import SceneSource
+from slipwave.input.assemble import SceneSource, tables_of
+from slipwave.scene import Scene
 from validation.chart import Chart
 from validation.commands.options import ModelOptions, command
 from validation.commands.result import Output, Result, aligned
@@ -178,9 +180,16 @@ def _of_laws(source: SceneSource, options: VerifyOptions, path: Path) -> tuple[s
         return f"law {path}", [holding("Its functions pass the check of registration", EXACT, "no error", str(error), False)], ()
     settings = [options.settings] if isinstance(options.settings, str) else [*options.settings]
     laws = {name: replace(options, settings=[*settings, f"interface.law={name}"]) for name in names}
-    scenes = {name: own.scene_of(slipwave.read(source)) for name, own in laws.items()}  # further parameters keep their defaults
+    scenes = {name: own.scene_of(_without_others(slipwave.read(source), name)) for name, own in laws.items()}
     rows = (row for name, scene in scenes.items() for row in rows_of_law(name, scene))
     return f"law {', '.join(names)}", rows, ()
+
+
+def _without_others(scene: Scene, name: str) -> dict[str, Any]:
+    """The tables of a scene without parameters that the law `name` lacks; those of that law that are not there keep their
+    defaults."""
+    tables, others = tables_of(scene)[1], {*scene.law._fields} - {*LAWS[name].parameters._fields}
+    return tables | {"interface": {key: value for key, value in tables["interface"].items() if key not in others}}
 
 
 def _member(model: str) -> str:

@@ -145,6 +145,15 @@ def test_a_law_that_the_compiler_refuses_is_a_row(file, capsys):
     assert missed(["verify", "--law", str(file)], capsys) == (NUMERICS_FAILED, ["It compiles into the solvers"])
 
 
+def test_a_law_with_other_parameters_than_those_of_the_scene_is_judged(file, capsys):
+    """Before, it was refused: `interface.a_star` of the scene paper was an unknown key. It is not compiled, as above."""
+    fields = "NamedTuple):\n    mu: float\n    direct: float\n    own: float"
+    text = LAW.format(slope=1.0).replace("ageing.Ageing):\n    pass", fields)
+    file.write_text("from typing import NamedTuple" + text.replace("respond_ageing(law,", "respond_ageing(ageing.Ageing(*law),"))
+    values = ["--set", "interface.mu=0.4", "--set", "interface.direct=0.03", "--set", "interface.own=0.05"]
+    assert missed(["verify", "--law", str(file), *values], capsys) == (NUMERICS_FAILED, ["It compiles into the solvers"])
+
+
 def test_what_no_row_would_use_is_refused(file):
     with pytest.raises(SceneError, match="V = 50: leave it out; without SCENE a scheme is judged"):
         sw.verify(model="sbp:6", V=50)
