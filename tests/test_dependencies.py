@@ -20,6 +20,8 @@ from validation.commands.cli import COMMANDS, app
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 EXTRA = PROJECT["project"]["optional-dependencies"]
+LOCKED_FOR = {"python_version": "3.11", "python_full_version": "3.11.0"}
+"""The oldest Python: later ones need no more packages."""
 ENGINES = {"netcdf4"}
 """Loaded by name by a package that is imported (xarray's engine)."""
 
@@ -50,7 +52,9 @@ def needed(names):
         found.add(plain(asked.name))
         for line in distribution(asked.name).requires or ():
             further = Requirement(line)
-            if further.marker is None or any(further.marker.evaluate({"extra": extra}) for extra in ("", *asked.extras)):
+            if further.marker is None or any(
+                further.marker.evaluate(LOCKED_FOR | {"extra": extra}) for extra in ("", *asked.extras)
+            ):
                 waiting.append(further)
     return found
 
