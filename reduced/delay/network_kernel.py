@@ -1,4 +1,4 @@
-"""The lines of a network in the march (`kernel`): delayed waves are read from past steps.
+"""The lines of a network in the march (`march`): delayed waves are read from past steps.
 
 Because the step's length is constant, a delay is the same whole number of steps and fraction for every step. The waves that
 arrive in a step were emitted in two past ones and follow by weight matrices computed once; if all delays are whole numbers of

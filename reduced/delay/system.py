@@ -1,7 +1,6 @@
 """Selects the fastest solver of a scene's exact delay system.
 
-The delay system of plain slabs of equal round trips with leaps over the transits of long sticks, and of the slow rise of v after
-them.
+Plain slabs of equal round trips leap over the transits of long sticks, and of the slow rise of v after them (`LeapingDelay`).
 
 A stick may last 1e5 transits. The waves of the last event stay trapped in the slabs and modulate the slip rate in every one of
 them, so a march needs as many steps in each. But each transit is almost the same as the one before: `multirevolution`.

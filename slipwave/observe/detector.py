@@ -190,7 +190,7 @@ def rise_buffer(nodes: int, kept: Array | None = None, more: int = _FIRST_SIZE) 
 
 
 class _Piece(NamedTuple):
-    """One of `Pieces`, with psi at its first node. A few values, for a call compiles in a time that grows with their number."""
+    """One of `Pieces`, with psi at its first node: few values, because the time to compile a call grows with their number."""
 
     time: float
     length: float
@@ -409,8 +409,8 @@ class JudgedSwings(NamedTuple):
 
 def judge_swings(swings: Array, floor: float, after: float, loading: float, least: float, drifts: bool = False) -> JudgedSwings:
     """The events from `after` (transits) on among the `swings` of a run: falls of at least SHARE of the largest one and at least
-    `floor` (normal stress) in which the stiffness times the slip is at least `least`: the fall, and what the drive adds at the
-    rate `loading` (normal stress per transit) while it lasts.
+    `floor` (normal stress) in which the stiffness times the slip is at least `least`. That product is the fall plus what the
+    drive adds while it lasts, at the rate `loading` (normal stress per transit).
 
     The size of a fall depends on how large a rise it may continue through. The largest fall is the largest of all falls that
     continue only through rises below SHARE of their own size. Behind faces without a spring the elastic stress `drifts`: in the

@@ -2,7 +2,7 @@
 
 A slip event is a fall of the elastic stress y whose prominence is at least 10 % of that of the largest fall in the judged window.
 Prominence is defined by persistence (`detector`): a fall continues through rises smaller than those 10 % and ends at the first
-larger one. Events are dated by their steepest rise of v.
+larger one. Its date is when v, rising to its maximum in the fall, passes half of that.
 
 In a slip event the interface slips as far as friction needs to weaken. Friction feeds no oscillation of passive slabs above
 omega_c (`FrictionSlopes.growing`). A fall at omega_c lasts half a period, in which the interface slips by pi V/omega_c. A fall in

@@ -157,11 +157,19 @@ FACES: dict[str, type[Face]] = {
 @dataclass(frozen=True)
 class Rheology:
     """A solid as numbers: G(s)/G = (1 + retardation s)/((1 + relaxation s)(1 + ratio)) with the unrelaxed modulus G; times are in
-    L/V*. All are 0 if it is elastic. `ratio`: the relaxing modulus over the lasting one."""
+    L/V*. All are 0 if it is elastic. `ratio`: the relaxing modulus over the lasting one. Raises SceneError unless G(s) is that of
+    a Kelvin-Voigt solid (relaxation and ratio 0) or tends to G for fast waves, as that of a standard linear solid: others have no
+    full wave."""
 
     retardation: float = 0.0
     relaxation: float = 0.0
     ratio: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.relaxation == self.ratio == 0.0:
+            return
+        if not math.isclose(self.retardation, self.relaxation * (1.0 + self.ratio), rel_tol=1e-9):
+            raise SceneError(f"{self}: the retardation must be relaxation * (1 + ratio), or relaxation and ratio 0")
 
     @property
     def blocks_fast_waves(self) -> bool:

@@ -19,6 +19,7 @@ from slipwave.scene.slab import (
     MachineFace,
     Material,
     ReflectingFace,
+    Rheology,
     RigidFace,
     Slab,
     StandardLinearViscosity,
@@ -183,3 +184,12 @@ def test_time_in_transits():
 def test_what_no_face_can_be_is_refused(numbers):
     with pytest.raises(SceneError, match=r"outer face: spring = .*, dashpot = .*, mass = .*: must be 0 or more, the mass finite"):
         Termination(*numbers)
+
+
+@pytest.mark.parametrize("numbers", [(0.3, 0.2, 1.0), (0.3, 0.3, 1e-8), (0.0, 0.2, 0.0), (0.3, 0.0, 1.0)])
+def test_a_solid_that_no_full_wave_computes_as_the_impedance_has_it_is_refused(numbers):
+    with pytest.raises(
+        SceneError, match=r"Rheology\(retardation=.*\): the retardation must be relaxation \* \(1 \+ ratio\), or "
+    ):
+        Rheology(*numbers)
+    assert StandardLinearViscosity(0.2, 1.0).rheology == Rheology(0.4, 0.2, 1.0)

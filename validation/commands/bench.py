@@ -16,7 +16,7 @@ from slipwave.scene import Scene
 from validation.chart import Chart, Panel, Scale
 from validation.chart.looks import model_line, style_of
 from validation.commands.comparison import Comparison, errors_of, nothing, remarks, row_of
-from validation.commands.options import RunsOptions, command
+from validation.commands.options import LengthOptions, command
 from validation.commands.result import aligned, rounded
 from validation.models.build import build
 from validation.models.by_name import honouring, one_port_of
@@ -32,7 +32,7 @@ _ROUNDS, _ENOUGH = 3, 10.0
 """Rounds in which all runs are timed, and the seconds in all after which there is no further one."""
 
 
-class _BenchOptions(RunsOptions):
+class _BenchOptions(LengthOptions):
     """Options of `slipwave.bench`."""
 
     EXAMPLES: ClassVar = ("slipwave bench paper --until 1000",)

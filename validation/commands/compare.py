@@ -16,10 +16,10 @@ from slipwave.solve.follow import require_time
 from validation.chart import Chart, Look, Panel, Scale, Trace, color_number
 from validation.commands.comparison import Comparison, barred, errors_of, nothing, remarks, row_of
 from validation.commands.figures import for_rates, scale_of
-from validation.commands.options import NumericalOptions, RecordOptions, RunsOptions, command, option
+from validation.commands.options import LengthOptions, NumericalOptions, RecordOptions, command, option
 from validation.commands.result import Output, aligned, rounded
 from validation.commands.with_data import chart_with_data, data_lines, distances_from_data, facts_of_data
-from validation.data.events import MeasuredMotion, measured_motion
+from validation.data.record_events import MeasuredMotion, measured_motion
 from validation.data.series import read_series
 from validation.models.build import build_all
 from validation.models.by_name import one_port_of
@@ -34,7 +34,7 @@ _ON_TOP = Look(dashes=(0, (4, 2)), width=0.9)
 """Line style of the reference: covered curves remain visible between the dashes."""
 
 
-class CompareOptions(RecordOptions, NumericalOptions, RunsOptions):
+class CompareOptions(RecordOptions, NumericalOptions, LengthOptions):
     """Options of `slipwave.compare`."""
 
     EXAMPLES: ClassVar = (
@@ -215,7 +215,7 @@ def _figures(run: Run) -> dict[str, Any]:
     """One model's answer."""
     ours = run.statistics
     return {
-        "events": run.starts,
+        "events": run.event_count,
         **{name: asdict(spread) for name, spread in ours.spreads.items()},
         "margins": ours.margins if run.verdict and run.verdict.wanders else None,
         "v_max": ours.v_max,

@@ -266,7 +266,7 @@ class ModelOptions(SceneOptions):
         return replace(self, model=model, **checked).with_expressions(known.get("set", {}))
 
 
-class RunsOptions(SceneOptions):
+class LengthOptions(SceneOptions):
     """Options of every command that runs models."""
 
     until: float | str | None = option(

@@ -21,7 +21,7 @@ from slipwave.solve.lyapunov import INTERVALS, TRANSIENT, Exponent, largest_expo
 from validation.chart import Chart
 from validation.chart.draw import Drawing, draw
 from validation.commands.figures import return_map, run_chart
-from validation.commands.options import ModelOptions, NumericalOptions, RunsOptions, announced, command, option
+from validation.commands.options import LengthOptions, ModelOptions, NumericalOptions, announced, command, option
 from validation.commands.result import Output, Result, aligned, rounded, save_chart
 from validation.commands.run_dataset import run_dataset, write_events, write_run
 from validation.commands.stage_table import stage_lines, stage_results, stages_in_words
@@ -53,7 +53,7 @@ _TOO_COARSE = 1e-2
 """Estimated error of the default grid above which the user is advised to choose one."""
 
 
-class RunOptions(NumericalOptions, RunsOptions, ModelOptions):
+class RunOptions(NumericalOptions, LengthOptions, ModelOptions):
     """Options of `slipwave.run`."""
 
     EXAMPLES: ClassVar = (
@@ -159,7 +159,7 @@ class RunResult(Result):
         longer = longer_in_words(self.needed, scene) if done.kind == "too short" else ""
         if done.failed and not done.stopped:
             longer = "it failed before its end"  # which no other --until prevents
-        judged = f"{events_in_words(done.starts, done.verdict, longer)}{words}"
+        judged = f"{events_in_words(done.event_count, done.verdict, longer)}{words}"
         yield f"model {done.solver.model}{march}, {done.until:g} transits: {judged}"
         yield from self.reasons
         if done.ended in ENDED:
@@ -209,7 +209,7 @@ class RunResult(Result):
             "scene": done.solver.scene.name,
             "model": done.solver.model,
             "until": done.until,
-            "events": done.starts,
+            "events": done.event_count,
             "verdict": done.kind,
             "multiplicity": done.verdict.multiplicity if done.verdict else None,
             "rotation_number": done.verdict.rotation if done.verdict else None,
@@ -363,7 +363,7 @@ def run(source: SceneSource, options: RunOptions) -> RunResult:
     """Run one model on a scene.
 
     Without `until` and `cycles` the scene gives the length, or the run ends when its motion is settled
-    (`validation.models.run`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options
+    (`validation.models.outlook`). If `source` is a netCDF file of an earlier run, it is run again: its model and its options
     apply where none are given.
 
     Raises SceneError for wrong input and for a run that is expected to take more than `most_seconds`; NumericsError if the

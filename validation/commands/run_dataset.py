@@ -101,7 +101,7 @@ def _cycles(done: Run, facts: Mapping[str, Any]) -> Dataset:
     data = new_dataset(variables("event", columns, EVENTS, done.solver.scene))
     judged = {"multiplicity": done.verdict.multiplicity, "rotation_number": done.verdict.rotation}
     known = {name: value for name, value in judged.items() if value is not None}
-    data = data.assign_attrs({**facts, **ended, "events": done.starts, "verdict": done.verdict.kind, **known})
+    data = data.assign_attrs({**facts, **ended, "events": done.event_count, "verdict": done.verdict.kind, **known})
     return data.set_coords([name for name in data if str(name).startswith("event_time")])
 
 

@@ -22,7 +22,7 @@ from slipwave.input.assemble import SceneSource
 from slipwave.input.wording import sentence
 from slipwave.packages import no_exit
 from validation.chart import Chart
-from validation.commands.options import RunsOptions, command, option
+from validation.commands.options import LengthOptions, command, option
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.commands.run import run
 from validation.data.datasets import Dataset
@@ -41,7 +41,7 @@ GATHERED = "sweep.nc"
 """The file that `--gather` writes into the folder of a sweep."""
 
 
-class _SweepOptions(RunsOptions):
+class _SweepOptions(LengthOptions):
     """Options of `slipwave.sweep`."""
 
     EXAMPLES: ClassVar = (

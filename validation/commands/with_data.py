@@ -12,7 +12,7 @@ from slipwave.scene import Scene
 from validation.chart import Chart, Look, Panel, Scale, Trace, color_number, outline
 from validation.commands.figures import for_rates
 from validation.commands.result import aligned, rounded
-from validation.data.events import MeasuredMotion, slip_events
+from validation.data.record_events import MeasuredMotion, slip_events
 from validation.data.variables import EVENTS, cycle_in_si, shown_in
 from validation.models.cycle import OneCycle
 

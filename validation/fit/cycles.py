@@ -1,8 +1,8 @@
 """Stick-slip records: the period and the shape of the mean cycle by its phase, measured and of a model.
 
 Late waveforms are not compared: cycles drift apart, and waves ring differently in each. A model's events are dated as those of a
-record are (`validation.data.events`). Phases close to events are left out: samples there depend on the recording more than on
-friction.
+record are (`validation.data.record_events`). Phases close to events are left out: samples there depend on the recording more than
+on friction.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from slipwave.observe.extrema import evaluate, find_root
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
-from validation.data.events import FALL, SlipEvents, falls, noise_of, slip_events, without_waves
+from validation.data.record_events import FALL, SlipEvents, falls, noise_of, slip_events, without_waves
 from validation.fit.forward import OfReduction, basis_of, sampled
 from validation.fit.parameters import Variants, sizes
 

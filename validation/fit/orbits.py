@@ -17,7 +17,7 @@ from reduced.orbit.closing import Closed, by_parameter, close, close_family
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe.pieces import SAME, Array, Pieces
 from slipwave.step.flow import Flow
-from validation.data.events import falls, without_waves
+from validation.data.record_events import falls, without_waves
 from validation.fit.cycles import FoldedRecord, model_date, slope_of
 from validation.fit.forward import Forward, sampled
 from validation.fit.parameters import Variants, sizes

@@ -16,7 +16,7 @@ from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
-from validation.data.events import noise_of, slip_in
+from validation.data.record_events import noise_of, slip_in
 from validation.data.series import UNREAD, Series
 from validation.fit.cycles import MeanCycle, mean_cycle
 from validation.fit.parameters import schedule_of, sizes

@@ -76,8 +76,8 @@ _ROUNDS = 50
 
 @lru_cache(maxsize=32)
 def is_stable(scene: Scene, model: str) -> bool | None:
-    """Whether steady sliding is, at the velocity with which the drive of `scene` ends, in a third of the time of `growth_rate`;
-    None if unknown: that is 0 within rounding, or V ends at 0."""
+    """Whether steady sliding at the velocity with which the drive of `scene` ends is stable; None if V ends at 0 or the rate of
+    growth is 0 within rounding. Takes a third of the time of `growth_rate`."""
     from reduced.stability.spectrum import certified
 
     velocity = scene.drive.velocities[-1]

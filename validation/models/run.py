@@ -200,7 +200,7 @@ class Run:
         return self.verdict.kind if self.verdict else None
 
     @property
-    def starts(self) -> int | None:
+    def event_count(self) -> int | None:
         """Number of slip events; None if events were not recorded."""
         return self.watch.count if self.watch else None
 

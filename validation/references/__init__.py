@@ -1,1 +1,1 @@
-"""References for models: published numbers, LSODA, closed forms of the onset."""
+"""References for models: published numbers, results of another program, closed forms of the onset."""

@@ -1,4 +1,5 @@
-"""Claims of several studies: periods known from other programs, the order of periods (P7); an orbit's period as a number."""
+"""Claims of several studies and their limits: periods known from other programs, orders, the order of periods (P7), errors of
+full waves; an orbit's period as a number."""
 
 import math
 from collections.abc import Mapping, Sequence

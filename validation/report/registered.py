@@ -23,8 +23,7 @@ STUDIES = {
     "stability-attacks": "trust",
     "checks": "trust",
 }
-"""Name of a study, whose module has underscores for hyphens -> the question that it answers (`validation.report.questions`); the
-first study of a question gives its answer."""
+"""Name of a study, whose module has underscores for hyphens -> the question that it answers (`validation.report.questions`)."""
 
 
 def study_called(name: str) -> Study:

@@ -39,7 +39,7 @@ MODELS = ("delay", "fd", "modal:8", "modal:2", "modal:1", "kelvin-voigt", "block
 _CELLS, _CFL = 128, 0.5
 _TOLERANCE = 1e-10
 _MARGIN = 4.0  # transits shown on either side of a cycle
-_WAVE = 5e-4  # leapfrog with these cells
+_APART = 5e-4  # leapfrog with these cells
 _OUTLINE = 0.1  # a model whose period is further off does not have the same cycle
 
 
@@ -142,7 +142,7 @@ def _cycle_verdicts(orbits: Mapping[str, Orbit]) -> Verdicts:
         yield from as_known("Orbits are those of other programs", model, LOG10_R, orbit.values())
     off = max(abs(_off(orbits, "fd", name)) for name in SYMBOLS)
     remark = f"leapfrog with {_CELLS} cells at CFL {_CFL}; it vanishes at the second order"
-    yield claim("The full wave runs on the delay system’s orbit", WITNESS, off, _WAVE, remark)
+    yield claim("The full wave runs on the delay system’s orbit", WITNESS, off, _APART, remark)
 
 
 def _overlay(cycles: Mapping[str, OneCycle]) -> Chart:

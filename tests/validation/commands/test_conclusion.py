@@ -18,7 +18,7 @@ from tests.validation.records import written
 from validation.commands.bench import _grids
 from validation.commands.cli import INPUT_WRONG, main
 from validation.commands.comparison import conclusion, differences, nothing
-from validation.data.events import FALL, falls, measured_motion, noise_of, slip_events
+from validation.data.record_events import FALL, falls, measured_motion, noise_of, slip_events
 from validation.data.series import Series
 from validation.data.writing import _as_record
 from validation.fit.records import experiment_of

@@ -76,7 +76,7 @@ def _means(values: Array, together: int) -> Array:
 
 
 def without_waves(spans: list[tuple[int, int]], slip: Array) -> list[tuple[int, int]]:
-    """The falls of friction between which the `slip`, or what differs from it by a slow motion, moves."""
+    """The falls of friction in which the `slip` moves; a slow motion may be added to the slip, as in a load-point record."""
     moved = [abs(float(slip[bottom] - slip[top])) for top, bottom in spans]
     return [span for span, far in zip(spans, moved, strict=True) if far >= _SLIPS * max(moved)]
 
