@@ -268,7 +268,7 @@ class DelayMarch:
         if verdict == TOO_STEEP:
             return self._left_too_fast(steps)
         time, psi = self._memory.now[[TIME, PSI]]
-        rest = said_of_rest(self.scene.law, self._nodal.incoming, float(psi))
+        rest = said_of_rest(self.scene.law, self._nodal.incoming, float(self._memory.guess.z[0]), float(psi))
         return NumericsError(
             f"delay: the step at t = {time:.6g} transits cannot be resolved with {steps:.0f} steps per transit{rest} "
             f"(psi = {psi:.6g}, scene {self.scene.name!r}, digest {self.scene.digest})"

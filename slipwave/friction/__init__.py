@@ -12,6 +12,7 @@ from slipwave.friction.law import (
     register,
     resampled,
     respond,
+    said_of_edge,
     said_of_rest,
     smooth,
     steady_psi,
@@ -33,8 +34,8 @@ register("slip-cutoff", cutoff.SlipCutoff, cutoff.respond_slip_cutoff)
 register("spinodal", spinodal.Spinodal, spinodal.respond_spinodal, spinodal.steady_spinodal, *_SINH)
 
 __all__ = [
-    "LAWS", "Law", "OfStep", "allows_rest", "law_of_step", "rate_of", "rates", "register", "resampled", "respond", "said_of_rest",
-    "smooth", "steady_state", "to_own", "to_step", "unknown_of", "with_bend",
+    "LAWS", "Law", "OfStep", "allows_rest", "law_of_step", "rate_of", "rates", "register", "resampled", "respond", "said_of_edge",
+    "said_of_rest", "smooth", "steady_state", "to_own", "to_step", "unknown_of", "with_bend",
 ]  # fmt: skip
 
 load_from_packages("slipwave.laws", lambda loaded, label: None)  # a module that registers its laws when it is imported

@@ -349,10 +349,20 @@ def name_of(law: Law) -> str:
 
 
 _AT_REST = 1e-9  # V*
+_NEAR = 0.5  # of z, a factor of the rate of 1.6
 
 
-def said_of_rest(law: Law, incoming: Array, psi: float) -> str:
-    """What an error adds if the `incoming` stress, at the state psi, stops or reverses slip and `law` needs v > 0."""
+def said_of_edge(law: Law, z: float, psi: float) -> str:
+    """What an error adds if a user's `law` has no value at a rate near that of `z`, at the state psi: no step or grid helps."""
+    rates = [rate_of(law, z + step) for step in (-_NEAR, _NEAR) if not math.isfinite(respond(law, z + step, psi)[2])]
+    return f"law {name_of(law)!r} has no value at v = {rates[0]:.3g} V*" if rates else ""
+
+
+def said_of_rest(law: Law, incoming: Array, z: float, psi: float) -> str:
+    """What an error adds if `law` has no value near z, or if it needs v > 0 and the `incoming` stress stops or reverses slip, at
+    the state psi."""
+    if edge := said_of_edge(law, z, psi):
+        return f"; {edge}"
     if allows_rest(law) or not incoming.min() < respond(law, unknown_of(law, _AT_REST), psi)[2]:
         return ""
     others = [name for name, known in LAWS.items() if known.rate_of is not _exponential]

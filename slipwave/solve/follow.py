@@ -17,7 +17,7 @@ from typing import Protocol, TypeGuard, cast, runtime_checkable
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction import rate_of
+from slipwave.friction import rate_of, said_of_edge
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import Pieces, lagrange_basis, slack
 from slipwave.scene.recorded import OBSERVERS
@@ -105,10 +105,12 @@ def follow(
         for observer in observers:
             observer.scan(good)
         if solver.failures:
+            first = min(good.time.size, pieces.time.size - 1), 0
+            advice = said_of_edge(solver.scene.law, float(pieces.z[first]), float(pieces.psi[first]))
             raise NumericsError(
                 f"{solver.model}: {solver.failures} solves of the interface or of a step did not converge by t = "
-                f"{solver.time:.6g} transits, the first at t = {failed_at:.6g}: what follows is not the scene's motion; use more "
-                f"cells or a smaller cfl (scene {solver.scene.name!r}, digest {solver.scene.digest})"
+                f"{solver.time:.6g} transits, the first at t = {failed_at:.6g}: what follows is not the scene's motion; "
+                f"{advice or 'use more cells or a smaller cfl'} (scene {solver.scene.name!r}, digest {solver.scene.digest})"
             )
         if progress is not None:
             progress(solver.time)
@@ -174,13 +176,17 @@ class Foresight:
         return self._pieces * (until - self._began) / (self._reached - self._began)
 
 
+def in_days(seconds: float) -> str:
+    """A run time in words, of days or longer."""
+    some = f"{seconds / (365 * DAY):.2g} years" if seconds > 365 * DAY else f"{seconds / DAY:.3g} days"
+    return some if seconds < 1e4 * 365 * DAY else "more than ten thousand years"
+
+
 def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
     seconds = pieces * solver.seconds_per_piece
     if seconds > most:
-        some = f"{seconds / (365 * DAY):.2g} years" if seconds > 365 * DAY else f"{seconds / DAY:.3g} days"
-        time = some if seconds < 1e4 * 365 * DAY else "more than ten thousand years"
         raise SceneError(
-            f"model {solver.model}: {until:g} transits would take about {time} "
+            f"model {solver.model}: {until:g} transits would take about {in_days(seconds)} "
             f"({pieces * (solver.nodes.size - 1):.2g} samples of the interface): "
             f"run fewer transits, or use fewer cells or a larger cfl; --yes runs them anyway"
         )

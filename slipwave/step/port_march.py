@@ -130,7 +130,7 @@ class PortMarch:
 
     def _refusal(self) -> NumericsError:
         scene, now, reason = self.slabs.scene, self._memory.now, f" ({self._reason})" if self._reason else ""
-        reason += said_of_rest(scene.law, self._nodal.incoming, float(now[PSI]))
+        reason += said_of_rest(scene.law, self._nodal.incoming, float(now[END]), float(now[PSI]))
         return NumericsError(
             f"{self.slabs.model}: no step is short enough at t = {now[TIME]:.6g} transits, "
             f"v = {rate_of(scene.law, now[END]):.3g} V*, psi = {now[PSI]:.4g}{reason} "

@@ -1,6 +1,8 @@
 """The friction laws: derivatives, steady states, limits; the interface solve from any start at any rate; one collocated step."""
 
+import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +12,12 @@ from scipy.optimize import root
 
 import slipwave
 from slipwave.compiled import njit
-from slipwave.friction import LAWS, law_of_step, rate_of, respond, steady_state, to_own, to_step, unknown_of
+from slipwave.errors import NumericsError
+from slipwave.friction import LAWS, law_of_step, rate_of, respond, said_of_rest, steady_state, to_own, to_step, unknown_of
 from slipwave.friction.ageing import Ageing, respond_ageing
 from slipwave.friction.interface import MAX_ITERATIONS, solve_interface
+from slipwave.observe.pieces import Pieces
+from slipwave.solve import follow
 from slipwave.step.collocation import rule_of
 from slipwave.step.impedance import Diagonal, Full
 from slipwave.step.newton import solve as solve_step
@@ -252,6 +257,20 @@ def test_a_rate_at_which_a_law_has_no_value_is_a_counted_failure(start):
         z, iterations = solve_interface(law, 1.4e-5, incoming, -4.6, start)
         assert (iterations > 0) == has_root
         assert z == pytest.approx(wanted, rel=1e-12) or not has_root
+
+
+def test_errors_where_a_law_has_no_value_name_that_and_no_other_cause(monkeypatch):
+    """Before, equal steps advised "more cells or a smaller cfl", and blocks and modes said that the stress stops slip."""
+    monkeypatch.setitem(LAWS, "bounded", LAWS["ageing"]._replace(parameters=WithinBounds))
+    law = WithinBounds(*PAPER)
+    for rate, said in ((5e-3, ""), (500.0, ""), (900.0, "; law 'bounded' has no value at v = 1.48e+03 V*")):
+        assert said_of_rest(law, np.array([-1.0]), math.log(rate), -4.6) == said
+    column = np.full((1, 2), math.log(1.2e-3))
+    pieces = Pieces(np.zeros(1), np.ones(1), column, column, column, column)
+    scene = dataclasses.replace(slipwave.read("paper"), law=law)
+    solver = SimpleNamespace(time=0.0, model="fd", failures=1, failed_at=0.5, scene=scene, advance=lambda until: pieces)
+    with pytest.raises(NumericsError, match=r"not the scene's motion; law 'bounded' has no value at v = 0.000728 V\* \(scene"):
+        follow(solver, 2.0)
 
 
 RULE, COMPILED, NODES = rule_of(5)
