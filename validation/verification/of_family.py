@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,7 @@ import slipwave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.scene import Scene
 from slipwave.solve import follow
+from slipwave.solve.follow import DAY, in_days
 from validation.measure.grid_ladders import ladder_of
 from validation.measure.limits import (
     AROUND,
@@ -26,6 +28,7 @@ from validation.measure.order_fit import fit_order, shortfall
 from validation.measure.orders import climb_of
 from validation.models.build import build, build_full_wave
 from validation.models.by_name import DELAY, explicit_time, grid_of
+from validation.models.progress import log
 from validation.report import EXACT, SELF, WITNESS, Outcome, Verdict, Verdicts, claim, holding, judge
 from validation.report.grid_verdicts import calm_verdict, limit_verdict, noise_verdict, order_verdict, state_verdict, stop_verdict
 from validation.report.known import rounding
@@ -41,6 +44,7 @@ _REACHED, _SHORT = 1e-8, 0.5
 _LOST, _GAINED = 1e-9, 1e-11
 """Shares of the work: losses that are small enough, and gains that explicit steps on coarse grids leave (1e-12 was measured)."""
 _WIDE = 2.0  # half-width of the interval of an order from few grids, from which on it tells nothing
+_LONG = 300.0  # expected seconds of the rows on a scene from which on they are told
 
 
 def rows_of_family(model: str) -> Verdicts:
@@ -67,6 +71,7 @@ def rows_on_scene(model: str, scene: Scene) -> Verdicts:
     cells = [max(2, min(ladder_of(family, number).first, family.cells))]  # per slab, from the member's coarsest on
     while len(cells) < _GRIDS:
         cells.append(max(cells[-1] + 1, round(_FINER * cells[-1])))
+    _require_day(model, scene, cells)
     yield _ledger_row(model, scene, cells)
     if not starts_smoothly(scene):
         return
@@ -84,6 +89,21 @@ def rows_on_scene(model: str, scene: Scene) -> Verdicts:
         _REACHED,
         ended,
     )
+
+
+def _require_day(model: str, scene: Scene, cells: list[int]) -> None:
+    """Raises SceneError if the grids that can start would take more than a day; says so if it is more than some minutes."""
+    steps, seconds = math.inf, 0.0
+    for n in cells:
+        with suppress(SceneError):
+            solver = _explicit(model, scene, n)
+            steps = min(steps, solver.step)
+            seconds += 2.0 * _LEDGER_UNTIL / solver.transits_per_piece * solver.seconds_per_piece  # for two rows
+    told = f"verify: scene {scene.name!r}: explicit steps as short as {steps:.2g} transits make its rows take about"
+    if seconds > DAY:
+        raise SceneError(f"{told} {in_days(seconds)}: use a model or a scene that allows longer steps")
+    if seconds > _LONG:
+        log.info("%s %.2g minutes", told, seconds / 60.0)
 
 
 def starts_smoothly(scene: Scene) -> bool:

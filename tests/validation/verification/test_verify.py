@@ -12,6 +12,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.sources import ROOT
 from validation.commands.cli import NUMERICS_FAILED, main
 from validation.measure.grid_ladders import LADDERS
+from validation.verification.of_family import _require_day, rows_on_scene
 
 RIGHT = """
 from dataclasses import replace
@@ -109,6 +110,18 @@ def test_the_heat_of_viscosity_may_have_an_error_of_either_sign():
 def test_of_a_scene_that_no_grid_can_start_nothing_is_said_to_be_missed():
     with pytest.raises(SceneError, match=r"^start.kind = 'orbit': needs a constant drive.velocity"):
         sw.verify("ramp", set={"start.kind": "orbit"})
+
+
+def test_a_scene_whose_rows_take_days_is_refused_before_they_begin(caplog):
+    """Steps as short as a stiff face needs; before, nothing was said."""
+    face = {"kind": "machine", "impedance": 0.0, "mass": 0.0}
+    with pytest.raises(
+        SceneError, match=r"scene 'paper': explicit steps as short as 4.8e-09 transits .* take about 14.2 days: use"
+    ):
+        next(rows_on_scene("dg:7", sw.read("paper", {"slab.face": face | {"stiffness": 1e9}})))
+    with caplog.at_level("INFO", "slipwave"):
+        _require_day("dg:7", sw.read("paper", {"slab.face": face | {"stiffness": 1e6}}), [2, 3, 4, 6, 9, 14])
+    assert caplog.messages[-1].endswith("explicit steps as short as 4.8e-06 transits make its rows take about 20 minutes")
 
 
 def test_where_runs_fail_an_order_is_not_decided():
