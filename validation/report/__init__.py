@@ -75,6 +75,11 @@ class Table:
 
     __pydantic_config__: ClassVar = RECORDED
 
+    def __post_init__(self) -> None:
+        """Raises ValueError for a row of more or fewer cells than there are columns."""
+        if wrong := [row for row in self.rows if len(row) != len(self.columns)]:
+            raise ValueError(f"the table {self.name!r} of {len(self.columns)} columns has the row {wrong[0]}")
+
     @property
     def sheet(self) -> Iterator[Iterable[Cell]]:
         """Its rows as in the file, the headings first: numbers with all their digits, words without markup. No two columns have
@@ -147,7 +152,7 @@ class Number:
 
 def stated(value: float, error: float, known: float | None = None, known_within: float = 0.0) -> Number:
     """A number that states its own `error`: two results, each within its error of the truth, are at most two errors apart."""
-    own = 2.0 * error / abs(value) if value else math.inf
+    own = 2.0 * error / abs(value) if value else 1.0  # the mean with that of x is reached where |x| is two errors
     return Number(value, max(ROUNDING, own), known, known_within)
 
 
@@ -170,7 +175,8 @@ true if none of these fails."""
 class StudyResult:
     """Result of a study. The first of its `answers` is the one to the page's question. `model_tables` compare all models at
     several values of a parameter (`validation.report.model_table`). Raises ValueError for an answer that rests on no verdict,
-    though there are verdicts, or on a claim that none has; and for a verdict that no answer cites."""
+    though there are verdicts, or on a claim that none has; for a verdict that no answer cites; and for two tables, or two
+    figures, of the same name, which have the same file."""
 
     answers: Answers
     tables: tuple[Table, ...] = ()
@@ -190,6 +196,9 @@ class StudyResult:
         beginnings = tuple(name for rests_on in self.answers.values() for name in rests_on)
         if uncited := [name for name in claims if not name.startswith(beginnings)]:
             raise ValueError(f"no answer cites {uncited}")
+        for kind, names in {"tables": [one.name for one in self.tables], "figures": [one.name for one in self.figures]}.items():
+            if twice := [name for name, count in Counter(names).items() if count > 1]:
+                raise ValueError(f"several {kind} have the name {twice[0]!r}")
 
     def proofs(self, answer: str) -> tuple[Verdict, ...]:
         """The verdicts that the answer rests on."""

@@ -129,13 +129,15 @@ def _note(file: Path, share: float) -> None:
 
 
 def _perform(module: str, folder: Path, key: str, quick: bool, tell: Tell) -> store.StoredStudy:
-    """Run a study and store its result under a key; any exception becomes the result of this study."""
+    """Run a study and store its result under a key; any exception, or sys.exit, becomes the result of this study."""
     study = cast(Study, import_module(module))
     began = time.perf_counter()
     try:
         result = study.run(Budget(quick, tell))
+        if not result.answers:
+            raise ValueError("the study answers nothing")
         return store.store_result(folder, study, key, result, time.perf_counter() - began)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
         message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
         return store.StoredStudy(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=message)

@@ -4,6 +4,7 @@ import fcntl
 import json
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,10 +14,11 @@ from functools import partial
 from html.parser import HTMLParser
 
 import pytest
-from fake_studies import result
+from fake_studies import answered, result
 from test_page import models
 
 from slipwave.errors import SceneError
+from validation.report import StudyResult, table
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
 from validation.report.model_table import Compared, ModelCell
@@ -199,6 +201,28 @@ def test_a_process_that_dies_is_a_study_that_failed(fake, tmp_path):
     died = "failed: a process of the report died, killed or short of memory, before this study was done"
     assert red.value.lines == [f"first: {died}", f"second: {died}"]
     assert answers(red.value.page) == [f"{os.getpid()} after "]
+
+
+@pytest.mark.parametrize(
+    ("run", "why"),
+    [
+        (lambda: StudyResult({}), "ValueError: the study answers nothing"),
+        (lambda: answered(tables=(table("t", "", "a | b", [(1,)]),)), r"the table 't' of 2 columns has the row \(1,\)"),
+        (lambda: answered(tables=(table("t", "", "a", [(1, 2)]),)), r"the table 't' of 1 columns has the row \(1, 2\)"),
+        (lambda: answered(tables=(table("t", "", "a", []),) * 2), "several tables have the name 't'"),
+        (lambda: answered(figures=result().figures * 2), "several figures have the name 'overlay'"),
+        (sys.exit, "SystemExit:"),
+    ],
+)
+def test_a_result_that_no_page_can_show_is_a_study_that_failed(fake, tmp_path, run, why):
+    """Before, no page was written, of any study; of two tables of one name the file of one was lost; the exit status was 0."""
+    fake.add("first", lambda budget: run())
+    fake.add("second")
+    with pytest.raises(RedReport) as red:
+        make_report(tmp_path / "out")
+    (line,) = red.value.lines
+    assert re.match(f"first: failed: .*{why}", line)
+    assert answers(red.value.page) == [result().headline]
 
 
 PROGRAM = """

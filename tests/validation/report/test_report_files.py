@@ -17,7 +17,21 @@ from test_page import models
 
 from tests.validation.without_times import lasting_digest
 from validation.commands.cli import NUMERICS_FAILED, main
-from validation.report import EXACT, Column, Evidence, Figure, Number, Outcome, Table, Verdict, baseline, claim, holding, table
+from validation.report import (
+    EXACT,
+    Column,
+    Evidence,
+    Figure,
+    Number,
+    Outcome,
+    Table,
+    Verdict,
+    baseline,
+    claim,
+    holding,
+    stated,
+    table,
+)
 from validation.report.build import make_report
 from validation.report.record import read_report, report_schema, text_of
 
@@ -128,6 +142,8 @@ def test_the_patch_gives_the_baseline_that_take_would_write(changing, tmp_path):
         (found(5e-7), found(5e-7, title="Others stay"), "new", 0),
         (Number(73.0, 1e-6), Number(73.00002, 1e-9), "same", 0),
         (Number(73.0, 1e-9), Number(73.001, 1e-9), "moved", 0),
+        (stated(0.0, 1e-12), stated(5.0, 1e-12), "moved", 0),
+        (stated(0.0, 1e-12), stated(1.9e-12, 1e-12), "same", 0),
         (Number(73.0, 1e-9, known=72.0), Number(72.5, 1e-9, known=72.0), "better", 0),
         (Number(72.5, 1e-9, known=72.0), Number(math.nan, 1e-9, known=72.0), "worse", 3),
         (in_words("yes"), in_words("so"), "not comparable", 0),
