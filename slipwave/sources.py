@@ -170,5 +170,6 @@ def commit(folder: Path | None = None) -> str:
 def _git(*words: str) -> str:
     import subprocess
 
-    done = subprocess.run(["git", "-C", str(ROOT), *words], capture_output=True, text=True, check=True, timeout=10)
+    words = "--no-optional-locks", "-C", str(ROOT), *words  # a process that is killed leaves them, and git refuses to commit
+    done = subprocess.run(["git", *words], capture_output=True, text=True, check=True, timeout=10)
     return done.stdout.strip()

@@ -1,11 +1,13 @@
 """Files are whole or absent, whatever stops their writing."""
 
 import os
+import re
 import subprocess
 from threading import Event, Thread
 
 import pytest
 
+from slipwave import sources
 from slipwave.errors import SceneError
 from slipwave.files import part_of, whole_or_absent
 
@@ -93,3 +95,16 @@ def test_what_killed_processes_left_goes_when_the_next_file_is_written(tmp_path,
             temporary.write_text("whole")
         other.kill()
     assert sorted(tmp_path.iterdir()) == sorted([*stay, tmp_path / "y.png"])
+
+
+def test_the_commit_is_asked_for_without_a_lock_on_the_checkout(tmp_path, monkeypatch):
+    """Git writes its index anew under a lock where times of files have changed; a killed process left that lock."""
+    monkeypatch.setattr(sources, "ROOT", tmp_path)
+    file, index = tmp_path / "file", tmp_path / ".git" / "index"
+    file.write_text("text")
+    for words in (["init", "-q"], ["add", "file"], ["-c", "user.name=x", "-c", "user.email=x", "commit", "-qm", "x"]):
+        subprocess.run(["git", "-C", str(tmp_path), *words], check=True)
+    os.utime(file, (1e9, 1e9))
+    before = index.read_bytes()
+    assert re.fullmatch("[0-9a-f]{10}", sources.commit.__wrapped__())  # of now, not the one that is kept
+    assert index.read_bytes() == before
