@@ -94,7 +94,8 @@ def whole_or_absent(path: Path) -> Iterator[Path]:
                 os.fsync(written.fileno())
             os.replace(temporary, path)
         except Exception as error:
-            reason = error if isinstance(error, OSError) else _refusal(temporary)
+            # first what the disk says: the library of netCDF calls a full one no permission
+            reason = _refusal(temporary) or (error if isinstance(error, OSError) else None)
             if reason is None:
                 raise
             raise SceneError(f"{str(path)!r} cannot be written: {reason_of(reason)}") from None

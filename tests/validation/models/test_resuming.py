@@ -152,6 +152,13 @@ def test_what_was_computed_is_printed_and_nothing_half_written(tmp_path, words, 
     assert ("Traceback" in done.stderr, list(tmp_path.iterdir())) == (False, [])
 
 
+def test_a_disk_without_any_space_is_named(tmp_path):
+    """The library of netCDF, which cannot begin its file there, says that permission is denied."""
+    done = on_small_disk(["run", "paper", "--model", "delay", "--until", "40", "--out", "x.nc"], 0, tmp_path)
+    assert (done.returncode, list(tmp_path.iterdir())) == (INPUT_WRONG, [])
+    assert done.stderr.splitlines()[-1] == "slipwave: 'x.nc' cannot be written: file too large"
+
+
 def test_a_checkpoint_that_cannot_be_written_does_not_end_the_run(tmp_path):
     words = ["run", "paper", "--model", "delay", "--until", "400", "--checkpoint", "c.npz", "--checkpoint-every", "100", "--json"]
     done = on_small_disk(words, 4000, tmp_path)
