@@ -146,7 +146,7 @@ def _why_not_a_file(path: Path) -> str:
         return f"must be a TOML file or a gallery name; this is {'a folder' if path.is_dir() else 'not a regular file'}"
     what, known = f"neither a file nor one of the gallery: {', '.join(gallery_names())}", list(gallery_names())
     if path.suffix or len(path.parts) > 1:
-        what, known = "no such file", [str(other) for other in path.parent.glob("*.toml")]
+        what, known = "no such file", [str(other) for other in path.parent.glob("*.toml") if other.exists()]
     guess = path.stem if path.stem in gallery_names() else nearest(str(path), known)
     return f'{what}; did you mean "{guess}"?' if guess else what
 

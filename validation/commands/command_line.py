@@ -1,5 +1,6 @@
 """A command on the command line, generated from its declarations: options, output files and table of its result."""
 
+import os
 import sys
 from collections.abc import Callable, Mapping
 from contextlib import closing
@@ -67,10 +68,10 @@ def on_a_scene(
         """Take the words of the command line."""
         files = {output: _path_of(output, words.pop(output.name), json) for output in outputs}
         given = {name: _value(known[name], word) for name, word in words.items() if word is not None}
-        taken = dict[Path, str]()
+        taken = dict[str, str]()
         for output, path in files.items():
-            if path is not None and taken.setdefault(path.resolve(), output.flag) != output.flag:
-                raise SceneError(f"{output.flag} {path}: must be another file than that of {taken[path.resolve()]}")
+            if path is not None and (flag := taken.setdefault(os.path.realpath(path), output.flag)) != output.flag:
+                raise SceneError(f"{output.flag} {path}: must be another file than that of {flag}")
         try:
             act(source, kind(**given).load_own(), files, json)
         except SystemExit as end:

@@ -1,6 +1,7 @@
 """Families of models that a user declares in a Python file."""
 
 import hashlib
+import os
 from collections.abc import Callable, Iterable, Mapping
 from importlib import import_module
 from pathlib import Path
@@ -30,7 +31,7 @@ def load_families(path: Path) -> list[Family]:
     file that is loaded again replaces its families.
 
     Raises SceneError if the file cannot be run or declares none, for a name that is taken, and as `require_members`."""
-    path, label = path.resolve(), f"--family = {str(path)!r}"
+    path, label = Path(os.path.realpath(path)), f"--family = {str(path)!r}"
     name = f"own_family_{path.stem}_{hashlib.sha256(str(path).encode()).hexdigest()[:8]}"
     lists: tuple[list[Any], ...] = (FAMILIES, GRIDS, REDUCTIONS)
     with kept_if_wrong(name, *lists):

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import re
 import tomllib
 from contextlib import closing
 from pathlib import Path
@@ -18,7 +19,7 @@ from slipwave.errors import SceneError
 from slipwave.friction.law import LAWS
 from slipwave.friction.own import LAW_FILES
 from slipwave.input.assemble import gallery_names
-from validation.commands.cli import main
+from validation.commands.cli import INPUT_WRONG, main
 from validation.models.provenance import provenance
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -31,6 +32,28 @@ WORDS = ("--set", "drive.velocity=2000", "slab.thickness=0.0335")
 def again(answer):
     """The JSON of a command but for its run time."""
     return lambda *words: {key: value for key, value in answer(*words).items() if key != "wall_s"}
+
+
+def test_links_that_lead_nowhere_are_one_line(tmp_path, monkeypatch, capsys):
+    """Before, a link was suggested for itself, and rings of links ended in tracebacks."""
+    monkeypatch.chdir(tmp_path)
+    links = {
+        "dangling.toml": "nowhere",
+        "ring.py": "other.py",
+        "other.py": "ring.py",
+        "ring.nc": "other.nc",
+        "other.nc": "ring.nc",
+    }
+    for name, target in links.items():
+        (tmp_path / name).symlink_to(target)
+    assert main(["run", "dangling.toml"]) == INPUT_WRONG
+    assert capsys.readouterr().err == "slipwave: SCENE = 'dangling.toml': no such file\n"
+    assert main(["show", "paper", "--family", "ring.py"]) == INPUT_WRONG
+    assert re.fullmatch(r"slipwave: --family = '.*ring\.py': no such file\n", capsys.readouterr().err)
+    assert (
+        main(["run", "paper", "--model", "block8", "--until", "20", "--out", "ring.nc"]) == 0
+    )  # as any link: a file takes its place
+    assert (tmp_path / "ring.nc").is_file()
 
 
 def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path):
