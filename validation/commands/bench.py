@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import partial
 from typing import Any, ClassVar
 
+from fullwave.families import FullWave
 from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
 from slipwave.input.assemble import SceneSource
@@ -129,8 +130,10 @@ def bench(source: SceneSource, options: _BenchOptions) -> BenchResult:
 
 
 def _grids(scene: Scene, family: Family) -> list[dict[str, Any]]:
-    """The grids of `family` on the scene, each once: layers that have their fewest cells are the same at fewer cells yet."""
-    distinct = {str(build(family.example, scene, cells=cells).settings): {"cells": cells} for cells in family.grids}
+    """The grids of `family` on the scene, each once: layers that have their fewest cells are the same at fewer cells yet. A full
+    wave that names none has those from its usual one on: of a low order, no grid may reach a tolerance."""
+    usual = [family.cells, 2 * family.cells, 4 * family.cells] if isinstance(family, FullWave) else []
+    distinct = {str(build(family.example, scene, cells=cells).settings): {"cells": cells} for cells in family.grids or usual}
     return [*distinct.values()]
 
 

@@ -1,5 +1,6 @@
 """What the commands print and write, number by number: by plain numpy from a recorded motion, closed forms, by hand."""
 
+import dataclasses
 import io
 import itertools
 import json
@@ -15,9 +16,10 @@ import xarray
 
 import slipwave as sw
 from slipwave.observe.statistics import margin_of_mean
+from validation.commands.bench import _grids
 from validation.commands.cli import main
 from validation.commands.curve import CurveOptions, CurveResult
-from validation.models.by_name import families
+from validation.models.by_name import families, grid_of
 from validation.models.curve import Curve
 from validation.models.parameter import ParameterRange, Variation
 from validation.models.points import CurvePoint
@@ -158,6 +160,12 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare():
     rows = found.summary["models"]
     assert [row["error"]["period"] for row in rows] == [0.0, None]
     assert_table(found, rows)
+
+
+def test_bench_of_a_full_wave_that_names_no_grids_takes_those_from_its_usual_one_on():
+    """Before, it had to reach a tolerance of 1e-5, and one of order 1, as in docs/extending.md, ended `bench` for all models."""
+    family = dataclasses.replace(grid_of("sbp:2")[0], grids=(), cells=24)
+    assert _grids(sw.read("paper"), family) == [{"cells": 24}, {"cells": 48}, {"cells": 96}]
 
 
 def test_bench_draws_the_error_of_the_period_over_the_time_of_each_run(monkeypatch):
