@@ -196,7 +196,10 @@ class StudyResult:
         beginnings = tuple(name for rests_on in self.answers.values() for name in rests_on)
         if uncited := [name for name in claims if not name.startswith(beginnings)]:
             raise ValueError(f"no answer cites {uncited}")
-        for kind, names in {"tables": [one.name for one in self.tables], "figures": [one.name for one in self.figures]}.items():
+        for kind, names in {
+            "tables": [table.name for table in self.tables],
+            "figures": [figure.name for figure in self.figures],
+        }.items():
             if twice := [name for name, count in Counter(names).items() if count > 1]:
                 raise ValueError(f"several {kind} have the name {twice[0]!r}")
 
