@@ -102,7 +102,7 @@ def follow(
         if solver.failures:
             failed_at = float(pieces.time[0]) if math.isnan(failed_at) else failed_at
             good = pieces.part(pieces.time + pieces.length < failed_at)
-        for observer in observers:
+        for observer in observers if good.time.size else ():
             observer.scan(good)
         if solver.failures:
             first = min(good.time.size, pieces.time.size - 1), 0

@@ -234,6 +234,11 @@ def test_observers_see_what_came_before_the_first_failed_solve():
     assert solver.failed_at - 1.0 / 16.0 < seen < solver.failed_at < solver.time
 
 
+def test_a_run_whose_first_solve_fails_is_one_line(capsys):
+    assert main(["run", "paper", "--set", "slab.r=1000", "--until", "4", "--model", "fd", "--cells", "16"]) == NUMERICS_FAILED
+    assert "did not converge by t = 4 transits, the first at t = 0: what follows" in capsys.readouterr().err
+
+
 def test_run_prints_what_it_has_and_ends_with_status_3(tmp_path, capsys):
     assert main(["run", "paper", *COARSE, "--model", "fd", "--cells", "64", "--json"]) == NUMERICS_FAILED
     text, err = capsys.readouterr()
