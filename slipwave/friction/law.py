@@ -354,6 +354,8 @@ _NEAR = 0.5  # of z, a factor of the rate of 1.6
 
 def said_of_edge(law: Law, z: float, psi: float) -> str:
     """What an error adds if a user's `law` has no value at a rate near that of `z`, at the state psi: no step or grid helps."""
+    if not math.isfinite(z + psi):
+        return ""
     rates = [rate_of(law, z + step) for step in (-_NEAR, _NEAR) if not math.isfinite(respond(law, z + step, psi)[2])]
     return f"law {name_of(law)!r} has no value at v = {rates[0]:.3g} V*" if rates else ""
 

@@ -17,7 +17,7 @@ from typing import Protocol, TypeGuard, cast, runtime_checkable
 import numpy as np
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction import rate_of, said_of_edge
+from slipwave.friction import allows_rest, rate_of, said_of_edge, said_of_rest
 from slipwave.observe.history import values_at
 from slipwave.observe.pieces import Pieces, lagrange_basis, slack
 from slipwave.scene.recorded import OBSERVERS
@@ -78,6 +78,7 @@ def follow(
     converge; the observers have then seen the pieces before that.
     """
     pieces: Pieces | None = None
+    law = solver.scene.law
     leaper = cast(Leaping, solver) if leaps and offers(solver, Leaping) else None
     spanning = [cast(Spanning, observer) for observer in observers if offers(observer, Spanning)]
     patient = len(spanning) == len(observers)
@@ -93,10 +94,13 @@ def follow(
             pieces = leaper.leap(stop, until, gaps=False)
         if offers(solver, Cutting):
             pieces = cast(Cutting, solver).cut(pieces, until)
-        if not all(np.isfinite(values).all() for values in (pieces.z, pieces.psi, pieces.mu)):  # no BLAS: its threads wake for it
+        motion = pieces.z, pieces.psi, pieces.mu
+        finite = all(np.isfinite(values).all() for values in motion)  # no BLAS: its threads wake for it
+        if not finite or not (allows_rest(law) or np.abs(pieces.z).max() < _LARGEST):
             raise NumericsError(
                 f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} "
-                f"transits (scene {solver.scene.name!r}, digest {solver.scene.digest})"
+                f"transits{said_of_rest(law, pieces.mu, float(pieces.z[0, 0]), float(pieces.psi[0, 0]))} (scene {solver.scene.name!r}, digest "
+                f"{solver.scene.digest})"
             )
         good, failed_at = pieces, solver.failed_at
         if solver.failures:
@@ -106,7 +110,7 @@ def follow(
             observer.scan(good)
         if solver.failures:
             first = min(good.time.size, pieces.time.size - 1), 0
-            advice = said_of_edge(solver.scene.law, float(pieces.z[first]), float(pieces.psi[first]))
+            advice = said_of_edge(law, float(pieces.z[first]), float(pieces.psi[first]))
             raise NumericsError(
                 f"{solver.model}: {solver.failures} solves of the interface or of a step did not converge by t = "
                 f"{solver.time:.6g} transits, the first at t = {failed_at:.6g}: what follows is not the scene's motion; "
@@ -139,6 +143,7 @@ def _final_state(solver: Solver, pieces: Pieces, until: float) -> Final:
 
 DAY = 86400.0
 _AT_END = 1e-12  # transits
+_LARGEST = 700.0  # |ln v|: little more is zero or infinite as a number
 _ENOUGH = 20_000  # pieces, some 0.1 s; from then on their number per transit is extrapolated to the rest of the run
 
 

@@ -10,6 +10,7 @@ from grid_scenes import FAMILIES, PAIRS, PAPER, SCENES
 
 import fullwave.lines.explicit
 import fullwave.lines.march
+import slipwave
 from fullwave.adapt import to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
 from fullwave.finite_difference import Leapfrog
@@ -101,6 +102,17 @@ def test_numbers_without_bound_end_the_run_with_the_time():
     solver.restore(state)
     with pytest.raises(NumericsError, match=r"stopped being finite between t = 5"):
         follow(solver, 10.0)
+
+
+@pytest.mark.parametrize(("kind", "options"), [(Leapfrog, {"cells": 16}), (DiscontinuousGalerkin, {"number": 3, "cells": 4})])
+def test_a_slip_rate_that_no_number_holds_ends_the_run_unless_the_law_allows_rest(kind, options):
+    """Stress of -45 arrives: ln v = -1300 by the plain law."""
+    step = [[0.0, 100.0], [2.0, 100.0], [2.0, 10.0]]
+    heavy = slipwave.read("paper", {"slab.epsilon": 1.0, "start.size": 0.0, "drive.velocity": step})
+    with pytest.raises(NumericsError, match=r"stopped being finite .*reverses slip, but law 'ageing' needs v > 0: ageing-reg"):
+        follow(kind(heavy, **options), 4.0)
+    allowed = follow(kind(slipwave.read(heavy, {"interface.law": "ageing-regularised"}), **options), 2.9)
+    assert allowed.v == pytest.approx(-80.0, abs=2.0)
 
 
 @pytest.mark.parametrize("name", SCENES)
