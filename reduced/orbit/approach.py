@@ -115,7 +115,8 @@ def _cycles(
             break
         follow(solver, min(most, solver.time + _STRETCH), observers, progress)
         events = observer.events(0.5 * solver.time)
-        if events.time.size >= 2 and events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]:
+        small = events.time.size >= 2 and events.v_max[-1] < (1.0 + _STEADY) * events.v_min[-1]
+        if small and events.elastic_stress_drop[-1] < events.elastic_stress_drop[0]:
             raise NumericsError(
                 f"{solver.model}: the run returns to steady sliding, which is stable against small disturbances here; "
                 f"{_advice(solver.scene)}"

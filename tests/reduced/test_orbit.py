@@ -336,6 +336,14 @@ def test_no_orbit_near_a_run():
         approach(run_of("delay", -2.68), 1e-6, most=300.0)
 
 
+def test_a_run_that_still_grows_from_a_small_disturbance_does_not_return_to_steady_sliding():
+    """After 400 transits ln v still swings by less than 1e-3."""
+    scene = read("paper", {"slab.log10_r": -2.6, "start.size": 1e-6})
+    guess = approach(ReducedModel(scene, reduction_of(scene, "kelvin-voigt"), 1e-9), 1e-9)
+    assert guess.settled
+    assert guess.period == pytest.approx(78.9, abs=0.1)
+
+
 def test_cycles_that_change_to_and_fro_for_long_are_those_around_an_orbit():
     """After a jump the twelve cycles of the second half differ by 1.2 %, and the last is smaller than the first by chance; a
     long run settles on a doubled orbit of twice 274.278 transits."""
