@@ -340,13 +340,16 @@ def _number(upper: Complex) -> int:
 
 
 def _cut(problem: Characteristic, roots: Complex, deepest: float, most: int) -> float:
-    """Re s of a line left of at least `most` of the `roots`, which are sorted, in the widest gap between the next ones."""
+    """Re s of a line left of at least `most` of the `roots`, which are sorted, in the widest gap between the next ones; `deepest`
+    if no gap there exceeds rounding, as where roots accumulate."""
     counts = np.cumsum(np.where(problem.idle(roots), 0, 1 + (roots.imag > 0.0)))
     enough = int(np.searchsorted(counts, most))
     if enough + 1 >= roots.size:
         return deepest
     real = roots.real[enough : enough + 2 * most]
     widest = int(np.argmax(real[:-1] - real[1:]))
+    if real[widest] - real[widest + 1] < 10.0 * _FINEST * abs(roots[enough + widest]):
+        return deepest
     return float(0.5 * (real[widest] + real[widest + 1]))
 
 

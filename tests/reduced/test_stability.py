@@ -436,3 +436,15 @@ def test_all_roots_decay_within_a_transit():
     roots = np.roots([a / rate, (k / rate - gap), k])
     assert found.stable is True
     assert found.leading_roots[0] == pytest.approx(roots[np.argmax(roots.imag)], rel=1e-9)
+
+
+def test_roots_that_accumulate_to_within_rounding_are_listed():
+    """A dashpot swallows a fifth of each of some thousand waves alike, friction hardly any: Re s = ln |R_face R_friction| / r."""
+    epsilon, r, a, b, velocity, impedance = 5e-7, 250.0, 0.06084, 0.06083, 24.0, 0.127
+    slab = {"epsilon": epsilon, "r": r, "face": {"kind": "grip", "stiffness": 0.75, "impedance": impedance}}
+    interface = {"law": "ageing", "a_star": 0.25, "a": a, "b": b}
+    analysis = analyse(slipwave.read({"interface": interface, "drive": {"velocity": velocity}, "slab": slab}))
+    friction = 2.0 * a / velocity / epsilon
+    kept = (1.0 - impedance) / (1.0 + impedance) * (friction - 1.0) / (friction + 1.0)
+    assert analysis.stable
+    assert [root.real for root in analysis.leading_roots] == pytest.approx([math.log(kept) / r] * 8, rel=1e-6)
