@@ -97,10 +97,10 @@ def follow(
         motion = pieces.z, pieces.psi, pieces.mu
         finite = all(np.isfinite(values).all() for values in motion)  # no BLAS: its threads wake for it
         if not finite or not (allows_rest(law) or np.abs(pieces.z).max() < _LARGEST):
+            rest = said_of_rest(law, pieces.mu, float(pieces.z[0, 0]), float(pieces.psi[0, 0]))
             raise NumericsError(
                 f"{solver.model}: the solution stopped being finite between t = {pieces.time[0]:.6g} and {solver.time:.6g} "
-                f"transits{said_of_rest(law, pieces.mu, float(pieces.z[0, 0]), float(pieces.psi[0, 0]))} (scene {solver.scene.name!r}, digest "
-                f"{solver.scene.digest})"
+                f"transits{rest} (scene {solver.scene.name!r}, digest {solver.scene.digest})"
             )
         good, failed_at = pieces, solver.failed_at
         if solver.failures:
