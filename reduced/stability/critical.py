@@ -27,7 +27,7 @@ from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 
 _THETA = np.unique(np.concatenate([np.geomspace(1e-9, 1.0, 1200), np.linspace(1.0, 60.0, 6000)]))
-_TRIED, _HALVINGS, _SMALL = 3, 60, 1e-6
+_TRIED, _HALVINGS, _SMALL = 3, 60, 1e-6  # balances that may be the onset; bisections; relative residual of a zero
 
 
 def critical_round_trip(scene: Scene, model: str = "delay") -> tuple[float, float]:

@@ -381,7 +381,7 @@ def lines_of_curve(files: Iterable[str | Path], data: Dataset) -> tuple[Line, ..
             require_files(f"--curve = {str(path)!r}", {f"law {curve.attrs['law_file']}": curve.attrs["law_digest"]})
         names = {str(name): str(name) for name in curve.variables}
         # of a curve that can be continued
-        names |= {str(curve[one].attrs["long_name"]).replace(".", "_"): one for one in _CONTINUED if one in curve}
+        names |= {str(curve[name].attrs["long_name"]).replace(".", "_"): name for name in _CONTINUED if name in curve}
         names |= {"drive_velocity": names["V"]} if "V" in names else {}
         if any(axis not in names for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")

@@ -169,7 +169,7 @@ def _ledger_row(model: str, scene: Scene, cells: list[int]) -> Verdict:
 
     lost, ended = _on_grids(model, scene, cells, residual)
     if any(slab.viscosity for slab in scene.slabs):  # their heat is summed by the steps, whose error has either sign
-        lost = {n: abs(one) for n, one in lost.items()}
+        lost = {n: abs(share) for n, share in lost.items()}
     closed = rounding(_LEDGER_UNTIL / [*steps.values()][-1]) if lost else 0.0
     worst, least = max(map(abs, lost.values()), default=math.nan), min(lost.values(), default=math.nan)
     title, remark = (
