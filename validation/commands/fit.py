@@ -19,7 +19,6 @@ from slipwave.files import FIGURES, content_of
 from slipwave.friction.law import name_of
 from slipwave.input.assemble import SceneSource, is_stored
 from slipwave.input.stored import read_stored
-from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import GUIDE, INK, POINTS, Chart, Panel, Scale, Trace
@@ -268,7 +267,7 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scenes, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
-    facts = {"scene": scene.digest, **contents, **{name: shorten(value) for name, value in settings.items() if name != "data"}}
+    facts = {"scene": scene.digest, **contents, **{name: repr(value) for name, value in settings.items() if name != "data"}}
     best = BestValues.kept(options.checkpoint, next(problem.starts()), facts)
     stopped, waves = False, next((forward for forward in problem.models if isinstance(forward, CycleOfOrbit)), None)
     try:

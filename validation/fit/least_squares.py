@@ -12,6 +12,7 @@ from scipy import optimize, stats
 
 from slipwave.errors import NumericsError, SceneError
 from slipwave.files import going_on, require_writable, whole_or_absent
+from slipwave.input.wording import sentence
 from slipwave.observe.pieces import Array
 from slipwave.observe.statistics import autocorrelations
 from validation.models.progress import News
@@ -93,7 +94,8 @@ class BestValues:
         other = [key for key in {**there, **facts} if there.get(key) != facts.get(key)]
         if other or inner.shape != first.shape:
             differences = "; ".join(
-                f"{key}: {there.get(key, 'not there')}, now {facts.get(key, 'not there')}" for key in other[:_SHOWN]
+                f"{key}: {sentence(str(there.get(key, 'not there')))}, now {sentence(facts.get(key, 'not there'))}"
+                for key in other[:_SHOWN]
             )
             raise SceneError(f"--checkpoint = {str(file)!r}: belongs to another fit ({differences}); remove it, or name another")
         return cls(inner, evaluations=evaluations, file=file, facts=facts)

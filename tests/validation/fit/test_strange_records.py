@@ -201,6 +201,17 @@ def test_a_fit_that_is_killed_goes_on_and_refuses_other_data(tmp_path, capsys):
     assert "is no checkpoint of a fit" in capsys.readouterr().err
 
 
+def test_a_checkpoint_is_refused_if_the_fourth_free_parameter_is_another(tmp_path):
+    """The three before are alike, and so are the numbers of parameters."""
+    times = np.linspace(0.0, 80.0, 100)
+    friction = slider(times, STEPS)
+    path = written(tmp_path / "steps.csv", "seconds,cof,load_point_um", times, friction, 1e6 * travelled(times, STEPS))
+    call = {"data": [path], "checkpoint": tmp_path / "kept.json"}
+    sw.fit(SAMPLE, free=[*FREE, "a_star"], **call)
+    with pytest.raises(SceneError, match=r"belongs to another fit \(free: \[.*'a_star'\], now \[.*'level'\]\)"):
+        sw.fit(SAMPLE, free=[*FREE, "level"], **call)
+
+
 def test_a_record_that_says_nothing_of_a_parameter_ends_in_one_line(tmp_path):
     """Before the first step no friction depends on a and b; a record may be given as a path."""
     record = tmp_path / "rest.csv"
