@@ -108,8 +108,8 @@ def _count_zeros(function: Function, corners: Complex, anchors: tuple[complex, .
     return round(float(np.angle(jet.value[1:] / jet.value[:-1]).sum()) / (2.0 * np.pi * half))
 
 
-def _polish(function: Function, starts: Complex) -> Complex:
-    """Newton's method from all starts; nan where it does not converge to rounding."""
+def _polish(function: Function, starts: Complex, rounding: float = 0.0) -> Complex:
+    """Newton's method from all starts; nan where it does not converge to `rounding`, or to that of s."""
     s = np.array(starts, dtype=np.complex128)
     step = np.full(s.shape, np.inf, dtype=np.complex128)
     with np.errstate(all="ignore"):
@@ -117,31 +117,37 @@ def _polish(function: Function, starts: Complex) -> Complex:
             jet = function(s)
             step = jet.value / jet.slope
             s = s - step
-    converged = np.abs(step) <= 1e-10 * np.abs(s) + 1e-300
+    converged = np.abs(step) <= 1e-10 * np.abs(s) + max(rounding, 1e-300)
     return np.where(converged & np.isfinite(s), s, np.nan)
 
 
 def _zeros_in(
-    function: Function, low: complex, high: complex, expected: int, anchors: tuple[complex, ...] = (), depth: int = 0
+    function: Function,
+    low: complex,
+    high: complex,
+    expected: int,
+    anchors: tuple[complex, ...] = (),
+    rounding: float = 0.0,
+    depth: int = 0,
 ) -> Complex:
     """All `expected` zeros in the rectangle with corners `low` (left, below) and `high`, each once; for at most a few dozen
     zeros.
 
-    `expected`: their number by `_count_zeros`; `anchors` as in `_resolved`. The rectangle is halved until Newton's method finds
-    them all. Raises NumericsError if zeros lie too close to be distinguished.
+    `expected`: their number by `_count_zeros`; `anchors` as in `_resolved`, `rounding` as in `_polish`. The rectangle is
+    halved until Newton's method finds them all. Raises NumericsError if zeros lie too close to be distinguished.
     """
     if expected == 0:
         return np.empty(0, dtype=np.complex128)
     if expected <= _FEW:
         re, im = np.linspace(low.real, high.real, 7), np.linspace(low.imag, high.imag, 9)
-        zeros = _distinct(_polish(function, (re[:, None] + 1j * im[None, :]).ravel()))
+        zeros = _distinct(_polish(function, (re[:, None] + 1j * im[None, :]).ravel(), rounding), rounding)
         inside = zeros[(low.real < zeros.real) & (zeros.real < high.real) & (low.imag < zeros.imag) & (zeros.imag < high.imag)]
         if inside.size == expected:
             return inside
     if depth > _DEEPEST:
         raise NumericsError(f"stability: {expected} roots near s = {0.5 * (low + high):.6g} are too close to be distinguished")
     halves = _halves(function, low, high, expected, anchors)
-    return np.concatenate([_zeros_in(function, *half, count, anchors, depth + 1) for half, count in halves])
+    return np.concatenate([_zeros_in(function, *half, count, anchors, rounding, depth + 1) for half, count in halves])
 
 
 def _halves(
@@ -164,14 +170,14 @@ def _halves(
     raise NumericsError(f"stability: too many roots near s = {0.5 * (low + high):.6g}")
 
 
-def _distinct(zeros: Complex) -> Complex:
-    """The finite ones of `zeros`, each once."""
+def _distinct(zeros: Complex, rounding: float = 0.0) -> Complex:
+    """The finite ones of `zeros`, each once; those no further apart than `rounding` are the same."""
     finite = zeros[np.isfinite(zeros)]
     unit = 1e-9 * 10.0 ** np.floor(np.log10(np.maximum(np.abs(finite), 1e-290)))
     _, first = np.unique(np.round(finite / unit) * unit, return_index=True)
     kept = np.empty(0, dtype=np.complex128)
     for zero in finite[first]:
-        if not np.any(np.abs(zero - kept) <= 1e-8 * abs(zero)):
+        if not np.any(np.abs(zero - kept) <= 1e-8 * abs(zero) + rounding):
             kept = np.append(kept, zero)
     return kept
 
@@ -229,6 +235,11 @@ def _neutral_rate(problem: Characteristic) -> float:
     return NEUTRAL * min(problem.slopes.reach, 1.0 / problem.longest)
 
 
+def _rounding(problem: Characteristic) -> float:
+    """|ds| by which rounding moves a root, however small: near s = 0 it exceeds any share of |s|."""
+    return _FINEST * problem.slopes.reach
+
+
 def unstable_count(problem: Characteristic, beyond: float | None = None) -> int:
     """Number of roots with Re s > `beyond`, by the argument principle; the default, just right of the imaginary axis, excludes
     neutral roots.
@@ -273,8 +284,8 @@ def _all_leading(problem: Characteristic, most: int) -> Complex:
     >= 0 are returned. Their number is certified."""
     if problem.reduction is not None:
         starts = np.concatenate([problem.eigenvalues(), _fan(problem)])  # rounding of fast ones swamps slow ones
-        roots, exact = _polish(problem.jet, starts), np.abs(problem.imbalance(starts)) < _SMALL
-        return _upper(np.where(np.isfinite(roots), roots, np.where(exact, starts, np.nan)))
+        roots, exact = _polish(problem.jet, starts, _rounding(problem)), np.abs(problem.imbalance(starts)) < _SMALL
+        return _upper(np.where(np.isfinite(roots), roots, np.where(exact, starts, np.nan)), _rounding(problem))
     unit, wall = 1.0 / problem.longest, 0.9 * problem.leftmost
     centre, radius = problem.slopes.growing
     bound = np.sqrt(max(radius**2 - centre**2, 0.0)) if problem.slopes.weakening else problem.slopes.reach
@@ -294,9 +305,10 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
     confirmed by a count, else by halving the counted rectangle."""
     top = corner.imag
     offset = _OFF_AXIS * _neutral_rate(problem)
+    rounding = _rounding(problem)
     edge, jet = _resolved(problem.jet, np.array([complex(offset), complex(offset, top)]), problem.anchors)
     for starts in (_few_starts, _many_starts):
-        roots = _upper(_polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value))))
+        roots = _upper(_polish(problem.jet, starts(problem, edge, np.abs(jet.slope / jet.value)), rounding), rounding)
         roots = roots[(roots.imag < top) & (roots.real > corner.real) & (roots.real < right)]
         cut = _cut(problem, roots, corner.real, most)
         roots = roots[roots.real > cut]
@@ -304,7 +316,8 @@ def _certified(problem: Characteristic, corner: complex, right: float, most: int
         count = _count_zeros(problem.jet, upper, problem.anchors)
         if count == _number(roots):
             return roots
-    return _upper(_zeros_in(problem.jet, complex(cut, -top), complex(right, top), count, problem.anchors))
+    zeros = _zeros_in(problem.jet, complex(cut, -top), complex(right, top), count, problem.anchors, rounding)
+    return _upper(zeros, rounding)
 
 
 def _few_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:
@@ -326,11 +339,11 @@ def _many_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Compl
     return np.concatenate([_few_starts(problem, edge, rate), (some + depths[:, None]).ravel()])
 
 
-def _upper(zeros: Complex) -> Complex:
+def _upper(zeros: Complex, rounding: float) -> Complex:
     """Each of `zeros` once, mirrored into the upper half plane, by falling real part; real ones exactly real."""
     finite = zeros[np.isfinite(zeros)]
-    real = np.abs(finite.imag) < 1e-10 * np.abs(finite)
-    folded = _distinct(np.where(real, finite.real + 0j, finite.real + 1j * np.abs(finite.imag)))
+    real = np.abs(finite.imag) <= 1e-10 * np.abs(finite) + rounding
+    folded = _distinct(np.where(real, finite.real + 0j, finite.real + 1j * np.abs(finite.imag)), rounding)
     return folded[np.lexsort((folded.imag, -folded.real))]
 
 

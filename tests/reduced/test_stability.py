@@ -448,3 +448,18 @@ def test_roots_that_accumulate_to_within_rounding_are_listed():
     kept = (1.0 - impedance) / (1.0 + impedance) * (friction - 1.0) / (friction + 1.0)
     assert analysis.stable
     assert [root.real for root in analysis.leading_roots] == pytest.approx([math.log(kept) / r] * 8, rel=1e-6)
+
+
+@pytest.mark.parametrize(("coefficient", "factor"), [(0.5, 1.0), (0.0, 1e3), (0.9, 1e-3)])
+def test_a_single_root_is_listed_once_however_near_to_zero(coefficient, factor):
+    """Without a spring one root crosses at s = 0 as epsilon grows, in proportion to the distance from the critical one; rounding
+    of the rates of friction, by which roots differ, exceeds any share of |s| there."""
+    scene = scaled(scene_of(slab(face=ReflectingFace(coefficient))), round_trip=factor)
+    critical = scaled(scene, epsilon=critical_epsilon(scene) / EPSILON)
+    rate = analyse(scaled(critical, epsilon=1.0 + 1e-4)).leading_roots[0].real / 1e-4
+    for distance, verdict in ((0.0, None), (1e-12, None), (1e-8, True), (1e-6, True), (-1e-8, False), (-1e-6, False)):
+        analysis = analyse(scaled(critical, epsilon=1.0 + distance))
+        assert (analysis.stable, analysis.unstable_roots) == (verdict, int(verdict is False))
+        assert [root.imag for root in analysis.leading_roots[:1]] == [0.0]
+        assert analysis.leading_roots[0].real == pytest.approx(distance * rate, rel=1e-3, abs=1e-11)
+        assert all(root.real < -1e-3 for root in analysis.leading_roots[1:])
