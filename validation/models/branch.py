@@ -100,7 +100,8 @@ class FollowedBranch:
         """Facts in which a file and a branch that continues it must agree; tolerance and range may differ."""
         own = {"model": self.model, "cells": self.cells, "doubled": self.doubled, "parameter": self.over.name}
         own |= digests([name_of(self.over.base.law)], [self.model])
-        return {"format": _FORMAT, "scene": self.over.base.digest, **own, **self.over.scenes.facts, "sources": source_digest()}
+        scenes = {"fixed": {**self.over.scenes.fixed}, **self.over.scenes.facts}
+        return {"format": _FORMAT, "scene": self.over.base.digest, **own, **scenes, "sources": source_digest()}
 
     @property
     def tables(self) -> dict[str, tuple[type[Any], list[Any]]]:

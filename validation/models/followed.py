@@ -4,6 +4,8 @@ can be continued."""
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -90,7 +92,10 @@ def read_branch(path: Path, option: str) -> FollowedBranch:
     stored = read_stored(path, option, "branch")
     given = stored.options
     text = str(given.get("over"))
-    over = over_range(text, scenes_with(read(stored.tables), names_of(text), given.get("set", {})), option)
+    scenes = scenes_with(read(stored.tables), names_of(text, given.get("ends")), given.get("set", {}))
+    with suppress(LookupError, ValueError, TypeError):  # `_read_followed` says what is wrong
+        scenes = replace(scenes, fixed=json.loads(stored.facts["facts"])["fixed"])
+    over = over_range(text, scenes, option)
     doubled, tolerance = given.get("switch") == "PD", float(given.get("tol") or BRANCH_TOLERANCE)
     followed = FollowedBranch(over, stored.model, tolerance, given.get("cells"), doubled)
     _read_followed(path, followed, option)

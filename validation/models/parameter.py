@@ -376,7 +376,8 @@ def over_ranges(texts: Mapping[str, str], source: "SceneSource | Variation") -> 
     first = {over.name: over.written(over.first) for over in ranges if over.name in scenes.variables}
     checked = []
     for given in ranges:
-        over = replace(given, scenes=replace(scenes, fixed={name: value for name, value in first.items() if name != given.name}))
+        fixed = {**scenes.fixed, **{name: value for name, value in first.items() if name != given.name}}
+        over = replace(given, scenes=replace(scenes, fixed=fixed))
         over.scenes.require({given.name: given.written(given.first)})
         key = _KEYS.get(given.name, "")
         for value in over.ends:

@@ -380,20 +380,6 @@ def test_a_curve_of_folds_ends_at_a_cusp(answer):
     assert places == pytest.approx([cusp["log10_r"]] * 2, abs=1e-6)
 
 
-def test_the_file_of_a_branch_with_ends_has_the_scene_of_its_points(tmp_path):
-    """At the first value; before, it was that of the scene, and a curve could not begin on the branch."""
-    path, over = tmp_path / "branch.nc", "log10_r=-2.702:-2.6997"
-    found = sw.branch("paper", over, "kelvin-voigt", ends="V=120,121", tol=1e-3, most_points=3, out=path)
-    assert "V = 120" in next(iter(found.lines({})))
-    assert found.dataset.attrs["V"] == 120.0
-    curve = sw.curve(start=path, point="HB1", along="V=120:121").summary["points"]
-    assert np.interp(120.0, *zip(*((one["V"], one["log10_r"]) for one in curve), strict=True)) == pytest.approx(
-        found.special[0].log10_r, abs=1e-5
-    )
-    beside = sw.branch("unlike", "log10_r=-2.622:-2.6216", "modal:1", ends="ratio_r=2,2.01", tol=1e-3, most_points=2)
-    assert "scene_toml" in beside.dataset.attrs  # that parameter is no key, so that its scene cannot be written
-
-
 @pytest.mark.slow
 def test_where_special_points_end():
     """Behind these grips two folds meet at an impedance of 203.3271, from wherever a curve begins; the Hopf point goes on."""
