@@ -30,7 +30,7 @@ from slipwave.friction.law import name_of
 from slipwave.scene import Scene
 from slipwave.solve import State
 from slipwave.sources import source_digest
-from validation.models.by_name import one_port_of
+from validation.models.by_name import GRIDS, family_of, one_port_of
 from validation.models.orbits import find_orbit, moving
 from validation.models.own import digests
 from validation.models.parameter import ParameterRange
@@ -134,14 +134,18 @@ class FollowedBranch:
         if not hopf_points:
             return self._from_orbit(port)
         own, *others = hopf_points
+        first = self._from_hopf(own)
+        if first is None:
+            at = f"{over.name} = {own.parameter:.10g}"
+            self.notes.append(f"the grid's own Hopf point is not that of the waves, {at}: more --cells bring it nearer")
+            return self._from_orbit(port)
         self.special.append(self._hopf(own))
         self.notes.extend(
             f"another Hopf point lies at {over.name} = {other.parameter:.10g}, period {other.period:.6g}; this branch is that of "
             f"{own.parameter:.10g}"
             for other in others
         )
-        metric = metric_for(*over.ends)
-        return self._first(from_hopf(self.family_at(own.parameter, own.period), own.parameter, own.period, metric), metric)
+        return self._first(first, metric_for(*over.ends))
 
     def follow(self, end: _BranchEnd, limits: StopAt) -> Iterator[_BranchEnd]:
         """Record point after point, yielding the end after each. Stops at the limits, where the branch leaves the range without
@@ -167,8 +171,9 @@ class FollowedBranch:
                 return
             if amplitude(new.cycle) < min(_SMALL, amplitude(old.cycle)):  # nearly singular beyond
                 near = onsets(self.over.scene_at, *self.over.ends, one_port_of(self.model))
-                if near:
-                    self.special.append(self._hopf(min(near, key=lambda onset: abs(onset.parameter - end.point.parameter))))
+                nearest = min(near, key=lambda onset: abs(onset.parameter - end.point.parameter), default=None)
+                if nearest and self._from_hopf(nearest):
+                    self.special.append(self._hopf(nearest))
                 self.notes.append("the branch ends where its orbits shrink to steady sliding")
                 return
             for special in step.special:
@@ -236,6 +241,16 @@ class FollowedBranch:
         if last.stable is None or last.idle:
             note = _UNDECIDED if last.stable is None else _WITHOUT_IDLE
             self.notes.extend([] if note in self.notes else [note])
+
+    def _from_hopf(self, onset: Onset) -> OrbitPoint | None:
+        """The first small orbit at a Hopf point; None on a grid that is so coarse that its own lies elsewhere."""
+        family = self.family_at(onset.parameter, onset.period)
+        try:
+            return from_hopf(family, onset.parameter, onset.period, metric_for(*self.over.ends))
+        except NumericsError:
+            if family_of(self.model) in GRIDS:
+                return None
+            raise
 
     def _from_orbit(self, port: str) -> _BranchEnd:
         over = self.over

@@ -120,6 +120,15 @@ def test_without_a_hopf_point_it_begins_with_an_orbit(answer):
     assert found["notes"] == [f"the branch leaves the range at log10_r = -2.69{FOR_GOOD}"]
 
 
+def test_on_a_coarse_grid_whose_own_hopf_point_lies_elsewhere_it_begins_with_an_orbit():
+    """That of two cells of `dg:1` is -2.6996196, 7e-5 before that of the waves; before, the steady state "does not oscillate"."""
+    found = sw.branch("paper", "log10_r=-2.7:-2.68", "dg:1", cells=2, tol=1e-4, most_points=1).summary
+    orbit = sw.orbit("paper", "dg:1", cells=2, tol=1e-4, settings=["slab.log10_r=-2.68"]).summary
+    assert (found["special"], found["points"][0]["log10_r"]) == ([], -2.68)
+    assert found["points"][0]["period"] == pytest.approx(orbit["period"], rel=1e-6)
+    assert found["notes"][0].endswith("is not that of the waves, log10_r = -2.699549716: more --cells bring it nearer")
+
+
 def test_over_one_round_trip_it_begins_where_a_first_mesh_cannot_follow_the_slip_event():
     """A mesh for both ends of the range, none of whose steps is a wave's time, needs shorter steps than that of the orbit."""
     slabs = {"upper.log10_r": -2.632, "lower.log10_r": -2.622, "upper.epsilon": 2.34e-5, "lower.epsilon": 2.31e-5}
