@@ -1,6 +1,7 @@
 """`key=value` overrides of a scene's raw tables, before validation.
 
-A key may be shortened to its last words: `log10_r` is slab.log10_r, `face.stiffness` is slab.face.stiffness. `slab.log10_r` also
+A key may be shortened to its last words: `log10_r` is slab.log10_r, `face.stiffness` is slab.face.stiffness. The tables of a list
+have numbers: `slab.layers.0.impedance` is that of the layer at the interface. `slab.log10_r` also
 removes `r` and `thickness`, which state the same quantity. `upper.x` on a scene with one [slab] first gives each slab a table of
 its own. A new `kind` of face or viscosity first empties its table.
 """
@@ -84,12 +85,12 @@ def endings(key: Sequence[str], data: Mapping[str, Any]) -> list[tuple[str, ...]
     return [full for full in known if full[-len(words) :] in (words, tuple(key))]
 
 
-def label_of(key: str, unit: str = "") -> str:
-    """Axis label of a `key` with values in `unit` (empty: that of its bare numbers): the title in the table of keys, with symbol
-    and unit; the key itself if it has no title."""
+def label_of(key: str, unit: str = "", kind: str = "") -> str:
+    """Axis label of a `key` with values in `unit` (empty: that of its bare numbers): the title in the table of keys, of the
+    `kind`, with symbol and unit; the key itself if it has no title."""
     *path, last = key.split(".")
-    first = (path or [last])[0]
-    tables = kinds_of(path).values() if path else _below(scene_keys())
+    first, kinds = (path or [last])[0], kinds_of(path) if path else {}
+    tables = [kinds[kind]] if kind in kinds else kinds.values() if path else _below(scene_keys())
     fields = (table.model_fields.get(_SYMBOLS.get(last, last)) for table in tables)
     titled = next((field for field in fields if field and field.title), None)
     words, slash, own = str(titled.title if titled else key).partition(" / ")
@@ -163,11 +164,10 @@ def toml_value(key: str, text: str) -> Any:
 
 def _set(data: dict[str, Any], key: list[str], value: Any) -> None:
     _fit_tables(data, key)
-    table = data
+    table: Any = data
     for depth, part in enumerate(key[:-1], start=1):
-        table[part] = copy.copy(table.get(part, {}))
-        table = table[part]
-        if not isinstance(table, dict):
+        table = _opened(table, part)
+        if not isinstance(table, dict if depth == len(key) - 1 else (dict, list)):
             raise SceneError(f"{key_text(key)} = {shorten(value)}: {key_text(key[:depth])} is not a table")
     last = key[-1]
     if last == "kind" and key[-2:-1] and key[-2] in _FRESH_TABLES and table.get("kind") != value:
@@ -176,6 +176,17 @@ def _set(data: dict[str, Any], key: list[str], value: Any) -> None:
         for other in SAME_QUANTITY - {last}:
             table.pop(other, None)
     table[last] = value
+
+
+def _opened(table: Any, part: str) -> Any:
+    """A copy, put in its place, of what stands at the `part` of a table, or at this number of a list; None if that has none."""
+    if isinstance(table, dict):
+        table[part] = copy.copy(table.get(part, {}))
+        return table[part]
+    if part not in map(str, range(len(table))):
+        return None
+    table[int(part)] = copy.copy(table[int(part)])
+    return table[int(part)]
 
 
 def _fit_tables(data: dict[str, Any], key: list[str]) -> None:

@@ -17,7 +17,7 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.files import TIME
 from slipwave.input.assemble import tables_of, validate
 from slipwave.input.quantity import Quantity
-from slipwave.input.schema import KeyTable
+from slipwave.input.schema import KeyTable, LayerTable
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from validation.chart import GUIDE, Chart, Look, Panel, Scale, SecondScale, Trace
@@ -55,23 +55,14 @@ _PULSES = {"stress": "shear stress", "drive": "drive velocity"}
 
 @dataclass(frozen=True)
 class _Number(Parameter):
-    """A number of the scene: its `value`, in the `shown` unit; a 0 has none. `layers`: key of the list of tables that it is
-    in, its place there, and its key in that table."""
+    """A number of the scene: its `value`, in the `shown` unit; a 0 has none."""
 
     value: float = 0.0
     shown: str = ""
-    layers: tuple[str, int, str] | None = None
 
     def scene(self, base: Scene, offset: float) -> Scene:
         """The scene with the value moved by `offset`. Raises SceneError if there is none."""
-        written = self.written(self.value + offset)
-        if self.layers is None:
-            return slipwave.read(base, {self.name: written})
-        key, k, field = self.layers
-        table: Any = tables_of(base)[1]
-        for part in key.split("."):
-            table = table[part]
-        return slipwave.read(base, {key: [{**layer, field: written} if i == k else layer for i, layer in enumerate(table)]})
+        return slipwave.read(base, {self.name: self.written(self.value + offset)})
 
     def beside(self, base: Scene, wider: float = 1.0) -> tuple[list[Scene], dict[float, float]]:
         """Scenes on both sides, and offset -> weight of each (`Responding.by`); at an end of the range this one and those on one
@@ -152,14 +143,13 @@ def _numbers(scene: Scene) -> Iterator[_Number]:
 def _numbers_in(table: KeyTable, path: str, scene: Scene) -> Iterator[_Number]:
     for field, value in table:
         key = f"{path}.{field}"
-        if key.endswith("].fraction"):  # shares add up to 1, so that none changes alone
+        if isinstance(table, LayerTable) and field == "fraction":  # shares add up to 1, so that none changes alone
             continue
         if isinstance(value, KeyTable):
             yield from _numbers_in(value, key, scene)
         elif isinstance(value, list):
             for k, layer in enumerate(value):
-                for number in _numbers_in(layer, f"{key}[{k}]", scene):
-                    yield replace(number, layers=(key, k, number.name.rpartition(".")[2]))
+                yield from _numbers_in(layer, f"{key}.{k}", scene)
         elif isinstance(value, int | float | Quantity) and not isinstance(value, bool):
             yield _number(table, value, key, scene)
 

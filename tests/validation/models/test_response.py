@@ -14,7 +14,7 @@ import slipwave as sw
 from reduced.orbit.closing import close
 from reduced.orbit.periodic import figures_of
 from reduced.orbit.response import Responding
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.friction.law import friction_slopes
 from slipwave.step.flow import Push
 from validation.commands.cli import main
@@ -236,6 +236,17 @@ def test_integrals_are_derivatives_of_the_period(scene, model):
         assert by_stress == pytest.approx(0.0, abs=1e-9 * float((weights * np.abs(stress)).sum()))
     slope = friction_slopes(read.law, read.velocity).steady
     assert by_drive + slope * by_stress == pytest.approx(-result.response["period"]["drive.velocity"], rel=1e-7)
+
+
+def test_keys_of_a_response_are_those_that_can_be_set():
+    """Before, layers were called `slab.layers[0].impedance`, which is no key."""
+    result = orbit("layered")
+    for key, known in result.response["keys"].items():
+        assert sw.read(result.scene_orbit.scene, {key: known["value"]}) == result.scene_orbit.scene
+        assert sw.read(result.scene_orbit.scene, {key: 1.01 * known["value"]}) != result.scene_orbit.scene
+    assert {"slab.layers.0.impedance", "slab.layers.1.impedance"} < result.response["keys"].keys()
+    with pytest.raises(SceneError, match=r"slab\.layers\.2\.impedance = 1: slab\.layers\.2 is not a table"):
+        sw.read("layered", ["slab.layers.2.impedance=1"])
 
 
 @pytest.mark.slow
