@@ -84,7 +84,8 @@ class Parameter:
         if name in LABELS:
             return LABELS[name] if name == self.name else f"{power} of the {LABELS[name]}"
         unit = self.unit or (_unit_of_machine(base, self.name) if base else "")
-        return label_of(self.name, unit).replace("log₁₀", power)  # the report's font has no small figures
+        kind = _table_at(base, self.name.split(".")[:-1]).get("kind", "") if base else ""
+        return label_of(self.name, unit, kind).replace("log₁₀", power)  # the report's font has no small figures
 
     def written(self, value: float | str) -> float | str:
         """A value, a number or a word, as the scene takes it."""
@@ -450,15 +451,21 @@ def _unit_of_machine(base: Scene, key: str) -> str:
     if key == "machine.k":
         return "1/m" if base.units else "1/L"
     *path, last = key.split(".")
-    table: Any = base.tables or {}
-    for part in path:
-        table = table.get(part, {})
-    kind = FACES.get(table.get("kind"))
+    table = _table_at(base, path)
+    kind = FACES.get(table.get("kind", ""))
     if base.units is None or kind is None or not kind.is_own or last not in face_sizes(1.0, 1.0):
         return ""
     field = kinds_of(path)[table["kind"]].model_fields.get(last)
     allowed = next((kind for kind in allowed_in(field) if isinstance(kind, Numbers)), None) if field else None
     return allowed.units[-1 if "area" in table else 0] if allowed and allowed.units else ""
+
+
+def _table_at(base: Scene, path: Iterable[str]) -> Mapping[str, Any]:
+    """The table of the scene at a `path`; empty if none stands there, or in a list."""
+    table: Any = base.tables or {}
+    for part in path:
+        table = table.get(part, {}) if isinstance(table, Mapping) else {}
+    return table if isinstance(table, Mapping) else {}
 
 
 def _has_key(base: Scene, key: str, name: str) -> bool:

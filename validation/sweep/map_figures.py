@@ -48,7 +48,7 @@ _VELOCITIES, _TRANSITS = ("V", "drive.velocity"), ("r", "log10_r", "slab.r", "sl
 SIZES = {"single": 8.5, "double": 17.0}
 """Widths of columns of a paper, cm."""
 
-_PRINT, _MOST_READ = 8.0 / 11.0, 20_000
+_PRINT, _MOST_READ, _MOST_TICKS = 8.0 / 11.0, 20_000, 10
 
 
 class Line(NamedTuple):
@@ -258,6 +258,8 @@ def _scale(data: Dataset, coordinate: DataArray) -> Scale:
     label = _parameter_of(coordinate).label_in(_base_of(data) if "scene_toml" in data.attrs else None)
     if coordinate.values.dtype.kind not in "iuf":
         return Scale(label, kind, ends, ticks={float(at): str(word) for at, word in enumerate(coordinate.values)})
+    if coordinate.name not in data.coords:  # numbers of scenes
+        return Scale(label, kind, ends, ticks={float(at): str(at) for at in places[:: math.ceil(places.size / _MOST_TICKS)]})
     return Scale(label, kind, ends, second=_other_side(data, coordinate))
 
 
@@ -379,17 +381,27 @@ def lines_of_curve(files: Iterable[str | Path], data: Dataset) -> tuple[Line, ..
         curve = load_dataset(path, f"--curve = {str(path)!r}: is no netCDF file")
         if "law_digest" in curve.attrs:
             require_files(f"--curve = {str(path)!r}", {f"law {curve.attrs['law_file']}": curve.attrs["law_digest"]})
-        names = {str(name): str(name) for name in curve.variables}
-        # of a curve that can be continued
-        names |= {str(curve[name].attrs["long_name"]).replace(".", "_"): name for name in _CONTINUED if name in curve}
-        names |= {"drive_velocity": names["V"]} if "V" in names else {}
-        if any(axis not in names for axis in axes):
+        columns = _columns_of(curve)
+        if any(axis not in columns for axis in axes):
             raise SceneError(f"--curve = {str(path)!r}: holds no curve over {' and '.join(axes)}")
         _require_same_scenes(path, curve, data, axes)
-        first, second = (np.asarray(curve[names[axis]].values, dtype=float) / _bare(data[axis], _base_of(data)) for axis in axes)
+        first, second = (np.asarray(columns[axis], dtype=float) / _bare(data[axis], _base_of(data)) for axis in axes)
         kind = curve["type" if "type" in curve else "point_kind"].values[0]
         lines.append(Line(f"{kind}, {curve.attrs['model']}", first, second, ""))
     return tuple(lines)
+
+
+def _columns_of(curve: Dataset) -> dict[str, Any]:
+    """The columns of a curve by the names that axes may have: its V is the drive's velocity too, and r and log10 r are each the
+    other too."""
+    columns: dict[str, Any] = {str(name): curve[name].values for name in curve.variables}
+    # of a curve that can be continued
+    columns |= {str(curve[name].attrs["long_name"]).replace(".", "_"): columns[name] for name in _CONTINUED if name in curve}
+    columns |= {"drive_velocity": columns["V"]} if "V" in columns else {}
+    trips = {name: column for name, column in columns.items() if name.split("_")[-1] == "r"}
+    powers = {name.replace("log10_r", "r"): 10.0**column for name, column in trips.items() if name.endswith("log10_r")}
+    logarithms = {f"{name[:-1]}log10_r": np.log10(column) for name, column in trips.items() if not name.endswith("log10_r")}
+    return powers | logarithms | columns
 
 
 def _require_same_scenes(path: str | Path, curve: Dataset, data: Dataset, axes: Sequence[str]) -> None:

@@ -20,6 +20,7 @@ from validation.data.datasets import as_flags
 from validation.sweep.map_figures import HATCHES, REGIMES, SIZES, _bare, chart_of_sweep, figures_on_clock, in_print, onset_lines
 from validation.sweep.measures import VERDICTS
 
+RELAXING = sw.read("viscous", {"slab.viscosity": {"kind": "standard-linear", "time": 1e-5, "ratio": 1.0}})
 SEEN = {
     "everyone": np.eye(3),
     "without red": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
@@ -194,15 +195,22 @@ def test_a_curve_lies_on_the_boundary_over_an_axis_in_another_unit(tmp_path):
 
 
 def test_curves_of_files_that_can_be_continued_are_drawn_each_with_its_own_line(tmp_path, printed):
-    """Files of all kinds but HB; before, they held no curve, and on the command line there was room for one file."""
+    """Files of all kinds but HB; before, they held no curve, on the command line there was room for one file, and one over
+    log10 r was none over r."""
     ranges = {"over": "log10_r=-2.72:-2.69", "along": "V=100:101", "model": "kelvin-voigt"}
     folds = sw.curve("paper", of="LP", tol=1e-3, most_points=2, out=tmp_path / "lp.nc", **ranges)
     sw.curve("paper", of="HB", out=tmp_path / "hb.nc", **ranges)
-    vary = {"log10_r": [-2.72, -2.69], "V": [100.0, 101.0]}
-    found = sw.sweep("paper", vary=vary, models="delay", measure="stability", workers=1, out=tmp_path / "out")
+    how, velocities = {"models": "delay", "measure": "stability", "workers": 1}, {"V": [100.0, 101.0]}
+    found = sw.sweep("paper", vary={"log10_r": [-2.72, -2.69]} | velocities, out=tmp_path / "out", **how)
     _, drawn = sw.map(found, curve=tmp_path / "lp.nc").boundaries
     assert drawn.across.tolist() == [one["log10_r"] for one in folds.summary["points"]]
     assert drawn.up.tolist() == [one["V"] for one in folds.summary["points"]]
+    (over_r,) = sw.map(sw.sweep("paper", vary={"r": [0.0019, 0.0021]} | velocities, **how), curve=tmp_path / "lp.nc").boundaries[
+        -1:
+    ]
+    assert over_r.across == pytest.approx(10.0**drawn.across, rel=1e-12)
+    sw.curve("paper", of="HB", over="r=0.0019:0.0021", along="V=100:101", model="kelvin-voigt", out=tmp_path / "r.nc")
+    assert sw.map(found, curve=tmp_path / "r.nc").boundaries[-1].across == pytest.approx(-2.69955, abs=0.003)
     files = [str(tmp_path / name) for name in ("lp.nc", "hb.nc")]
     told = printed("map", str(tmp_path / "out"), "--curve", *files, "--plot", str(tmp_path / "map.svg"))
     assert "boundary: LP, kelvin-voigt\nboundary: HB, kelvin-voigt\n" in told
@@ -323,6 +331,8 @@ def test_the_boundary_over_slabs_leaves_a_machine_as_it_is(key):
         ("paper-si", "machine.k", "stiffness of the whole sample over normal stress k / (1/m)"),
         ("paper", "machine.k", "stiffness of the whole sample over normal stress k / (1/L)"),
         ("grip", "slab.face.stiffness", "stiffness of the face's spring / (ε/r)"),
+        ("viscous", "slab.viscosity.time", "retardation time / (L/V*)"),
+        (RELAXING, "slab.viscosity.time", "relaxation time / (L/V*)"),
     ],
 )
 def test_an_axis_of_bare_numbers_says_their_unit(scene, key, label):
@@ -447,6 +457,12 @@ def test_a_short_logarithmic_scale_has_labelled_ticks(low, high, told):
     labels = axis.get_major_formatter().format_ticks([at for at in axis.get_majorticklocs() if low <= at <= high])
     assert len(labels) >= told
     assert all(labels)
+
+
+def test_an_axis_of_scenes_has_ticks_at_whole_numbers():
+    for count, last in ((3, "2"), (25, "24")):
+        ticks = chart_of_sweep(lattice({"scene": (np.arange(count), "scene", "1")}).drop_vars("scene")).panels[0].x.ticks
+        assert (ticks[0.0], [*ticks.values()][-1], len(ticks) <= 10) == ("0", last, True)
 
 
 def test_edges_of_cells_lie_half_way_on_their_scale():
