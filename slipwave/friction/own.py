@@ -3,15 +3,19 @@
 import copyreg
 import re
 import warnings
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from slipwave.errors import SceneError
-from slipwave.friction.law import LAWS, Law, is_registered, name_of
+from slipwave.friction.law import LAWS, Law
 from slipwave.packages import OwnFile, kept_if_wrong, own_file, run_file
 
 LAW_FILES: dict[Path, None] = {}
 """The files that were run, in order; processes that are started later run them too."""
+
+_KINDS: dict[tuple[str, str], type[Any]] = {}
+"""Parameters of all laws that were loaded, by their name, which tells one that was loaded anew, and the digest of the file."""
 
 
 def load_laws(path: Path) -> list[str]:
@@ -28,25 +32,26 @@ def load_laws(path: Path) -> list[str]:
             raise SceneError(f"{label}: registers no friction law: call slipwave.friction.register(...) in it")
     LAW_FILES[path.resolve()] = None
     for name in names:
-        own_law(name)  # its digest is that of the text that was run
-        copyreg.pickle(LAWS[name].parameters, _packed)
+        own, kind = own_law(name), LAWS[name].parameters  # its digest is that of the text that was run
+        if own is not None:
+            _KINDS[kind.__name__, own.digest] = kind
+            copyreg.pickle(kind, partial(_packed, name, own))
     return names
 
 
-def _packed(law: Law) -> str | tuple[Any, ...]:
+def _packed(name: str, own: OwnFile, law: Law) -> tuple[Any, ...]:
     """A pickle of `law` names its file: another process cannot import the file, but runs it."""
-    known = is_registered(law)  # else its file was loaded anew since
-    return (_unpacked, (name_of(law), own_law(name_of(law)), tuple(law))) if known else law.__reduce_ex__(2)
+    return _unpacked, (name, own, type(law).__name__, tuple(law))
 
 
-def _unpacked(name: str, own: OwnFile, values: tuple[float, ...]) -> Law:
-    """The law. Raises SceneError if its file is not there, or has changed."""
+def _unpacked(name: str, own: OwnFile, kind: str, values: tuple[float, ...]) -> Law:
+    """The law, as it was when it was pickled. Raises SceneError if its file is not there, or has changed."""
     if name not in LAWS:
         load_laws(own.path)
     known = own_law(name)
-    if known is None or known.digest != own.digest:
+    if (kind, own.digest) not in _KINDS and (known is None or known.digest != own.digest):
         raise SceneError(f"friction law {name!r}: is not that of {str(own.path)!r} with the digest {own.digest}, as it is needed")
-    return LAWS[name].parameters(*values)
+    return _KINDS.get((kind, own.digest), LAWS[name].parameters)(*values)
 
 
 def own_law(name: str) -> OwnFile | None:

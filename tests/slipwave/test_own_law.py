@@ -1,6 +1,7 @@
 """A law from outside: refused by name if it is wrong; its code is kept on disk until what shaped it changes."""
 
 import collections
+import copy
 import math
 import pickle
 import runpy
@@ -284,6 +285,7 @@ def test_a_scene_has_the_law_that_is_loaded_now(folder):
     assert friction_slopes(scene.law, 100.0).direct == pytest.approx(0.0349 / 100.0, rel=1e-12)
     with pytest.raises(SceneError, match="friction law Mine: was loaded anew since; read the scene"):
         name_of(scene.law)
+    assert pickle.loads(pickle.dumps(scene)) == copy.deepcopy(scene) == scene  # before, the law was "not the same object"
 
 
 def test_parameters_without_steady_sliding_are_wrong_input_with_the_line_of_the_law():
@@ -302,7 +304,7 @@ def test_a_mistake_in_a_file_named_by_its_relative_path_has_its_line(folder, mon
         load_laws(Path("mine.py"))
 
 
-def test_a_pickled_law_is_that_of_its_file_in_a_process_that_has_not_loaded_it(folder):
+def test_a_pickled_law_is_that_of_its_file_in_a_process_that_has_not_loaded_it(folder, monkeypatch):
     """Before, such a process could read no scene or result with a law of the user's own."""
     ask(folder, MINE, 1.0)
     law = LAWS["mine"].parameters(0.3, 0.02, 0.03)
@@ -312,5 +314,6 @@ def test_a_pickled_law_is_that_of_its_file_in_a_process_that_has_not_loaded_it(f
     assert tuple(pickle.loads(kept)) == tuple(law)
     assert "mine" in LAWS
     ask(folder, MINE + "# another", 1.0)
+    monkeypatch.setattr("slipwave.friction.own._KINDS", {})
     with pytest.raises(SceneError, match=r"'mine': is not that of '.*mine.py' with the digest"):
         pickle.loads(kept)
