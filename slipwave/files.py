@@ -77,22 +77,23 @@ def reason_of(error: Exception) -> str:
 @contextmanager
 def whole_or_absent(path: Path) -> Iterator[Path]:
     """Context with a temporary file in the folder of `path` to write to. If the block succeeds, the file is flushed to disk and
-    replaces `path`; if not, it is deleted. Other threads wait (`ONE_THREAD`).
+    replaces `path`, or the file that this leads to as a link; if not, it is deleted. Other threads wait (`ONE_THREAD`).
 
     Raises SceneError naming the file if it cannot be written, whatever error a library raises on a full disk. A process killed
     inside the block leaves `path` unchanged; its temporary file is removed when the next file is written to that folder. Its name
     contains the process number, so that no two runs write to the same file.
     """
-    if not os.path.isdir(path.parent):  # libraries of netCDF say that permission is denied
-        raise SceneError(f"{str(path)!r} cannot be written: the folder {str(path.parent)!r} does not exist")
+    target = _behind(path)
+    if not os.path.isdir(target.parent):  # libraries of netCDF say that permission is denied
+        raise SceneError(f"{str(path)!r} cannot be written: the folder {str(target.parent)!r} does not exist")
     with ONE_THREAD:
-        remove_leftovers(path.parent)
-        temporary = part_of(path, path.suffix)
+        remove_leftovers(target.parent)
+        temporary = part_of(target, path.suffix)
         try:
             yield temporary
             with temporary.open("rb") as written:
                 os.fsync(written.fileno())
-            os.replace(temporary, path)
+            os.replace(temporary, target)
         except Exception as error:
             # first what the disk says: the library of netCDF calls a full one no permission
             reason = _refusal(temporary) or (error if isinstance(error, OSError) else None)
@@ -203,11 +204,17 @@ def _why_not(path: Path, suffixes: tuple[str, ...]) -> str:
         return "is a folder; must be a file"
     if path.exists() and not path.is_file():
         return "is no regular file"
-    if not path.parent.is_dir():
-        return f"the folder {str(path.parent)!r} does not exist"
-    if not os.access(path.parent, os.W_OK | os.X_OK):
-        return f"the folder {str(path.parent)!r} cannot be written"
+    folder = _behind(path).parent
+    if not folder.is_dir():
+        return f"the folder {str(folder)!r} does not exist"
+    if not os.access(folder, os.W_OK | os.X_OK):
+        return f"the folder {str(folder)!r} cannot be written"
     return ""
+
+
+def _behind(path: Path) -> Path:
+    """The path that a link leads to, there or not, which in a ring of links is one of them; another path as it is."""
+    return Path(os.path.realpath(path)) if os.path.islink(path) else path
 
 
 def _refusal(path: Path) -> OSError | None:

@@ -44,16 +44,18 @@ class Store:
     @property
     def manifest(self) -> dict[str, Any] | None:
         """The manifest in the folder; None if there is no sweep. Raises SceneError for a damaged manifest."""
+        path, known = self.folder / MANIFEST, None
         try:
-            path = self.folder / MANIFEST
             known = json.loads(path.read_text(encoding="utf-8")) if path.is_file() or not path.exists() else None
         except (FileNotFoundError, NotADirectoryError):
             return None
-        except (OSError, ValueError, RecursionError):
-            known = None
+        except OSError as error:  # as of a ring of links
+            raise SceneError(f"{str(path)!r} cannot be read: {reason_of(error)}") from None
+        except (ValueError, RecursionError):
+            pass
         if isinstance(known, dict):
             return known
-        raise SceneError(f"{str(self.folder / MANIFEST)!r} is damaged: it is no manifest of a sweep")
+        raise SceneError(f"{str(path)!r} is damaged: it is no manifest of a sweep")
 
     def begin(self, manifest: Mapping[str, Any], anew: bool = False) -> None:
         """Begin or continue the sweep of `manifest`. Raises SceneError if the folder holds another one, naming the differences,

@@ -50,10 +50,21 @@ def test_links_that_lead_nowhere_are_one_line(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().err == "slipwave: SCENE = 'dangling.toml': no such file\n"
     assert main(["show", "paper", "--family", "ring.py"]) == INPUT_WRONG
     assert re.fullmatch(r"slipwave: --family = '.*ring\.py': no such file\n", capsys.readouterr().err)
-    assert (
-        main(["run", "paper", "--model", "block8", "--until", "20", "--out", "ring.nc"]) == 0
-    )  # as any link: a file takes its place
+    run = ["run", "paper", "--model", "block8", "--until", "20", "--out"]
+    assert main([*run, "ring.nc"]) == 0  # a file takes its place in the ring
     assert (tmp_path / "ring.nc").is_file()
+    for name, target in {"later.nc": "kept.nc", "lost.nc": "nowhere/x.nc", "ring": "ring"}.items():
+        (tmp_path / name).symlink_to(target)
+    assert main([*run, "later.nc"]) == 0
+    assert ((tmp_path / "later.nc").is_symlink(), (tmp_path / "kept.nc").is_file()) == (
+        True,
+        True,
+    )  # before, it took the link's place
+    capsys.readouterr()
+    assert main([*run, "lost.nc"]) == INPUT_WRONG
+    assert re.fullmatch(r"slipwave: --out = 'lost\.nc': the folder '.*nowhere' does not exist\n", capsys.readouterr().err)
+    assert main(["sweep", "paper", "--vary", "V=1,2", "--out", "ring"]) == INPUT_WRONG
+    assert "slipwave: 'ring/manifest.json' cannot be read: too many levels of symbolic links" in capsys.readouterr().err
 
 
 def test_a_run_as_a_dataset_has_its_cycles_in_both_units(tmp_path):
