@@ -175,8 +175,8 @@ true if none of these fails."""
 class StudyResult:
     """Result of a study. The first of its `answers` is the one to the page's question. `model_tables` compare all models at
     several values of a parameter (`validation.report.model_table`). Raises ValueError for an answer that rests on no verdict,
-    though there are verdicts, or on a claim that none has; for a verdict that no answer cites; and for two tables, or two
-    figures, of the same name, which have the same file."""
+    though there are verdicts, or on a claim that none has; for a verdict that no answer cites; for two tables, or two
+    figures, of the same name, which have the same file; and for a name that leads to another folder."""
 
     answers: Answers
     tables: tuple[Table, ...] = ()
@@ -199,9 +199,12 @@ class StudyResult:
         for kind, names in {
             "tables": [table.name for table in self.tables],
             "figures": [figure.name for figure in self.figures],
+            "tables of models": [table.name for table in self.model_tables],
         }.items():
             if twice := [name for name, count in Counter(names).items() if count > 1]:
                 raise ValueError(f"several {kind} have the name {twice[0]!r}")
+            if elsewhere := [name for name in names if {"/", "\\"} & {*name}]:
+                raise ValueError(f"{kind} are files, and none can have the name {elsewhere[0]!r}")
 
     def proofs(self, answer: str) -> tuple[Verdict, ...]:
         """The verdicts that the answer rests on."""

@@ -211,6 +211,10 @@ def test_a_process_that_dies_is_a_study_that_failed(fake, tmp_path):
         (lambda: answered(tables=(table("t", "", "a", [(1, 2)]),)), r"the table 't' of 1 columns has the row \(1, 2\)"),
         (lambda: answered(tables=(table("t", "", "a", []),) * 2), "several tables have the name 't'"),
         (lambda: answered(figures=result().figures * 2), "several figures have the name 'overlay'"),
+        (
+            lambda: answered(tables=(table("../../t", "", "a", []),)),
+            r"tables are files, and none can have the name '\.\./\.\./t'",
+        ),
         (sys.exit, "SystemExit:"),
     ],
 )
