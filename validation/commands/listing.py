@@ -10,6 +10,7 @@
 import json
 from collections.abc import Mapping
 from importlib import import_module
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -52,8 +53,12 @@ def _print_scenes() -> None:
         print(f"{name:<{width}}  {title}")
 
 
-def _print_schema(report: Annotated[bool, typer.Option("--report", help="that of report.json instead")] = False) -> None:
+def _print_schema(
+    report: Annotated[bool, typer.Option("--report", help="that of report.json instead")] = False,
+    law: Annotated[Path | None, typer.Option(metavar="FILE.py", help="run this Python file, whose laws are in it too")] = None,
+) -> None:
     """The table of scene keys, or what report.json holds, as a JSON Schema."""
+    SceneOptions(law=law).load_own()
     made = import_module("validation.report.record").report_schema if report else json_schema  # the proof uses the commands
     print(json.dumps(made(), indent=2))
 

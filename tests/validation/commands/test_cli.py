@@ -142,6 +142,13 @@ def test_the_version_and_what_the_shell_completes(words, typed, said):
     assert (done.stdout.strip(), done.stderr) == (said.strip(), "")
 
 
+def test_the_schema_has_the_laws_of_a_file(printed):
+    """Before, it had no `--law`, and editors called every key of one's own law wrong."""
+    schema = json.loads(printed("schema", "--law", str(Path(slipwave.__file__).parents[1] / "examples" / "own_law.py")))
+    assert schema["$defs"]["cutoff"]["properties"].keys() > {"a_star", "cutoff"}
+    assert schema["properties"]["interface"]["discriminator"]["mapping"]["cutoff"] == "#/$defs/cutoff"
+
+
 def test_every_function_is_a_command_but_one_and_every_command_a_function_but_two():
     """So that no file lacks the line of help at its head."""
     functions = {name for name, place in slipwave._PLACES.items() if place.startswith("validation.")}
