@@ -25,7 +25,7 @@ from slipwave.friction.law import is_registered
 from slipwave.input.complaint import complaint
 from slipwave.input.overrides import apply_overrides, parse_toml
 from slipwave.input.quantity import KINDS, Quantity, looks_measured, quantity
-from slipwave.input.schema import Numbers, allowed_in
+from slipwave.input.schema import Numbers, allowed_numbers
 from slipwave.input.stored import read_stored
 from slipwave.input.wording import nearest, one_line, sentence, shorten
 from slipwave.observe.pieces import slack
@@ -244,6 +244,8 @@ def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Nu
     if not isinstance(given, Quantity):
         return given
     known = _require_units(key, f'"{given.text}"', units, f"a number {allowed.bare}")
+    if given.unit not in ("s", "m/s"):  # of a kind of the user's own
+        raise SceneError(f'{key} = "{given.text}": must be a number; only times and velocities are converted from units')
     per_second = 1.0 / (known.time * transit)
     result = given.value * per_second if given.unit == "s" else quotient(given.value, known.reference_velocity)
     if not allowed.low <= result <= allowed.high:
@@ -276,10 +278,14 @@ def _outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: f
         text = f'"{value.text}"' if is_measured else f"{value:g}"
         if is_measured:
             _require_units(f"{key}.{name}", text, units, "relative to the slab")
+            if name not in slab:  # of a kind of the user's own
+                raise SceneError(
+                    f"{key}.{name} = {text}: must be a number; of a face, only {', '.join(slab)} are converted from units"
+                )
         if is_measured or (kind.is_own and name in slab):
             per_area = _per_area(key, name, value, area)
             result = per_area / (slab[name] * units.face[name] if units else 1.0)
-            numbers = next(item for item in allowed_in(type(table).model_fields[name]) if isinstance(item, Numbers))
+            numbers = allowed_numbers(table, name)
             allowed = Numbers(numbers.low, min(numbers.high, _LARGEST_RATIO))
             if not allowed.low <= result <= allowed.high:
                 relative = "" if result == value else f" is {result:.9g} relative to the slab, which"
@@ -400,9 +406,13 @@ def _viscosity(key: str, table: keys.SlabTable, units: Units | None) -> Viscosit
     viscosity = table.viscosity
     if viscosity is None:
         return None
-    time = in_scene(f"{key}.viscosity.time", viscosity.time, units, keys.RELAXATION)
-    others = {name: value for name, value in viscosity if name not in ("kind", "time")}
-    return VISCOSITIES[viscosity.kind](time=time, **others)
+    given = {name: value for name, value in viscosity if name != "kind"}
+    measured = {
+        name: in_scene(f"{key}.viscosity.{name}", value, units, allowed_numbers(viscosity, name))
+        for name, value in given.items()
+        if isinstance(value, Quantity)
+    }
+    return VISCOSITIES[viscosity.kind](**given | measured)
 
 
 def _layers(key: str, tables: list[keys.LayerTable] | None) -> tuple[Layer, ...]:

@@ -377,3 +377,8 @@ def allowed_in(hint: Any) -> Iterator[Numbers | str]:
     yield from (item for item in getattr(hint, "metadata", getattr(hint, "__metadata__", ())) if isinstance(item, Numbers | str))
     for part in (hint.annotation,) if isinstance(hint, FieldInfo) else get_args(hint):
         yield from allowed_in(part)
+
+
+def allowed_numbers(table: KeyTable, key: str) -> Numbers:
+    """The numbers that a key of a checked table may be."""
+    return next(kind for kind in allowed_in(type(table).model_fields[key]) if isinstance(kind, Numbers))

@@ -2,6 +2,8 @@
 
 import dataclasses
 import math
+from types import SimpleNamespace
+from typing import Annotated, Literal
 
 import pytest
 
@@ -9,6 +11,8 @@ import slipwave
 from slipwave.errors import SceneError
 from slipwave.friction.ageing import Ageing
 from slipwave.friction.slip import Slip
+from slipwave.input import assemble
+from slipwave.input.schema import RELAXATION, KeyTable, Measured, Numbers
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind, steady_drive
 from slipwave.scene.slab import (
@@ -25,6 +29,7 @@ from slipwave.scene.slab import (
     StandardLinearViscosity,
     Termination,
 )
+from slipwave.scene.units import Units
 
 ELASTIC = Slab(2.0, 3.0)
 LAYERED = (Layer(0.25, 0.5), Layer(0.75, 4.0))
@@ -193,3 +198,35 @@ def test_a_solid_that_no_full_wave_computes_as_the_impedance_has_it_is_refused(n
     ):
         Rheology(*numbers)
     assert StandardLinearViscosity(0.2, 1.0).rheology == Rheology(0.4, 0.2, 1.0)
+
+
+class BoltTable(KeyTable):
+    """Of a face of the user's own."""
+
+    kind: Literal["bolt"] = "bolt"
+    spring: Annotated[Measured, Numbers(0.0, 1e15, ("Pa/m",))]
+
+
+class CreepTable(KeyTable):
+    """Of a viscosity of the user's own."""
+
+    kind: Literal["creep"] = "creep"
+    time: Annotated[Measured, RELAXATION]
+    later: Annotated[Measured, RELAXATION]
+    yield_stress: Annotated[Measured, Numbers(0.0, 1e9, ("Pa",))] = 0.5
+
+
+def test_units_of_own_kinds_of_face_and_viscosity_are_converted_or_refused(monkeypatch):
+    """Before, a KeyError; a viscosity got what was read of the text instead of a number."""
+    monkeypatch.setitem(assemble.FACES, "bolt", GripFace)
+    monkeypatch.setitem(assemble.VISCOSITIES, "creep", dict)
+    units = Units(1e-6, 2e-6, 1e6)
+    with pytest.raises(SceneError, match=r'^slab\.face\.spring = "2 MPa/m": must be a number; of a face, only stiffness, imp'):
+        assemble._outer_face("slab.face", BoltTable(spring="2 MPa/m"), units, 1.0, 1.0)
+    creep = {"time": "2 s", "later": "1 min"}
+    read = assemble._viscosity("slab", SimpleNamespace(viscosity=CreepTable(**creep)), units)
+    assert read == {"time": pytest.approx(4.0), "later": pytest.approx(120.0), "yield_stress": 0.5}
+    with pytest.raises(
+        SceneError, match=r'^slab\.viscosity\.yield_stress = "1 MPa": must be a number; only times and velocities'
+    ):
+        assemble._viscosity("slab", SimpleNamespace(viscosity=CreepTable(**creep, yield_stress="1 MPa")), units)

@@ -11,12 +11,13 @@ from slipwave.errors import SceneError
 from slipwave.input.assemble import tables_of, validate
 from slipwave.input.overrides import full_key
 from slipwave.input.quantity import Quantity
+from slipwave.input.schema import allowed_numbers
 from slipwave.input.wording import choices, key_text, nearest
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
 from slipwave.scene.drive import Drive, Start, StartKind
 from slipwave.step.sensitivity import ShiftedScenes
-from validation.models.parameter import Parameter, Variation, allowed_numbers, measured_value, number_in
+from validation.models.parameter import Parameter, Variation, measured_value, number_in
 
 NUISANCES = ("level", "drift")
 """Further free parameters: a constant added to the friction of each record, and its slope over the record."""

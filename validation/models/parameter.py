@@ -15,7 +15,7 @@ from slipwave.errors import SceneError
 from slipwave.input.assemble import SceneSource, drive_of, moment
 from slipwave.input.overrides import SAME_QUANTITY, full_key, kinds_of, label_of, words_of_scenes
 from slipwave.input.quantity import KINDS, Quantity, quantity
-from slipwave.input.schema import DriveTable, KeyTable, Numbers, Physical, allowed_in
+from slipwave.input.schema import DriveTable, KeyTable, Numbers, Physical, allowed_in, allowed_numbers
 from slipwave.input.wording import shorten
 from slipwave.scene import Scene
 from slipwave.scene.slab import FACES, face_sizes
@@ -330,11 +330,6 @@ def measured_value(given: float | str) -> Value:
         return number, ""
     measured = quantity(str(given), *KINDS)
     return measured.value, measured.unit
-
-
-def allowed_numbers(table: KeyTable, field: str) -> Numbers:
-    """The numbers that a key of a checked table may be."""
-    return next(kind for kind in allowed_in(type(table).model_fields[field]) if isinstance(kind, Numbers))
 
 
 def number_in(table: KeyTable, key: str, value: float | Quantity, base: Scene) -> tuple[float, str, str]:
