@@ -105,7 +105,7 @@ class CurveResult(FollowedResult):
         ]
         data = table_of(rows, "point", followed.over.base).assign_attrs(self.options.origin(followed))
         figures = {name: data[name].values.tolist() for name in EVENTS if name in data}
-        data = data.assign(figures_at("point", figures, followed.over.base, lambda: followed.scenes))
+        data = data.assign(figures_at("point", figures, followed.over.base, lambda: [*map(followed.scene_of, followed.points)]))
         for over in (followed.over, followed.second):
             data[over.column].attrs["units"] = over.si_unit or "1"
         from validation.models.along import along

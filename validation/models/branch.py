@@ -108,6 +108,10 @@ class FollowedBranch:
         """Dimension of the file -> class of its rows, and the rows."""
         return {"point": (BranchPoint, self.points), "special": (SpecialPoint, self.special)}
 
+    def scene_of(self, row: BranchPoint | SpecialPoint) -> Scene:
+        """The scene of a point."""
+        return self.over.scene_at(row.value)
+
     def saved(self, end: _BranchEnd) -> dict[str, State]:
         """Arrays, by group and name, from which the branch continues."""
         resume = stored(end.point, end.step) | {"metric": np.array([end.metric.period, end.metric.parameter])}

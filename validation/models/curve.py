@@ -149,10 +149,9 @@ class Curve:
         """As `FollowedBranch`."""
         return {"first": self.over, "second": self.second}
 
-    @property
-    def scenes(self) -> list[Scene]:
-        """Those of the points."""
-        return [self._scene_at(point.first, point.second) for point in self.points]
+    def scene_of(self, row: CurvePoint) -> Scene:
+        """The scene of a point."""
+        return self._scene_at(row.first, row.second)
 
     def _scene_at(self, first: float, second: float) -> Scene:
         """The scene at both values."""

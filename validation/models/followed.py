@@ -17,7 +17,7 @@ from slipwave.files import ONE_THREAD, reason_of, whole_or_absent
 from slipwave.input.assemble import read
 from slipwave.input.stored import read_stored
 from slipwave.solve import State
-from validation.data.variables import EVENTS, attributes
+from validation.data.variables import EVENTS, attributes, figures_at
 from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
 from validation.models.parameter import names_of, over_range, scenes_with
@@ -82,6 +82,8 @@ def write_followed(path: Path, followed: Followed, end: End, complete: bool, ori
         file.setncatts({**origin, "complete": int(complete), "facts": facts, "notes": json.dumps(followed.notes)})
         for kind, (record, rows) in followed.tables.items():
             _write_table(file, kind, record._fields, rows, followed)
+            if complete:  # not at each point, which would read all scenes again
+                _write_twins(file, kind, record._fields, rows, followed)
         for name, state in followed.saved(end).items():
             _write_arrays(file.createGroup(name), state)
         file.setncattr("contents", _digest(file))
@@ -152,6 +154,16 @@ def _write_table(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[
         variable = file.createVariable(f"{kind}_{name}", str if text else "f8", (kind,))
         variable[:] = np.array([_UNCOUNTED if value is None else value for value in column], dtype=object if text else float)
         variable.setncatts({"long_name": "kind"} if text else _notes(name, followed))
+
+
+def _write_twins(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[Any], followed: Followed) -> None:
+    """The figures in SI, for a scene with units, each by those of its own scene."""
+    figures = {name: [getattr(row, name) for row in rows] for name in names if name in EVENTS}
+    every = figures_at(kind, figures, followed.over.base, lambda: [*map(followed.scene_of, rows)])
+    for name in (name for name in every if name not in figures):
+        variable = file.createVariable(f"{kind}_{name}", "f8", (kind,))
+        variable[:] = every[name][1]
+        variable.setncatts(every[name][2])
 
 
 def _notes(name: str, followed: Followed) -> dict[str, Any]:
