@@ -38,7 +38,7 @@ from slipwave.friction import respond, unknown_of
 from slipwave.friction.interface import solve_interface
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
-from slipwave.scene.drive import Forcing, nudge_rate, velocity_at
+from slipwave.scene.drive import Forcing, nudge_rate, side_of, velocity_at
 from slipwave.solve import State, take_back, whole_numbers
 from slipwave.step.flow import InterfaceState
 
@@ -122,11 +122,14 @@ def _meet_tops(
 
 
 @inlined
-def _rates_of(system: System, time: float, state: Array, rates: Array, at: int, z: float) -> tuple[float, float, float, int]:
-    """rates[at:] = d state/dt~ at `time` (transits). Returns (z, mu, state relaxation per transit, iterations of the solve)."""
+def _rates_of(
+    system: System, time: float, middle: float, state: Array, rates: Array, at: int, z: float
+) -> tuple[float, float, float, int]:
+    """rates[at:] = d state/dt~ at `time` (transits) in a step with this `middle`. Returns (z, mu, state relaxation per transit,
+    iterations of the solve)."""
     operator, medium, interface, forcing = system.operator, system.medium, system.interface, system.forcing
     traces, size, ends = system.traces, system.interface.size, system.traces.lift.size
-    velocity = velocity_at(system.drive, time, time)
+    velocity = velocity_at(system.drive, time, side_of(system.drive, time, middle))
     apply(operator, state, rates, at)
     for k in range(ends):
         stress = total_stress(medium, traces.stress[k], state, rates, at)
@@ -182,7 +185,8 @@ def _march_lines(
             combine_stages(weight, stages, stage, state, rates, trial)
             guess = 3.0 * (unknowns[0, stage] - unknowns[1, stage]) + unknowns[2, stage]
             at = stage * state.size
-            z, mu, relaxation, iterations = _rates_of(system, time + abscissae[stage], trial, rates, at, guess)
+            now, middle = time + abscissae[stage], time + 0.5 * step
+            z, mu, relaxation, iterations = _rates_of(system, now, middle, trial, rates, at, guess)
             fastest = max(fastest, relaxation)
             if stage == 0:
                 sample = (z, state[size + PSI], mu, state[size + ELASTIC])

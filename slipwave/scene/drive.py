@@ -61,17 +61,43 @@ def _constant(drive, time, within):  # type: ignore[no-untyped-def]
 
 @register_jitable
 def _interpolated(times, velocities, time, within):  # type: ignore[no-untyped-def]
-    if within < times[0]:
+    low = _stretch(times, within)
+    if low < 0:
         return velocities[0]
-    if within >= times[-1]:
+    if low == times.size - 1:
         return velocities[-1]
-    low, count = 0, times.size - 1  # first and number of the stretches that may contain `within`
-    while count > 1:
-        half = count // 2
-        low += half if times[low + half] <= within else 0
-        count -= half
     share = (time - times[low]) / (times[low + 1] - times[low])
     return velocities[low] + share * (velocities[low + 1] - velocities[low])
+
+
+@register_jitable
+def _stretch(times, within):  # type: ignore[no-untyped-def]
+    """Number of the last knot at or before `within`; -1 before the first."""
+    low, count = -1, times.size  # of the knots that may be it, that before the first among them, and number of the others
+    while count > 0:
+        half = (count + 1) // 2
+        if times[low + half] <= within:
+            low += half
+            count -= half
+        else:
+            count = half - 1
+    return low
+
+
+@by_class(inline=True)
+def side_of(drive: Any, time: float, middle: float) -> float:
+    """`within` for `velocity_at` at a `time` of a step: its `middle` if V jumps between both, so that a whole step has V of one
+    side of a jump."""
+    first, last = _stretch(drive.times, min(time, middle)), _stretch(drive.times, max(time, middle))
+    for knot in range(first + 1, last):
+        if drive.times[knot] == drive.times[knot + 1]:
+            return middle
+    return time
+
+
+@side_of.register(Constant)
+def _of_constant(drive, time, middle):  # type: ignore[no-untyped-def]
+    return time
 
 
 @dataclass(frozen=True)

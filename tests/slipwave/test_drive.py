@@ -9,7 +9,7 @@ import slipwave
 from slipwave.compiled import allocating
 from slipwave.observe import Pieces
 from slipwave.observe.protocol import ProtocolObserver, _Course, stages_of
-from slipwave.scene.drive import NUDGE_CENTRE, Constant, Drive, Ramps, nudge_rate, velocity_at
+from slipwave.scene.drive import NUDGE_CENTRE, Constant, Drive, Ramps, nudge_rate, side_of, velocity_at
 from slipwave.solve import follow
 from validation.models.build import prepare
 
@@ -55,6 +55,9 @@ def test_a_step_of_a_march_sees_one_stretch_of_the_drive():
     assert [velocity_at(drive, time, 4.9) for time in (5.0, 5.0 + 1e-9, 0.0)] == pytest.approx([3.0, 3.0, 1.0], abs=1e-8)
     assert [velocity_at(drive, time, 5.1) for time in (5.0, 5.0 - 1e-9, 6.0)] == pytest.approx([8.0, 8.0, 10.0], abs=1e-8)
     assert [velocity_at(drive, time, 6.5) for time in (5.9, 6.0, 7.0)] == [10.0] * 3
+    # fixed steps leave their stretch at a kink, not at a jump
+    assert [side_of(drive, *step) for step in ((4.9, 5.1), (5.0, 4.9), (5.2, 5.1), (6.1, 5.9))] == [5.1, 4.9, 5.2, 6.1]
+    assert [side_of(Drive((3.0, 3.0), (1.0, 2.0)).compiled, *step) for step in ((2.9, 3.1), (2.8, 2.9))] == [3.1, 2.8]
 
 
 def test_only_a_drive_that_changes_is_searched():
