@@ -11,8 +11,9 @@ from grid_scenes import FAMILIES, PAIRS, PAPER, SCENES
 import fullwave.lines.explicit
 import fullwave.lines.march
 import slipwave
-from fullwave.adapt import to_tolerance
+from fullwave.adapt import resolution_for, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
+from fullwave.families import degree_for
 from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.lines.matrix import motion_matrix
@@ -24,6 +25,7 @@ from slipwave.scene.drive import Start, StartKind
 from slipwave.scene.slab import Slab
 from slipwave.solve import follow
 from tests.compiled_work import count_calls
+from validation.models.build import build
 
 FINE = {
     "dg": (DiscontinuousGalerkin, {"number": 7, "cells": 6}),
@@ -227,11 +229,17 @@ def cycles(solver, until=400.0):
     return np.concatenate((observer.events().period, observer.events().stress_drop))
 
 
+def to_a_tolerance(scene, tolerance, **options):
+    """As `--model dg --tol`."""
+    made = {"number": degree_for(tolerance), "resolution": resolution_for(tolerance)} | options
+    return to_tolerance(scene, tolerance, DiscontinuousGalerkin, made["number"] + 1, **made)
+
+
 @pytest.mark.parametrize("name", ["alike", "unlike", "grip"])
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
 def test_estimate_bounds_the_error_in_period_and_drop(name, tolerance):
     chosen = SCENES[name]
-    solver, choice = to_tolerance(chosen, tolerance)
+    solver, choice = to_a_tolerance(chosen, tolerance)
     assert solver.time == 0.0
     assert choice.quantity == "cycles"
     assert choice.error_estimate <= tolerance
@@ -243,7 +251,7 @@ def test_estimate_bounds_the_error_in_period_and_drop(name, tolerance):
 @pytest.mark.parametrize("name", ["alike", "unlike", "grip"])
 def test_the_estimate_bounds_the_error_of_a_grid_marched_explicitly(name):
     """Nothing is added for its steps: the estimate is the difference of two grids."""
-    solver, choice = to_tolerance(SCENES[name], 1e-5, time="explicit", number=4)
+    solver, choice = to_a_tolerance(SCENES[name], 1e-5, time="explicit", number=4)
     exact = cycles(DiscontinuousGalerkin(SCENES[name], number=11, cells=8))
     error = np.abs(cycles(solver) / exact - 1).max()
     assert 0.01 * choice.error_estimate < error < choice.error_estimate  # 0.035 to 0.12 of it were measured
@@ -251,7 +259,7 @@ def test_the_estimate_bounds_the_error_of_a_grid_marched_explicitly(name):
 
 def test_the_estimate_counts_the_error_of_the_steps_which_no_grid_shows():
     """Of grids with an error of 1e-8. Measured: 4e-5, the same on both grids."""
-    solver, choice = to_tolerance(SCENES["alike"], 1e-2, number=12)
+    solver, choice = to_a_tolerance(SCENES["alike"], 1e-2, number=12)
     assert solver.settings["resolution"] == pytest.approx(2e-4)
     assert choice.error_estimate == pytest.approx(2e-3, rel=1e-2)
     exact = cycles(DiscontinuousGalerkin(SCENES["alike"], number=11, cells=8))
@@ -264,15 +272,49 @@ def test_a_grid_too_large_for_the_march_ends_the_search_with_what_was_reached(mo
     with pytest.raises(
         NumericsError, match=r"not reached with 8 cells: .*; cells = 12: \d+ unknowns, more than the 200 .* explicit"
     ):
-        to_tolerance(jump, 1e-11, time="exact")
+        to_a_tolerance(jump, 1e-11, time="exact")
 
 
 def test_a_jump_is_given_up_as_soon_as_its_trend_is_seen():
     """Order 1: a factor of 1e6 in the error would take a million times the cells, so few are tried."""
     jump = dataclasses.replace(SCENES["alike"], start=Start(StartKind.JUMP, 0.5), until=60.0)
     with pytest.raises(NumericsError, match=r"by its trend it needs about [\d,]+ cells, but at most 400 are tried") as refusal:
-        to_tolerance(jump, 1e-11)
+        to_a_tolerance(jump, 1e-11)
     assert int(str(refusal.value).split(" cells:")[0].split()[-1]) < 60
+
+
+def test_the_steps_of_irregular_motion_become_finer_until_they_fit():
+    """It amplifies their error 5000 times, the same on all grids: with the usual steps 9.5 times the tolerance was measured."""
+    scene = slipwave.read("paper", ["log10_r=-2.3093", "drive.velocity=236.2"])
+    solver, choice = to_a_tolerance(scene, 1e-4)
+    error = np.abs(cycles(solver) / cycles(build("delay", scene, tolerance=1e-12)) - 1.0).max()
+    assert 2e-6 < error < choice.error_estimate <= 1e-4  # 6.5e-5 measured
+    assert solver.settings["resolution"] <= resolution_for(1e-4) / 8.0
+
+
+def test_steps_that_cannot_become_fine_enough_end_the_search(monkeypatch):
+    """Their error falls as their resolution: below the finest it is extrapolated."""
+
+    class Series:
+        model, step, transits_per_piece = "series", 1.0, 4.0
+
+        def __init__(self, scene, cells, resolution):
+            self.cells, self.settings = cells, {"resolution": resolution}
+
+    monkeypatch.setattr("fullwave.adapt._probe", lambda solver: ("cycles", np.array([1.0 + 1e7 * solver.settings["resolution"]])))
+    with pytest.raises(
+        NumericsError, match=r"not reached with 3 cells: estimated error 4e-06; its steps are as short as they can"
+    ):
+        to_tolerance(SCENES["alike"], 1e-6, Series, 2.0, resolution=1e-8)
+
+
+def test_grids_that_converge_late_are_not_given_up():
+    """The difference of 26 and 39 cells is as large as that of the two before: by that trend 17,000,000 would be needed."""
+    scene = slipwave.read("paper", ["log10_r=-2.3022", "drive.velocity=43.44"])
+    solver, choice = to_tolerance(scene, 1e-4, SummationByParts, 4.0, 4.0, number=4, resolution=2e-6)
+    error = np.abs(cycles(solver) / cycles(build("delay", scene, tolerance=1e-12)) - 1.0).max()
+    assert choice.cells == 201
+    assert 0.1 * choice.error_estimate < error < choice.error_estimate
 
 
 @pytest.mark.parametrize(("credited", "cells", "estimate"), [(np.inf, 8, 1e-4), (6.0, 8, 0.04 / 1.5**6), (2.0, 18, 2.733e-3)])
@@ -287,5 +329,5 @@ def test_a_difference_that_is_small_by_chance_proves_nothing(monkeypatch, credit
             self.cells = cells
 
     monkeypatch.setattr("fullwave.adapt._probe", lambda solver: ("cycles", np.array([values[solver.cells]])))
-    _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, credited)
+    _, choice = to_tolerance(SCENES["alike"], 7e-3, Series, 2.0, credited)
     assert (choice.cells, choice.error_estimate) == (cells, pytest.approx(estimate, rel=2e-2))

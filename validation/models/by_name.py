@@ -220,8 +220,8 @@ def _on_a_grid(family: Family, scene: "Scene", number: int | None, options: Opti
 
     steps = {"resolution": resolution_for(tolerance)} if "time" in family.options else {}
     facts = facts_of(family.name)
-    order = (facts.order_at_best or facts.order_interface)(number or 0)
-    return BuiltSolver(*to_tolerance(scene, tolerance, member, order, **steps, **given(options, "cfl", "time")))
+    order, at_best = (declared(number or 0) for declared in (facts.order_interface, facts.order_at_best or facts.order_interface))
+    return BuiltSolver(*to_tolerance(scene, tolerance, member, order, at_best, **steps, **given(options, "cfl", "time")))
 
 
 load_from_packages("slipwave.families", add_family)
