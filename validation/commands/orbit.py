@@ -34,7 +34,7 @@ from validation.commands.wording import figure_rows, header
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import EVENTS, INTERFACE, PHASE, cycle_in_si, stored_name, variables
 from validation.models.at_scene import orbit_at_scene
-from validation.models.orbits import SceneOrbit, flowing
+from validation.models.orbits import SceneOrbit, flowing, with_error_of_grid
 from validation.models.provenance import provenance
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ class _OrbitOptions(ModelOptions):
     EXAMPLES: ClassVar = ("slipwave orbit paper --set slab.log10_r=-2.65 --out orbit.nc",)
     DETAILS: ClassVar = (
         "Where several orbits coexist, a run leads to one at most: --others names the rest, --near-period finds them. A full "
-        "wave marches exactly in time; its orbit is that of its grid."
+        "wave marches exactly in time; its orbit is that of its grid, whose error is part of those stated: the change on a grid "
+        "of two thirds of the cells, and half as much again."
     )
 
     tol: float | None = tolerance_option(ORBIT_TOLERANCE)
@@ -73,7 +74,7 @@ class _OrbitOptions(ModelOptions):
 
 
 class OrbitResult(Result):
-    """The `scene_orbit` that was found, the options of the call, and run time in seconds."""
+    """The `scene_orbit` that was found, with the errors of its mesh alone, the options of the call, and run time in seconds."""
 
     scene_orbit: SceneOrbit
     options: Mapping[str, Any]
@@ -86,9 +87,14 @@ class OrbitResult(Result):
     )
 
     @cached_property
+    def stated(self) -> SceneOrbit:
+        """`scene_orbit`; of a full wave with the errors of its grid too, from an orbit on another one."""
+        return with_error_of_grid(self.scene_orbit, self.options.get("cells"))
+
+    @cached_property
     def dataset(self) -> Dataset:
         """The motion over a period by `time`, multipliers by `multiplier`, and the orbit's figures with their errors."""
-        orbit, scene, columns = self.scene_orbit.periodic.orbit, self.scene_orbit.scene, self._motion()
+        orbit, scene, columns = self.stated.periodic.orbit, self.scene_orbit.scene, self._motion()
         coordinate = variables(TIME, {TIME: columns.pop(TIME)}, INTERFACE, scene)
         values = variables(TIME, columns, INTERFACE, scene)
         if self._drawn is not None:
@@ -145,7 +151,7 @@ class OrbitResult(Result):
     @property
     def facts(self) -> dict[str, Any]:
         """As `Result`; `si` exists only for scenes in SI."""
-        done = self.scene_orbit
+        done = self.stated
         orbit, multipliers, scene = done.periodic.orbit, done.periodic.multipliers, done.scene
         result: dict[str, Any] = {
             "scene": scene.name,
@@ -172,7 +178,7 @@ class OrbitResult(Result):
 
     def lines(self, summary: Mapping[str, Any]) -> Iterator[str]:
         """The scene, whether the orbit is stable, its figures with errors, and the largest multipliers."""
-        done, multipliers = self.scene_orbit, self.scene_orbit.periodic.multipliers
+        done, multipliers = self.stated, self.scene_orbit.periodic.multipliers
         yield from header(done.scene, done.notes)
         if "response" in summary and summary["response"] is None:
             yield f"note: {summary['notes'][-1]}"

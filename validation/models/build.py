@@ -2,6 +2,7 @@
 error of the default grid of a full wave."""
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Unpack
 
 from slipwave.errors import SceneError
@@ -76,24 +77,31 @@ def judged_grid(solver: Solver, start: State, cfl: float | None = None, time: st
     without a grid and for a start on the orbit, which needs a march of its own. `solver` is not changed."""
     if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
         return None
-    from fullwave.adapt import first_accepted, judge_grid
-    from fullwave.options import CellsRefused
+    from fullwave.adapt import judge_grid
 
-    model, scene, cells = solver.model, solver.scene, solver.cells
-    fewer = range(max(1, int(cells / _COARSER)), cells)  # two thirds, or the fewest more that the family accepts
-    more = range(math.ceil(_COARSER * cells), 2 * cells)
-
-    def on_grid(number: int) -> FieldSolver:
-        """The solver with so many cells, if that makes its grid another one: thin layers have the fewest cells already."""
-        other = build_full_wave(model, scene, cells=number, cfl=cfl, time=time)
-        if other.settings["cells"] == solver.settings["cells"]:
-            raise CellsRefused(f"cells = {number}: the same grid")
-        return other
-
-    end = solver.state()
+    model, scene, end = solver.model, solver.scene, solver.state()
     try:
         solver.restore(start)
-        other = first_accepted(on_grid, (*fewer, *more))
-        return judge_grid(cells, solver, other) if other else None
+        other = on_another_grid(solver, lambda cells: build_full_wave(model, scene, cells=cells, cfl=cfl, time=time))
+        return judge_grid(solver.cells, solver, other) if other else None
     finally:
         solver.restore(end)
+
+
+def on_another_grid(solver: FieldSolver, make: Callable[[int], FieldSolver]) -> FieldSolver | None:
+    """The solver that `make` makes on a grid of two thirds of the cells of `solver`, or the fewest more that its family accepts,
+    or of 3/2; None if there is none."""
+    from fullwave.adapt import first_accepted
+    from fullwave.options import CellsRefused
+
+    fewer = range(max(1, int(solver.cells / _COARSER)), solver.cells)
+    more = range(math.ceil(_COARSER * solver.cells), 2 * solver.cells)
+
+    def another(cells: int) -> FieldSolver:
+        """The solver with so many cells, if that makes its grid another one: thin layers have the fewest cells already."""
+        other = make(cells)
+        if other.settings["cells"] == solver.settings["cells"]:
+            raise CellsRefused(f"cells = {cells}: the same grid")
+        return other
+
+    return first_accepted(another, (*fewer, *more))

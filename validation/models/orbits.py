@@ -10,9 +10,12 @@ from reduced.orbit.closing import Closed, close
 from reduced.orbit.periodic import repeats_sooner
 from slipwave.errors import NumericsError, SceneError
 from slipwave.family import Family
+from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
+from slipwave.solve import FieldSolver
 from slipwave.step.flow import Flow
+from validation.models.build import on_another_grid
 from validation.models.by_name import DELAY, GRIDS, families, family_of, honouring, make, requested, resolve
 from validation.models.outlook import expected_period
 from validation.models.progress import News, progress
@@ -23,19 +26,22 @@ _MESHES = 6.0
 _CYCLES = 25.0  # expected in a run before it is given up
 _LONGEST_EXPECTED = 3e4  # transits; steel on PMMA, with periods of 22,444, takes 20 s
 _CHANGING = "its cycles still changed; --others and --near-period look for other orbits"
+_OTHER = 0.05  # relative difference of the periods on two grids from which they are of different orbits
 _SAME = 1e-6  # relative difference of two periods on one mesh that count as one orbit's
 
 
 @dataclass(frozen=True)
 class SceneOrbit:
     """The `periodic` orbit of a scene, computed to `tolerance`; `source`, its origin if not a settled run; the periods and
-    stability, in words, of `others` found with it; `searched`, a text on how far others were searched for."""
+    stability, in words, of `others` found with it; `searched`, a text on how far others were searched for; `grid`, one on the
+    error of a full wave's grid."""
 
     periodic: PeriodicOrbit
     tolerance: float
     source: str = ""
     others: tuple[str, ...] = ()
     searched: str = ""
+    grid: str = ""
 
     @property
     def flow(self) -> Flow:
@@ -54,7 +60,7 @@ class SceneOrbit:
         periods = ", ".join(self.others)
         others = f"other orbits of this scene have the periods {periods}: --near-period finds one of them"
         settled, reason = self.periodic.settled, self.periodic.multipliers.reason
-        notes = [reason, "" if settled else coarse, self.source, others if self.others else "", self.searched]
+        notes = [reason, "" if settled else coarse, self.grid, self.source, others if self.others else "", self.searched]
         return [note for note in notes if note]
 
 
@@ -107,6 +113,33 @@ def find_orbit(model: str, scene: Scene, tolerance: float, cells: int | None = N
             news("no orbit of scene %r at t = %.0f of its run; looking on", scene.name, solver.time)
     assert failed is not None
     raise failed
+
+
+def with_error_of_grid(done: SceneOrbit, cells: int | None = None) -> SceneOrbit:
+    """`done`, an orbit on the grid of `cells`, with the error of that grid added to those of its figures: `GRID_MARGIN` times
+    their change on another grid, if a run leads to the orbit there too. `done` itself without a grid."""
+    model, scene, orbit = done.flow.model, done.scene, done.periodic.orbit
+    if family_of(model) not in GRIDS:
+        return done
+    from fullwave.adapt import GRID_MARGIN
+
+    solver = cast(FieldSolver, moving(model, scene, cells))
+    other = on_another_grid(solver, lambda number: cast(FieldSolver, moving(model, scene, number)))
+    grid = f"that of the grid of {solver.cells} cells"
+    unknown = replace(done, grid=f"errors do not count {grid}: no run on another one leads to this orbit")
+    if other is None:
+        return unknown
+    try:
+        theirs = find_orbit(model, scene, done.tolerance, other.cells).periodic.orbit.values()
+    except NumericsError:
+        return unknown
+    if abs(theirs["period"] / orbit.period.value - 1.0) > _OTHER:
+        return unknown
+    by_grid = {name: GRID_MARGIN * abs(value - theirs[name]) for name, value in orbit.values().items()}
+    figures = {name: Estimate(value, getattr(orbit, name).error + by_grid[name]) for name, value in orbit.values().items()}
+    share = f"{by_grid['period'] / orbit.period.value:.2g} of the period"
+    note = f"errors count {grid}, from one of {other.cells}: {share}"
+    return replace(done, periodic=replace(done.periodic, orbit=Orbit(**figures)), grid=note)
 
 
 def orbits_near(solver: FlowingSolver, tolerance: float, period: float) -> list[Closed]:

@@ -236,9 +236,10 @@ def _orbit_errors(model: str, log10_r: float, cells: Iterable[int]) -> dict[int,
     return {n: {name: abs(figures[name] / exact[name] - 1.0) for name in _QUANTITIES} for n, figures in own.items()}
 
 
-def _figures(model: str, log10_r: float, cells: int | None) -> dict[str, Any]:
+def _figures(model: str, log10_r: float, cells: int | None) -> dict[str, float]:
     near = _NEAR_ONSET if log10_r < -2.697 else {}
-    return sw.orbit("paper", model, cells=cells, tol=_TOLERANCE, **{"slab.log10_r": log10_r}, **near).summary
+    own = sw.orbit("paper", model, cells=cells, tol=_TOLERANCE, **{"slab.log10_r": log10_r}, **near)
+    return own.scene_orbit.periodic.orbit.values()
 
 
 def _orbit_order(ladder: Mapping[int, Mapping[str, float]], quantity: str) -> float:

@@ -1,6 +1,5 @@
 """The measures that a sweep computes at each point; each is one function and one line of `MEASURES`."""
 
-import math
 import os
 import sys
 from collections.abc import Callable, Mapping
@@ -94,9 +93,9 @@ def _cycles_of(scene: Scene, model: str, options: Options) -> Figures:
 def _orbit_of(scene: Scene, model: str, options: Options) -> Figures:
     """The periodic orbit, stable or not."""
     given = {name: options[name] for name in ("tol", "cells") if options.get(name) is not None}
-    orbit = slipwave.orbit(scene, model, **given).summary
-    outside = sum(math.hypot(*pair) > 1.0 + 1e-6 for pair in orbit["multipliers"] or ())
-    return {name: orbit[name] for name in (*_CYCLE, "stable")} | {"unstable_multipliers": outside}
+    orbit = slipwave.orbit(scene, model, **given).scene_orbit.periodic  # its summary may need another orbit
+    outside = int((np.abs(orbit.multipliers.values) > 1.0 + 1e-6).sum())
+    return orbit.orbit.values() | {"stable": orbit.multipliers.stable, "unstable_multipliers": outside}
 
 
 def _stability_of(scene: Scene, model: str, options: Options) -> Figures:

@@ -26,7 +26,7 @@ from validation.measure.order_fit import fit_order, shortfall
 from validation.models import at_scene
 from validation.models.build import build
 from validation.models.cycle import watch
-from validation.models.orbits import SceneOrbit
+from validation.models.orbits import SceneOrbit, with_error_of_grid
 from validation.models.settle import NoCycle, settle
 from validation.references.published import half_digit, reference, reference_orbit
 
@@ -47,6 +47,31 @@ def test_a_run_settles_or_stops_at_the_jitter_of_its_steps_and_tells_its_orbit_w
 def test_a_run_that_does_not_settle_says_so():
     slow = settle(build("delay", read("paper-2.3"), tolerance=1e-6), tolerance=1e-9, most=2000.0)
     assert (slow.settled, slow.unrest > 1e-3) == (False, True)
+
+
+def test_the_errors_of_an_orbit_on_a_grid_count_that_of_its_grid():
+    """Before, 1e-10 was stated of a period that errs by 1.8e-5."""
+    result = sw.orbit("paper", "sbp:4")
+    exact = sw.orbit("paper", "delay").scene_orbit.periodic.orbit.values()
+    for name, value in exact.items():
+        stated = getattr(result.stated.periodic.orbit, name)
+        assert 0.05 * stated.error < abs(stated.value - value) < stated.error, name  # 0.16 to 0.29 measured
+    assert result.error_estimate["period"] == result.stated.periodic.orbit.period.error
+    assert result.scene_orbit.periodic.orbit.period.error < 1e-8
+    assert "errors count that of the grid of 32 cells, from one of 21: 1.5e-06 of the period" in result.notes
+
+
+def test_the_error_of_a_grid_without_another_orbit_is_said_to_be_unknown(monkeypatch):
+    known = sw.orbit("paper", "dg:3").scene_orbit
+
+    def another(*given):
+        """The orbit of a scene with a longer period, as where two coexist."""
+        return SceneOrbit(own_orbit("dg:3", read("paper", {"slab.log10_r": -2.6}), 1e-6), 1e-6)
+
+    monkeypatch.setattr("validation.models.orbits.find_orbit", another)
+    told = with_error_of_grid(known)
+    assert told.periodic is known.periodic
+    assert "errors do not count that of the grid of 4 cells: no run on another one leads to this orbit" in told.notes
 
 
 @pytest.mark.parametrize(
