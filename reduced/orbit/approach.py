@@ -28,6 +28,7 @@ _LAST = 3
 _CYCLES = 24  # after so many that still change, it starts from the mean of so many more
 _RETURNS = 8  # closest returns from which an orbit is sought
 _STRETCH = 200.0
+_STEP = 0.05  # periods, from one look for the next event to the next; two events are further apart
 _LATE = 10.0  # periods after which no further event is waited for
 _STEADY = 1e-3  # v_max/v_min - 1 below which a run has returned to steady sliding
 
@@ -153,12 +154,12 @@ def _sections(solver: FlowingSolver, observer: EventObserver, tolerance: float, 
 def _between(solver: FlowingSolver, observer: EventObserver, tolerance: float, period: float) -> tuple[Flow, Array]:
     """March to half a period after the next slip event; returns flow and state there."""
     last = float(observer.dates()[-1])
-    if last + 0.5 * period <= solver.time + 1e-6:
-        follow(solver, max(last + 1.2 * period, solver.time + 0.05 * period), [observer])
-        while float(observer.dates()[-1]) == last:
+    if last + (0.5 - _STEP) * period <= solver.time:  # later pieces move the date of an event a little
+        follow(solver, max(last + 1.2 * period, solver.time + _STEP * period), [observer])
+        while float(observer.dates()[-1]) < last + _STEP * period:
             if solver.time > last + _LATE * period:
                 raise NumericsError(f"{solver.model}: no slip event came for {_LATE:g} periods (scene {solver.scene.name!r})")
-            follow(solver, solver.time + 0.05 * period, [observer])
+            follow(solver, solver.time + _STEP * period, [observer])
         last = float(observer.dates()[-1])
     if last + 0.5 * period > solver.time:
         follow(solver, last + 0.5 * period, [observer])

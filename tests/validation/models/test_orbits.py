@@ -11,6 +11,7 @@ from scipy.interpolate import CubicSpline
 import slipwave
 import slipwave as sw
 from reduced.orbit import periodic_orbit
+from reduced.orbit.approach import guesses
 from reduced.orbit.closing import close
 from slipwave import read
 from slipwave.errors import NumericsError
@@ -26,7 +27,7 @@ from validation.measure.order_fit import fit_order, shortfall
 from validation.models import at_scene
 from validation.models.build import build
 from validation.models.cycle import watch
-from validation.models.orbits import SceneOrbit, with_error_of_grid
+from validation.models.orbits import SceneOrbit, moving, with_error_of_grid
 from validation.models.settle import NoCycle, settle
 from validation.references.published import half_digit, reference, reference_orbit
 
@@ -47,6 +48,15 @@ def test_a_run_settles_or_stops_at_the_jitter_of_its_steps_and_tells_its_orbit_w
 def test_a_run_that_does_not_settle_says_so():
     slow = settle(build("delay", read("paper-2.3"), tolerance=1e-6), tolerance=1e-9, most=2000.0)
     assert (slow.settled, slow.unrest > 1e-3) == (False, True)
+
+
+def test_no_event_whose_date_moves_a_little_is_taken_for_two():
+    """Else a return after 0 transits was the closest of all, and the mean cycle was of one event too many."""
+    scene = read("unlike", {"upper.epsilon": 1.598e-05, "upper.r": 0.002299})
+    periods = [guess.period for guess in guesses(moving("fem:2", scene, 5), 1e-8)]
+    assert len(periods) == 9
+    assert periods[0] == pytest.approx(95.2, abs=0.1)  # 91.2 before
+    assert min(periods) > 60.0
 
 
 def test_the_errors_of_an_orbit_on_a_grid_count_that_of_its_grid():
