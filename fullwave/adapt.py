@@ -202,6 +202,22 @@ def first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> Sol
     return None
 
 
+def on_another_grid(solver: FieldSolver, make: Callable[[int], FieldSolver]) -> FieldSolver | None:
+    """The solver that `make` makes on a grid of two thirds of the cells of `solver`, or the fewest more that its family accepts,
+    or of 3/2; None if there is none."""
+    fewer = range(max(1, int(solver.cells / _RATIO)), solver.cells)
+    more = range(math.ceil(_RATIO * solver.cells), 2 * solver.cells)
+
+    def another(cells: int) -> FieldSolver:
+        """The solver with so many cells, if that makes its grid another one: thin layers have the fewest cells already."""
+        other = make(cells)
+        if other.settings["cells"] == solver.settings["cells"]:
+            raise CellsRefused(f"cells = {cells}: the same grid")
+        return other
+
+    return first_accepted(another, (*fewer, *more))
+
+
 def _probed_until(scene: Scene) -> float:
     """End of a probe (transits), after the drive's last knot, so that errors made before and after it are included."""
     probed = PROBE + (scene.drive.times[-1] if _kinked(scene) else 0.0)

@@ -25,7 +25,7 @@ from slipwave.compiled import inlined
 from slipwave.observe import HistoryObserver
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
-from slipwave.scene.drive import Drive, velocity_at
+from slipwave.scene.drive import Drive, side_of, velocity_at
 from slipwave.solve import follow
 from validation.models.build import build
 
@@ -79,6 +79,11 @@ def _both_sides(motion: _GivenMotion, time: float) -> float:
     (v2, mu2), (v1, mu1) = _rate_and_stress(motion, time + 2.0), _rate_and_stress(motion, time + 1.0)
     (v3, mu3), (v4, mu4) = _rate_and_stress(motion, time - 1.0), _rate_and_stress(motion, time - 2.0)
     return v2 + v1 + v3 + v4 + (mu2 - mu1 + mu3 - mu4) / motion.upper + (mu2 + mu1 - mu3 - mu4) / motion.lower
+
+
+@side_of.register(_GivenMotion)
+def _never_jumps(drive, time, middle):  # type: ignore[no-untyped-def]
+    return time
 
 
 @velocity_at.register(_GivenMotion)

@@ -1,8 +1,6 @@
 """Makes the solver of a model for a scene, by the model's name on the command line, where the scene starts; and the estimated
 error of the default grid of a full wave."""
 
-import math
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Unpack
 
 from slipwave.errors import SceneError
@@ -14,9 +12,6 @@ from validation.models.by_name import OPTIONS, BuiltSolver, Options, given, made
 
 if TYPE_CHECKING:
     from fullwave.adapt import Choice
-
-
-_COARSER = 1.5
 
 
 def build(model: str, scene: Scene, **options: Unpack[Options]) -> Solver:
@@ -77,7 +72,7 @@ def judged_grid(solver: Solver, start: State, cfl: float | None = None, time: st
     without a grid and for a start on the orbit, which needs a march of its own. `solver` is not changed."""
     if not isinstance(solver, FieldSolver) or solver.scene.start.kind is StartKind.ORBIT:
         return None
-    from fullwave.adapt import judge_grid
+    from fullwave.adapt import judge_grid, on_another_grid
 
     model, scene, end = solver.model, solver.scene, solver.state()
     try:
@@ -86,22 +81,3 @@ def judged_grid(solver: Solver, start: State, cfl: float | None = None, time: st
         return judge_grid(solver.cells, solver, other) if other else None
     finally:
         solver.restore(end)
-
-
-def on_another_grid(solver: FieldSolver, make: Callable[[int], FieldSolver]) -> FieldSolver | None:
-    """The solver that `make` makes on a grid of two thirds of the cells of `solver`, or the fewest more that its family accepts,
-    or of 3/2; None if there is none."""
-    from fullwave.adapt import first_accepted
-    from fullwave.options import CellsRefused
-
-    fewer = range(max(1, int(solver.cells / _COARSER)), solver.cells)
-    more = range(math.ceil(_COARSER * solver.cells), 2 * solver.cells)
-
-    def another(cells: int) -> FieldSolver:
-        """The solver with so many cells, if that makes its grid another one: thin layers have the fewest cells already."""
-        other = make(cells)
-        if other.settings["cells"] == solver.settings["cells"]:
-            raise CellsRefused(f"cells = {cells}: the same grid")
-        return other
-
-    return first_accepted(another, (*fewer, *more))

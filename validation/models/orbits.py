@@ -15,7 +15,6 @@ from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
 from slipwave.solve import FieldSolver
 from slipwave.step.flow import Flow
-from validation.models.build import on_another_grid
 from validation.models.by_name import DELAY, GRIDS, families, family_of, honouring, make, requested, resolve
 from validation.models.outlook import expected_period
 from validation.models.progress import News, progress
@@ -121,7 +120,7 @@ def with_error_of_grid(done: SceneOrbit, cells: int | None = None) -> SceneOrbit
     model, scene, orbit = done.flow.model, done.scene, done.periodic.orbit
     if family_of(model) not in GRIDS:
         return done
-    from fullwave.adapt import GRID_MARGIN
+    from fullwave.adapt import GRID_MARGIN, on_another_grid
 
     solver = cast(FieldSolver, moving(model, scene, cells))
     other = on_another_grid(solver, lambda number: cast(FieldSolver, moving(model, scene, number)))
