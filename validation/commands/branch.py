@@ -279,9 +279,8 @@ class BranchResult(FollowedResult):
 
     def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
         followed = self.followed
-        return PointOfBranch(
-            finite(self._at(point)), followed.over.written_at(point.value), followed.model, closed, followed.tolerance
-        )
+        facts, scene = finite(self._at(point)), followed.over.written_at(point.value)
+        return PointOfBranch(facts, scene, followed.model, followed.cells, followed.tolerance, closed)
 
     def chart(self) -> Chart:
         """Period and stress drops against the parameter, one panel each."""

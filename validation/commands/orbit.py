@@ -222,14 +222,16 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
             figures = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(closed).items()})
             periodic = PeriodicOrbit(closed, figures, multipliers(closed)._replace(stable=None), True)  # neutral: a special point
             scene_orbit = SceneOrbit(periodic, tolerance, "the special point of the branch: errors are its tolerance")
-            known = {"tol": tolerance, "near_period": source["period"]}
+            known = {"tol": tolerance, "near_period": source["period"]} | ({"cells": source.cells} if source.cells else {})
             return OrbitResult(scene_orbit, known, time.perf_counter() - began, bool(options.response))
         if source.get("type") == "HB" and options.near_period is None:
             raise SceneError(
                 "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
             )
         near = float(source["period"]) if options.near_period is None else options.near_period
-        options = replace(options, near_period=near, model=source.model if options.model == "auto" else options.model)
+        options = replace(options, near_period=near)
+        if options.model == "auto":
+            options = replace(options, model=source.model, cells=options.cells or source.cells)
     options = options.recalled(source, "orbit")
     options = replace(options, tol=options.tol or ORBIT_TOLERANCE)
     scene = options.scene_of(source)

@@ -37,17 +37,20 @@ class Facts(dict[str, Any]):
 
 
 class PointOfBranch(Facts):
-    """A point of a branch: a table of its JSON that commands also take as a scene. `model` and `tolerance` are those of the
-    branch; `closed`: the orbit of a special point, if computed in this process."""
+    """A point of a branch: a table of its JSON that commands also take as a scene. `model`, `cells` and `tolerance` are those of
+    the branch; `closed`: the orbit of a special point, if computed in this process."""
 
     scene: Scene
     model: str
-    closed: "Closed | None"
+    cells: int | None
     tolerance: float
+    closed: "Closed | None"
 
-    def __init__(self, facts: Mapping[str, Any], scene: Scene, model: str, closed: "Closed | None", tolerance: float) -> None:
+    def __init__(
+        self, facts: Mapping[str, Any], scene: Scene, model: str, cells: int | None, tolerance: float, closed: "Closed | None"
+    ) -> None:
         super().__init__(facts)
-        self.scene, self.model, self.closed, self.tolerance = scene, model, closed, tolerance
+        self.scene, self.model, self.cells, self.tolerance, self.closed = scene, model, cells, tolerance, closed
 
 
 def _as_facts(value: Any) -> Any:

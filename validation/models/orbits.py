@@ -130,7 +130,7 @@ def with_error_of_grid(done: SceneOrbit, cells: int | None = None) -> SceneOrbit
         return unknown
     try:
         theirs = find_orbit(model, scene, done.tolerance, other.cells).periodic.orbit.values()
-    except NumericsError:
+    except (NumericsError, SceneError):
         return unknown
     if abs(theirs["period"] / orbit.period.value - 1.0) > _OTHER:
         return unknown

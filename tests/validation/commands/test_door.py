@@ -145,6 +145,12 @@ def test_the_orbit_of_a_special_point_is_neutral(turning):
         sw.orbit(turning.special[0])
 
 
+def test_the_orbit_of_a_point_is_that_of_the_grid_of_its_branch():
+    point = sw.branch("paper", ("log10_r", -2.6, -2.55), "dg:2", cells=3, most_points=2).points[0]
+    assert sw.orbit(point).period == pytest.approx(point.period, rel=1e-6)
+    assert sw.orbit(point, cells=4).period != pytest.approx(point.period, rel=1e-3)
+
+
 def test_points_of_a_branch_are_selected_by_its_parameter(turning):
     """The branch begins at the Hopf point and turns back at the fold: it passes values between them once, then once more."""
     data = turning.dataset
