@@ -8,7 +8,7 @@ it was read from: written as TOML, or read again with changes.
 import copy
 import math
 import numbers
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -262,6 +262,18 @@ def moment(key: str, given: float | str, scene: Scene) -> float:
     except ValueError:
         return math.nan
     return in_scene(key, time, scene.units, keys.TIME, scene.transit)
+
+
+def ends_of_window(
+    window: str | Sequence[float | str], time_at: Callable[[float | str], float], first: float, must: str
+) -> tuple[float, float]:
+    """Times of the ends of a `window` "BEGIN:END", or of a pair, by `time_at`; an end that is left out is `first` or infinite.
+    Raises SceneError, which says what it `must` be, for other ends and other numbers of them."""
+    ends = window.split(":") if isinstance(window, str) else list(window)
+    times = [side if end == "" else time_at(end) for end, side in zip(ends, (first, math.inf), strict=False)]
+    if len(ends) != 2 or not first <= times[0] < times[1]:
+        raise SceneError(f"window = {shorten(':'.join(map(str, ends)))}: must be BEGIN:END {must}; one of them may be left out")
+    return times[0], times[1]
 
 
 def _outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: float, round_trip: float) -> Face:

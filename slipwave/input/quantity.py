@@ -49,8 +49,8 @@ class Quantity:
 
 
 def looks_measured(text: str) -> bool:
-    """Whether `text` is a number followed by something that may be a unit."""
-    return _TEXT.fullmatch(text) is not None
+    """Whether `text` is a number followed by something that may be a unit, which the e3 of 1e3 is not."""
+    return _TEXT.fullmatch(text) is not None and re.fullmatch(_NUMBER, text.strip()) is None
 
 
 def quantity(text: str, *units: str) -> Quantity:

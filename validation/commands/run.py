@@ -95,7 +95,9 @@ class RunOptions(NumericalOptions, LengthOptions, ModelOptions):
         "keep even samples of the history, at so many per transit or as 1kHz, not the solver's own", metavar="RATE", stored=True
     )
     window: Window | None = option(
-        "keep only the history from A to B, in transits or as 10s:60s; in Python also a pair of them", metavar="A:B", stored=True
+        "keep only the history from A to B, in transits or as 10s:60s, to the end as 50:; in Python also a pair of them",
+        metavar="A:B",
+        stored=True,
     )
     lyapunov: bool = option("largest Lyapunov exponent (second, perturbed run)", False)
 

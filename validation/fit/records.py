@@ -1,7 +1,6 @@
 """Measured records for a fit: friction over time, and the motion of the load point."""
 
 import math
-import re
 from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple, TypeAlias
@@ -9,9 +8,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from slipwave.errors import SceneError
-from slipwave.input.assemble import in_scene
+from slipwave.input.assemble import ends_of_window, moment
 from slipwave.input.quantity import looks_measured, quantity
-from slipwave.input.schema import TIME
 from slipwave.input.wording import shorten
 from slipwave.observe.pieces import Array
 from slipwave.scene import Scene
@@ -130,22 +128,16 @@ def _inside(series: Series, scene: Scene, window: str | None) -> slice:
     if window is None:
         return slice(None)
 
-    def time_at(text: str) -> float:
+    def time_at(text: float | str) -> float:
         """An end of the window."""
-        if not text or re.fullmatch(r"[-+.\deE]+", text) or not looks_measured(text):  # 1e3 has no unit
-            return float(text or "nan")
-        time = quantity(text, "s")
-        return in_scene("--window", time, scene.units, TIME, scene.transit) if is_own else time.value
+        if is_own or not looks_measured(str(text)):
+            return moment("window", text, scene)
+        try:
+            return quantity(str(text), "s").value
+        except ValueError:
+            return math.nan
 
-    try:
-        ends = [time_at(text) for text in window.split(":")]
-        begin, end = (default if math.isnan(end) else end for end, default in zip(ends, (-math.inf, math.inf), strict=True))
-    except SceneError:
-        raise
-    except ValueError:
-        raise SceneError(
-            f"--window = {shorten(window)}: must be BEGIN:END of the file's time, as in 40:180 or 40s:3min"
-        ) from None
+    begin, end = ends_of_window(window, time_at, -math.inf, "of the file's time, as in 40:180 or 40s:3min")
     first, last = np.searchsorted(times, (begin, np.nextafter(end, math.inf)))
     if last - first < _LEAST:
         raise SceneError(

@@ -15,7 +15,7 @@ import numpy as np
 from slipwave.errors import SceneError
 from slipwave.files import part_of, reason_of, remove_leftovers
 from slipwave.friction import Law
-from slipwave.input.assemble import moment
+from slipwave.input.assemble import ends_of_window, moment
 from slipwave.input.quantity import looks_measured, quantity
 from slipwave.input.wording import shorten
 from slipwave.observe.history import named_columns, values_at
@@ -51,12 +51,8 @@ class Thinning(NamedTuple):
         step = 0.0 if rate is None else _step(rate, scene)
         if window is None:
             return cls(every or 1, 0.0, math.inf, step)
-        ends = window.split(":") if isinstance(window, str) else list(window)
-        times = [moment("window", end, scene) for end in ends]
-        if len(times) != 2 or not 0.0 <= times[0] < times[1]:
-            label = f"window = {shorten(':'.join(map(str, ends)))}"
-            raise SceneError(f"{label}: must be BEGIN:END in transits or with a unit of time, BEGIN before END and not negative")
-        return cls(every or 1, times[0], times[1], step)
+        must = "in transits or with a unit of time, BEGIN before END and not negative"
+        return cls(every or 1, *ends_of_window(window, lambda end: moment("window", end, scene), 0.0, must), step)
 
 
 ALL = Thinning()

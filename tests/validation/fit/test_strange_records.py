@@ -95,7 +95,7 @@ def test_a_window_leaves_out_what_the_model_does_not_say(tmp_path):
     assert_held(found, TRUTH, 0.1)
     assert found.summary["determined"]["level"]  # to 1e-5, though it is 0
     assert found.summary["data"][0]["samples"] == 1400
-    for window, told in (("1:2:3", "must be BEGIN:END"), ("9e2:", "holds 0 samples")):
+    for window, told in (("1:2:3", "must be BEGIN:END"), ("1kg:2s", "must be BEGIN:END"), ("9e2:", "holds 0 samples")):
         with pytest.raises(SceneError, match=told):
             sw.fit(SAMPLE, data=[path], free=FREE, window=window)
 
