@@ -11,10 +11,12 @@ import numpy as np
 from fullwave.lines.budget import PRODUCTS_PER_SECOND, steps_at_once
 from fullwave.lines.propagator import GridSlabs, halves
 from fullwave.lines.system import System
+from fullwave.slabs import marched_slabs
 from slipwave.friction import rate_of
 from slipwave.observe.pieces import Array, Pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import StartKind
+from slipwave.scene.slab import Slab
 from slipwave.solve import State, tables
 from slipwave.step.port_march import CHUNK, PortMarch
 
@@ -45,6 +47,13 @@ def cheaper_march(scene: Scene, unknowns: int) -> TimeMarch:
     return "explicit" if unknowns > MOST_BY_DEFAULT or scene.start.kind is StartKind.JUMP else "exact"
 
 
+def _settling(slab: Slab) -> float:
+    """Time (L/V*) in which a mass on the outer face follows its dashpot and the slab; inf without one. It is that of the heat of
+    the dashpot behind a step of V, which a projection onto the polynomials of a longer step does not hold."""
+    face = slab.termination
+    return face.mass / (face.dashpot + slab.epsilon) if face.mass > 0.0 and face.dashpot > 0.0 else math.inf
+
+
 class ExactMarch(PortMarch):
     """Marches the grid that `grid` makes for `scene` from `values` (state_size,), in the layout of the explicit march."""
 
@@ -63,6 +72,7 @@ class ExactMarch(PortMarch):
         self.slabs = GridSlabs(scene, grid, model, STAGES)
         at_once = min(CHUNK, steps_at_once(self._products))
         super().__init__(self.slabs, tolerance, LONGEST, _FIRST, most_steps=at_once)
+        self.longest_after_break = min(map(_settling, marched_slabs(scene))) / scene.transit
         self._frames: list[tuple[float, Array]] = []
         self._frame = math.inf
         self.begin_from(values)
