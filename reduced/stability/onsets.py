@@ -38,24 +38,34 @@ def onsets(scene_at: Callable[[float], Scene], low: float, high: float, model: s
 
     values = np.linspace(low, high, _SAMPLES).tolist()
     counts = [unstable_count(problem(value)) for value in values]
-    changes = [k for k in range(_SAMPLES - 1) if counts[k] != counts[k + 1]]
-    hopf = [_change(problem, values[k], values[k + 1], counts[k], counts[k + 1]) for k in changes]
-    return [Onset(at, 2.0 * math.pi / omega / scene_at(at).transit, below, above) for at, omega, below, above in hopf]
+    hopf = list[tuple[float, float, int, int]]()
+    for high, last, low, below in zip(values[1:], counts[1:], values, counts, strict=False):
+        while below != last:
+            beside, beyond, above = _narrowed(problem, low, high, below, last)
+            if (above - below) % 2 == 0:  # else a single real root crosses, with which no orbit begins
+                hopf.append((*_crossing(problem, beside, beyond), below, above))
+            low, below = beyond, above
+    return [Onset(at, 2.0 * math.pi / omega / scene_at(at).transit, below, above) for at, omega, below, above in hopf if omega]
 
 
-def _change(
+def _narrowed(
     problem: Callable[[float], Characteristic], low: float, high: float, below: int, above: int
-) -> tuple[float, float, int, int]:
-    """The change nearest to `low`, with its frequency: by counts at first, then by the zero of the crossing root's real part."""
+) -> tuple[float, float, int]:
+    """The change of the count nearest to `low`, as a narrow bracket, and the count at its upper end."""
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         count = unstable_count(problem(middle))
         low, high = (middle, high) if count == below else (low, middle)
         above = above if count == below else count
+    return low, high, above
+
+
+def _crossing(problem: Callable[[float], Characteristic], low: float, high: float) -> tuple[float, float]:
+    """The zero of the crossing root's real part between `low` and `high`, and its frequency."""
     roots = leading_roots(problem(low))
     crossing = complex(roots[np.abs(roots.real).argmin()])
     low, high = _bracket(lambda value: follow_root(problem(value), crossing).real, low, high)
-    return *between(problem, low, high, crossing), below, above
+    return between(problem, low, high, crossing)
 
 
 def _bracket(rate: Callable[[float], float], low: float, high: float) -> tuple[float, float]:

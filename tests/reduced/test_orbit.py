@@ -388,6 +388,15 @@ def test_onsets_in_any_parameter_are_one(model, log10_r, period):
     assert onsets(scene_at, -2.8, -2.7, "delay") == []
 
 
+@pytest.mark.parametrize(("coefficient", "hopf"), [(0.99, [(pytest.approx(2.5764611753e-5, rel=1e-9), 2, 0)]), (0.0, [])])
+def test_a_single_real_root_is_no_onset_and_hides_none(coefficient, hopf):
+    """Slabs without a spring: at epsilon = 1.4e-6 and 2.8e-4 a root crosses at s = 0, for 0.99 between the same samples as a
+    pair."""
+    face = {"slab.face.kind": "reflection", "slab.face.coefficient": coefficient}
+    known = onsets(lambda epsilon: read("paper", face | {"slab.epsilon": epsilon}), 1e-6, 1e-3, "delay")
+    assert [(onset.parameter, onset.unstable_below, onset.unstable_above) for onset in known] == hopf
+
+
 @pytest.mark.parametrize("ends", [(0.0, 1.0), (-1.0, 0.0)])
 def test_an_onset_on_a_sample_of_its_search_is_bracketed_beyond_rounding(ends):
     """An end lies on the Hopf point: the sign of the crossing root's real part there is that of rounding."""

@@ -258,7 +258,8 @@ class FollowedBranch:
 
     def _from_orbit(self, port: str) -> _BranchEnd:
         over = self.over
-        unstable = [value for value in (over.first, over.last) if unstable_count(characteristic(over.scene_at(value), port))]
+        growing = {value: unstable_count(characteristic(over.scene_at(value), port)) for value in (over.first, over.last)}
+        unstable = [value for value, count in growing.items() if count]
         if not unstable:
             raise SceneError(
                 f"--over {over.name}={over.first:g}:{over.last:g}: steady sliding of {self.model} is stable at both ends, so no "
@@ -270,7 +271,15 @@ class FollowedBranch:
         flow = self.family_at(value, 1.0)(value)
         if flow.size != flow.of(over.scene_at(beside)).size:  # at the value alone slabs are one pair
             value = beside
-        closed = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).periodic.closed
+        try:
+            closed = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).periodic.closed
+        except NumericsError as error:
+            if sum(growing.values()) % 2 == 0:
+                raise
+            crosses = (
+                f"a single real root crosses between {over.name} = {over.first:g} and {over.last:g}, and no orbit begins there"
+            )
+            raise NumericsError(f"{crosses}; {error}") from None
         closed = closed_between(closed, self._end_scenes)
         return self._first(from_orbit(FlowFamily(closed.flow, over.scene_at), closed, value, other, metric), metric)
 

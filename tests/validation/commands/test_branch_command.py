@@ -487,3 +487,11 @@ def test_a_branch_over_slabs_that_differ_leaves_faces_in_units_of_their_own_as_t
         own, relative = ("spring", "impedance") if face["impedance"] == 0.5 else ("dashpot", "stiffness")
         assert getattr(new.termination, own) == pytest.approx(getattr(old.termination, own), rel=1e-12)
         assert getattr(new.face, relative) == getattr(old.face, relative)
+
+
+def test_where_a_single_real_root_crosses_no_orbit_begins():
+    """Slabs that neither hold their load nor reflect, epsilon below and above that of neutral sliding, 2.8e-4."""
+    face = {"slab.face.kind": "reflection", "slab.face.coefficient": 0.0}
+    said = "a single real root crosses between epsilon = 0.0002 and 0.001, and no orbit begins there; delay: a run of"
+    with pytest.raises(sw.NumericsError, match=said):
+        sw.branch("paper", over="epsilon=2e-4:1e-3", **face)
