@@ -12,7 +12,7 @@ from reduced.families import REDUCTIONS
 from slipwave.errors import SceneError
 from slipwave.family import Family
 from slipwave.friction import LAWS
-from slipwave.friction.own import own_law
+from slipwave.friction.own import LAW_FILES, load_laws, own_law
 from slipwave.packages import OwnFile, kept_if_wrong, own_file, run_file
 from slipwave.solve import FieldSolver
 from validation.models.by_name import FAMILIES, GRIDS, add_family, family_of
@@ -54,6 +54,16 @@ def load_families(path: Path) -> list[Family]:
     own_file(module)  # its digest is that of the text that was run
     _OWN[path] = declared
     return declared
+
+
+def load_own(laws: Iterable[Path], families: Iterable[Path] = ()) -> None:
+    """Load those of the user's files that this process has not loaded. Raises SceneError as `load_laws` and `load_families`."""
+    for path in laws:
+        if path not in LAW_FILES:
+            load_laws(path)
+    for path in families:
+        if path not in _OWN:
+            load_families(path)
 
 
 def own_family(model: str) -> OwnFile | None:

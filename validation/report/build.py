@@ -14,7 +14,9 @@ from tempfile import TemporaryDirectory
 from typing import TypeAlias, cast
 
 from slipwave.files import alone_in
+from slipwave.friction.own import LAW_FILES
 from slipwave.sources import commit
+from validation.models.own import load_own
 from validation.models.progress import progress
 from validation.models.stopwatch import cores
 from validation.report import Budget, Study, baseline, store
@@ -56,7 +58,7 @@ def make_report(
             _say(known)
         seconds = {study.NAME: study.SECONDS[0 if quick else 1] for study in wanted}
         works = {
-            study.NAME: partial(_perform, study.__name__, out / "data", keys[study.NAME], quick)
+            study.NAME: partial(_perform, study.__name__, out / "data", keys[study.NAME], quick, [*LAW_FILES])
             for study in sorted(wanted, key=lambda study: -seconds[study.NAME])
         }
         timed = [study.NAME for study in wanted if getattr(study, "TIMED", False)]
@@ -128,8 +130,10 @@ def _note(file: Path, share: float) -> None:
     file.write_text(f"{share}")
 
 
-def _perform(module: str, folder: Path, key: str, quick: bool, tell: Tell) -> store.StoredStudy:
-    """Run a study and store its result under a key; any exception, or sys.exit, becomes the result of this study."""
+def _perform(module: str, folder: Path, key: str, quick: bool, laws: list[Path], tell: Tell) -> store.StoredStudy:
+    """Run a study, with the user's files of `laws`, and store its result under a key; any exception, or sys.exit, becomes the
+    result of this study."""
+    load_own(laws)
     study = cast(Study, import_module(module))
     began = time.perf_counter()
     try:

@@ -19,15 +19,21 @@ def report(
         Path | None,
         typer.Option(metavar="FILE|DIR", help="compare with another report.json, or the folder of one, not with the baseline"),
     ] = None,
+    law: Annotated[
+        Path | None, typer.Option(metavar="FILE.py", help="run this Python file, which registers a friction law that studies use")
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print report.json, and nothing else, on stdout")] = False,
 ) -> None:
     """Run the studies; write the page and its files."""
+    from slipwave.friction.own import load_laws
     from validation.report.baseline import RedReport, change_lines
     from validation.report.build import make_report
     from validation.report.record import NAME, read_report
     from validation.report.registered import choose
 
     require("report", "the report")
+    if law is not None:
+        load_laws(law)
     choose(only)  # an unknown name is refused before the folder is made
     earlier = read_report(against) if against else None
     require_folder(out)

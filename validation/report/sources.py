@@ -10,7 +10,9 @@ from pathlib import Path
 
 import slipwave
 import validation
-from slipwave.sources import ROOT, import_closure, imported_names
+from slipwave.friction import LAWS
+from slipwave.friction.own import own_law
+from slipwave.sources import ROOT, import_closure, imported_names, inside
 from validation.chart import render as rendering
 from validation.models import by_name
 from validation.report import Study
@@ -55,6 +57,13 @@ def packages_of(files: Iterable[Path]) -> list[str]:
     names = {name.partition(".")[0] for path in files if path.suffix == ".py" for name in imported_names(path)}
     packages = {package for name in names for package in _packages().get(name, ()) if package != "slipwave"}
     return [f"python {platform.python_version()}", *(f"{package} {metadata.version(package)}" for package in sorted(packages))]
+
+
+def laws_of(files: Iterable[Path]) -> list[str]:
+    """The loaded friction laws of the user's own that are named in a study's `files`, other than those of the solvers."""
+    own = [name for name in LAWS if own_law(name)]
+    texts = [path.read_text(encoding="utf-8") for path in files if own and (path.is_relative_to(_PACKAGE) or not inside(path))]
+    return [name for name in own if any(name in text for text in texts)]
 
 
 @cache

@@ -14,9 +14,10 @@ from pydantic import TypeAdapter
 from slipwave.files import is_running
 from slipwave.sources import program
 from validation.chart.render import SUFFIXES, render
+from validation.models.own import digests
 from validation.report import RECORDED, Study, StudyResult
 from validation.report.names import by_claim
-from validation.report.sources import packages_of, sources_of
+from validation.report.sources import laws_of, packages_of, sources_of
 
 _FORMAT = 7
 
@@ -68,9 +69,11 @@ _STORED = TypeAdapter(StoredStudy)
 
 
 def study_key(study: Study, quick: bool) -> str:
-    """Hash of all that the study's result depends on and of its settings; comments and docstrings of programs are left out."""
+    """Hash of all that the study's result depends on, with the user's own laws, and of its settings; comments and docstrings of
+    programs are left out."""
     files = sources_of(study)
-    digest = hashlib.sha256(f"{_FORMAT} {quick} {' '.join(packages_of(files))}".encode())
+    settings = [f"{_FORMAT} {quick}", *packages_of(files), *digests(laws_of(files), []).values()]
+    digest = hashlib.sha256(" ".join(settings).encode())
     for path in files:
         digest.update(path.name.encode())
         digest.update(program(path).encode() if path.suffix == ".py" else path.read_bytes())

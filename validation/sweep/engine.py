@@ -13,9 +13,9 @@ import numpy as np
 from numba.core.errors import NumbaError
 
 from slipwave.errors import NumericsError, SceneError
-from slipwave.friction.own import LAW_FILES, load_laws, refused_by_compiler
+from slipwave.friction.own import LAW_FILES, refused_by_compiler
 from validation.data.variables import in_si
-from validation.models.own import load_families, own_files
+from validation.models.own import load_own, own_files
 from validation.sweep.measures import MOST_CYCLES, Figures, Measure, measure_of
 from validation.sweep.plan import Indices, Plan
 from validation.sweep.store import STATUS, Columns, Store
@@ -39,12 +39,7 @@ def compute(plan: Plan, points: Indices, laws: Iterable[Path] = (), families: It
     """The figures of these points, computed in this process, and the time that took (s); the user's files of laws and families
     are loaded before. Never raises, but a SceneError for one of these: a point that cannot be computed has a status and a
     reason."""
-    for path in laws:
-        if path not in LAW_FILES:
-            load_laws(path)
-    for path in families:
-        if path not in own_files():
-            load_families(path)
+    load_own(laws, families)
     began = time.perf_counter()
     measure = measure_of(plan.measure)
     rows = [_point(plan, measure, int(point)) for point in points]

@@ -18,6 +18,7 @@ from fake_studies import answered, result
 from test_page import models
 
 from slipwave.errors import SceneError
+from validation.commands.cli import main
 from validation.report import StudyResult, table
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
@@ -190,6 +191,33 @@ def test_studies_run_together_and_those_that_time_alone_at_the_end(fake, tmp_pat
     lines = capfd.readouterr().err.splitlines()
     assert sorted(line.split()[0] for line in lines[:2]) == ["first", "second"]
     assert lines[2].split()[0] == "timing"
+
+
+NAMED = """from typing import NamedTuple
+from slipwave.friction import LAWS, register
+
+class Mine(NamedTuple):
+    a_star: float = 0.369
+    a: float = 0.0349
+    b: float = 0.0489
+
+register("as-aged", Mine, LAWS["ageing"].respond)
+"""
+
+
+def test_studies_that_name_an_own_law_have_it_in_any_process_and_are_computed_again_when_it_changes(fake, tmp_path, capsys):
+    law, out = tmp_path / "law.py", tmp_path / "out"
+    for name in ("first", "second"):
+        fake.write(
+            name,
+            'import slipwave\nreturn StudyResult({type(slipwave.read("paper", ["interface.law=as-aged"]).law).__name__[:4]: ()})',
+        )
+    fake.write("third", 'return StudyResult({"none": ()})')
+    for text, kept in ((NAMED, []), (NAMED, ["first", "second", "third"]), (NAMED + "# edited", ["third"])):
+        law.write_text(text)
+        assert main(["report", "--out", str(out), "--law", str(law)]) == 0
+        assert answers(out / "index.html") == ["Mine", "Mine", "none"]
+        assert sorted(line.split()[0] for line in capsys.readouterr().err.splitlines() if line.endswith("stored")) == kept
 
 
 def test_a_process_that_dies_is_a_study_that_failed(fake, tmp_path):
