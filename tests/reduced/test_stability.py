@@ -381,6 +381,13 @@ def test_no_units_no_thickness_and_no_weakening():
     assert math.isnan(values.critical_normal_stress)
 
 
+def test_the_roots_of_friction_without_a_state_effect_are_those_of_a_vanishing_one():
+    none, little = (analyse(slipwave.read("paper", {"interface.b": b})) for b in (0.0, 1e-12))
+    assert none.stable
+    apart = np.abs(np.subtract.outer(none.leading_roots[:3], little.leading_roots)).min(axis=1)
+    assert apart.max() < 1e-9 * abs(none.leading_roots[0])
+
+
 HELD = {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0}
 FAST = GRANITE | {"slab": GRANITE["slab"] | {"thickness": 1.0, "face": HELD}}
 
