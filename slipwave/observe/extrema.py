@@ -60,12 +60,26 @@ def differentiate(basis: Basis, values: Array, slopes: Array) -> None:
 
 
 @njit
-def _trusted(peak: float, values: Array, sign: float) -> float:
-    """`peak`, or the largest nodal value if `peak` exceeds that by more than a smooth signal can (`overshoot`): then the
-    polynomial oscillates at a steep front (in ln v by decades)."""
+def _trusted(basis: Basis, values: Array, peak: float, sign: float, j: int) -> float:
+    """`peak` of sign * polynomial before the node `j`, but at most what a smooth signal can have there: by more than `overshoot`
+    above all nodes the polynomial oscillates at a steep front (in ln v by decades), and above the straight lines that continue
+    the intervals on both sides it does behind a jump."""
     bottom, top = bounds(values)
-    highest = top if sign > 0.0 else -bottom
-    return peak if peak - highest <= overshoot(top - bottom, values.size) else float(highest)
+    highest = float(top if sign > 0.0 else -bottom)
+    if peak - highest > overshoot(top - bottom, values.size):
+        return highest
+    nodes, rise, fall = basis.nodes, math.inf, math.inf
+    if j > 1:
+        rise = sign * (values[j - 1] - values[j - 2]) / (nodes[j - 1] - nodes[j - 2])
+    if 0 < j < values.size - 1:
+        fall = sign * (values[j] - values[j + 1]) / (nodes[j + 1] - nodes[j])
+    if min(rise, fall) <= 0.0:
+        return highest
+    if max(rise, fall) < math.inf:
+        before, after, width = sign * values[j - 1], sign * values[j], nodes[j] - nodes[j - 1]
+        crossing = float((before * fall + after * rise + rise * fall * width) / (rise + fall))
+        return max(highest, min(peak, crossing))
+    return peak
 
 
 @njit
@@ -128,6 +142,7 @@ def _peak(basis: Basis, values: Array, slopes: Array, sign: float, begin: float,
                 before = sign * evaluate(basis, slopes, begin)
             if before > 0.0 >= slope:
                 peak = sign * float(evaluate(basis, values, find_root(basis, slopes, 0.0, left, right)))
-                best = max(best, _trusted(peak, values, sign))
+                if peak > best:
+                    best = max(best, _trusted(basis, values, peak, sign, j))
             left, before = right, slope
     return best
