@@ -51,7 +51,8 @@ class Characteristic:
     def imbalance(self, s: object) -> Complex:
         """D over the sum of the sizes of its two terms: 0 at a root, of modulus <= 1, smooth in every parameter."""
         left, right = (term.value for term in self._terms(s))
-        return np.asarray((left + right) / (np.abs(left) + np.abs(right)))
+        size = np.asarray(np.abs(left) + np.abs(right))  # 0 at -G_phi, a root, without a state effect
+        return np.asarray(np.divide(left + right, size, out=np.zeros(size.shape, dtype=complex), where=size > 0.0))
 
     def idle(self, s: Complex) -> NDArray[np.bool_]:
         """True at roots of idle modes: both slabs oscillate alike, without slip or stress at the interface. Friction does not

@@ -329,7 +329,7 @@ def _few_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Comple
 def _fan(problem: Characteristic) -> Complex:
     """Starts for slow roots: in many directions from 0, from much slower than friction and waves to as fast as the faster."""
     slow, fast = sorted([1.05 * problem.slopes.reach, _RIPPLES * np.pi / problem.longest])
-    return np.asarray((np.geomspace(1e-6 * (slow or fast), fast, 40)[:, None] * np.exp(1j * _ANGLES)).ravel())
+    return np.asarray((np.geomspace(1e-6 * slow, fast, 40)[:, None] * np.exp(1j * _ANGLES)).ravel())
 
 
 def _many_starts(problem: Characteristic, edge: Complex, rate: Complex) -> Complex:

@@ -179,6 +179,8 @@ def _fill_unknowns(law: Law, speeds: Array, z: Array) -> None:
         z[i] = unknown_of(law, speeds[i])
 
 
+_LEAST_REACH = 1e-9  # of the healing rate
+
 ALWAYS_STABLE = "friction does not weaken with the slip rate, so that steady sliding is always stable"
 """What is said of a law and a velocity that are not `weakening`."""
 
@@ -204,8 +206,8 @@ class FrictionSlopes:
     @property
     def reach(self) -> float:
         """Bound of the roots: for passive slabs every root with Re s >= 0 has |s + G_phi| <= reach, because beyond it Re H > 0
-        and Re Z >= 0."""
-        return self.healing * abs(self.direct - self.steady) / self.direct
+        and Re Z >= 0. Not 0 without a state effect: it is a scale of rates too."""
+        return self.healing * max(abs(self.direct - self.steady) / self.direct, _LEAST_REACH)
 
     @property
     def growing(self) -> tuple[float, float]:

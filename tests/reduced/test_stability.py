@@ -386,6 +386,8 @@ def test_the_roots_of_friction_without_a_state_effect_are_those_of_a_vanishing_o
     assert none.stable
     apart = np.abs(np.subtract.outer(none.leading_roots[:3], little.leading_roots)).min(axis=1)
     assert apart.max() < 1e-9 * abs(none.leading_roots[0])
+    problem = characteristic(slipwave.read("paper", {"interface.b": 0.0}), "delay")
+    assert problem.imbalance(np.array([-problem.slopes.healing + 0.0j])) == [0.0]
 
 
 HELD = {"kind": "machine", "stiffness": 1e11, "impedance": 1e6, "mass": 400.0}
