@@ -110,21 +110,19 @@ def extrema(basis: Basis, rows: Array) -> tuple[float, float]:
 @njit
 def raise_record(basis: Basis, values: Array, slopes: Array, memory: Array, slot: int, begin: float, end: float) -> None:
     """memory[slot] <- the larger of itself and the maximum of the part [begin, end] of the piece; memory[slot + 1] likewise with
-    -minimum; `slopes` is scratch. The value at 0, which the piece before includes, counts only if no record exists yet."""
+    -minimum; `slopes` is scratch. The value at 0 counts too: where the motion jumps it is not that at the end of the piece
+    before."""
     bottom, top = bounds(values)
     reach = overshoot(top - bottom, values.size)
     if top + reach <= memory[slot] and reach - bottom <= memory[slot + 1]:
         return
     known = begin == 0.0 and end == basis.nodes[values.size - 1] and not math.isinf(memory[slot])
-    first = begin if begin > 0.0 or math.isinf(memory[slot]) else end
     differentiate(basis, values, slopes)
     for side in range(2):
         sign = 1.0 - 2.0 * side
         if known and (top if side == 0 else -bottom) + reach <= memory[slot + side]:
             continue
-        peak = _peak(basis, values, slopes, sign, begin, end)
-        if first != end:
-            peak = max(peak, sign * evaluate(basis, values, first))
+        peak = max(_peak(basis, values, slopes, sign, begin, end), sign * evaluate(basis, values, begin))
         memory[slot + side] = max(memory[slot + side], peak)
 
 

@@ -159,6 +159,18 @@ def test_a_jump_between_two_pieces_is_an_event_at_the_joint():
     assert events.v_max == pytest.approx(np.full(4, V * np.e), rel=1e-12)
 
 
+def test_what_a_jump_between_two_pieces_reaches_at_once_counts():
+    """Stress and ln v that a front raises, between two samples, to their largest values, from which they fall at once."""
+
+    def falling(t):
+        return 0.1 * ((3.0 - t) % PERIOD) - 1.0
+
+    motion = Motion(wave(100.0).elastic, lambda t: np.log(V) + 3.0 * falling(t), 100.0, falling)
+    events = watch(motion, pieces=100).events()
+    assert events.stress_drop == pytest.approx(np.full(4, 2.0), abs=1e-7)
+    assert np.log(events.v_max / V) == pytest.approx(np.full(4, 3.0), abs=1e-7)
+
+
 @pytest.mark.parametrize("phase", np.linspace(0.0, 1.0, 23))
 def test_extrema_are_the_polynomials_own_wherever_they_lie_in_a_piece(phase):
     """Also just before or after a piece's end; the best node alone would be off by up to 4e-4."""

@@ -159,6 +159,14 @@ def test_brief_sticks_are_counted_alike(model, options):
     assert seen_in(slipwave.read("paper", ["drive.velocity=1e4"]), 100.0, model, **options).count == 37
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9])
+def test_the_stress_just_behind_a_front_counts(tolerance):
+    """A step of V in layered slabs, whose echoes raise the stress to its highest in a cycle at once."""
+    stepped = slipwave.read("layered", ["drive.velocity=[[0,100],[150.3,100],[150.3,30]]"])
+    drops = seen_in(stepped, 500.0, tolerance=tolerance).events().stress_drop
+    assert drops[2:4] == pytest.approx([0.077221470158, 0.119215786789], abs=1e-10)
+
+
 def test_cycles_behind_faces_that_leak_are_counted_however_long_they_last():
     """The elastic stress of such slabs falls a little from cycle to cycle: in 250 cycles by more than an event."""
     leaking = slipwave.read(
