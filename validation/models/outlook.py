@@ -343,6 +343,7 @@ def costly_steps(solver: Solver) -> list[str]:
     if not jumps or solver.settings.get("time") is None:
         return []
     return [
-        "no grid resolves the front of a step of V: the error of this model falls as the size of its cells, whatever its order; "
+        "no grid resolves the front of a step of V: the error of this model falls as the size of its cells, whatever its order, "
+        "and the stress just behind a front, which may be the highest of a cycle, is off by a share of the front on any grid; "
         "the delay system of elastic slabs has no such error"
     ]
