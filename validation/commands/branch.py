@@ -47,10 +47,10 @@ _LOOKS = {
 }
 
 
-def tolerance_option(default: float) -> Any:
-    """The option `tol` of orbits."""
+def tolerance_option(default: float, beside: str = "") -> Any:
+    """The option `tol` of orbits; `beside`: what it leaves out."""
     return option(
-        f"requested relative error of period, drops and slip rates (default 1e{math.log10(default):.0f})",
+        f"requested relative error of period, drops and slip rates{beside} (default 1e{math.log10(default):.0f})",
         stored=True,
         least=LEAST_TOLERANCE,
         most=LARGEST_TOLERANCE,
@@ -66,7 +66,7 @@ def points_option(default: int) -> Any:
 class FollowedOptions(ModelOptions):
     """Options of `slipwave.branch` and `slipwave.curve`."""
 
-    tol: float | None = tolerance_option(BRANCH_TOLERANCE)
+    tol: float | None = tolerance_option(BRANCH_TOLERANCE, "; of a full wave beside that of its grid, which --cells decides")
     out: Path | None = option("write each point here as it is computed", metavar="FILE.nc", suffixes=(".nc",))
     resume: Path | None = option(
         "go on from the last point in this file, and write the further ones to it", metavar="FILE.nc", suffixes=(".nc",)
