@@ -95,7 +95,7 @@ def to_tolerance(
     least, most = GALERKIN.tolerances
     if not isinstance(cast(object, tolerance), int | float) or not least <= tolerance <= most:
         raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
-    coarsest = first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
+    coarsest = _first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
     if coarsest and isinstance(cast(object, coarsest), MethodOfLines):  # no two grids of the leapfrog are one: its step follows
         cells = _most_cells_alike(coarsest.sections)
@@ -196,7 +196,7 @@ def _needed(cells: int, factor: float, gain: float) -> float:
     return cells * math.exp(min(_MOST_OUTLOOK, math.log(factor) * math.log(_RATIO) / math.log(gain)))
 
 
-def first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> Solved | None:
+def _first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> Solved | None:
     """The solver that `make` builds on the first of the `numbers` of cells that its family accepts; None if there is none."""
     for cells in numbers:
         try:
@@ -219,7 +219,7 @@ def on_another_grid(solver: FieldSolver, make: Callable[[int], FieldSolver]) -> 
             raise CellsRefused(f"cells = {cells}: the same grid")
         return other
 
-    return first_accepted(another, (*fewer, *more))
+    return _first_accepted(another, (*fewer, *more))
 
 
 def _probed_until(scene: Scene) -> float:

@@ -33,7 +33,7 @@ class AttackCells(NamedTuple):
     fine: int
 
 
-def degree_for(tolerance: float) -> int:
+def _degree_for(tolerance: float) -> int:
     """Cheapest degree of elements near `tolerance`, measured on the paper's scene at log10 r = -2.68, -2.6 and -2.3: 5 at 1e-4,
     one more for every two digits."""
     return max(3, math.floor(3.5 - 0.5 * math.log10(tolerance)))
@@ -137,7 +137,7 @@ ELEMENTS = FullWave(
     "h^(P+1) or better at the interface",
     numbers=range(1, 17),
     default=4,
-    suited=degree_for,
+    suited=_degree_for,
     grids=(2, 4, 8),
     extra="fem",
     styles={None: PlotStyle("#009e73", "-", "^")},
@@ -156,7 +156,7 @@ GALERKIN = FullWave(
     "h^(P+1) or better",
     numbers=range(1, 25),
     default=7,
-    suited=degree_for,
+    suited=_degree_for,
     grids=(1, 2, 4),
     styles={None: PlotStyle("#a6761d", "-", "P")},
     order_bulk=lambda p: p + 1,

@@ -1,7 +1,7 @@
 """Reads a scene, from the gallery, a TOML file or a dictionary: validates its tables, combines keys that depend on each other and
 converts SI (15) to a frozen `Scene`. Data only; nothing is executed.
 
-Values that were given with a unit are converted to the units of the scene (`in_scene`). A scene is also given by the tables that
+Values that were given with a unit are converted to the units of the scene (`_in_scene`). A scene is also given by the tables that
 it was read from: written as TOML, or read again with changes.
 """
 
@@ -185,12 +185,12 @@ def read(source: SceneSource, overrides: Iterable[str] | Mapping[str, Any] = ())
     }
     return Scene(
         name=tables.name or name,
-        law=law(**{key: in_scene(f"interface.{key}", interface[key], units, keys.VELOCITY) for key in law._fields}),
+        law=law(**{key: _in_scene(f"interface.{key}", interface[key], units, keys.VELOCITY) for key in law._fields}),
         upper=upper,
         lower=lower,
         drive=drive_of(tables.drive, units, upper.round_trip),
         start=Start(StartKind(start.kind), _DEFAULT_SIZES[start.kind] if start.size is None else start.size),
-        until=None if run.until is None else in_scene("run.until", run.until, units, keys.UNTIL, upper.round_trip),
+        until=None if run.until is None else _in_scene("run.until", run.until, units, keys.UNTIL, upper.round_trip),
         record=frozenset(run.record),
         units=units,
         written={"name": tables.name or name} | data | filled,
@@ -237,7 +237,7 @@ def quotient(value: float, unit: float) -> float:
     return float(Fraction(repr(value)) / Fraction(repr(unit)))
 
 
-def in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Numbers, transit: float = 1.0) -> float:
+def _in_scene(key: str, given: float | Quantity, units: Units | None, allowed: Numbers, transit: float = 1.0) -> float:
     """Convert a time or a velocity with a unit to the unit of the bare numbers of `allowed`: transits of `transit` L/V*, L/V* or
     V*. Bare numbers are returned as they are. Raises SceneError naming `key` if the result is not `allowed`, or the scene has no
     units."""
@@ -261,7 +261,7 @@ def moment(key: str, given: float | str, scene: Scene) -> float:
         time = quantity(given, "s") if isinstance(given, str) and looks_measured(given) else float(given)
     except ValueError:
         return math.nan
-    return in_scene(key, time, scene.units, keys.TIME, scene.transit)
+    return _in_scene(key, time, scene.units, keys.TIME, scene.transit)
 
 
 def ends_of_window(
@@ -420,7 +420,7 @@ def _viscosity(key: str, table: keys.SlabTable, units: Units | None) -> Viscosit
         return None
     given = {name: value for name, value in viscosity if name != "kind"}
     measured = {
-        name: in_scene(f"{key}.viscosity.{name}", value, units, allowed_numbers(viscosity, name))
+        name: _in_scene(f"{key}.viscosity.{name}", value, units, allowed_numbers(viscosity, name))
         for name, value in given.items()
         if isinstance(value, Quantity)
     }
@@ -443,9 +443,9 @@ def drive_of(table: keys.DriveTable, units: Units | None, transit: float) -> Dri
     key, given = "drive.velocity", table.velocity
     times = list[float]()
     for written, _ in given:
-        time = in_scene(key, written, units, keys.TIME, transit)
+        time = _in_scene(key, written, units, keys.TIME, transit)
         times.append(times[-1] if times and abs(time - times[-1]) <= slack(time) else time)
-    velocities = [in_scene(key, v, units, keys.LATER_VELOCITY if k else keys.VELOCITY) for k, (_, v) in enumerate(given)]
+    velocities = [_in_scene(key, v, units, keys.LATER_VELOCITY if k else keys.VELOCITY) for k, (_, v) in enumerate(given)]
     is_rising = all(earlier <= later for earlier, later in pairwise(times))
     if not is_rising or any(times[k] == times[k - 2] for k in range(2, len(times))):
         given_times = f"{key}: times = {shorten(times)} (transits of the upper slab)"

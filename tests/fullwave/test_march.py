@@ -13,7 +13,7 @@ import fullwave.lines.march
 import slipwave
 from fullwave.adapt import resolution_for, to_tolerance
 from fullwave.discontinuous import DiscontinuousGalerkin
-from fullwave.families import degree_for
+from fullwave.families import GALERKIN
 from fullwave.finite_difference import Leapfrog
 from fullwave.finite_element import FiniteElement
 from fullwave.lines.matrix import motion_matrix
@@ -233,7 +233,7 @@ def cycles(solver, until=400.0):
 
 def to_a_tolerance(scene, tolerance, **options):
     """As `--model dg --tol`."""
-    made = {"number": degree_for(tolerance), "resolution": resolution_for(tolerance)} | options
+    made = {"number": GALERKIN.suited(tolerance), "resolution": resolution_for(tolerance)} | options
     return to_tolerance(scene, tolerance, DiscontinuousGalerkin, made["number"] + 1, **made)
 
 
