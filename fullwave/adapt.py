@@ -7,9 +7,9 @@ grid is estimated as the rest of the geometric series, d / (g - 1), but never as
 is below the tolerance, or until too many cells would be needed even if d fell at the scheme's order from there on: on coarse
 grids it may fall later. If no cycle is complete, ln v and psi at the end of the probe are compared instead.
 
-All grids have nearly the same steps of an exact march, whose error cancels in d. It is ten times their resolution in regular
-motion and up to 5000 times in irregular motion, which amplifies it by as much on any grid. It is therefore measured, by finer
-steps on the last grid but one, and the steps become finer until it fits the tolerance.
+All grids have nearly the same steps of an exact march, whose error cancels in d. It is about ten times their resolution in
+regular motion, and up to 5000 times their resolution in irregular motion, which amplifies it equally on every grid. Therefore it
+is measured, by finer steps on the last grid but one, and the steps become finer until it fits the tolerance.
 
 The estimate holds for the length of the probe. In a chaotic run it becomes invalid at the rate at which nearby motions diverge. A
 start with a jump is of order 1 in every scheme, needs many cells, and is refused if these are too many. With a ramped drive the

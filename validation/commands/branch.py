@@ -66,7 +66,9 @@ def points_option(default: int) -> Any:
 class FollowedOptions(ModelOptions):
     """Options of `slipwave.branch` and `slipwave.curve`."""
 
-    tol: float | None = tolerance_option(BRANCH_TOLERANCE, "; of a full wave beside that of its grid, which --cells decides")
+    tol: float | None = tolerance_option(
+        BRANCH_TOLERANCE, "; of a full wave without the error of its grid, which --cells decides"
+    )
     out: Path | None = option("write each point here as it is computed", metavar="FILE.nc", suffixes=(".nc",))
     resume: Path | None = option(
         "go on from the last point in this file, and write the further ones to it", metavar="FILE.nc", suffixes=(".nc",)

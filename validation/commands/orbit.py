@@ -53,8 +53,8 @@ class _OrbitOptions(ModelOptions):
     EXAMPLES: ClassVar = ("slipwave orbit paper --set slab.log10_r=-2.65 --out orbit.nc",)
     DETAILS: ClassVar = (
         "Where several orbits coexist, a run leads to one at most: --others names the rest, --near-period finds them. A full "
-        "wave marches exactly in time; its orbit is that of its grid, whose error is part of those stated: the change on a grid "
-        "of two thirds of the cells, and half as much again."
+        "wave marches exactly in time; its orbit is that of its grid, whose error is part of those stated: 1.5 times the change "
+        "on a grid of two thirds of the cells."
     )
 
     tol: float | None = tolerance_option(ORBIT_TOLERANCE)

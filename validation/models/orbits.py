@@ -125,7 +125,7 @@ def with_error_of_grid(done: SceneOrbit, cells: int | None = None) -> SceneOrbit
     solver = cast(FieldSolver, moving(model, scene, cells))
     other = on_another_grid(solver, lambda number: cast(FieldSolver, moving(model, scene, number)))
     grid = f"that of the grid of {solver.cells} cells"
-    unknown = replace(done, grid=f"errors do not count {grid}: no run on another one leads to this orbit")
+    unknown = replace(done, grid=f"errors leave out {grid}: no run on another one leads to this orbit")
     if other is None:
         return unknown
     try:
@@ -137,7 +137,7 @@ def with_error_of_grid(done: SceneOrbit, cells: int | None = None) -> SceneOrbit
     by_grid = {name: GRID_MARGIN * abs(value - theirs[name]) for name, value in orbit.values().items()}
     figures = {name: Estimate(value, getattr(orbit, name).error + by_grid[name]) for name, value in orbit.values().items()}
     share = f"{by_grid['period'] / orbit.period.value:.2g} of the period"
-    note = f"errors count {grid}, from one of {other.cells}: {share}"
+    note = f"errors include {grid}, estimated from one of {other.cells}: {share}"
     return replace(done, periodic=replace(done.periodic, orbit=Orbit(**figures)), grid=note)
 
 

@@ -157,7 +157,7 @@ def test_every_function_is_a_command_but_one_and_every_command_a_function_but_tw
 
 @pytest.mark.parametrize("name", ["branch", "curve"])
 def test_a_tolerance_that_leaves_out_the_grid_says_so(printed, name):
-    assert "of a full wave beside that of its grid" in " ".join(printed(name, "--help").split())
+    assert "of a full wave without the error of its grid" in " ".join(printed(name, "--help").split())
 
 
 def test_every_command_has_examples_that_it_accepts(printed):

@@ -68,7 +68,7 @@ def test_the_errors_of_an_orbit_on_a_grid_count_that_of_its_grid():
         assert 0.05 * stated.error < abs(stated.value - value) < stated.error, name  # 0.16 to 0.29 measured
     assert result.error_estimate["period"] == result.stated.periodic.orbit.period.error
     assert result.scene_orbit.periodic.orbit.period.error < 1e-8
-    assert "errors count that of the grid of 32 cells, from one of 21: 1.5e-06 of the period" in result.notes
+    assert "errors include that of the grid of 32 cells, estimated from one of 21: 1.5e-06 of the period" in result.notes
 
 
 def test_the_error_of_a_grid_without_another_orbit_is_said_to_be_unknown(monkeypatch):
@@ -81,7 +81,7 @@ def test_the_error_of_a_grid_without_another_orbit_is_said_to_be_unknown(monkeyp
     monkeypatch.setattr("validation.models.orbits.find_orbit", another)
     told = with_error_of_grid(known)
     assert told.periodic is known.periodic
-    assert "errors do not count that of the grid of 4 cells: no run on another one leads to this orbit" in told.notes
+    assert "errors leave out that of the grid of 4 cells: no run on another one leads to this orbit" in told.notes
 
 
 @pytest.mark.parametrize(
