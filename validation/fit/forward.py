@@ -64,7 +64,10 @@ class OfReduction(Forward):
     def slopes(self, inner: Array) -> Array:
         """As `Forward`."""
         slabs, pieces = self._known(inner)
-        by_parameter = port_sensitivity(slabs, self._variants.neighbours(inner), pieces)
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # where v is next to 0, and a/v no number
+            by_parameter = port_sensitivity(slabs, self._variants.neighbours(inner), pieces)
+        if not np.isfinite(by_parameter).all():
+            raise NumericsError(f"{self._model}: friction has no derivative by the parameters where v comes next to 0")
         return np.column_stack(self._seen(slabs.scene, pieces, [*np.moveaxis(by_parameter, 1, 0)])[1:])
 
     def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:

@@ -3,6 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, Self
@@ -21,6 +22,7 @@ CONFIDENCE = 0.95
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
 _NAMED = 0.2  # share of a direction from which on a parameter is named in it
 _MOST, _EXPLORING = 60, 6  # steps of a descent, and of one that explores
+_LAST = 400  # steps of the descent to the minimum from values near it: along a narrow, bent valley it takes hundreds
 _FAR = 1.5  # times the noise: a residual from which on other starts are tried
 _PROFILE = 5  # trials for the end of an interval
 _ALIKE = 0.1  # relative difference from the derivative's interval that is let stand
@@ -127,19 +129,25 @@ def minimise(problem: Problem, starts: Iterable[Array], best: BestValues) -> Sol
         except (NumericsError, SceneError) as error:
             reasons.append(str(error))
             continue
-        if np.sqrt(np.mean(tried[-1][0].fun ** 2)) < _FAR:
+        if _is_near(tried[-1][0]):
             break
     if not tried:
         raise NumericsError(f"fit: no start value can be computed: {reasons[0]}")
     lowest = min(tried, key=lambda descent: descent[0].cost)
-    if lowest[0].status == 0 and lowest is not tried[0]:
-        lowest = _descend(problem, lowest[0].x, best, _MOST)
+    if lowest[0].status == 0 and (_is_near(lowest[0]) or lowest is not tried[0]):
+        with suppress(NumericsError, SceneError):  # it may come where nothing can be computed: this was no minimum either
+            lowest = _descend(problem, lowest[0].x, best, _LAST)
     (end, refusals), failed = lowest, ""
     if end.status == 0:
         failed = f"no minimum after {best.evaluations} evaluations"
     elif refusals and _is_above(end):
         failed = f"cannot be computed beside these values, which are no minimum ({refusals[-1]})"
     return Solution(end.x, end.fun, end.jac, best.evaluations, failed)
+
+
+def _is_near(end: optimize.OptimizeResult) -> bool:
+    """Whether the residual is little above the noise."""
+    return bool(np.sqrt(np.mean(end.fun**2)) < _FAR)
 
 
 def _is_above(end: optimize.OptimizeResult) -> bool:
@@ -200,14 +208,14 @@ def _crossing(problem: Problem, solution: Solution, way: Array, k: int, rise: fl
         ratio = math.sqrt(max(risen, 1e-4 * rise) / rise)
         if abs(ratio - 1.0) < (_ALIKE if trial == 0 else 0.2 * _ALIKE):
             return share
-        share *= min(max(1.0 / ratio, 0.5), 2.0)
-        inner = inner.copy()
-        inner[k] = solution.inner[k] + share * way[k]
+        if trial > 0:  # before, the others are only predicted: in a bent valley that is no bound of the rise
+            longer = share * (min(max(1.0 / ratio, 0.5), 2.0) - 1.0)
+            share, inner = share + longer, inner + longer * way  # all move: by one alone they would leave the valley
     return share
 
 
 def _others_best(problem: Problem, inner: Array, k: int) -> Array:
-    """The best values of all parameters but the k-th."""
+    """The best values of all parameters but the k-th. Raises NumericsError if they are not found."""
     free = np.arange(inner.size) != k
     if not free.any():
         return inner
@@ -225,7 +233,9 @@ def _others_best(problem: Problem, inner: Array, k: int) -> Array:
 
     bounds = (problem.low[free], problem.high[free])
     with np.errstate(divide="ignore", invalid="ignore"):  # as in `_descend`
-        best = optimize.least_squares(residual, inner[free], slopes, bounds, x_scale="jac", max_nfev=_EXPLORING)
+        best = optimize.least_squares(residual, inner[free], slopes, bounds, x_scale="jac", max_nfev=_MOST)
+    if best.status == 0:
+        raise NumericsError(f"no minimum over the others after {best.nfev} evaluations")
     return whole(best.x)
 
 

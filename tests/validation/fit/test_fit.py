@@ -1,5 +1,6 @@
 """`slipwave.fit`: derivatives against differences, known parameters given back, and what the data do not say."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ from validation.commands.fit import _chart, _missing_in, _values_in_words
 from validation.data.series import Series
 from validation.fit.cycles import CycleOfReduction, disturbed, mean_cycle
 from validation.fit.forward import OfReduction, OfSolver, solved
-from validation.fit.least_squares import BestValues, intervals, minimise
+from validation.fit.least_squares import BestValues, Solution, intervals, minimise, profiled
 from validation.fit.parameters import Variants, begun, schedule_of
 from validation.fit.problem import problem_of
 from validation.fit.records import Experiment, experiment_of
@@ -328,6 +329,46 @@ def test_a_descent_that_ends_at_values_that_cannot_be_computed_is_no_minimum(wal
     assert bool(found.failed) == bool(line)
     assert not line or "the wall" in found.failed
     assert (np.abs(found.inner - 1.0).max() < 1e-4) is not bool(line)
+
+
+class BentValley(Walled):
+    """Two unknowns of which the sum is known to 1 and the difference to 10, in a valley that a third, known to 1e-3, keeps narrow
+    and bent; what lies along the valley is linear in the two."""
+
+    names, low, high, large = ["x", "y", "z"], -np.full(3, 90.0), np.full(3, 90.0), np.full(3, 90.0)
+
+    def residual(self, inner):
+        x, y, z = inner
+        return np.array([1e3 * (z + 0.02 * (x * x + y * y)), x + y - 1.0, 0.1 * (x - y), *np.resize([1.0, -1.0], 40)])
+
+    def slopes(self, inner):
+        x, y, _ = inner
+        return np.vstack([[40.0 * x, 40.0 * y, 1e3], [1.0, 1.0, 0.0], [0.1, -0.1, 0.0], np.zeros((40, 3))])
+
+
+def test_an_interval_by_profile_is_as_wide_as_a_narrow_bent_valley():
+    """Before, its ends were where the other parameters were not yet at their best: at 0.04 of it."""
+    valley, there = BentValley(math.inf), np.array([0.5, 0.5, -0.01])
+    solution = Solution(there, valley.residual(there), valley.slopes(there), 1, "")
+    spread = intervals(valley, solution)
+    found = profiled(valley, solution, spread)
+    np.testing.assert_allclose([found.low[:2], found.high[:2]], [spread.low[:2], spread.high[:2]], rtol=0.05)
+
+
+def test_a_descent_along_a_narrow_bent_valley_goes_on_to_its_minimum():
+    """Before, it ended after 60 evaluations, and no interval was stated."""
+    best = BestValues(start := np.array([4.0, -3.0, -0.5]))
+    found = minimise(BentValley(math.inf), [start], best)
+    assert found.failed == ""
+    assert found.evaluations > 60
+    np.testing.assert_allclose(found.inner, [0.5, 0.5, -0.01], atol=1e-4)
+
+
+def test_friction_without_a_derivative_is_no_traceback():
+    """As at values to which a record in the wrong unit leads, where v falls to 1e-300."""
+    made, _ = of_model("quasidynamic", KEYS, np.linspace(0.0, 119.0, 50), 1e-7)
+    with pytest.raises(NumericsError, match="friction has no derivative by the parameters where v comes next to 0"):
+        made.slopes(np.log([1e-5, 1.0, 1e-4]))
 
 
 def test_a_fit_goes_on_where_its_checkpoint_cannot_be_written(tmp_path, caplog):
