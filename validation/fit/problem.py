@@ -139,12 +139,20 @@ def problem_of(
         variants = Variants(scenes, free, record.schedule)
         if with_waves:
             return _with_waves(disturbed(variants), record, name)
-        if record.cycle is None:
+        if (cycle := record.cycle) is None:
             return record, kind(variants, record.times, name, tolerance)
-        return record, CycleOfReduction(disturbed(variants), record.cycle.period, name, tolerance, record.cycle.phases)
+        if cycle.drift and "level" not in words:
+            record = _of_unknown_level(record, cycle.drift)
+        return record, CycleOfReduction(disturbed(variants), cycle.period, name, tolerance, cycle.phases)
 
     compared, models = zip(*map(seen, records), strict=True)
     return FrictionProblem(free, compared, models, tuple(name for name in NUISANCES if name in words))
+
+
+def _of_unknown_level(record: Experiment, drift: float) -> Experiment:
+    """The record with an error common to its friction: no one knows when within its `drift` the level was right."""
+    common = np.append(0.0, np.full(record.friction.size - 1, drift / 12.0**0.5))
+    return record._replace(together=np.column_stack([*([] if record.together is None else [record.together]), common]))
 
 
 def _rings(scene: Scene, model: str) -> bool:

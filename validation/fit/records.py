@@ -154,7 +154,7 @@ def _stick_slip(name: str, samples: Samples, schedule: Drive, notes: list[str]) 
     where = np.append(0.0, cycle.phases) * cycle.period
     text = f"{cycle.events} slip events: period {cycle.period:.6g}, fall of friction {cycle.drop:.4g}"
     if cycle.drift:
-        text += f"; its drift by {cycle.drift:.3g} was taken out, and the level at the middle counts (--free level)"
+        text += f"; its drift by {cycle.drift:.3g} was taken out, and its level is known to as much only (--free level)"
     if cycle.early:
         text += f"; {cycle.early} cycles before them are left out: in these the motion settles"
     travel = where * schedule.velocities[0]

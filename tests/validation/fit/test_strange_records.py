@@ -110,6 +110,22 @@ def test_stick_slip_is_fitted_from_values_that_slide_steadily(far, tmp_path):
     assert_held(sw.fit(SAMPLE, data=[path], free=free, settings=[f"{key}={value!r}" for key, value in start.items()]), TRUTH, 0.1)
 
 
+def sticking():
+    """Times and friction of stick-slip with noise."""
+    times, rng = np.arange(0.0, 400.0, 0.1), np.random.default_rng(12)
+    return times[500:], slider(times, [(0.0, 1e-5)], 1.2e9, 0.5)[500:] + 1e-3 * rng.standard_normal(3500)
+
+
+def test_stick_slip_with_an_offset_that_drifts_gives_its_values_back(tmp_path):
+    """Before, the level was that at the middle of the record, as if it were known to 1e-5."""
+    times, friction = sticking()
+    path = written(tmp_path / "cycles.csv", "time [s],friction", times, friction + 3e-6 * np.arange(3500))
+    start = ["slab.face.stiffness='2.4096 GPa/m'", "drive.velocity='10 um/s'"]
+    found = sw.fit(SAMPLE, data=[path], free=FREE, settings=start)
+    assert any("its drift by 0.00" in note for note in found.notes)
+    assert_held(found, TRUTH, 0.4)
+
+
 @pytest.mark.parametrize(
     ("moved", "told"),
     [
