@@ -48,14 +48,16 @@ class SlipEvents(NamedTuple):
 
 def slip_events(time: Array, friction: Array, slip: Array | None = None) -> SlipEvents:
     """The slip events of a record: falls by at least `FALL` of the range of friction, or of its means over so many samples that
-    noise is hidden, in which the interface slips, if `slip` is known; none that an end of the record cuts off. The date is when
-    friction last falls through the middle between its maximum and its minimum."""
+    noise is hidden, in which the interface slips, if `slip` is known; none that an end of the record cuts off, and none made by
+    single values far off their neighbours. The date is when friction last falls through the middle between its maximum and its
+    minimum."""
     spans: list[tuple[int, int]] = []
     for together in sorted({max(1, time.size // blocks) for blocks in (time.size, *_BLOCKS)}):
         means = _means(friction, together)
-        least = FALL * float(np.ptp(means))
+        calm = _without_spikes(means)
+        least = FALL * float(np.ptp(calm))
         if least > _ABOVE * noise_of(np.arange(means.size, dtype=float), means):
-            drops = falls(means, least)
+            drops = [span for span in falls(means, least) if _falls_by(calm, span, least)]
             spans = _without_cut(drops if slip is None else without_waves(drops, _means(slip, together)), means)
             break
     first, last = np.array(spans, dtype=np.intp).reshape(-1, 2).T
@@ -73,6 +75,18 @@ def slip_events(time: Array, friction: Array, slip: Array | None = None) -> Slip
 def _means(values: Array, together: int) -> Array:
     """Means of so many values each."""
     return np.asarray(values[: values.size // together * together].reshape(-1, together).mean(axis=1))
+
+
+def _without_spikes(values: Array) -> Array:
+    """Medians of three neighbours: single values far off the others make no fall, steps stay as they are."""
+    ends = np.concatenate([values[:1], values, values[-1:]])
+    return np.asarray(np.median([ends[:-2], ends[1:-1], ends[2:]], axis=0))
+
+
+def _falls_by(values: Array, span: tuple[int, int], least: float) -> bool:
+    """Whether values fall by `least` from the highest to the lowest after it within a span."""
+    part = values[span[0] : span[1] + 1]
+    return bool((np.maximum.accumulate(part) - part).max() >= least)
 
 
 def without_waves(spans: list[tuple[int, int]], slip: Array) -> list[tuple[int, int]]:

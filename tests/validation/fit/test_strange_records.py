@@ -13,6 +13,7 @@ from slipwave.input.assemble import to_toml
 from tests.copies import killed
 from tests.validation.records import assert_held, written
 from validation.commands.cli import main
+from validation.data.record_events import slip_events
 from validation.data.series import read_series
 from validation.fit.least_squares import BestValues
 from validation.fit.records import experiment_of, followed
@@ -124,6 +125,16 @@ def test_stick_slip_with_an_offset_that_drifts_gives_its_values_back(tmp_path):
     found = sw.fit(SAMPLE, data=[path], free=FREE, settings=start)
     assert any("its drift by 0.00" in note for note in found.notes)
     assert_held(found, TRUTH, 0.4)
+
+
+def test_spikes_of_single_samples_are_no_slip_events():
+    """Before, 22 events: falls from a spike to the next were more than 40 % of the range of friction."""
+    times, friction = sticking()
+    spikes = np.zeros(3500)
+    spikes[600:3400:300], spikes[660:3400:300] = 0.03, -0.03
+    clean, found = slip_events(times, friction).date, slip_events(times, friction + spikes).date
+    assert clean.size == 12
+    np.testing.assert_allclose(found, clean, atol=0.1)  # a sample
 
 
 @pytest.mark.parametrize(
