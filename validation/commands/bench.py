@@ -106,6 +106,8 @@ def bench(source: SceneSource, options: _BenchOptions) -> BenchResult:
     family, setting = (delay, {"tolerance": _REFERENCE_TOLERANCE}) if delay is not None else trials[-1]  # else its finest
     all_of_it = length_of(scene, one_port_of(family.example))
     reference = _prepared(scene, family, setting, all_of_it, options.most_seconds)()
+    if reference.stopped:
+        raise KeyboardInterrupt
     if nothing(reference):
         raise SceneError(f"until = {reference.until:g}: {nothing(reference)}")
     length = Length(until=reference.until)

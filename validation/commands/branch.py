@@ -179,8 +179,10 @@ class FollowedResult(Result):
 
     def to_go_on(self, options: FollowedOptions) -> str:
         """How to continue from the file, for a message."""
-        kept = f"--resume {options.file} goes on from there"
-        return kept if options.file else "no file was kept: --out FILE.nc keeps one to go on from"
+        if options.file is None:
+            return "no file was kept: --out FILE.nc keeps one to go on from"
+        kept = options.resume if self.end is None else options.file  # which is written with the first point
+        return f"--resume {kept} goes on from there" if kept else ""
 
     def to_netcdf(self, path: str | Path) -> None:
         """Write the points and, if any, the end from which they can be continued. Raises SceneError if the file cannot be

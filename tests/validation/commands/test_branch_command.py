@@ -7,6 +7,7 @@ import signal
 import tomllib
 from dataclasses import replace
 from itertools import islice
+from pathlib import Path
 
 import netCDF4
 import numpy as np
@@ -91,6 +92,14 @@ def test_pieces_of_one_stability_meet_at_special_points(whole):
         stable, unstable = ends["stable"], ends["unstable"]
         birth, fold = ([special.value, getattr(special, name)] for special in found.special)
         assert (unstable, stable[0]) == ([birth, fold], fold)
+
+
+def test_a_branch_stopped_before_its_first_point_names_no_file_that_is_not_there():
+    nothing = BranchResult(None, BranchOptions(), 0.0)
+    told = "--resume a.nc goes on from there"
+    assert nothing.to_go_on(BranchOptions(out=Path("x.nc"))) == ""
+    assert nothing.to_go_on(BranchOptions(resume=Path("a.nc"))) == told
+    assert nothing.to_go_on(BranchOptions(resume=Path("a.nc"), out=Path("x.nc"))) == told
 
 
 @pytest.mark.parametrize(("by", "kept"), [(signal.SIGINT, True), (signal.SIGKILL, True), (signal.SIGINT, False)])

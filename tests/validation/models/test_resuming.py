@@ -126,6 +126,12 @@ def test_a_run_with_checkpoints_names_the_last_one(tmp_path):
     assert 200.0 <= float(found[1]) < 201.0 < 220.0 <= time <= 251.0
 
 
+def test_a_bench_whose_reference_was_stopped_is_interrupted(tmp_path):
+    """Before, it took the others' times all the same, and its exit status was 3."""
+    done = interrupted(["bench", "paper", "--until", "4000", "--json"], 2500.0, tmp_path, signal.SIGINT)
+    assert (done.returncode, done.stdout, done.stderr.splitlines()[-1]) == (INTERRUPTED, "", "slipwave: interrupted")
+
+
 def test_a_comparison_shows_the_models_it_has(tmp_path):
     words = ["compare", "paper", "--models", "delay,block8", "--until", "400", "--json", "--out", "x.png"]
     out, _, how_to_resume = stopped(words, 100.0, tmp_path, "400")
