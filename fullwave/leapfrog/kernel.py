@@ -41,8 +41,8 @@ MOST_PIECES = 1024
 # slots of the interface's memory
 STATE, STRESS, ELASTIC, DRIVE, INPUT, FRICTION = 0, 1, 2, 3, 4, 5
 Z, PSI = 6, 11  # the last five samples of each, latest first, for the friction solve's starting values
-RATE = 16  # the upper slab's interface velocity at the last sample
-MEMORY = 17
+RATE, SLIP_RATE = 16, 17  # the upper slab's interface velocity, and v, at the last sample
+MEMORY = 18
 
 COARSEST_HALF_STEP = 1.0
 """Largest change of psi over half a step that the midpoint rule can follow. A step with a larger change counts as failed, and the
@@ -122,7 +122,7 @@ def steady_memory(scene: Scene) -> Array:
     memory[Z:PSI] = unknown_of(scene.law, scene.velocity)
     memory[PSI : PSI + 5] = psi
     memory[[STRESS, ELASTIC]] = scene.steady_stress
-    memory[DRIVE] = scene.drive.initial
+    memory[DRIVE] = memory[SLIP_RATE] = scene.drive.initial
     return memory
 
 
@@ -144,15 +144,12 @@ def _take_step(
     mean = 0.25 * (previous + following)
     memory[DRIVE] = following
     strain(upper.medium)
-    slip_rate = 2.0 * upper.medium.velocity[0]
     own, own_load = load(upper.medium, upper.face, mean, 0.5 * following)
     impedance, incoming = 0.5 * own, own_load
     if lower is not None:
         strain(lower.medium)
-        slip_rate = upper.medium.velocity[0] + lower.medium.velocity[0]
         other, other_load = load(lower.medium, lower.face, mean, 0.5 * following)
         impedance, incoming = own * other / (own + other), (own_load * other + other_load * own) / (own + other)
-    memory[ELASTIC] += dt * forcing.stiffness * (previous - slip_rate)
     z, psi, v, converged = _solve_friction(
         law,
         impedance,
@@ -167,6 +164,9 @@ def _take_step(
     rate = 0.5 * v if lower is None else (own_load - stress) / own
     power = accelerate(upper.medium, upper.face, rate, mean, 0.5 * following)
     power += power if lower is None else accelerate(lower.medium, lower.face, v - rate, mean, 0.5 * following)
+    # by samples of v: velocities at half times, whose means these are, alternate for ever behind a jump
+    memory[ELASTIC] += dt * forcing.stiffness * (previous - 0.5 * (memory[SLIP_RATE] + v))
+    memory[SLIP_RATE] = v
     change = psi - memory[STATE]
     memory[STATE] = psi + min(COARSEST_HALF_STEP, max(-COARSEST_HALF_STEP, change))
     memory[RATE] = rate

@@ -93,6 +93,20 @@ def test_a_step_of_v_radiates_what_a_mass_behind_a_stiff_dashpot_takes_up(steps_
     assert solver.energy().radiated == pytest.approx(scene.upper.termination.mass * 25.0**2, rel=0.02)
 
 
+@pytest.mark.parametrize("cells", [100, 400])
+def test_fd_dates_an_event_behind_a_jump_of_v_in_which_v_stays_above_half_its_maximum(cells):
+    """At the largest elastic stress; before, at the next front, 6.0 less a cell, because the stress of every other step swung
+    around that of the motion."""
+    changes = ["drive.velocity=[[0,100],[4.5,100],[4.5,300]]", "slab.log10_r=-2.44", "slab.epsilon=3e-4"]
+    scene = slipwave.read("paper", changes)
+    dates = []
+    for solver in (Leapfrog(scene, cells=cells), build("delay", scene, tolerance=1e-10)):
+        observer = EventObserver(scene, solver.nodes)
+        follow(solver, 7.0, [observer])
+        dates.append(observer.dates())
+    assert dates[0] == pytest.approx(dates[1], abs=0.15 / cells)
+
+
 @pytest.mark.parametrize(("family", "name"), PAIRS)
 def test_no_scene_lets_the_frictionless_motion_grow(family, name):
     """Spectrum of the plain matrix: nothing to the right of the imaginary axis, locked or free."""
