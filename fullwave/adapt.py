@@ -1,11 +1,13 @@
 """Chooses degree, cells and step of a full wave for a requested tolerance, by an error estimate from successive grids.
 
 The scene is run from its own start until 400 transits after the last knot of its drive (or to its end, if that is earlier) on
-grids whose cells increase by factors of 3/2. Let d be the largest relative difference, between two successive grids, of any
-complete cycle's period or stress drop, and g the factor by which d falls from one refinement to the next. The error of the finer
-grid is estimated as the rest of the geometric series, d / (g - 1), but never as less than d. Grids are refined until the estimate
-is below the tolerance, or until too many cells would be needed even if d fell at the scheme's order from there on: on coarse
-grids it may fall later. If no cycle is complete, ln v and psi at the end of the probe are compared instead.
+grids of 3/2 of the cells of the one before. In layers, whose cells are whole numbers and at least the family's fewest, that may
+leave cells as long as they are; then their number increases until they are so much shorter that d still bounds the error. Let d
+be the largest relative difference, between two successive grids, of any complete cycle's period or stress drop, and g the
+factor by which d falls from one refinement to the next. The error of the finer grid is estimated as the rest of the geometric
+series, d / (g - 1), but never as less than d. Grids are refined until the estimate is below the tolerance, or until too many
+cells would be needed even if d fell at the scheme's order from there on: on coarse grids it may fall later. If no cycle is
+complete, ln v and psi at the end of the probe are compared instead.
 
 All grids have nearly the same steps of an exact march, whose error cancels in d. It is about ten times their resolution in
 regular motion, and up to 5000 times their resolution in irregular motion, which amplifies it equally on every grid. Therefore it
@@ -20,18 +22,19 @@ by 1.5^p.
 """
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain
 from typing import Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 
 from fullwave.families import GALERKIN
-from fullwave.lines.blocks import Section
+from fullwave.lines.blocks import sections_of
 from fullwave.lines.exact import EXACT_TOLERANCE
 from fullwave.lines.march import MethodOfLines
-from fullwave.options import CellsRefused
+from fullwave.options import MOST_CELLS, CellsRefused
 from slipwave.errors import NumericsError, SceneError
 from slipwave.observe import EventObserver
 from slipwave.observe.pieces import Array
@@ -51,6 +54,9 @@ PROBE = 400.0
 GRID_MARGIN = 1.5
 """Times the change of a figure from one grid to the next, at order 2: on 109 scenes, alike, unlike and layered, 5 errors exceed
 that change and none this multiple of it."""
+
+_MUCH_COARSER, _MUCH_FINER = math.sqrt(1.0 + 1.0 / GRID_MARGIN), math.sqrt(GRID_MARGIN / (GRID_MARGIN - 1.0))
+"""Least ratios of the cells of a coarser and of a finer grid, at which that multiple is the error at order 2."""
 
 _AT_FRONTS = 10.0  # instead of it where fronts are, of order 1: of 159 errors 54 exceed the other and 11 this one
 _RATIO = 1.5
@@ -97,8 +103,6 @@ def to_tolerance(
         raise SceneError(f"tolerance = {tolerance!r}: must lie in [{least:g}, {most:g}]")
     coarsest = _first_accepted(lambda cells: kind(scene, cells=cells, **options), range(2, _MOST_NEEDED))
     cells = coarsest.cells if coarsest else _MOST_NEEDED
-    if coarsest and isinstance(cast(object, coarsest), MethodOfLines):  # no two grids of the leapfrog are one: its step follows
-        cells = _most_cells_alike(coarsest.sections)
     tried: list[tuple[int, float]] = []
     credited = min(credited, 1.0 if _has_fronts(scene) else _IRREGULAR if _kinked(scene) else math.inf)
     slowest = _RATIO ** min(order, credited)
@@ -128,7 +132,7 @@ def to_tolerance(
             outlook = "; its steps are as short as they can be"
             break
         needed = _needed(cells, tried[-1][1] / tolerance, max(gain, slowest)) if cells >= _SETTLED else 0.0
-        before, last_cells, cells = now, cells, math.ceil(_RATIO * cells)
+        before, last_cells, cells = now, cells, _refined(solver)
     if needed > MOST_TRIED_CELLS:
         outlook = f"; by its trend it needs about {float(f'{needed:.2g}'):,.0f} cells, but at most {MOST_TRIED_CELLS} are tried"
     raise NumericsError(
@@ -162,13 +166,28 @@ def _steps_within(
     return resolution, error
 
 
-def _most_cells_alike(sections: Sequence[Section]) -> int:
-    """The largest number of cells that gives the coarsest grid, `sections`, in which every layer has its fewest cells. Grids up
-    to it are identical, so that their difference is no error estimate."""
-    slabs = {section.slab for section in sections}
-    thinnest = min(sum(section.length for section in sections if section.slab == slab) for slab in slabs)
-    thickest = max(section.length for section in sections)
-    return max(sections[0].asked, int(sections[0].fewest * thinnest / thickest + 1e-9))
+def _widths(solver: FieldSolver, cells: int | None = None) -> list[float]:
+    """Length of the cells (transits of travel time) in each layer on the grid of `solver`, or of its scene and family with so
+    many `cells`. Raises CellsRefused if the family does not accept them."""
+    if not isinstance(cast(object, solver), MethodOfLines):
+        return [1.0 / (cells or solver.cells)]  # up to a factor: the cells of the leapfrog follow its step, in layers too
+    sections = cast(MethodOfLines, solver).sections
+    if cells is not None:
+        sections = tuple(sections_of(solver.scene, cells, sections[0].fewest))
+    return [section.length / section.cells for section in sections]
+
+
+def _is_finer(fine: list[float], coarse: list[float], factor: float) -> bool:
+    """Whether cells are shorter by `factor` in each layer, those much finer than the longest left out: their error is small."""
+    longest = max(fine)
+    return all(factor * one <= other or _RATIO * one <= longest for one, other in zip(fine, coarse, strict=True))
+
+
+def _refined(solver: FieldSolver) -> int:
+    """Number of cells of the next grid: 3/2 of those of `solver`, or the fewest more at which cells are shorter in each layer."""
+    here, numbers = _widths(solver), range(math.ceil(_RATIO * solver.cells), MOST_TRIED_CELLS + 1)
+    finer = (cells for cells in numbers if _is_finer(_widths(solver, cells), here, _MUCH_COARSER))
+    return next(finer, MOST_TRIED_CELLS + 1)
 
 
 def resolution_for(tolerance: float) -> float:
@@ -208,18 +227,19 @@ def _first_accepted(make: Callable[[int], Solved], numbers: Iterable[int]) -> So
 
 def on_another_grid(solver: FieldSolver, make: Callable[[int], FieldSolver]) -> FieldSolver | None:
     """The solver that `make` makes on a grid of two thirds of the cells of `solver`, or the fewest more that its family accepts,
-    or of 3/2; None if there is none."""
-    fewer = range(max(1, int(solver.cells / _RATIO)), solver.cells)
-    more = range(math.ceil(_RATIO * solver.cells), 2 * solver.cells)
+    or else of 3/2 or more, whose cells differ by so much in each layer that GRID_MARGIN times the change of a figure of order 2
+    exceeds its error; None if there is none."""
+    here, fewer, more = _widths(solver), max(1, int(solver.cells / _RATIO)), math.ceil(_RATIO * solver.cells)
 
     def another(cells: int) -> FieldSolver:
-        """The solver with so many cells, if that makes its grid another one: thin layers have the fewest cells already."""
-        other = make(cells)
-        if other.settings["cells"] == solver.settings["cells"]:
-            raise CellsRefused(f"cells = {cells}: the same grid")
-        return other
+        """The solver with so many cells."""
+        there = _widths(solver, cells)
+        finer = _is_finer(here, there, _MUCH_COARSER) if cells < solver.cells else _is_finer(there, here, _MUCH_FINER)
+        if not finer:
+            raise CellsRefused(f"cells = {cells}: hardly another grid")
+        return make(cells)
 
-    return _first_accepted(another, (*fewer, *more))
+    return _first_accepted(another, chain(range(fewer, solver.cells), range(more, MOST_CELLS + 1)))
 
 
 def _probed_until(scene: Scene) -> float:
