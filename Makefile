@@ -5,7 +5,7 @@ STAMP := .venv/installed
 # small matrices gain nothing from more threads, and lose a factor of 50 where processes share the machine
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: install test studies slow report wheel bench docs cf page browser faults
+.PHONY: install test studies slow report wheel oldest bench docs cf page browser faults
 
 install: $(STAMP)
 
@@ -41,6 +41,11 @@ report: $(STAMP)
 # the package as a wheel, installed into a fresh environment and used from another folder
 wheel: $(STAMP)
 	$(BIN)/python -m tests.wheel $(if $(QUICK),--quick-report)
+
+# the tests with the oldest packages that pyproject.toml allows, in an environment of their own
+oldest: export PYTHONDONTWRITEBYTECODE =
+oldest: $(STAMP)
+	$(BIN)/python -m tests.oldest
 
 # run times and their ratios, against another program with YARDSTICK=PROGRAM.py; judges nothing
 bench: export PYTHONDONTWRITEBYTECODE =

@@ -4,6 +4,7 @@ import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -136,7 +137,8 @@ def _draw_scale(axes: Axes, which: str, axis: Scale) -> None:
         if is_power:
             there, back = functions
             functions = (lambda values: there(10.0**values), lambda values: np.log10(np.maximum(back(values), 1e-300)))
-        other: Any = axes.secondary_xaxis("top", functions) if which == "x" else axes.secondary_yaxis("right", functions)
+        second = partial(axes.secondary_xaxis, "top") if which == "x" else partial(axes.secondary_yaxis, "right")
+        other: Any = second(functions=functions)
         other.set(**{f"{which}label": label})
         marks = getattr(other, f"{which}axis")
         if axis.kind == "log" and not is_power:

@@ -227,7 +227,7 @@ def test_the_slip_rate_beside_a_record_is_a_mean_over_cycles_as_the_records(tmp_
     result.write_series(tmp_path / "irregular.csv")
     compared = sw.compare("paper-2.3", "delay", data=tmp_path / "irregular.csv", smooth=1, until=4000.0)
     (row,) = compared.rows
-    assert row["v_max"] > 1.1 * compared.data.v_max.mean
+    assert row["v_max"] > 1.05 * compared.data.v_max.mean  # by 8 or 13 %, as numbers round
     assert row["against_data"] == pytest.approx({"period": 0.0, "stress_drop": 0.0, "v_max": 0.0}, abs=5e-3)
     chosen = sw.compare("paper-2.3", "delay", data=tmp_path / "irregular.csv", until=4000.0)
     assert chosen.data.smoothing.samples > 1

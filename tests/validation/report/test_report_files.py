@@ -7,6 +7,7 @@ import math
 import os
 import re
 import subprocess
+from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
 from xml.etree import ElementTree as xml
@@ -77,6 +78,10 @@ def test_report_json_says_all_and_comes_back(changing, capsys):
     assert [file for one in told["figures"] for file in one["files"] if not (changing.out / file).exists()] == []
 
 
+LOCKED = re.search(r"^pydantic==(.+)$", (ROOT / "requirements.lock").read_text(), re.MULTILINE)
+
+
+@pytest.mark.skipif(LOCKED is None or version("pydantic") != LOCKED[1], reason="other words of another pydantic")
 def test_the_published_schema_is_that_of_the_classes():
     assert json.loads((ROOT / "docs/report.schema.json").read_text()) == json.loads(json.dumps(report_schema()))
 
