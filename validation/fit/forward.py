@@ -3,6 +3,7 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,7 @@ class OfReduction(Forward):
 
     def _known(self, inner: Array) -> tuple[ReducedSlabs, Pieces]:
         if self._last is None or not np.array_equal(self._last[0], inner):
-            slabs = ReducedSlabs(self.scene(inner), lambda scene: reduction_of(scene, self._model), STAGES)
+            slabs = ReducedSlabs(self.scene(inner), partial(reduction_of, name=self._model), STAGES)
             self._last = inner.copy(), (slabs, self._march(slabs.scene))
         slabs, pieces = self._last[1]
         return slabs, pieces

@@ -1,6 +1,7 @@
 """`slipwave.fit`: derivatives against differences, known parameters given back, and what the data do not say."""
 
 import math
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -77,6 +78,12 @@ def test_known_parameters_lie_in_their_intervals(steps):
     assert_held(found, TRUTH, 2e-3)
     assert found.residual["rms"] == pytest.approx(NOISE, rel=0.02)
     assert found.summary["correlation"][KEYS[0]][KEYS[1]] == pytest.approx(found.dataset["correlation"].values[0, 1])
+
+
+def test_a_fit_is_pickled_as_between_processes(steps):
+    found = sw.fit("velocity-steps", data=[str(steps)], free=["interface.a"], settings=THIN)
+    other = pickle.loads(pickle.dumps(found))
+    assert (other.summary, other.dataset.equals(found.dataset)) == (found.summary, True)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
