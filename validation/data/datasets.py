@@ -8,7 +8,7 @@ import numpy as np
 
 from slipwave.errors import SceneError
 from slipwave.extras import require
-from slipwave.files import ONE_THREAD
+from slipwave.files import ONE_THREAD, reason_of
 
 if TYPE_CHECKING:
     from xarray import DataArray as DataArray
@@ -66,4 +66,4 @@ def load_dataset(path: str | Path, problem: str) -> Dataset:
         with ONE_THREAD:
             return xarray.load_dataset(path, engine="netcdf4")
     except (OSError, ValueError) as error:
-        raise SceneError(f"{problem}: {str(error).lower()}") from None
+        raise SceneError(f"{problem}: {reason_of(error)}") from None
