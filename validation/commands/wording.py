@@ -155,10 +155,12 @@ def _in_si(slab: Slab, units: Units, alike: bool) -> str:
 def _units(scene: Scene, units: Units) -> list[str]:
     stiffness = scene.stiffness / scene.transit * units.face["stiffness"]
     velocity = scene.velocity * units.reference_velocity
+    yields = any(slab.termination.has_dead_load for slab in scene.slabs)  # then the drive's displacement does not last as a load
+    of_what = "0, since a face has no spring, without that face " if yields else ""
     return [
         f"units: L = {units.memory_length:g} m, V* = {units.reference_velocity:g} m/s, sigma = {units.normal_stress:g} Pa",
         f"one transit = {rounded(scene.transit * units.time, 6)} s; V = {rounded(velocity, 6)} m/s; "
-        f"stiffness of slabs and faces in series {rounded(stiffness, 6)} Pa/m, "
+        f"stiffness of slabs and faces in series {of_what}{rounded(stiffness, 6)} Pa/m, "
         f"over the normal stress {rounded(1e-6 * stiffness / units.normal_stress, 6)} /um",
     ]
 

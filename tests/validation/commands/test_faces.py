@@ -12,6 +12,7 @@ from reduced.impedance.transmission_line import Jet, slab_ratio
 from slipwave.friction.law import friction_slopes
 from slipwave.scene.slab import Layer
 from tests.granite import GRANITE
+from validation.commands.wording import header
 
 R = 0.0018
 GRIP = {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}
@@ -147,3 +148,20 @@ def test_critical_values_say_where_a_setting_does_not_lead_to_them(scene, face, 
     there = slipwave.stability(scene, **{"slab.face": face, "log10_r": found.log10_r_c})
     assert bool(abs(there.leading_roots[0].real) > 1e-6) is told
     assert any("a face in units of its own" in note for note in found.notes) is told
+
+
+@pytest.mark.parametrize(
+    ("face", "told"),
+    [
+        ({"kind": "rigid"}, "in series 1.48907e+07 Pa/m"),
+        ({"kind": "reflection", "coefficient": 1.0}, "in series 1.48907e+07 Pa/m"),
+        (
+            {"kind": "reflection", "coefficient": 0.5},
+            "in series 0, since a face has no spring, without that face 1.48907e+07 Pa/m",
+        ),
+    ],
+)
+def test_slabs_behind_a_face_without_a_spring_have_no_stiffness(face, told):
+    """That of the slabs is G/(2 h). The drive does not load the interface through such a face, however stiff slabs are."""
+    scene = slipwave.read("paper-si", {"slab.face": face})
+    assert f"stiffness of slabs and faces {told}" in "\n".join(header(scene))
