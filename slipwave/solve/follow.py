@@ -147,11 +147,13 @@ _LARGEST = 700.0  # |ln v|: little more is zero or infinite as a number
 _ENOUGH = 20_000  # pieces, some 0.1 s; from then on their number per transit is extrapolated to the rest of the run
 
 
-def require_time(solver: Solver, until: float, most: float = DAY) -> None:
-    """Raises SceneError if `solver` has fixed steps and needs more than `most` seconds to reach `until` (transits)."""
+def require_time(solver: Solver, until: float, most: float = DAY) -> float:
+    """Predicted run time (s) of `solver` to `until` (transits), NaN unless its steps are fixed. Raises SceneError if it is more
+    than `most` seconds."""
     length = solver.transits_per_piece
-    if not math.isnan(length):
-        _require(solver, until, (until - solver.time) / length if length > 0.0 else math.inf, most)
+    if math.isnan(length):
+        return math.nan
+    return _require(solver, until, (until - solver.time) / length if length > 0.0 else math.inf, most)
 
 
 class Foresight:
@@ -187,7 +189,8 @@ def in_days(seconds: float) -> str:
     return some if seconds < 1e4 * 365 * DAY else "more than ten thousand years"
 
 
-def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
+def _require(solver: Solver, until: float, pieces: float, most: float) -> float:
+    """The predicted run time (s) of so many `pieces`, as `require_time`."""
     seconds = pieces * solver.seconds_per_piece
     if seconds > most:
         raise SceneError(
@@ -195,6 +198,7 @@ def _require(solver: Solver, until: float, pieces: float, most: float) -> None:
             f"({pieces * (solver.nodes.size - 1):.2g} samples of the interface): "
             f"run fewer transits, or use fewer cells or a larger cfl; --yes runs them anyway"
         )
+    return seconds
 
 
 class NamedObserver(Observer, Resumable, Protocol):

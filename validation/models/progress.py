@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from slipwave.friction import respond, steady_state, unknown_of
+from slipwave.scene import Scene
 from slipwave.scene.drive import Drive
 from slipwave.solve import Solver
 
@@ -146,23 +147,38 @@ class News:
 
 
 class LongRunAdvice:
-    """Logs once, if the rest of a run of `solver` is long, the cheaper model with its estimated error."""
+    """Logs once, if a run of `solver` is long, the cheaper model with its estimated error."""
 
     def __init__(self, solver: Solver) -> None:
         self._solver = solver
-        elastic = all(slab.viscosity is None for slab in solver.scene.slabs)
-        self._silent = solver.model.partition(":")[0] not in _DEAR or not elastic
+        self._silent = solver.model.partition(":")[0] not in _DEAR
+
+    def foretell(self, seconds: float) -> None:
+        """Take the run time (s) predicted before the run, or NaN. From ten times LONG on it is told at once: `RemainingTime`
+        would be silent for more than LONG."""
+        if seconds > 10.0 * LONG:
+            self._tell(f"about {seconds / 3600.0:.2g} h expected")
 
     def __call__(self, left: tuple[float, float]) -> None:
         """Take the time `left` (s), as `RemainingTime` predicts it."""
-        if self._silent or math.sqrt(left[0] * left[1]) < LONG:
-            return
+        if math.sqrt(left[0] * left[1]) >= LONG:
+            self._tell(_in_words(left))
+
+    def _tell(self, duration: str) -> None:
+        if not self._silent:
+            log.info("%s of this run; --model %s", duration, _cheaper(self._solver.scene))
         self._silent = True
-        scene, velocity = self._solver.scene, max(self._solver.scene.drive.velocities)
-        _, v_z, _, friction_z, *_ = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
-        log.info(
-            "%s of this run; --model quasidynamic is cheaper and leaves out the echoes of waves, each of which changes v by up "
-            "to %.1g of itself (estimated; more where the motion stick-slips)",
-            _in_words(left),
-            2.0 * scene.impedance * v_z / friction_z,  # by one echo of a change of V
-        )
+
+
+def _cheaper(scene: Scene) -> str:
+    """A model that is cheaper for a scene than those without an error of their own, and what it leaves out. One echo of a change
+    of V says what echoes do; viscous slabs also creep, which the fit keeps."""
+    if any(slab.viscosity for slab in scene.slabs):
+        return "fitted:8 is cheaper and computes the slabs by a fit of their exact impedance"
+    velocity = max(scene.drive.velocities)
+    _, v_z, _, friction_z, *_ = respond(scene.law, unknown_of(scene.law, velocity), steady_state(scene.law, velocity))
+    echo = 2.0 * scene.impedance * v_z / friction_z
+    return (
+        f"quasidynamic is cheaper and leaves out the echoes of waves, each of which changes v by up to {echo:.1g} of itself "
+        "(estimated; more where the motion stick-slips)"
+    )

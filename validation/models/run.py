@@ -236,14 +236,15 @@ def simulate(
         for end in wanted.ends(solver.time):
             if work.seconds(end) > wanted.most_seconds:
                 break
-            require_time(solver, end, most_seconds)
+            advice = LongRunAdvice(solver)
+            advice.foretell(require_time(solver, end, most_seconds))
             until, final, judged = end, None, None
             work.until = end
             for mark in marks:
                 if isinstance(mark, Checkpoints):
                     mark.until = end
             share = share_of_run(solver.scene.drive, end)
-            with progress(f"{solver.scene.name}, {solver.model}", end, share, LongRunAdvice(solver)) as report:
+            with progress(f"{solver.scene.name}, {solver.model}", end, share, advice) as report:
                 final = follow(solver, end, everyone, report, marks)
             judged = _judged(solver, watch, until, final)
             ended = wanted.ended(judged)

@@ -127,6 +127,36 @@ def test_one_line_names_the_cheaper_model_and_its_error(model, seconds, says, ca
     assert [("63 s left" in line and "quasidynamic" in line and "0.08" in line) for line in told] == [True] * says
 
 
+@pytest.mark.parametrize(
+    ("scene", "model", "seconds", "told"),
+    [
+        ("viscous", "fd", 7200.0, "about 2 h expected of this run; --model fitted:8 is cheaper"),
+        ("paper", "dg:7", 7200.0, "about 2 h expected of this run; --model quasidynamic is cheaper"),
+        ("paper", "fd", 60.0, ""),
+        ("paper", "delay", math.nan, ""),
+        ("paper", "quasidynamic", 7200.0, ""),
+    ],
+)
+def test_a_run_of_hours_is_foretold_with_a_cheaper_model(scene, model, seconds, told, caplog, monkeypatch):
+    monkeypatch.setattr("validation.models.progress.LONG", 60.0)
+    advice = LongRunAdvice(build(model, slipwave.read(scene)))
+    with caplog.at_level(logging.INFO, logger="slipwave"):
+        advice.foretell(seconds)
+        if told:
+            advice((7000.0, 7100.0))  # is not told again
+    assert [record.getMessage()[: len(told)] for record in caplog.records] == [told] * bool(told)
+
+
+def test_the_time_of_fixed_steps_is_foretold_before_the_first_of_them(monkeypatch, caplog):
+    """Until a tenth of the run is over nothing else would say that it takes hours."""
+    solver = build("fd", slipwave.read("viscous"))
+    monkeypatch.setattr("validation.models.progress.LONG", 60.0)
+    monkeypatch.setattr(Leapfrog, "seconds_per_piece", 36000.0 * solver.transits_per_piece / 2.0)
+    with caplog.at_level(logging.INFO, logger="slipwave"):
+        simulate(solver, 2.0)
+    assert caplog.messages[0].startswith("about 10 h expected of this run")
+
+
 def test_a_continued_run_is_predicted_from_where_it_goes_on():
     """From a half on at 5 % in 2 s; the first news, of any time, is the beginning."""
     remaining = RemainingTime()
