@@ -154,19 +154,19 @@ class LongRunAdvice:
         self._silent = solver.model.partition(":")[0] not in _DEAR
 
     def foretell(self, seconds: float) -> None:
-        """Take the run time (s) predicted before the run, or NaN. From ten times LONG on it is told at once: `RemainingTime`
-        would be silent for more than LONG."""
+        """Take the run time (s) predicted before the run, or NaN: no figure to tell so early, but from ten times LONG on
+        `RemainingTime` would be silent for more than LONG."""
         if seconds > 10.0 * LONG:
-            self._tell(f"about {seconds / 3600.0:.2g} h expected")
+            self._tell("this run is long")
 
     def __call__(self, left: tuple[float, float]) -> None:
         """Take the time `left` (s), as `RemainingTime` predicts it."""
         if math.sqrt(left[0] * left[1]) >= LONG:
-            self._tell(_in_words(left))
+            self._tell(f"{_in_words(left)} of this run")
 
-    def _tell(self, duration: str) -> None:
+    def _tell(self, news: str) -> None:
         if not self._silent:
-            log.info("%s of this run; --model %s", duration, _cheaper(self._solver.scene))
+            log.info("%s; --model %s", news, _cheaper(self._solver.scene))
         self._silent = True
 
 
