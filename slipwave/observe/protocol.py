@@ -10,8 +10,9 @@ the knots of the drive:
 
 A stage has settled if it ends within the run and, in its last tenth, the slip rate is within 1 % of V. It stick-slips if it has
 not settled and the slip rate changes by more than a factor e in its third quarter and in its last, there as much as before: a
-ringing that decays changes less. The last stage ends with the run, wherever that is. Figures that need a settled stage are None
-where it has not settled; all are None where it stick-slips.
+ringing that decays changes less, and before its friction has fallen from a peak a step or a slide does not. The last stage ends
+with the run, wherever that is. Figures that need a settled stage are None where it has not settled, those of a peak where
+friction may still rise; all are None where it stick-slips.
 """
 
 import math
@@ -143,16 +144,19 @@ def _figures(stage: Stage, seen: _Measured, earlier: StageFigures | None, before
     facts = StageFigures(stage.kind, stage.start, stage.end, stage.velocity)
     if seen.reached == -math.inf:
         return facts
+    fallen = stage.sign * (seen.peak - seen.last) > _FALLEN * stage.sign * (seen.peak - seen.before)
+    peaked = settled or fallen  # else friction may still rise
     third, fourth = (high - low for low, high in (seen.third, seen.fourth))  # -inf without values
-    if slides and not settled and min(third, fourth) > _STICKS and fourth >= _LASTS * third:
+    sticks = slides and not settled and min(third, fourth) > _STICKS and fourth >= _LASTS * third
+    if sticks and (fallen or math.isnan(seen.peak)):
         return replace(facts, stick_slips=True)
     numbers: dict[str, Any] = {"steady_stress": seen.last} if settled else {}
     was_steady = earlier is not None and earlier.steady_stress is not None
     if stage.kind == "hold" and was_steady:
         numbers["relaxation"] = seen.before - seen.last
-    if stage.kind == "slide" and earlier is not None and earlier.relaxation is not None:
+    if stage.kind == "slide" and earlier is not None and earlier.relaxation is not None and peaked:
         numbers["healing"] = seen.peak - before_hold
-    if stage.kind == "step" and was_steady:
+    if stage.kind == "step" and was_steady and peaked:
         numbers["direct_effect"] = seen.peak - seen.before
         if settled:
             numbers["evolution"] = seen.peak - seen.last

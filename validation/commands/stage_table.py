@@ -32,8 +32,12 @@ def _state(stage: StageFigures) -> str:
     return "settled" if stage.steady_stress is not None else "in stick-slip" if stage.stick_slips else "not settled"
 
 
-def _why(before: StageFigures) -> str:
-    if before.relaxation is not None or before.steady_stress is not None:
+def _why(before: StageFigures, stage: StageFigures) -> str:
+    if stage.stick_slips:
+        return "it is in stick-slip"
+    if before.relaxation is not None:
+        return "friction has not reached its peak in it"
+    if before.steady_stress is not None:
         return "no time step of the model lies within it"
     if before.kind == "hold":
         return "its hold has no relaxation"
@@ -61,4 +65,4 @@ def stage_lines(stages: Sequence[StageFigures], scene: Scene) -> Iterator[str]:
     for before, stage in pairwise(stages):
         name = {"hold": "relaxation", "slide": "healing"}.get(stage.kind, "")
         if name and getattr(stage, name) is None:
-            yield f"no {name} of the {stage.kind} from {rounded(stage.start, 6)} transits on: {_why(before)}"
+            yield f"no {name} of the {stage.kind} from {rounded(stage.start, 6)} transits on: {_why(before, stage)}"

@@ -298,6 +298,17 @@ def test_a_stage_shorter_than_a_step_leaves_the_others(answer, printed):
     assert " ".join(rows[4]) == "no relaxation of the hold from 1.001 transits on: no time step of the model lies within it"
 
 
+@pytest.mark.parametrize("thickness", ["20 m", "40 m"])
+def test_healing_is_none_before_friction_falls_from_its_peak(thickness, answer, printed):
+    """Before, it was the stress at which the run ended (40 m: 0.0229), or the rise to the peak was stick-slip (20 m)."""
+    words = ["run", "hold", "--model", "quasidynamic", "--set", f"slab.thickness='{thickness}'"]
+    *_, slide = answer(*words)["protocol"]
+    assert (slide["healing"], slide["stick_slips"]) == (None, False)
+    text = printed(*words)
+    assert "3 stages, 1 settled, 1 hold, 1 not settled" in text
+    assert "transits on: friction has not reached its peak in it" in text
+
+
 def test_a_protocol_is_not_prolonged_past_a_knot(tmp_path, refused):
     words = ["run", "paper", "--set", "drive.velocity=[[0, 100], [8, 100], [8, 120]]", "--model", "block8"]
     words += ["--checkpoint", str(tmp_path / "c.npz"), "--checkpoint-every", "3"]
