@@ -104,8 +104,24 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
         except SceneError as error:
             unread = "".join(f"; {note}" for note in series.notes if note.startswith(UNREAD))
             raise SceneError(f"{error}{unread}") from None
-    noise = max(noise_of(times, friction), _rounding(friction), FINEST * float(np.ptp(friction)), 1e-15)
+    if np.ptp(friction) == 0.0:
+        raise SceneError(f"{series.source!r}: friction does not change: it says nothing of any parameter")
+    noise = max(
+        noise_of(times, friction), _slow_noise(times, friction, known), _rounding(friction), FINEST * float(np.ptp(friction))
+    )
     return Experiment(series.source, times, friction, known.travel(times), known, tuple(notes), 1.0 / noise)
+
+
+def _slow_noise(times: Array, friction: Array, load: Drive) -> float:
+    """Standard deviation of friction from a parabola in the later half of a stage of the load point, where it settles, of the
+    calmest stage: neighbours hide noise that is correlated. 0 where all halves have too few samples."""
+    found = list[float]()
+    for begin, end in pairwise(np.unique(np.clip([times[0], *load.times, times[-1]], times[0], times[-1]))):
+        late = (times > 0.5 * (begin + end)) & (times < end)
+        if np.count_nonzero(late) >= _LEAST:
+            away = friction[late] - np.polynomial.Polynomial.fit(times[late], friction[late], 2)(times[late])
+            found.append(math.sqrt(float(away @ away) / (away.size - 3)))
+    return min(found, default=0.0)
 
 
 def _moved(series: Series, scene: Scene, times: Array) -> Array | None:

@@ -239,10 +239,18 @@ def test_a_checkpoint_is_refused_if_the_fourth_free_parameter_is_another(tmp_pat
         sw.fit(SAMPLE, free=[*FREE, "level"], **call)
 
 
+def test_friction_that_does_not_change_says_nothing(tmp_path):
+    """Before, a and b were 2.5e-6 and L 4.8 nm, with intervals of 3e-4 %, and the exit status 0."""
+    times = np.linspace(0.0, 240.0, 400)
+    written(tmp_path / "flat.csv", "time [s],friction", times, np.full(times.size, 0.6))
+    with pytest.raises(SceneError, match="friction does not change"):
+        sw.fit("velocity-steps", data=[tmp_path / "flat.csv"], free=FREE)
+
+
 def test_a_record_that_says_nothing_of_a_parameter_ends_in_one_line(tmp_path):
     """Before the first step no friction depends on a and b; a record may be given as a path."""
     record = tmp_path / "rest.csv"
-    record.write_text("time [s],friction\n" + "".join(f"{time},0.61\n" for time in np.linspace(0.0, 0.2, 50)))
+    record.write_text("time [s],friction\n" + "".join(f"{0.004 * k},{0.61 + 1e-4 * (k % 2)}\n" for k in range(50)))
     with pytest.raises(NumericsError, match=r"the data do not determine interface\.a and interface\.b") as found:
         sw.fit("velocity-steps", data=record, free="a,b")
     assert found.value.result.data == [{"file": str(record), "samples": 50}]
