@@ -134,7 +134,7 @@ def minimise(problem: Problem, starts: Iterable[Array], best: BestValues) -> Sol
     if not tried:
         raise NumericsError(f"fit: no start value can be computed: {reasons[0]}")
     lowest = min(tried, key=lambda descent: descent[0].cost)
-    if lowest[0].status == 0 and (_is_near(lowest[0]) or lowest is not tried[0]):
+    if lowest[0].status == 0:
         with suppress(NumericsError, SceneError):  # it may come where nothing can be computed: this was no minimum either
             lowest = _descend(problem, lowest[0].x, best, _LAST)
     (end, refusals), failed = lowest, ""

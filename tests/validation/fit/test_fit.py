@@ -371,6 +371,14 @@ def test_a_descent_along_a_narrow_bent_valley_goes_on_to_its_minimum():
     np.testing.assert_allclose(found.inner, [0.5, 0.5, -0.01], atol=1e-4)
 
 
+def test_a_descent_from_afar_goes_on_to_its_minimum():
+    """Before, it ended after 60 evaluations with a residual of 12 times the noise, as no minimum."""
+    best = BestValues(start := np.array([60.0, 60.0, -90.0]))
+    found = minimise(BentValley(math.inf), [start], best)
+    assert (found.failed, found.evaluations > 60) == ("", True)
+    np.testing.assert_allclose(found.inner, [0.5, 0.5, -0.01], atol=1e-4)
+
+
 def test_friction_without_a_derivative_is_no_traceback():
     """As at values to which a record in the wrong unit leads, where v falls to 1e-300."""
     made, _ = of_model("quasidynamic", KEYS, np.linspace(0.0, 119.0, 50), 1e-7)
