@@ -25,6 +25,7 @@ _WORTH = 40.0  # times the square of the noise: what a bend must take off the su
 _MOST_KNOTS = 400
 _LEAST = 8  # samples
 _GAUGE = 1e-7  # of the range of a displacement, the least noise that it is taken to have
+_STILL = 0.02  # of the range of friction: what fluctuates by more in every stage is motion, not noise
 _WRITTEN = 0.3  # of the values of a column that are multiples of its last digit
 FINEST = 1e-4
 """Least assumed noise of a record, as a share of the range of friction."""
@@ -114,14 +115,15 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
 
 def _slow_noise(times: Array, friction: Array, load: Drive) -> float:
     """Standard deviation of friction from a parabola in the later half of a stage of the load point, where it settles, of the
-    calmest stage: neighbours hide noise that is correlated. 0 where all halves have too few samples."""
+    calmest stage: neighbours hide noise that is correlated. 0 where all halves have too few samples, or friction moves."""
     found = list[float]()
     for begin, end in pairwise(np.unique(np.clip([times[0], *load.times, times[-1]], times[0], times[-1]))):
         late = (times > 0.5 * (begin + end)) & (times < end)
         if np.count_nonzero(late) >= _LEAST:
             away = friction[late] - np.polynomial.Polynomial.fit(times[late], friction[late], 2)(times[late])
             found.append(math.sqrt(float(away @ away) / (away.size - 3)))
-    return min(found, default=0.0)
+    slow = min(found, default=0.0)
+    return slow if slow < _STILL * float(np.ptp(friction)) else 0.0
 
 
 def _moved(series: Series, scene: Scene, times: Array) -> Array | None:
