@@ -22,7 +22,7 @@ CONFIDENCE = 0.95
 _SINGULAR = 1e-9  # of the largest singular value of the scaled derivative
 _NAMED = 0.2  # share of a direction from which on a parameter is named in it
 _MOST, _EXPLORING = 60, 6  # steps of a descent, and of one that explores
-_LAST = 400  # steps of the descent to the minimum from values near it: along a narrow, bent valley it takes hundreds
+_LAST = 400  # steps of the last descent, to the minimum: along a narrow, bent valley it takes hundreds
 _FAR = 1.5  # times the noise: a residual from which on other starts are tried
 _PROFILE = 5  # trials for the end of an interval
 _ALIKE = 0.1  # relative difference from the derivative's interval that is let stand
@@ -129,7 +129,7 @@ def minimise(problem: Problem, starts: Iterable[Array], best: BestValues) -> Sol
         except (NumericsError, SceneError) as error:
             reasons.append(str(error))
             continue
-        if _is_near(tried[-1][0]):
+        if np.sqrt(np.mean(tried[-1][0].fun ** 2)) < _FAR:
             break
     if not tried:
         raise NumericsError(f"fit: no start value can be computed: {reasons[0]}")
@@ -143,11 +143,6 @@ def minimise(problem: Problem, starts: Iterable[Array], best: BestValues) -> Sol
     elif refusals and _is_above(end):
         failed = f"cannot be computed beside these values, which are no minimum ({refusals[-1]})"
     return Solution(end.x, end.fun, end.jac, best.evaluations, failed)
-
-
-def _is_near(end: optimize.OptimizeResult) -> bool:
-    """Whether the residual is little above the noise."""
-    return bool(np.sqrt(np.mean(end.fun**2)) < _FAR)
 
 
 def _is_above(end: optimize.OptimizeResult) -> bool:

@@ -116,13 +116,13 @@ def experiment_of(series: Series, scene: Scene, window: str | None = None) -> Ex
 def _slow_noise(times: Array, friction: Array, load: Drive) -> float:
     """Standard deviation of friction from a parabola in the later half of a stage of the load point, where it settles, of the
     calmest stage: neighbours hide noise that is correlated. 0 where all halves have too few samples, or friction moves."""
-    found = list[float]()
+    deviations = list[float]()
     for begin, end in pairwise(np.unique(np.clip([times[0], *load.times, times[-1]], times[0], times[-1]))):
         late = (times > 0.5 * (begin + end)) & (times < end)
         if np.count_nonzero(late) >= _LEAST:
             away = friction[late] - np.polynomial.Polynomial.fit(times[late], friction[late], 2)(times[late])
-            found.append(math.sqrt(float(away @ away) / (away.size - 3)))
-    slow = min(found, default=0.0)
+            deviations.append(math.sqrt(float(away @ away) / (away.size - 3)))
+    slow = min(deviations, default=0.0)
     return slow if slow < _STILL * float(np.ptp(friction)) else 0.0
 
 

@@ -232,11 +232,11 @@ def simulate(
     judged: JudgedHalf | None = None
     ended: Ended | None = None
     until, failed, stopped, began = 0.0, "", False, time.perf_counter() - sum(COMPILING)
+    advice = LongRunAdvice(solver)
     try:
         for end in wanted.ends(solver.time):
             if work.seconds(end) > wanted.most_seconds:
                 break
-            advice = LongRunAdvice(solver)
             advice.foretell(require_time(solver, end, most_seconds))
             until, final, judged = end, None, None
             work.until = end
