@@ -41,7 +41,7 @@ def facts_of_data(motion: MeasuredMotion, scene: Scene) -> dict[str, Any]:
     values = {name: float(figure["mean"]) for name, figure in means.items()}
     deviations = {f"{name}_std": float(means[name]["std"]) for name in FIGURES_OF_CYCLES[:2]}
     facts = {"source": motion.source, "events": motion.dates.size, **means, "slip_rate_from": motion.rate_from}
-    facts |= {"noise": motion.noise, "smoothing": motion.smoothing}
+    facts |= {"early": motion.early, "noise": motion.noise, "smoothing": motion.smoothing}
     return facts | cycle_in_si(values | deviations, scene)
 
 
@@ -78,6 +78,8 @@ def data_lines(summary: Mapping[str, Any], scene: Scene) -> Iterator[str]:
         if drop is not None and abs(elastic / drop - 1.0) > _APART:
             yield f"{row['model']}: its elastic stress, which a load cell in the drive measures, drops by {elastic:.5g}"
     yield "+-: standard deviation from cycle to cycle; in brackets: the model's distance from the record's mean"
+    if data["early"]:
+        yield f"the record's first cycles, in which the motion settles, are left out: {data['early']}"
     smoothing = data["smoothing"]
     noise = f"noise of friction {data['noise']:.2g}" if data["noise"] else "no noise"
     text = f"slip rate from {data['slip_rate_from']}; {noise}; smoothed by a parabola over {smoothing['samples']} samples"

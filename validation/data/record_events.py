@@ -32,6 +32,10 @@ _WHOLE = 0.8  # of the median fall: a smaller one is cut off if it lasts longer 
 _SLIPS = 0.1  # of the slip in the fall with most: with less a wave rings (steel on PMMA: 1e-5)
 _SHARE = 0.25  # of the duration of a fall: the longest smoothing that is chosen
 _BENT = 1.5  # times the noise: what smoothing may take from falls; more of it is motion, as waves that make steps of them
+STANDS_OUT = 4.0
+"""Standard errors, beyond which cycles differ by more than noise."""
+
+_ALIKE = 5  # cycles, that say what is settled
 _QUIET = 1e-6  # share of the range of friction below which a record has no noise
 
 
@@ -70,6 +74,24 @@ def slip_events(time: Array, friction: Array, slip: Array | None = None) -> Slip
     above = top + np.array(passages, dtype=np.intp)
     share = (friction[above] - middle) / (friction[above] - friction[above + 1])
     return SlipEvents(top, bottom, above, means[first] - means[last], time[above] + share * (time[above + 1] - time[above]))
+
+
+def date_errors(times: Array, friction: Array, events: SlipEvents, noise: float) -> Array:
+    """Standard deviations of the dates of events: a fall between two samples is uniformly distributed between them."""
+    gap, fall = (step[events.above] for step in (np.diff(times), -np.diff(friction)))
+    return np.asarray(gap * np.hypot(np.minimum(fall / events.drop, 1.0) / 12.0**0.5, noise / np.maximum(fall, noise)))
+
+
+def without_unsettled(times: Array, friction: Array, events: SlipEvents, noise: float) -> tuple[SlipEvents, int]:
+    """The events without first cycles, at most half, in which the motion settles, and the number of these: they approach the
+    later ones monotonically and still differ by more than these among themselves and by more than the errors of dates."""
+    periods, errors = np.diff(events.date), date_errors(times, friction, events, noise)
+    for k in range(min(periods.size // 2, periods.size - _ALIKE), 0, -1):
+        scatter = max(float(np.std(periods[k:], ddof=1)), float(np.sqrt(2.0 * np.mean(errors**2))))
+        away = np.abs(periods[:k] - np.median(periods[k:]))
+        if away[-1] > STANDS_OUT * scatter and (np.diff(away) < scatter).all():
+            return SlipEvents._make(column[k:] for column in events), k
+    return events, 0
 
 
 def _means(values: Array, together: int) -> Array:
@@ -135,10 +157,10 @@ def falls(values: Array, least: float) -> list[tuple[int, int]]:
 @dataclass(frozen=True)
 class MeasuredMotion:
     """A record of `source` in the units of a scene: time (transits), friction and slip rate (V*; `rate_from`: its source), both
-    smoothed, the dates of its slip events, its complete cycles, its `noise` (of friction, standard deviation). `smoothing`: the
-    `samples` of the local parabola (1: none), the relative change of the mean `stress_drop` and `v_max` with half as many, and
-    how events of the smoothed friction differ: in `dates` (transits), mean `period` (relative), both NaN for another number of
-    events, and number (`apart`)."""
+    smoothed; the dates of its slip events and its complete cycles, without the `early` first ones (`without_unsettled`; their
+    number); its `noise` (of friction, standard deviation). `smoothing`: the `samples` of the local parabola (1: none), the
+    relative change of the mean `stress_drop` and `v_max` with half as many, and how events of the smoothed friction differ: in
+    `dates` (transits), mean `period` (relative), both NaN for another number of events, and number (`apart`)."""
 
     source: str
     time: Array
@@ -147,6 +169,7 @@ class MeasuredMotion:
     rate_from: str
     dates: Array
     events: Events
+    early: int
     noise: float
     smoothing: dict[str, Any]
 
@@ -162,18 +185,19 @@ def measured_motion(series: Series, scene: Scene, smooth: int | None = None) -> 
     if smooth is not None and not 1 <= smooth <= time.size // 2:
         raise SceneError(f"smooth = {smooth}: must be from 1 to {time.size // 2}, half of the samples in {series.source!r}")
     slip = slip_in(own)
-    slips, noise = slip_events(time, friction, slip), noise_of(time, friction)
-    if slips.date.size < 2:
-        count = ("no slip event", "one slip event only")[slips.date.size]
+    found, noise = slip_events(time, friction, slip), noise_of(time, friction)
+    if found.date.size < 2:
+        count = ("no slip event", "one slip event only")[found.date.size]
         text = f": no fall of friction exceeds the range of noise, {_ABOVE * noise:.2g}"
-        more = text if noise and not slips.date.size else "; a comparison of cycles needs two or more"
+        more = text if noise and not found.date.size else "; a comparison of cycles needs two or more"
         raise SceneError(f"{series.source!r}: {count}{more}")
+    slips, early = without_unsettled(time, friction, found, noise)
     samples = smooth or (_chosen(friction, slips, noise) if noise else 1)
     level, rate, rate_from = _smooth_motion(own, scene, friction, samples)
     cycles = _cycles(slips, level, rate)
     half = _cycles(slips, *_smooth_motion(own, scene, friction, max(1, samples // 2))[:2])
-    effect = _effect(samples, slips.date, slip_events(time, level, slip).date, cycles, half)
-    return MeasuredMotion(series.source, time, level, rate, rate_from, slips.date, cycles, noise, effect)
+    effect = _effect(samples, found.date, slip_events(time, level, slip).date, cycles, half)
+    return MeasuredMotion(series.source, time, level, rate, rate_from, slips.date, cycles, early, noise, effect)
 
 
 def _cycles(slips: SlipEvents, friction: Array, rate: Array) -> Events:

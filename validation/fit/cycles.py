@@ -16,7 +16,17 @@ from slipwave.observe.extrema import evaluate, find_root
 from slipwave.observe.pieces import Array, Basis, Pieces
 from slipwave.scene import Scene
 from slipwave.scene.drive import Start, StartKind
-from validation.data.record_events import FALL, SlipEvents, falls, noise_of, slip_events, without_waves
+from validation.data.record_events import (
+    FALL,
+    STANDS_OUT,
+    SlipEvents,
+    date_errors,
+    falls,
+    noise_of,
+    slip_events,
+    without_unsettled,
+    without_waves,
+)
 from validation.fit.forward import OfReduction, basis_of, sampled
 from validation.fit.parameters import Variants, sizes
 
@@ -27,8 +37,6 @@ MARGIN = 0.02
 _FEWEST_NODES, _MOST_NODES = 3, 24  # of a bin, at which a model is asked
 _PER_TRANSIT = 4.0  # of them: waves that are damped, but go on, swing within a bin
 _FEWEST = 12  # bins that have samples
-_ALIKE = 5  # cycles, that say what is settled
-_STANDS_OUT = 4.0  # standard errors, beyond which cycles differ by more than noise
 _SETTLED = 7  # events; the last cycle of so many is taken
 _LONGER = (1.0, 2.5, 6.0, 15.0)  # times the expected length of a march
 _SAME_PERIOD = 1e-5  # relative difference of two in a row with which the motion has settled
@@ -75,8 +83,7 @@ def mean_cycle(name: str, times: Array, friction: Array, slip: Array | None = No
     """The mean cycle of a record, without unsettled first cycles and without a significant drift from cycle to cycle. `slip`: in
     any unit, if it is known. Raises SceneError for fewer than three slip events."""
     noise, events = noise_of(times, friction), _dated_events(name, times, friction, slip)
-    early = _unsettled(np.diff(events.date), _date_errors(times, friction, events, noise))
-    events = SlipEvents._make(column[early:] for column in events)
+    events, early = without_unsettled(times, friction, events, noise)
     dates, periods = events.date, np.diff(events.date)
     which = np.searchsorted(dates, times, side="right") - 1
     inside = (which >= 0) & (which < periods.size)
@@ -97,7 +104,7 @@ def mean_cycle(name: str, times: Array, friction: Array, slip: Array | None = No
         rows, at = total(friction[inside][shown]) / counts, total(where[shown]) / counts
     phases = np.nanmean(at, axis=0)
     slope = np.gradient(np.nanmean(rows, axis=0), phases)
-    errors = _date_errors(times, friction, events, noise)
+    errors = date_errors(times, friction, events, noise)
     moved = float(np.abs(slope).mean() * np.sqrt(np.mean(errors**2)) / periods.mean())  # what a date's error adds to a cycle
     rows, drift = _level(rows - slope * (at - phases), phases, moved)  # each as at the mean phase
     values, seen = np.nanmean(rows, axis=0), np.isfinite(rows).mean(axis=0)
@@ -118,17 +125,6 @@ def mean_cycle(name: str, times: Array, friction: Array, slip: Array | None = No
     )
 
 
-def _unsettled(periods: Array, errors: Array) -> int:
-    """Number of first cycles, at most half, in which the motion settles: they approach the later ones monotonically and still
-    differ by more than these among themselves and by more than the errors of dates."""
-    for k in range(min(periods.size // 2, periods.size - _ALIKE), 0, -1):
-        scatter = max(float(np.std(periods[k:], ddof=1)), float(np.sqrt(2.0 * np.mean(errors**2))))
-        away = np.abs(periods[:k] - np.median(periods[k:]))
-        if away[-1] > _STANDS_OUT * scatter and (np.diff(away) < scatter).all():
-            return k
-    return 0
-
-
 def _level(rows: Array, phases: Array, moved: float) -> tuple[Array, float]:
     """Rows of cycles without the linear trend of their means, and its change from the first to the last cycle; 0 if that is not
     significant against their scatter and the effect `moved` of the error of a date."""
@@ -137,7 +133,7 @@ def _level(rows: Array, phases: Array, moved: float) -> tuple[Array, float]:
     slope = float(count @ means / (count @ count))
     left = means - slope * count
     error = float(np.sqrt(left @ left / max(len(rows) - 2, 1) / (count @ count)))
-    if len(rows) < 4 or abs(slope) < _STANDS_OUT * error or abs(slope) * len(rows) < _STANDS_OUT * moved:
+    if len(rows) < 4 or abs(slope) < STANDS_OUT * error or abs(slope) * len(rows) < STANDS_OUT * moved:
         return rows, 0.0
     return np.asarray(rows - slope * (count[:, None] + phases - 0.5)), slope * (len(rows) - 1)
 
@@ -151,16 +147,10 @@ def _scatter(away: Array, counts: Array, noise: float) -> tuple[Array, float]:
     known = np.nanmean(np.where(seen, white, np.nan), axis=1) / seen.sum(axis=1)
     freedom = max(int(seen.sum()) - cycles - counts.shape[1] + 1, 1)
     excess = float(np.nansum((away - level[:, None]) ** 2 / white)) / freedom
-    excess = excess if excess > 1.0 + _STANDS_OUT * (2.0 / freedom) ** 0.5 else 1.0
+    excess = excess if excess > 1.0 + STANDS_OUT * (2.0 / freedom) ** 0.5 else 1.0
     more = float(level @ level) / max(cycles - 1, 1) - excess * float(known.mean())
-    stands_out = more > _STANDS_OUT * excess * float(known.mean()) * (2.0 / cycles) ** 0.5
+    stands_out = more > STANDS_OUT * excess * float(known.mean()) * (2.0 / cycles) ** 0.5
     return np.sqrt(excess * np.sum(white * seen, axis=0)) / seen.sum(axis=0), (more / cycles) ** 0.5 if stands_out else 0.0
-
-
-def _date_errors(times: Array, friction: Array, events: SlipEvents, noise: float) -> Array:
-    """Standard deviations of the dates of events: a fall between two samples is uniformly distributed between them."""
-    gap, fall = (step[events.above] for step in (np.diff(times), -np.diff(friction)))
-    return np.asarray(gap * np.hypot(np.minimum(fall / events.drop, 1.0) / 12.0**0.5, noise / np.maximum(fall, noise)))
 
 
 def _leaning(times: Array, friction: Array, events: SlipEvents) -> float:

@@ -158,9 +158,16 @@ def sampled(series, scene, noise):
     return Series("cell.csv", {"time": time, "load_point_displacement": 1e-3 * time, "friction": friction})
 
 
+def later(cycles, found):
+    """Those that a record has after its unsettled ones."""
+    return cycles._make(column[found.early :] for column in cycles)
+
+
 def test_events_in_the_record_of_a_run_are_those_of_the_run(slips):
     series, cycles, scene = slips
     found = measured_motion(series, scene)
+    assert found.early == 1
+    cycles = later(cycles, found)
     assert (found.noise, found.smoothing["samples"], found.dates.size) == (0.0, 1, cycles.time.size + 1)
     np.testing.assert_allclose(found.events.time, cycles.time, atol=1.0)  # friction is in the middle of its fall soon after v
     for name in ("period", "stress_drop", "v_max"):
@@ -173,13 +180,14 @@ def test_noise_adds_no_events_and_what_smoothing_does_is_told(slips):
     series, cycles, scene = slips
     quiet, noisy = (measured_motion(sampled(series, scene, noise), scene) for noise in (0.0, 1e-3))
     assert noise_of(noisy.time, sampled(series, scene, 1e-3)["friction"]) == pytest.approx(1e-3, rel=0.1)
-    assert noisy.dates.size == quiet.dates.size == cycles.time.size + 1
+    assert noisy.dates.size - 1 == later(cycles, noisy).time.size
+    assert quiet.dates.size - 1 == later(cycles, quiet).time.size
     assert noisy.smoothing["samples"] > 3
-    assert np.abs(noisy.dates - quiet.dates).max() < 2.0 * noisy.smoothing["dates"] < 0.02 * cycles.period[0]
+    assert np.abs(noisy.dates[-9:] - quiet.dates[-9:]).max() < 2.0 * noisy.smoothing["dates"] < 0.02 * cycles.period[0]
     for name in ("period", "stress_drop", "v_max"):
-        change = abs(getattr(noisy.events, name).mean() / getattr(quiet.events, name).mean() - 1.0)
+        change = abs(getattr(noisy.events, name)[-9:].mean() / getattr(quiet.events, name)[-9:].mean() - 1.0)
         assert change < 1.5 * noisy.smoothing[name] + 1e-4, name
-    assert quiet.events.stress_drop == pytest.approx(cycles.elastic_stress_drop, rel=2e-3)
+    assert quiet.events.stress_drop == pytest.approx(later(cycles, quiet).elastic_stress_drop, rel=2e-3)
 
 
 def test_compare_and_fit_date_a_record_alike(slips):
@@ -199,11 +207,12 @@ def test_compare_and_fit_date_a_record_alike(slips):
         replace(cell, columns=cell.columns | {"friction": rings}),
     ):
         compared, own, cycle = measured_motion(one, scene), one.of(scene), experiment_of(one, scene).cycle
-        np.testing.assert_array_equal(slip_events(own["time"], own["friction"]).date, compared.dates)
-        assert compared.dates.size == cycles.time.size + 1
-        assert compared.events.period[1:] == pytest.approx(cycles.period[1:], rel=5e-3)
+        np.testing.assert_array_equal(slip_events(own["time"], own["friction"]).date[compared.early :], compared.dates)
+        assert compared.dates.size - 1 == later(cycles, compared).time.size
+        assert compared.events.period[1:] == pytest.approx(later(cycles, compared).period[1:], rel=5e-3)
         assert cycle
-        assert cycle.period == pytest.approx(compared.events.period[cycle.early :].mean() * scene.transit, rel=1e-9)
+        assert cycle.early == compared.early
+        assert cycle.period == pytest.approx(compared.events.period.mean() * scene.transit, rel=1e-9)
 
 
 @pytest.mark.parametrize("known", ["slip", "slip_rate"])
@@ -235,6 +244,17 @@ def test_the_slip_rate_beside_a_record_is_a_mean_over_cycles_as_the_records(tmp_
     assert f"{compared.runs[0].statistics.v_max_mean:.5g} (" in "\n".join(compared.lines(compared.summary | {"figure": ""}))
 
 
+@pytest.mark.parametrize("name", ["paper", "grip"])
+def test_cycles_in_which_a_record_settles_do_not_count_beside_a_model(name, tmp_path):
+    """Before, the run that the record is of was 3 % off it in the period and 8 % in the drop, without a word."""
+    sw.run(name, until=3000, rate=50).write_series(tmp_path / "from-the-start.csv")
+    compared = sw.compare(name, "delay", data=tmp_path / "from-the-start.csv", until=3000)
+    assert compared.rows[0]["against_data"] == pytest.approx({"period": 0.0, "stress_drop": 0.0, "v_max": 0.0}, abs=5e-3)
+    assert f"in which the motion settles, are left out: {compared.data.early}" in "\n".join(
+        compared.lines(compared.summary | {"figure": ""})
+    )
+
+
 def test_without_events_or_with_one_there_is_nothing_to_compare(slips):
     series, _, scene = slips
     cell = sampled(series, scene, 1e-3)
@@ -261,7 +281,7 @@ def test_a_record_beside_a_model(slips, tmp_path, capsys):
     facts = json.loads(capsys.readouterr().out)
     data, (row,) = facts["data"], facts["models"]
     assert data["period"]["mean"] == pytest.approx(cycles.period[1:].mean(), rel=2e-3)
-    assert data["period"]["n"] == cycles.time.size
+    assert data["period"]["n"] == cycles.time.size - data["early"]
     assert data["si"]["period_s"] == pytest.approx(data["period"]["mean"] * scene.transit, rel=1e-6)  # L/V* is 1 s
     assert row["against_data"]["period"] == pytest.approx(row["period"]["mean"] / data["period"]["mean"] - 1.0, rel=1e-12)
     assert row["against_data"]["stress_drop"] > 0.2
