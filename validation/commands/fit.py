@@ -24,7 +24,7 @@ from slipwave.scene import Scene
 from validation.chart import GUIDE, INK, POINTS, Chart, Panel, Scale, Trace
 from validation.chart.looks import model_line
 from validation.commands.comparison import barred
-from validation.commands.options import ModelOptions, RecordOptions, command, option
+from validation.commands.options import ModelOptions, RecordOptions, command, model_option, option
 from validation.commands.reasons import PREFIXES, power_of
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.commands.wording import header
@@ -67,6 +67,7 @@ class _FitOptions(RecordOptions, ModelOptions):
         "slipwave fit granite.toml --data a.csv --data b.csv --free a,b,memory_length,level --model delay --out fit.nc",
     )
 
+    model: str = model_option(f"{_CHEAP}, or {_BLOCK} for a machine with a mass")
     data: Iterable[str | Path] = option(
         "a record, CSV or columns of text: time and friction (or shear stress), perhaps the load point's displacement; may be "
         "repeated",

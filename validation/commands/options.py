@@ -236,16 +236,20 @@ class SceneOptions(Frozen):
         return {key: value for key, value in self._pairs if key in variables or is_expression(value, variables)}
 
 
-class ModelOptions(SceneOptions):
-    """Options of every command that computes with a model."""
-
-    model: str = option(
-        f"{', '.join(family.pattern for family in FAMILIES)} (without P, it is chosen by --tol), or auto: the cheapest that is "
-        "exact for the scene",
+def model_option(auto: str = "the cheapest that is exact for the scene") -> Any:
+    """The model of a command, and what it takes as `auto`."""
+    return option(
+        f"{', '.join(family.pattern for family in FAMILIES)} (without P, it is chosen by --tol), or auto: {auto}",
         "auto",
         positional=True,
         words=lambda: ["auto", *(family.example for family in FAMILIES)],
     )
+
+
+class ModelOptions(SceneOptions):
+    """Options of every command that computes with a model."""
+
+    model: str = model_option()
 
     def recalled(self, source: SceneSource, command: str, without: Sequence[str] = ()) -> Self:
         """The options completed by the model and the options (except `without`) of a file of results of the same `command`.

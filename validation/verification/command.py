@@ -16,7 +16,7 @@ from slipwave.friction.own import load_laws
 from slipwave.input.assemble import SceneSource, tables_of
 from slipwave.scene import Scene
 from validation.chart import Chart
-from validation.commands.options import ModelOptions, command
+from validation.commands.options import ModelOptions, command, model_option
 from validation.commands.result import Output, Result, aligned
 from validation.data.datasets import Dataset
 from validation.models.by_name import GRIDS, grid_of, parse, resolve
@@ -46,6 +46,8 @@ class VerifyOptions(ModelOptions):
         "file declares, or --model. With --law: each law that the file registers, in SCENE (default paper). With --model alone: "
         "that member. Exit status 3 if a row is missed."
     )
+
+    model: str = model_option(f"{_USUAL}, or each member that --family declares")
 
     def load_own(self) -> Self:
         """Does nothing: the user's files are loaded when they are judged."""

@@ -286,3 +286,10 @@ def test_wrong_input_is_one_line_and_nothing_is_written(refused, tmp_path, monke
     found = refused(*shlex.split(words), status=status)
     assert told.removeprefix("3: ").lower() in found.lower()
     assert [path.name for path in tmp_path.iterdir()] == ["x.csv"]
+
+
+@pytest.mark.parametrize(("command", "auto"), [("fit", "auto: quasidynamic, or fitted:0"), ("verify", "auto: dg:7")])
+def test_help_names_what_auto_is_in_a_command(command, auto, capsys):
+    """Before, "the cheapest that is exact", which neither takes."""
+    main([command, "--help"])
+    assert auto in " ".join(capsys.readouterr().out.split())
