@@ -135,8 +135,8 @@ class PortFlow:
         slabs = self._slabs.of(scene)
         if slabs.remembered != self._slabs.remembered:
             raise SceneError(
-                f"{self.model}: it remembers {slabs.remembered} values in scene {scene.name!r}, but "
-                f"{self._slabs.remembered} in {self.scene.name!r}"
+                f"{self.model}: its grid has other numbers of cells there ({slabs.remembered} values for "
+                f"{self._slabs.remembered}); begin another branch there, or take --model delay"
             )
         return PortFlow(slabs, self.mesh)
 
