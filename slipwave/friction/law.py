@@ -223,14 +223,20 @@ class FrictionSlopes:
 
 def steady_sliding(law: Law, velocity: float) -> tuple[float, Response]:
     """psi_ss and what `law` answers in steady sliding at `velocity` (V*). Raises SceneError for parameters with which a user's
-    law has none, as with the logarithm of a negative number: its keys have no ranges."""
+    law has none, as with the logarithm of a negative number, or is wrong: its keys have no ranges, and a mistake may be hidden by
+    the defaults with which it was registered."""
     try:
         psi = steady_state(law, velocity)
-        return psi, respond(law, unknown_of(law, velocity), psi)
+        answer = respond(law, unknown_of(law, velocity), psi)
     except (ArithmeticError, ValueError) as error:
         values = ", ".join(f"{key} = {value:g}" for key, value in law._asdict().items())
         why = ", ".join(filter(None, [f"{type(error).__name__}: {error}", line_of_user(error)]))
         raise SceneError(f"law {name_of(law)!r}: no steady sliding at V = {velocity:g} with {values}: {why}") from error
+    if is_registered(law) and not _of_house(LAWS[name_of(law)]):
+        from slipwave.friction.check import check_at
+
+        check_at(name_of(law), LAWS[name_of(law)], law, velocity)
+    return psi, answer
 
 
 def friction_slopes(law: Law, velocity: float) -> FrictionSlopes:

@@ -65,6 +65,12 @@ def test_a_wrong_derivative_is_refused_by_name(wrong, fault):
     assert "mine" not in LAWS
 
 
+def without_state(law, z, psi):
+    """Before, every command ended in a ZeroDivisionError."""
+    v = math.exp(z)
+    return v, v, law.a_star + law.a * z, law.a, 0.0, 0.0, 0.0, 0.0
+
+
 @pytest.mark.parametrize(
     ("law", "told"),
     [
@@ -73,6 +79,7 @@ def test_a_wrong_derivative_is_refused_by_name(wrong, fault):
         (law_with(lambda law, z, psi: respond(law, z, psi)[:7]), "respond must return"),
         (law_with(lambda law, z, psi: (2 * respond(law, z, psi)[0], *respond(law, z, psi)[1:])), "v of respond"),
         (law_with(lambda law, z, psi: 1 / 0), "ZeroDivisionError"),
+        (law_with(without_state, lambda law, v: 0.0), r"G_psi = 0 at z = .*; for friction without a state let G = -psi"),
         (law_with(parameters=Unpriced), "defaults"),
         (LAWS["ageing"]._replace(rate_of=lambda law, z: z * z, unknown_of=lambda law, v: v**0.5), "v''"),
     ],
@@ -80,6 +87,29 @@ def test_a_wrong_derivative_is_refused_by_name(wrong, fault):
 def test_other_faults_are_refused_with_their_reason(law, told):
     with pytest.raises(SceneError, match=told):
         check_law("mine", law)
+
+
+class Bent(NamedTuple):
+    a_star: float = 0.369
+    a: float = 0.0349
+    b: float = 0.0489
+    bend: float = 0.0
+
+
+def bent(law, z, psi):
+    v, _, friction, _, _, growth, growth_z, growth_psi = respond(law, z, psi)
+    direct = law.a - 0.1 * law.bend * v
+    return v, v, friction + law.bend * (psi * psi - 0.1 * v), direct, law.b + law.bend * psi, growth, growth_z, growth_psi
+
+
+@pytest.mark.parametrize(("bend", "told"), [(2e-3, "F_psi at z = 4.6"), (1.0, "F_z = -9.9651 at z = 4.6")])
+def test_a_mistake_that_the_defaults_hide_is_refused_in_a_scene_that_shows_it(bend, told):
+    """Before, `stability` said stable or took the root of a negative number; the slope F_psi lacks a factor of 2."""
+    register("bent", Bent, bent)
+    scene = slipwave.read("paper", {"interface.law": "bent", "interface.bend": bend})
+    for ask in (lambda: scene.steady_psi, lambda: friction_slopes(scene.law, 100.0)):
+        with pytest.raises(SceneError, match=f"friction law 'bent': {told}"):
+            ask()
 
 
 class Plain(NamedTuple):

@@ -10,7 +10,8 @@ from numba.core.errors import NumbaError
 from reduced.stability.analyse import analyse
 from slipwave.errors import NumericsError
 from slipwave.friction import LAWS
-from slipwave.friction.check import derivative_error, sample_of
+from slipwave.friction.check import LawError, derivative_error, sample_of
+from slipwave.friction.law import steady_sliding
 from slipwave.scene import Scene
 from validation.measure.growth import measured_root, nudged
 from validation.models.build import build
@@ -31,6 +32,11 @@ def rows_of_law(name: str, scene: Scene) -> Verdicts:
     law, sample = LAWS[name], scene.law
     yield from _rows_of_functions(name, law, sample_of(name, law))
     yield from _rows_of_functions(f"{name}, parameters of scene {scene.name}", law, sample)
+    try:
+        steady_sliding(sample, scene.velocity)
+    except LawError as error:
+        yield holding("It passes the check of registration at the scene’s V", EXACT, "no error", str(error), False, f"`{name}`")
+        return
     refused = ""
     try:
         build("delay", scene).advance(0.1)
@@ -70,7 +76,7 @@ def _left_after_a_step(law: Any, sample: Any) -> float:
         if not rate > 0.0:
             return np.inf
         solution = solve_ivp(_evolution, (0.0, _TIMES / rate), [start], args=(law, sample, z), rtol=1e-10, atol=1e-12)
-        left = max(left, abs(float(solution.y[0, -1]) - goal) / abs(start - goal))
+        left = max(left, abs(float(solution.y[0, -1]) - goal) / (abs(start - goal) or 1.0))
     return left
 
 

@@ -1,6 +1,7 @@
 """`slipwave verify`: right schemes, laws and scenes keep every row; one mistake is red where it shows."""
 
 import json
+import math
 import xml.etree.ElementTree as xml
 from pathlib import Path
 
@@ -9,10 +10,12 @@ import vertex_volumes
 
 import slipwave as sw
 from slipwave.errors import NumericsError, SceneError
+from slipwave.friction import LAWS
 from slipwave.sources import ROOT
 from validation.commands.cli import NUMERICS_FAILED, main
 from validation.measure.grid_ladders import LADDERS
 from validation.verification.of_family import _require_day, rows_on_scene
+from validation.verification.of_law import _left_after_a_step
 
 RIGHT = """
 from dataclasses import replace
@@ -145,6 +148,24 @@ def test_a_law_that_registration_refuses_is_a_row(file, capsys, slope):
     file.write_text(LAW.format(slope=slope))
     assert main(["verify", "--law", str(file)]) == NUMERICS_FAILED
     assert "F_psi at z = " in capsys.readouterr().out
+
+
+def test_a_mistake_that_shows_at_the_scene_is_a_row(file, capsys):
+    """Registration takes b = 0.03; nothing is marched with it."""
+    file.write_text(LAW.format(slope="(0.97 + law.b)"))
+    rows = ["Its derivatives are those of differences", "It passes the check of registration at the scene’s V"]
+    assert missed(["verify", "--law", str(file)], capsys) == (NUMERICS_FAILED, rows)
+
+
+def test_the_state_of_a_law_without_one_stays():
+    """Before, a division by zero: its steady state is the same at all rates."""
+
+    def back(law, z, psi):
+        v = math.exp(z)
+        return v, v, 0.5 + 0.02 * z, 0.02, 0.0, -psi, 0.0, -1.0
+
+    law = LAWS["ageing"]._replace(respond=back, steady_state=lambda law, v: 0.0)
+    assert _left_after_a_step(law, None) == 0.0
 
 
 @pytest.mark.slow
