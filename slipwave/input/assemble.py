@@ -289,11 +289,11 @@ def _outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: f
         is_measured = isinstance(value, Quantity)
         text = f'"{value.text}"' if is_measured else f"{value:g}"
         if is_measured:
-            _require_units(f"{key}.{name}", text, units, "relative to the slab")
             if name not in slab:  # of a kind of the user's own
                 raise SceneError(
                     f"{key}.{name} = {text}: must be a number; of a face, only {', '.join(slab)} are converted from units"
                 )
+            _require_units(f"{key}.{name}", text, units, "relative to the slab")
         if is_measured or (kind.is_own and name in slab):
             per_area = _per_area(key, name, value, area)
             result = per_area / (slab[name] * units.face[name] if units else 1.0)

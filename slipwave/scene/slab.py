@@ -85,7 +85,7 @@ class Face:
 
     def termination(self, epsilon: float, round_trip: float, outermost: float) -> Termination:
         """The face as numbers (time in L/V*) on a slab of `epsilon` and `round_trip` with impedance `outermost` of the outermost
-        layer."""
+        layer: multiples of `face_sizes`, so that Z/epsilon depends on s r alone, which analyses and fits rely on."""
         raise NotImplementedError
 
     def moved(self, epsilon: float, round_trip: float) -> Self:
@@ -157,18 +157,19 @@ FACES: dict[str, type[Face]] = {
 @dataclass(frozen=True)
 class Rheology:
     """A solid as numbers: G(s)/G = (1 + retardation s)/((1 + relaxation s)(1 + ratio)) with the unrelaxed modulus G; times are in
-    L/V*. All are 0 if it is elastic. `ratio`: the relaxing modulus over the lasting one. Raises SceneError unless G(s) is that of
-    a Kelvin-Voigt solid (relaxation and ratio 0) or tends to G for fast waves, as that of a standard linear solid: others have no
-    full wave."""
+    L/V*. All are 0 if it is elastic. `ratio`: the relaxing modulus over the lasting one. Raises SceneError for a negative number,
+    and unless G(s) is that of a Kelvin-Voigt solid (relaxation and ratio 0) or tends to G for fast waves, as that of a standard
+    linear solid: others have no full wave."""
 
     retardation: float = 0.0
     relaxation: float = 0.0
     ratio: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.relaxation == self.ratio == 0.0:
-            return
-        if not math.isclose(self.retardation, self.relaxation * (1.0 + self.ratio), rel_tol=1e-9):
+        if not all(number >= 0.0 for number in vars(self).values()):
+            raise SceneError(f"{self}: must be 0 or more")  # else the slab would feed its waves
+        is_of_kelvin_voigt = self.relaxation == self.ratio == 0.0
+        if not (is_of_kelvin_voigt or math.isclose(self.retardation, self.relaxation * (1.0 + self.ratio), rel_tol=1e-9)):
             raise SceneError(f"{self}: the retardation must be relaxation * (1 + ratio), or relaxation and ratio 0")
 
     @property
@@ -262,6 +263,13 @@ class Slab:
         # slabs that differ only in the kind of a rigid face are alike, also those made by `replace`: nothing else sees them all
         if self.termination.is_rigid:
             object.__setattr__(self, "face", RigidFace())
+        unit = vars(self.face.termination(1.0, 1.0, self.layers[-1].impedance)).values()
+        scaled = [number * size for number, size in zip(unit, face_sizes(self.epsilon, self.round_trip).values(), strict=True)]
+        if not all(map(math.isclose, vars(self.termination).values(), scaled)):
+            raise SceneError(
+                f"{self.face}: its spring must be proportional to epsilon/round_trip, its dashpot to epsilon and its mass to "
+                "epsilon * round_trip"
+            )
 
     @property
     def termination(self) -> Termination:

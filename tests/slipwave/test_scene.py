@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Annotated, Literal
 
@@ -200,6 +201,29 @@ def test_a_solid_that_no_full_wave_computes_as_the_impedance_has_it_is_refused(n
     assert StandardLinearViscosity(0.2, 1.0).rheology == Rheology(0.4, 0.2, 1.0)
 
 
+@pytest.mark.parametrize("numbers", [(1e-3, 3e-3, -2.0 / 3.0), (-1.0, 0.0, 0.0), (0.0, 0.0, math.nan)])
+def test_a_solid_that_feeds_its_waves_is_refused(numbers):
+    """Before, one whose retardation was below its relaxation ended as too many roots of the stability."""
+    with pytest.raises(SceneError, match=r"^Rheology\(retardation=.*\): must be 0 or more$"):
+        Rheology(*numbers)
+
+
+@dataclass(frozen=True)
+class MatchedFace(Face):
+    """A dashpot as the slab's end, beside a spring that relaxes with it over a time of its own."""
+
+    time: float
+
+    def termination(self, epsilon, round_trip, outermost):
+        return Termination(outermost / self.time, outermost)
+
+
+def test_a_face_that_does_not_scale_with_its_slab_is_refused():
+    """Before, the critical r was that of another face, and fitted:4 was fitted to one of a time as a share of the transit."""
+    with pytest.raises(SceneError, match=r"^MatchedFace\(time=0.5\): its spring must be proportional to epsilon/round_trip, its"):
+        Slab(2.8e-5, 2e-3, MatchedFace(0.5))
+
+
 class BoltTable(KeyTable):
     """Of a face of the user's own."""
 
@@ -222,7 +246,7 @@ def test_units_of_own_kinds_of_face_and_viscosity_are_converted_or_refused(monke
     monkeypatch.setitem(assemble.VISCOSITIES, "creep", dict)
     units = Units(1e-6, 2e-6, 1e6)
     with pytest.raises(SceneError, match=r'^slab\.face\.spring = "2 MPa/m": must be a number; of a face, only stiffness, imp'):
-        assemble._outer_face("slab.face", BoltTable(spring="2 MPa/m"), units, 1.0, 1.0)
+        assemble._outer_face("slab.face", BoltTable(spring="2 MPa/m"), None, 1.0, 1.0)
     creep = {"time": "2 s", "later": "1 min"}
     read = assemble._viscosity("slab", SimpleNamespace(viscosity=CreepTable(**creep)), units)
     assert read == {"time": pytest.approx(4.0), "later": pytest.approx(120.0), "yield_stress": 0.5}

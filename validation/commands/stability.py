@@ -236,10 +236,7 @@ def stability(source: SceneSource, options: _StabilityOptions) -> StabilityResul
 
 def _has_own_faces(scene: Scene) -> bool:
     """Whether an outer face that is not rigid is given in units of its own, not relative to its slab."""
-    tables = [(scene.tables or {}).get(name, {}).get("face", {}) for name in ("slab", "upper", "lower")]
-    measured = any(isinstance(value, str) for table in tables for key, value in table.items() if key != "kind")
-    own = scene.units is not None and any(slab.face.is_own for _, slab in scene.named_slabs)
-    return not scene.is_held_rigidly and (own or measured)
+    return any(slab.face.own for _, slab in scene.named_slabs)
 
 
 def _mark(rate: float, name: str, dashes: Any) -> Trace:

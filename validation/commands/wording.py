@@ -134,7 +134,7 @@ def _slab(slab: Slab, scene: Scene, root: complex) -> list[str]:
     if not scene.is_held_rigidly or any(kind != "rigid" for kind in written):  # one of another kind may be rigid in the limit
         lines += _face_in_words(slab, units, watched(scene, root))
     if slab.viscosity:
-        time = f" ({rounded(slab.viscosity.time * units.time, 6)} s)" if units else ""
+        time = f" ({rounded((slab.rheology.relaxation or slab.rheology.retardation) * units.time, 6)} s)" if units else ""
         lines.append(f"{_kind_of(slab.viscosity)}: {_fields_in_words(slab.viscosity)}{time}")
     if len(slab.layers) > 1:
         layers = ", ".join(f"{layer.fraction:g} of impedance {layer.impedance:g}" for layer in slab.layers)

@@ -1,7 +1,7 @@
 """What outer faces do is said: |R| against closed forms, in the head, the JSON and the figure of each command."""
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ import slipwave
 from reduced.impedance import impedance
 from reduced.impedance.transmission_line import Jet, slab_ratio
 from slipwave.friction.law import friction_slopes
-from slipwave.scene.slab import Layer
+from slipwave.scene.slab import VISCOSITIES, Layer, Rheology
 from tests.granite import GRANITE
 from validation.commands.wording import header
 
@@ -36,6 +36,26 @@ def test_fast_waves_and_the_reach_of_the_spring(face, viscosity, fast, rate):
     assert slab.fast_reflection == pytest.approx(fast, rel=1e-14)
     assert slab.reflection(1e16j).real == pytest.approx(fast, abs=1e-4)
     assert slab.termination.spring_rate == pytest.approx(rate, rel=1e-14)
+
+
+@dataclass(frozen=True)
+class Creep:
+    """A viscosity of the user's own, whose one time is the sum of two."""
+
+    early: float
+    late: float
+
+    @property
+    def rheology(self):
+        return Rheology(self.early + self.late)
+
+
+def test_a_viscosity_without_a_key_time_has_its_time_in_si(monkeypatch):
+    """Before, an AttributeError, or the seconds of a part of it."""
+    monkeypatch.setitem(VISCOSITIES, "creep", Creep)
+    scene = slipwave.read("paper-si")
+    slab = replace(scene.upper, viscosity=Creep(1.0, 3.0))
+    assert "slabs: creep: early 1, late 3 (3.6 s)" in header(replace(scene, upper=slab, lower=slab))
 
 
 @pytest.mark.parametrize("scene", ["grip", "machine", "reflection", "viscous"])
@@ -134,18 +154,19 @@ def test_figures_that_do_not_exist_have_a_reason(answer):
 
 
 @pytest.mark.parametrize(
-    ("scene", "face", "told"),
+    ("scene", "held", "told"),
     [
-        ("paper-si", {"kind": "grip", "stiffness": "0.2 GPa/m", "impedance": 3.0}, True),
-        ("paper-si", {"kind": "machine", "stiffness": 2e8, "impedance": 0.0, "mass": 0.0}, True),
-        ("paper-si", {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}, False),
-        ("paper", {"kind": "machine", "stiffness": 10.0, "impedance": 0.0, "mass": 0.0}, False),
+        ("paper-si", {"slab.face": {"kind": "grip", "stiffness": "0.2 GPa/m", "impedance": 3.0}}, True),
+        ("paper-si", {"slab.face": {"kind": "machine", "stiffness": 2e8, "impedance": 0.0, "mass": 0.0}}, True),
+        ("paper-si", {"slab.face": {"kind": "grip", "stiffness": 10.0, "impedance": 3.0}}, False),
+        ("paper", {"slab.face": {"kind": "machine", "stiffness": 10.0, "impedance": 0.0, "mass": 0.0}}, False),
+        ("paper", {"machine.k": 0.005}, True),  # before, nothing was said of it
     ],
 )
-def test_critical_values_say_where_a_setting_does_not_lead_to_them(scene, face, told):
+def test_critical_values_say_where_a_setting_does_not_lead_to_them(scene, held, told):
     """They are those of faces that change with the slabs; one in units of its own does not when a key of its slab is set."""
-    found = slipwave.stability(scene, **{"slab.face": face})
-    there = slipwave.stability(scene, **{"slab.face": face, "log10_r": found.log10_r_c})
+    found = slipwave.stability(scene, **held)
+    there = slipwave.stability(scene, **held, log10_r=found.log10_r_c)
     assert bool(abs(there.leading_roots[0].real) > 1e-6) is told
     assert any("a face in units of its own" in note for note in found.notes) is told
 
