@@ -31,6 +31,11 @@ MINE = FullWave(
 class Mine(DiscontinuousGalerkin):
     family = MINE
 """
+HALF_AS_VISCOUS = """
+    def __init__(self, scene, *rest, **more):
+        slab = replace(scene.upper, viscosity=replace(scene.upper.viscosity, time=0.5 * scene.upper.viscosity.time))
+        super().__init__(replace(scene, upper=slab, lower=slab), *rest, **more)
+"""
 COEFFICIENT = """
     def grid_of(self, sections):
         grid = super().grid_of(sections)
@@ -91,7 +96,7 @@ def test_a_scheme_with_one_mistake_is_red_where_it_shows(file, capsys, tmp_path,
     assert red <= set(found)
     suite = xml.parse(tmp_path / "v.xml").getroot()
     cases = suite.findall("testcase")
-    assert (suite.get("tests"), len(cases), len({case.get("name") for case in cases})) == ("17", 17, 17)
+    assert (suite.get("tests"), len(cases), len({case.get("name") for case in cases})) == ("19", 19, 19)
     assert int(suite.get("failures")) == len([case for case in cases if case.find("failure") is not None]) >= len(red)
 
 
@@ -148,6 +153,13 @@ def test_a_law_that_registration_refuses_is_a_row(file, capsys, slope):
     file.write_text(LAW.format(slope=slope))
     assert main(["verify", "--law", str(file)]) == NUMERICS_FAILED
     assert "F_psi at z = " in capsys.readouterr().out
+
+
+def test_a_viscosity_of_half_the_time_is_red(file, capsys):
+    """Before, the reference in viscous slabs was a finer grid of the same family, with the same mistake."""
+    file.write_text(RIGHT + HALF_AS_VISCOUS)
+    words = ["verify", "viscous", "--family", str(file), "--model", "mine:7"]
+    assert missed(words, capsys) == (NUMERICS_FAILED, ["psi converges to that of dg:7"])
 
 
 def test_a_mistake_that_shows_at_the_scene_is_a_row(file, capsys):
