@@ -63,6 +63,9 @@ def test_closed_forms_of_unlike_slabs_in_series(name):
     wanted |= {f"block{n}": stiffness / s + stiffness**2 * np.sum(r**2 / (n * k)) * s for n in (8, 12)}
     for model, values in wanted.items():
         assert impedance(scene, s, model) == pytest.approx(values, rel=1e-12), model
+    p, q = reduction_of(scene, "kelvin-voigt").transfer.ratio(scene.upper.epsilon, scene.transit, Jet.variable(s))
+    passed = np.mean(1 / (1 + x**2 / 8), axis=1)  # of the drive's velocity, by each slab when it is free
+    assert q.value / p.value == pytest.approx(wanted["kelvin-voigt"] * passed, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", EVERY)
