@@ -263,6 +263,7 @@ class Slab:
         # slabs that differ only in the kind of a rigid face are alike, also those made by `replace`: nothing else sees them all
         if self.termination.is_rigid:
             object.__setattr__(self, "face", RigidFace())
+            return
         unit = vars(self.face.termination(1.0, 1.0, self.layers[-1].impedance)).values()
         scaled = [number * size for number, size in zip(unit, face_sizes(self.epsilon, self.round_trip).values(), strict=True)]
         if not all(map(math.isclose, vars(self.termination).values(), scaled)):

@@ -93,6 +93,7 @@ def rows_on_scene(model: str, scene: Scene) -> Verdicts:
         reference = build("delay", scene, tolerance=_RESOLUTION)
     elif family is not grid_of(_FINEST)[0]:
         reference, known_as = build_full_wave(_FINEST, scene, cells=_FINEST_CELLS), f"that of {_FINEST}"
+        evidence = SELF if explicit_time(model) else WITNESS  # schemes by the method of lines share the viscous equations
     else:
         reference, evidence, known_as = _explicit(model, scene, 2 * cells[-1]), SELF, "that of a finer grid"
     true = np.array([follow(reference, moment).psi for moment in _MOMENTS])
