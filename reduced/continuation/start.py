@@ -120,7 +120,7 @@ def stored(point: OrbitPoint, step: float) -> State:
 def from_stored(family: FlowFamily, saved: Mapping[str, Array]) -> tuple[FlowFamily, OrbitPoint, float]:
     """The family on the stored mesh, the point, and the next step."""
     *start, period, parameter = saved["unknowns"].tolist()
-    flow = family(parameter).on_mesh(_mesh_of(saved))
+    flow = family(parameter).on_mesh(mesh_of(saved))
     cycle = flow.march(np.array(start), period)
     residual = float(np.abs(cycle.end - cycle.start).max())
     derivatives = (saved["monodromy"], saved["velocity"], saved["drift"])
@@ -131,12 +131,13 @@ def from_stored(family: FlowFamily, saved: Mapping[str, Array]) -> tuple[FlowFam
 def from_outline(family: FlowFamily, saved: Mapping[str, Array], metric: Metric) -> tuple[FlowFamily, OrbitPoint]:
     """The family on the stored mesh, and the point that was stored `without_derivatives`, closed again. Raises NumericsError if
     it does not close."""
-    flow = family(float(saved["unknowns"][-1])).on_mesh(_mesh_of(saved))
+    flow = family(float(saved["unknowns"][-1])).on_mesh(mesh_of(saved))
     family = family.on(flow)
     return family, point_near(family, saved["unknowns"], saved["tangent"], metric)
 
 
-def _mesh_of(saved: Mapping[str, Array]) -> State:
+def mesh_of(saved: Mapping[str, Array]) -> State:
+    """The mesh of a point that was stored `without_derivatives`."""
     return {name.removeprefix(_MESH): saved[name] for name in saved if name.startswith(_MESH)}
 
 

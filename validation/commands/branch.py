@@ -269,7 +269,8 @@ class BranchResult(FollowedResult):
     @property
     def points(self) -> list[PointOfBranch]:
         """The points of the JSON; each can be given to `slipwave.orbit` as a scene."""
-        return [self._point_at(point, None) for point in self.followed.shown]
+        points = enumerate(self.followed.points)
+        return [self._point_at(point, None, k) for k, point in points if self.followed.over.holds(point.value)]
 
     @property
     def special(self) -> list[PointOfBranch]:
@@ -281,10 +282,9 @@ class BranchResult(FollowedResult):
             if followed.over.holds(point.value)
         ]
 
-    def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None) -> PointOfBranch:
-        followed = self.followed
-        facts, scene = finite(self._at(point)), followed.over.written_at(point.value)
-        return PointOfBranch(facts, scene, followed.model, followed.cells, followed.tolerance, closed)
+    def _point_at(self, point: BranchPoint | SpecialPoint, closed: Closed | None, place: int | None = None) -> PointOfBranch:
+        facts, scene = finite(self._at(point)), self.followed.over.written_at(point.value)
+        return PointOfBranch(facts, scene, self.followed, closed, place)
 
     def chart(self) -> Chart:
         """Period and stress drops against the parameter, one panel each."""

@@ -34,7 +34,7 @@ from validation.commands.wording import figure_rows, header
 from validation.data.datasets import Dataset, new_dataset
 from validation.data.variables import EVENTS, INTERFACE, PHASE, cycle_in_si, stored_name, variables
 from validation.models.at_scene import orbit_at_scene
-from validation.models.orbits import SceneOrbit, flowing, with_error_of_grid
+from validation.models.orbits import SceneOrbit, flowing, refined_orbit, with_error_of_grid
 from validation.models.provenance import provenance
 
 if TYPE_CHECKING:
@@ -216,14 +216,11 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
     """
     began = time.perf_counter()
     if isinstance(source, PointOfBranch):
-        if source.closed is not None and options.is_default:
-            tolerance, flow = source.tolerance, source.closed.flow.of(source.scene)  # whose keys are known
-            closed = replace(source.closed, flow=flow, monodromy=flow.tangent(source.closed.cycle))
-            figures = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(closed).items()})
-            periodic = PeriodicOrbit(closed, figures, multipliers(closed)._replace(stable=None), True)  # neutral: a special point
-            scene_orbit = SceneOrbit(periodic, tolerance, "the special point of the branch: errors are its tolerance")
-            known = {"tol": tolerance, "near_period": source["period"]} | ({"cells": source.cells} if source.cells else {})
-            return OrbitResult(scene_orbit, known, time.perf_counter() - began, bool(options.response))
+        known = _of_point(source, options)
+        if known is not None:
+            at = {"near_period": source["period"]} | ({"cells": source.followed.cells} if source.followed.cells else {})
+            stored = {"tol": known.tolerance} | at
+            return OrbitResult(known, stored, time.perf_counter() - began, bool(options.response))
         if source.get("type") == "HB" and options.near_period is None:
             raise SceneError(
                 "SCENE: at a Hopf point the orbit shrinks to steady sliding: its stability is that of slipwave.stability"
@@ -231,7 +228,7 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
         near = float(source["period"]) if options.near_period is None else options.near_period
         options = replace(options, near_period=near)
         if options.model == "auto":
-            options = replace(options, model=source.model, cells=options.cells or source.cells)
+            options = replace(options, model=source.followed.model, cells=options.cells or source.followed.cells)
     options = options.recalled(source, "orbit")
     options = replace(options, tol=options.tol or ORBIT_TOLERANCE)
     scene = options.scene_of(source)
@@ -241,6 +238,26 @@ def orbit(source: SceneSource, options: _OrbitOptions) -> OrbitResult:
         raise SceneError(f"near_period = {shorten(options.near_period)}: must be above 0, in transits or with a unit of time")
     scene_orbit = orbit_at_scene(name, scene, options.tol or ORBIT_TOLERANCE, options.cells, period, bool(options.others))
     return OrbitResult(scene_orbit, options.stored, time.perf_counter() - began, bool(options.response))
+
+
+def _of_point(source: PointOfBranch, options: _OrbitOptions) -> SceneOrbit | None:
+    """The orbit of a point of a branch that was computed in this process, if no option asks for another one. Raises NumericsError
+    if it is none to the requested tolerance."""
+    followed, scene = source.followed, source.scene  # whose keys are known
+    if source.closed is not None and options.is_default:
+        tolerance, flow = followed.tolerance, source.closed.flow.of(scene)
+        closed = replace(source.closed, flow=flow, monodromy=flow.tangent(source.closed.cycle))
+        figures = Orbit(**{name: Estimate(value, tolerance * abs(value)) for name, value in figures_of(closed).items()})
+        periodic = PeriodicOrbit(closed, figures, multipliers(closed)._replace(stable=None), True)  # neutral: a special point
+        return SceneOrbit(periodic, tolerance, "the special point of the branch: errors are its tolerance")
+    wanted = replace(options, tol=None).is_default and options.model in ("auto", followed.model)
+    guess = followed.guess_at(source.place, scene) if wanted and source.place is not None else None
+    if guess is None:
+        return None
+    tolerance = options.tol or ORBIT_TOLERANCE
+    return SceneOrbit(
+        refined_orbit(scene, guess, tolerance), tolerance, "the point of the branch: other orbits may coexist with it"
+    )
 
 
 def _idle(mode: "IdleMode", period: float) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from validation.models.provenance import SCHEMA
 
 if TYPE_CHECKING:
     from reduced.orbit.closing import Closed
+    from validation.models.branch import FollowedBranch
 
 Row = TypeVar("Row")
 _PRINTED = 300
@@ -37,20 +38,19 @@ class Facts(dict[str, Any]):
 
 
 class PointOfBranch(Facts):
-    """A point of a branch: a table of its JSON that commands also take as a scene. `model`, `cells` and `tolerance` are those of
-    the branch; `closed`: the orbit of a special point, if computed in this process."""
-
-    scene: Scene
-    model: str
-    cells: int | None
-    tolerance: float
-    closed: "Closed | None"
+    """A point of the branch `followed`: a table of its JSON that commands also take as a scene. `closed`: the orbit of a special
+    point, if computed in this process; `place`: the number of any other point on the branch."""
 
     def __init__(
-        self, facts: Mapping[str, Any], scene: Scene, model: str, cells: int | None, tolerance: float, closed: "Closed | None"
+        self,
+        facts: Mapping[str, Any],
+        scene: Scene,
+        followed: "FollowedBranch",
+        closed: "Closed | None" = None,
+        place: int | None = None,
     ) -> None:
         super().__init__(facts)
-        self.scene, self.model, self.cells, self.tolerance, self.closed = scene, model, cells, tolerance, closed
+        self.scene, self.followed, self.closed, self.place = scene, followed, closed, place
 
 
 def _as_facts(value: Any) -> Any:

@@ -16,10 +16,12 @@ from reduced.continuation.start import (
     from_orbit,
     from_outline,
     from_stored,
+    mesh_of,
     metric_for,
     stored,
     without_derivatives,
 )
+from reduced.orbit.approach import Guess
 from reduced.orbit.closing import Closed, closed_between
 from reduced.orbit.periodic import amplitude, difference_of_parts
 from reduced.stability.characteristic import characteristic
@@ -65,7 +67,8 @@ class _BranchEnd(NamedTuple):
 @dataclass(frozen=True)
 class FollowedBranch:
     """The branch of `model` over a parameter, to the relative error `tolerance` of all figures. `cells` is for full waves.
-    `closed`: index of a special point -> its orbit, if computed in this process; `outlines`: what it can be computed again from.
+    `closed`: index of a special point -> its orbit, if computed in this process; `outlines`: what it can be computed again from;
+    `starts`: index of a point -> the same, if computed in this process.
     `doubled`: the branch of orbits of twice the period from the first period doubling of the scene's own branch."""
 
     what: ClassVar[str] = "branch"
@@ -79,6 +82,7 @@ class FollowedBranch:
     notes: list[str] = field(default_factory=list)
     closed: dict[int, Closed] = field(default_factory=dict)
     outlines: dict[int, State] = field(default_factory=dict)
+    starts: dict[int, State] = field(default_factory=dict)
 
     @property
     def varied(self) -> dict[str, ParameterRange]:
@@ -221,6 +225,14 @@ class FollowedBranch:
         passing = complex(critical(row.kind, point.multipliers))
         return Special(row.kind, point, row.bracket, row.unstable_before or 0, row.unstable_after or 0, passing)
 
+    def guess_at(self, index: int, scene: Scene) -> Guess | None:
+        """The orbit of a point, on its mesh, for Newton's method at the point's `scene`; None if it was read from a file."""
+        outline = self.starts.get(index)
+        if outline is None:
+            return None
+        *start, period, value = outline["unknowns"].tolist()
+        return Guess(self.family_at(value, period)(value).on_mesh(mesh_of(outline)).of(scene), np.array(start), period, False)
+
     def first_special(self, end: _BranchEnd, kind: str) -> tuple[Special, FlowFamily]:
         """The first special point of `kind` after `end` in the range, and the flows on its mesh. Raises NumericsError if there
         is none."""
@@ -240,6 +252,7 @@ class FollowedBranch:
         return _BranchEnd(point, Control.first, metric)
 
     def _record(self, point: OrbitPoint) -> None:
+        self.starts[len(self.points)] = without_derivatives(point)
         self.points.append(BranchPoint.of(point))
         last = self.points[-1]
         if last.stable is None or last.idle:

@@ -151,6 +151,17 @@ def test_the_orbit_of_a_point_is_that_of_the_grid_of_its_branch():
     assert sw.orbit(point, cells=4).period != pytest.approx(point.period, rel=1e-3)
 
 
+def test_the_orbit_of_a_point_beside_a_fold_is_on_the_same_side_of_it():
+    """Before, the orbit on the other side of the fold, which was taken for the nearest in period, of the other stability."""
+    branch = sw.branch("paper", ("log10_r", -2.7, -2.67), most_points=145)
+    folds = [special.log10_r for special in branch.special[1:3]]
+    near = [point for point in branch.points if min(abs(point.log10_r - fold) for fold in folds) < 2e-6]
+    assert {point.stable for point in near} == {True, False}
+    for point in near:
+        orbit = sw.orbit(point)
+        assert (orbit.period, orbit.stable) == (pytest.approx(point.period, rel=1e-6), point.stable)
+
+
 def test_points_of_a_branch_are_selected_by_its_parameter(turning):
     """The branch begins at the Hopf point and turns back at the fold: it passes values between them once, then once more."""
     data = turning.dataset
