@@ -129,7 +129,8 @@ def reduction_of(scene: Scene, name: str) -> Reduction:
         return reduction(name)  # raises the SceneError for an unknown name
     refusal = family.refusal(scene)
     if refusal:
-        raise SceneError(f"model = {name!r}: cannot do {refusal}; use fitted:N, delay or a full wave for this scene")
+        able = ", ".join(other.pattern for other in FAMILIES if not other.refusal(scene))
+        raise SceneError(f"model = {name!r}: cannot do {refusal}; models that can: {able}, or a full wave")
     made = family.maker()(scene, name)
     if family in FAMILIES:
         return cast(Reduction, made)

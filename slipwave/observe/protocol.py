@@ -112,7 +112,8 @@ def stages_of(drive: Drive, until: float) -> list[Stage]:
     stages: list[Stage] = []
     for (start, first), (end, last) in pairwise(knots):
         if start < min(end, until):
-            _append(stages, start, min(end, until), first, last)
+            reached = last if end <= until else first + (last - first) * (until - start) / (end - start)
+            _append(stages, start, min(end, until), first, reached)
     return stages
 
 

@@ -88,6 +88,7 @@ def test_every_kind_of_stage():
         ("ramp", 15, 20, 1, 3),
         ("level", 20, 40.0, 3, 3),
     ]
+    assert stages_of(drive, 17.5)[-1] == ("ramp", 15, 17.5, 1, 2.0)  # cut off by the end of the run
     assert [stage.sign for stage in stages_of(drive, 40.0)] == [1.0, 1.0, -1.0, 1.0, 1.0, 1.0]
 
 

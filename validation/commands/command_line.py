@@ -27,11 +27,6 @@ Files: TypeAlias = Mapping[Output, Path | None]
 Act: TypeAlias = Callable[[Any, Any, Files, bool], None]
 
 
-SCENE = typer.Argument(
-    metavar="SCENE",
-    help="a gallery name (see `slipwave scenes`), a TOML file, or a netCDF file of results",
-    autocompletion=gallery_names,
-)
 _JSON = typer.Option("--json", help="print JSON instead of a table")
 
 
@@ -63,6 +58,7 @@ def on_a_scene(
     files of the result that is `made`, if any."""
     outputs = () if made is None else made.OUTPUTS
     known = {option.name: option for option in options_of(kind).values() if not option.python_only}
+    scene = typer.Argument(metavar="SCENE", help=kind.SOURCE, autocompletion=gallery_names)
 
     def call(source: str | None = None, json: bool = False, **words: Any) -> None:
         """Take the words of the command line."""
@@ -80,7 +76,7 @@ def on_a_scene(
             raise refused_by_compiler(error) from error
 
     parameters = [
-        _parameter("source", *((Annotated[str | None, SCENE], None) if optional else (Annotated[str, SCENE], Parameter.empty))),
+        _parameter("source", *((Annotated[str | None, scene], None) if optional else (Annotated[str, scene], Parameter.empty))),
         *(_parameter(option.name, *_in_words(option)) for option in known.values()),
         *(
             _parameter(

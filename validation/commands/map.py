@@ -35,7 +35,7 @@ class _MapOptions(SceneOptions):
         "slipwave map map --size single --title 'Regimes of a block of granite' --plot figure-1.pdf",
         "slipwave map both --against kelvin-voigt --plot difference.png",
     )
-    DETAILS: ClassVar = "SCENE is the folder of a sweep or the netCDF file gathered from it."
+    SOURCE: ClassVar = "the folder of a sweep, or the netCDF file gathered from it"
 
     show: str | None = option("the column to be drawn (default: regime, period and stress drop)", metavar="COLUMN")
     model: str | None = option("one of the models (default: all)", positional=True)

@@ -110,10 +110,11 @@ _STEPS = dict.fromkeys(
 
 
 class SceneOptions(Frozen):
-    """Options of every command on a scene. `EXAMPLES` and `DETAILS` are for its help on the command line."""
+    """Options of every command on a scene. `EXAMPLES`, `DETAILS` and `SOURCE` are for its help on the command line."""
 
     EXAMPLES: ClassVar[tuple[str, ...]] = ()
     DETAILS: ClassVar[str] = ""
+    SOURCE: ClassVar[str] = "a gallery name (see `slipwave scenes`), a TOML file, or a netCDF file of results"
 
     settings: Iterable[str] = option(
         "change one key of the scene, as in slab.log10_r=-2.3, or by an expression in what the command varies; may be repeated",

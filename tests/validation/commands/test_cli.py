@@ -288,8 +288,11 @@ def test_wrong_input_is_one_line_and_nothing_is_written(refused, tmp_path, monke
     assert [path.name for path in tmp_path.iterdir()] == ["x.csv"]
 
 
-@pytest.mark.parametrize(("command", "auto"), [("fit", "auto: quasidynamic, or fitted:0"), ("verify", "auto: dg:7")])
-def test_help_names_what_auto_is_in_a_command(command, auto, capsys):
-    """Before, "the cheapest that is exact", which neither takes."""
+OWN_WORDS = {"fit": "auto: quasidynamic, or fitted:0", "verify": "auto: dg:7", "map": "SCENE <str> the folder of a sweep"}
+
+
+@pytest.mark.parametrize("command", OWN_WORDS)
+def test_help_says_what_words_mean_in_a_command(command, capsys):
+    """Before, of `auto`, "the cheapest that is exact", which neither takes, and of a sweep's folder, a scene of the gallery."""
     main([command, "--help"])
-    assert auto in " ".join(capsys.readouterr().out.split())
+    assert OWN_WORDS[command] in " ".join(capsys.readouterr().out.split())
