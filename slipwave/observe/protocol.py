@@ -356,11 +356,11 @@ class ProtocolObserver:
         )
 
     def _extended(self, ends: tuple[float, float], z: Array) -> tuple[float, float]:
-        """A range of ln v, extended to the rate unknowns `z`, with which v rises."""
+        """A range of ln v, extended to the rate unknowns `z`, with which v rises; -inf where slip rests or reverses."""
         if not z.size:
             return ends
-        with np.errstate(divide="ignore", invalid="ignore"):
-            ln_v = np.log(rates(self._scene.law, np.array([z.min(), z.max()])))
+        with np.errstate(divide="ignore"):
+            ln_v = np.log(np.maximum(rates(self._scene.law, np.array([z.min(), z.max()])), 0.0))
         return float(ln_v.min(initial=ends[0])), float(ln_v.max(initial=ends[1]))
 
     def _steady(self, stage: Stage) -> float:

@@ -112,6 +112,17 @@ def test_a_ringing_that_decays_is_no_stick_slip():
     assert not ringing(0.0, 300.0).figures[1].stick_slips  # one way through, no cycle
 
 
+def test_stick_slip_whose_slip_reverses_has_no_figures():
+    """Cycles through v < 0 since a step; before, its first peak was a direct effect of 7e-5, where a ln(V2/V1) is 3.5e-3."""
+    law = {"law": "ageing-regularised", "a_star": 0.02, "a": 0.005, "b": 0.02}
+    drive = {"velocity": [[0, 1], [20, 1], [20, 2]]}
+    scene = {"interface": law, "slab": {"epsilon": 1e-6, "r": 0.02}, "drive": drive, "start": {"size": 0.0}}
+    found = slipwave.run(scene, "block8", until=200)
+    assert found.v_min < 0.0
+    step = found.summary["protocol"][1]
+    assert (step["stick_slips"], step["direct_effect"], step["slip_to_recovery"]) == (True, None, None)
+
+
 @pytest.mark.parametrize(("end", "whole_from"), [(3, math.inf), (20, 0.0), (25, 0.0), (120, math.inf)])
 def test_a_protocol_goes_on_as_without_a_stop(end, whole_from):
     """Inside the start, at a jump, after the peak of a step and in the middle of a hold."""
