@@ -233,10 +233,10 @@ def _trend(prominence: Array, cycles: Events) -> float:
     """Change of the logarithm of the prominence over the window, if it is exponential; else 0, and for fewer than 3 cycles."""
     if cycles.time.size < _FEWEST:
         return 0.0
-    values, ratio = np.log(prominence), float(cycles.v_max[-1] / cycles.v_min[-1])
+    values, is_small = np.log(prominence), bool(cycles.v_max[-1] < _SMALL * cycles.v_min[-1])
     early, late = (float(part) for part in _thirds(values))
     change, _, straight = _line(values)
-    if early * late <= 0.0 or straight < _STRAIGHT[values.size >= _FEW] or (abs(change) < _CHANGED and ratio >= _SMALL):
+    if early * late <= 0.0 or straight < _STRAIGHT[values.size >= _FEW] or (abs(change) < _CHANGED and not is_small):
         return 0.0
     slower = late / early
     if late > 0.0:

@@ -21,13 +21,15 @@ from validation.models.build import build
 K = np.arange(24)
 
 
-def verdict(sizes, ratio=1000.0, rests=True, slides=False, until=4000.0):
-    """Of events with prominences 0.1 `sizes` and periods and rates that go with them; one cycle less than events."""
+def verdict(sizes, ratio=1000.0, rests=True, slides=False, until=4000.0, back=False):
+    """Of events with prominences 0.1 `sizes` and periods and rates that go with them, the least rate reversed if `back`; one
+    cycle less than events."""
     drop = 0.1 * np.asarray(sizes, dtype=float)
     period = 50.0 + 300.0 * drop[:-1]
     v_max = 100.0 * (1.0 + (np.sqrt(ratio) - 1.0) * drop[:-1] / 0.1)
     time = 2000.0 + np.concatenate(([0.0], np.cumsum(period[:-1]))) if period.size else period
-    return judge_motion(Events(time, period, 1.1 * drop[:-1], drop[:-1], v_max, 1e4 / v_max), drop, rests, slides, until)
+    v_min = (-1e4 if back else 1e4) / v_max
+    return judge_motion(Events(time, period, 1.1 * drop[:-1], drop[:-1], v_max, v_min), drop, rests, slides, until)
 
 
 def henon(count, a, b=0.3):
@@ -73,6 +75,11 @@ def test_verdicts_on_known_sequences(sizes, kind, multiplicity):
     assert (found.kind, found.multiplicity) == (kind, multiplicity)
     assert found.repeats == (kind in ("periodic", "torus", "irregular"))
     assert (found.rotation is not None) == (kind == "torus")
+
+
+def test_large_cycles_whose_slip_reverses_and_hardly_change_do_not_decay():
+    """v_max/v_min is below zero; before, they were small motions, which may decay however slowly."""
+    assert verdict(0.998**K, back=True).kind == verdict(0.998**K).kind == "settling"
 
 
 def test_the_ups_and_downs_of_chaos_are_no_approach():
