@@ -231,13 +231,13 @@ class ProtocolObserver:
 
     @property
     def whole_from(self) -> float:
-        """As `Spanning`; infinite but at the beginning of a stage and between a peak and the recovery from it, over which slip is
-        summed."""
+        """As `Spanning`; infinite but at the beginning of a stage and from the steady stress over a peak to the recovery from it,
+        over which slip is summed."""
         if self._now == len(self.stages):
             return 0.0
         stage, seen = self.stages[self._now], self._seen[self._now]
-        fallen = stage.sign * (seen.peak - seen.last) > _FALLEN * stage.sign * (seen.peak - seen.before)
-        recovers = fallen and math.isnan(seen.recovered) and not math.isnan(seen.peak_slip)
+        above = stage.sign * (seen.last - self._steady(stage)) > 0.0  # at its peak friction may rest: a gap would hold it
+        recovers = above and math.isnan(seen.recovered) and not math.isnan(seen.peak_slip)
         return math.inf if -math.inf < seen.reached < stage.end and not recovers else 0.0
 
     @property

@@ -231,6 +231,13 @@ def test_a_full_wave_shows_the_stages_of_the_delay_system():
         assert abs(still[stage][name] / exact[stage][name] - 1) > 1e-2
 
 
+def test_no_leap_hides_the_recovery_from_a_peak():
+    """Before, transits were left out where friction rests at its peak, and with them the slip since."""
+    changes = {"interface.law": "ageing-cutoff", "interface.cutoff_velocity": 1e-4}
+    exact, still = (slipwave.run("hold", model, set=changes).summary["protocol"][2] for model in ("delay", "quasidynamic"))
+    assert exact["slip_to_recovery"] == pytest.approx(still["slip_to_recovery"], rel=1e-3)  # 5e-5 measured
+
+
 @pytest.mark.parametrize("later", [0.1 + 0.2, np.nextafter(0.3, 0.0)])
 def test_times_that_differ_by_rounding_are_a_step(later):
     """Before, a ramp of 1e-16 transits whose stage had no direct effect, or a refusal: times must rise."""
