@@ -47,7 +47,7 @@ def check_form(name: Any, law: Any) -> None:
 
 
 def check_law(name: str, law: Any, parameters: tuple[float, ...] = _PARAMETERS) -> None:
-    """`check_at` five decades of rates.
+    """`check_at` five decades of rates; raises what it does.
 
     `law` is a `Registered`; it is checked with the parameter class's own defaults, else with `parameters` (a_star, a, b).
     """

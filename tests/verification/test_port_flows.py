@@ -11,7 +11,7 @@ from fullwave.finite_element import FiniteElement
 from fullwave.summation_by_parts import SummationByParts
 from reduced.impedance import reduction_of
 from reduced.ode.slabs import ReducedModel
-from slipwave.errors import NumericsError
+from slipwave.errors import NumericsError, SceneError
 from slipwave.solve import follow
 from tests.differences import difference, largest
 from tests.reduced.reduction_equations import EVERY_TERM
@@ -88,3 +88,11 @@ def test_a_motion_that_cannot_be_followed():
     follow(solver, 9.0)
     with pytest.raises(NumericsError, match=r"quasistatic: the step at .* of 5000 transits cannot be solved"):
         solver.flow(5000.0, 1e-9)
+
+
+def test_slabs_whose_grid_has_other_numbers_of_cells_need_another_flow():
+    """Beyond twice the upper slab's round trip the lower one needs a fifth cell."""
+    flow, _ = solver_of("dg:7", "unlike").flow(40.0, 1e-6)
+    flow.of(slipwave.read("unlike", {"lower.r": 0.0048}))
+    with pytest.raises(SceneError, match=r"^dg:7: its grid has other numbers of cells there \(\d+ values for \d+\); begin"):
+        flow.of(slipwave.read("unlike", {"lower.r": 0.005}))

@@ -47,7 +47,7 @@ _SCENES: tuple[tuple[str, dict[str, Any]], ...] = (
     ("layered", {}),
     ("unlike", _VISCOUS),
 )
-_FINEST, _FINEST_CELLS = "dg:7", 14  # where there is no delay system: in exact steps, so that only its own family shares much
+_FINEST, _FINEST_CELLS = "dg:7", 14  # the reference where the delay system cannot do a scene; in exact steps
 _NOISE_UNTIL = 200.0  # transits
 _LEDGER_UNTIL, _GRIDS, _FINER = 40.0, 6, 1.5
 _RESOLUTION = 1e-11
