@@ -7,11 +7,13 @@
     too short   fewer than 3 complete cycles, or fewer than 16 that neither repeat nor come closer
     periodic    in the later half of the cycles (at least three), the figures of every n-th agree within 1e-3 (largest minus
                 smallest, over the mean), and do not move on by more; n is the smallest such number from 1 to 8, up to half of
-                their number if all cycles repeat
+                their number if all cycles repeat. For n > 1 they agree ten times (beyond 8, a hundred times) better than the
+                cycles of one period do among themselves: a swing that decays comes near to repeating after n cycles as well
     decaying,   the logarithm of the prominence falls or grows on a straight line, or faster: its slope does not become so
     growing     much smaller that a limit above half of the last prominence is in sight. It must change by a fifth in all, or the
                 motion must be so small (v_max/v_min below 1.2) that it can only be exponential
-    settling    cycles still change in one direction: they come closer to each other, or drift (`_goes_on`)
+    settling    cycles still change in one direction: they come closer to each other, or drift (`_goes_on`), or they would be
+                irregular, but vary less and less (`_narrows`)
     torus       period and v_max of 24 cycles or more are smooth functions of one phase that comes round and advances by the same
                 angle from cycle to cycle, within 4 % of their spread, with an amplitude that stays (`torus`)
     irregular   none of these in 16 cycles or more
@@ -109,6 +111,13 @@ def _drifts(values: Array, lag: int) -> bool:
     return bool(2 * np.count_nonzero((before > _NONE) & (after <= _LEFT * before)) > values.shape[1])
 
 
+def _narrows(figures: Array) -> bool:
+    """Whether the later cycles of many vary less than the earlier ones in every figure, by halves and by thirds: a swing that
+    decays too fast, or of too many frequencies, for the differences of cycles to lie on a line."""
+    parts = (len(figures) // 2, len(figures) // 3)
+    return all((np.std(figures[-part:], axis=0) < _NARROWS * np.std(figures[:part], axis=0)).all() for part in parts)
+
+
 Kind: TypeAlias = Literal[
     "steady", "decaying", "growing", "settling", "periodic", "torus", "irregular", "driven", "protocol", "too short"
 ]
@@ -130,7 +139,8 @@ _SMOOTH, _ROUND = 0.04, 24  # misfit of a torus, and its fewest cycles; of chaos
 _STAYS, _ERRORS = 0.03, 4.0  # largest change of the amplitude of a torus over its cycles, itself or in its standard errors
 _NOISE, _VAGUE = 0.3, 0.5  # misfits from which it is none: of all harmonics, of those that the cycles resolve
 _CLEAR = 0.15  # misfit below which the change of an amplitude has a meaning
-_CLOSELY = 0.01  # differences from period to period, over those within one
+_CLEARLY, _CLOSELY = 0.1, 0.01  # differences from period to period, over those within one, of up to 8 events and of more
+_NARROWS = 2.0 / 3.0  # of the spread of earlier cycles: of 100 runs of chaos the later ones of 3 have less
 
 
 class MotionVerdict(NamedTuple):
@@ -183,7 +193,7 @@ def judge_motion(
         rate = float(np.polyfit(cycles.time - cycles.time[0], np.log(cycles.elastic_stress_drop), 1)[0])
         return MotionVerdict("growing" if trend > 0.0 else "decaying", count, change=change, rate=rate)
     kind, turned = _turns(cycles)
-    if kind != "torus" and (kind == "settling" or _still_changes(figures)):
+    if kind != "torus" and (kind == "settling" or _still_changes(figures) or (kind == "irregular" and _narrows(figures))):
         return MotionVerdict("settling", count, change=change)
     if count < MANY:
         kind = "too short"
@@ -198,13 +208,14 @@ def slides_at(rate: float, velocity: float) -> bool:
 
 def _multiplicity(figures: Array) -> int | None:
     """The smallest n for which every n-th cycle is the same, over at least two periods; None if there is none. For n up to 8 the
-    later half of the cycles decides; larger n need all cycles, and differences far below those within a period, because a torus
-    returns arbitrarily closely."""
+    later half of the cycles decides; larger n need all cycles. More than one event needs differences far below those within a
+    period: a swing that decays passes near its start again, and a torus returns arbitrarily closely."""
     count = len(figures)
     later = figures[-max(_FEWEST, (count + 1) // 2) :]
     tried = min(_MOST_EVENTS, len(later) // 2)
+    within = float(np.max(np.ptp(later, axis=0) / np.abs(later.mean(axis=0))))
     for n in range(1, tried + 1):
-        if _repeats(later, n, REPEATS):
+        if _repeats(later, n, REPEATS if n == 1 else min(REPEATS, _CLEARLY * within)):
             periods = len(later) // n
             means = later[-periods * n :].reshape(periods, n, -1).mean(axis=1)
             return None if _goes_on(means / np.abs(later.mean(axis=0)), REPEATS) else n

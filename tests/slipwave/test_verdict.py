@@ -1,5 +1,6 @@
 """Verdicts on sequences of cycles whose nature is known, margins of means, and the largest Lyapunov exponent."""
 
+import itertools
 import math
 
 import numpy as np
@@ -75,6 +76,24 @@ def test_verdicts_on_known_sequences(sizes, kind, multiplicity):
     assert (found.kind, found.multiplicity) == (kind, multiplicity)
     assert found.repeats == (kind in ("periodic", "torus", "irregular"))
     assert (found.rotation is not None) == (kind == "torus")
+
+
+@pytest.mark.parametrize("turn", [0.1, 0.2, 0.263, 0.35, 0.409, 0.45, 0.49])
+@pytest.mark.parametrize("shrink", [0.8, 0.875, 0.9])
+def test_swings_that_decay_are_neither_chaos_nor_several_events(shrink, turn):
+    """To one event, `turn` of a turn a cycle: whatever size is left, and however few cycles are judged; before, 82 of 1110 such
+    sequences were irregular, and 145 had two to eight events."""
+    for left, count in itertools.product((1e-2, 3e-3, 1e-3, 3e-4), (12, 16, 18, 20, 24, 32, 40)):
+        cycles = np.arange(count + 1)
+        size = left * shrink ** (cycles - count)
+        if size[0] < 0.5:
+            found = verdict(1.0 + size * np.cos(2.0 * np.pi * turn * cycles + 0.3))
+            assert found.kind in ("settling", "too short") or found.multiplicity == 1
+
+
+@pytest.mark.parametrize("until", [1800.0, 2200.0])  # before: irregular, and periodic with 5 events
+def test_cycles_that_swing_around_their_orbit_settle(until):
+    assert slipwave.run("unlike", until=until).verdict == "settling"
 
 
 def test_large_cycles_whose_slip_reverses_and_hardly_change_do_not_decay():
