@@ -42,8 +42,11 @@ every_scene = pytest.mark.parametrize("kind", SCENES)
 
 
 def settled(kind, per_transit=8.0, until=40.0):
+    return settled_in(read(*SCENES[kind]), per_transit, until)
+
+
+def settled_in(scene, per_transit, until):
     """The solver's run up to `until`, and a flow with the state that it has reached."""
-    scene = read(*SCENES[kind])
     solver, flow = DelayNetwork(scene, tolerance=1e-11), DelayFlow(scene, per_transit)
     follow(solver, until)
     saved = solver.state()
@@ -287,3 +290,15 @@ def test_a_state_has_as_many_values_where_one_slab_alone_changes(ratio):
     there = loose.of(unlike(ratio))
     assert start.size == loose.size == there.size == there.on_mesh(there.mesh_state()).size
     assert there.march(there.steady, 3.0).end == pytest.approx(there.steady, abs=1e-12)
+
+
+@pytest.mark.parametrize("finer", [1.1, 1.25, 1.5, 1.6, 2.5])
+def test_more_waves_than_were_kept_go_on_smoothly(finer):
+    """Steps of a sixth of a transit end with the longer delay, others do not, and keep more; before, waves were constant there."""
+    _, flow, start = settled_in(unlike(0.8635), 6.0, 40.0)
+    cycle, times = flow.march(start, 7.37), np.linspace(0.05, 7.37, 23)
+    new, same = flow.remeshed(cycle, finer)
+    assert flow.kept * flow.length == pytest.approx(0.5, rel=1e-12)
+    assert new.kept * new.length > 0.5 + 1e-3
+    motion = sampled(new, new.march(same, 7.37), times)
+    np.testing.assert_allclose(motion, sampled(flow, cycle, times), rtol=0.0, atol=1e-12)
