@@ -219,8 +219,8 @@ class DelayFlow:
 
     def sampled(self, waves: Array, length: float, rest: Array) -> Array:
         """The state with `waves` (layers, 2, past steps, s) launched in steps of `length` (transits), oldest first, and the
-        `rest` of the state. Before the oldest step its polynomials go on: a step is rarely a part of both delays, and then more are
-        kept than cover them."""
+        `rest` of the state. Before the oldest step its polynomials go on: where a step is no part of both delays, more are kept
+        than cover them."""
         past = waves.shape[2]
         ages = (np.arange(self.kept)[:, None] - self.kept + self.nodes).ravel() * self.length / length + past
         step = np.clip(np.ceil(ages - 1e-12).astype(int) - 1, 0, past - 1)

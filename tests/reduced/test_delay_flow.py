@@ -294,7 +294,7 @@ def test_a_state_has_as_many_values_where_one_slab_alone_changes(ratio):
 
 @pytest.mark.parametrize("finer", [1.1, 1.25, 1.5, 1.6, 2.5])
 def test_more_waves_than_were_kept_go_on_smoothly(finer):
-    """Steps of a sixth of a transit end with the longer delay, others do not, and keep more; before, waves were constant there."""
+    """Steps of a sixth of a transit end with the longer delay, others do not, and keep more; before, waves were constant."""
     _, flow, start = settled_in(unlike(0.8635), 6.0, 40.0)
     cycle, times = flow.march(start, 7.37), np.linspace(0.05, 7.37, 23)
     new, same = flow.remeshed(cycle, finer)

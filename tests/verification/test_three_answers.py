@@ -5,8 +5,8 @@ slabs so thick that a transit lasts as long as friction's own oscillation, and s
 
     steady, decaying    no root of steady sliding grows
     growing             a root grows, or there is an orbit, to which it grows
-    periodic, torus,    a root grows, or there is an orbit beside stable sliding. Of cycles with one event that repeat, there is an
-    irregular           orbit, has the period, and is not unstable; beside cycles that wander, it is not stable
+    periodic, torus,    a root grows, or there is an orbit beside stable sliding. Of cycles with one event that repeat, the orbit
+    irregular           is found, has the period, and is not unstable; beside cycles that wander, it is not stable
     torus               neighbours part no faster than within the margin of the largest Lyapunov exponent
 """
 
