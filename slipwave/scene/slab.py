@@ -168,9 +168,19 @@ class Rheology:
     def __post_init__(self) -> None:
         if not all(number >= 0.0 for number in vars(self).values()):
             raise SceneError(f"{self}: must be 0 or more")  # else the slab would feed its waves
-        is_of_kelvin_voigt = self.relaxation == self.ratio == 0.0
-        if not (is_of_kelvin_voigt or math.isclose(self.retardation, self.relaxation * (1.0 + self.ratio), rel_tol=1e-9)):
-            raise SceneError(f"{self}: the retardation must be relaxation * (1 + ratio), or relaxation and ratio 0")
+        if self.relaxation == self.ratio == 0.0:
+            return
+        retarded = self.relaxation * (1.0 + self.ratio)
+        if not (self.relaxation > 0.0 and math.isclose(self.retardation, retarded, rel_tol=1e-9)):
+            raise SceneError(
+                f"{self}: the retardation must be relaxation * (1 + ratio), or relaxation and ratio 0; with a ratio, the "
+                "relaxation must be above 0"
+            )
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether the modulus is G at every frequency."""
+        return self.ratio == 0.0 and self.retardation == self.relaxation
 
     @property
     def blocks_fast_waves(self) -> bool:
@@ -260,7 +270,10 @@ class Slab:
     material: Material | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
-        # slabs that differ only in the kind of a rigid face are alike, also those made by `replace`: nothing else sees them all
+        # slabs that differ only in the kind of a rigid face, or in a viscosity of no effect, are alike, also those made by
+        # `replace`: nothing else sees them all
+        if self.rheology.is_elastic:
+            object.__setattr__(self, "viscosity", None)
         if self.termination.is_rigid:
             object.__setattr__(self, "face", RigidFace())
             return

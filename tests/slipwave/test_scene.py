@@ -192,13 +192,30 @@ def test_what_no_face_can_be_is_refused(numbers):
         Termination(*numbers)
 
 
-@pytest.mark.parametrize("numbers", [(0.3, 0.2, 1.0), (0.3, 0.3, 1e-8), (0.0, 0.2, 0.0), (0.3, 0.0, 1.0)])
+@pytest.mark.parametrize("numbers", [(0.3, 0.2, 1.0), (0.3, 0.3, 1e-8), (0.0, 0.2, 0.0), (0.3, 0.0, 1.0), (0.0, 0.0, 1.0)])
 def test_a_solid_that_no_full_wave_computes_as_the_impedance_has_it_is_refused(numbers):
     with pytest.raises(
         SceneError, match=r"Rheology\(retardation=.*\): the retardation must be relaxation \* \(1 \+ ratio\), or "
     ):
         Rheology(*numbers)
     assert StandardLinearViscosity(0.2, 1.0).rheology == Rheology(0.4, 0.2, 1.0)
+
+
+@dataclass(frozen=True)
+class FadingViscosity:
+    """A viscosity of the user's own that may be none."""
+
+    rheology: Rheology
+
+
+@pytest.mark.parametrize("numbers", [(0.0, 0.0, 0.0), (0.3, 0.3, 0.0)])
+def test_a_viscosity_of_no_effect_is_none(numbers):
+    """Before, `auto` took the delay system, which refused the slabs as viscous, and fitted:N said that nothing damps waves."""
+    slab = dataclasses.replace(ELASTIC, viscosity=FadingViscosity(Rheology(*numbers)))
+    assert slab == ELASTIC
+    assert slab.is_plain
+    viscous = FadingViscosity(Rheology(0.3))
+    assert dataclasses.replace(slab, viscosity=viscous).viscosity is viscous
 
 
 @pytest.mark.parametrize("numbers", [(1e-3, 3e-3, -2.0 / 3.0), (-1.0, 0.0, 0.0), (0.0, 0.0, math.nan)])

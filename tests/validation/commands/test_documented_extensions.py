@@ -167,6 +167,30 @@ def test_an_outer_face(reader):
     assert "slab.face.stiffness = 0: must be a number from 1e-09" in reader.output
 
 
+def test_a_viscosity(reader):
+    """Two files: the solid and its keys. It is then a standard linear solid of the same numbers, in SI and in every kind of
+    model; where its times are the same, it is elastic, also to the model that knows no viscosity."""
+    reader.follow(EXTENDING["Adding a viscosity"])
+    assert reader.changed == {"slipwave/scene/slab.py", "slipwave/input/schema.py"}
+    ours, theirs, elastic = (
+        " ".join(f"--set slab.viscosity.{key}={value}" for key, value in given.items())
+        for given in (
+            {"kind": "two-times", "early": "1ms", "late": "2ms"},
+            {"kind": "standard-linear", "time": "1ms", "ratio": "1"},
+            {"kind": "two-times", "early": "1e-3", "late": "1e-3"},
+        )
+    )
+    models = ("quasidynamic", "fitted:4", "fd", "dg:5", "sbp:4 --time explicit")
+    commands = ("stability paper-si", *(f"run paper-si --until 20 --model {model}" for model in models))
+    found = [reader.json(*(f"{command} {viscosity}" for command in commands)) for viscosity in (ours, theirs)]
+    assert found[0][0]["leading_roots"] == found[1][0]["leading_roots"]
+    assert found[0][0]["si"] == found[1][0]["si"]
+    for one, other in zip(found[0][1:], found[1][1:], strict=True):
+        assert one["final"] == other["final"]
+    plain, same = reader.json("run paper --until 20", f"run paper --until 20 {elastic}")
+    assert (same["model"], same["final"]) == ("delay", plain["final"])
+
+
 def test_a_reduction(reader):
     reader.follow(EXTENDING["Adding an ODE reduction"])
     assert len(reader.changed) == 2
@@ -252,6 +276,5 @@ def test_a_study(reader):
 
 
 def test_every_section_is_done_by_a_test():
-    done = "a friction law of your own|an outer face|an ODE reduction|a discretisation|an observer|a scene key|an option|a study"
-    in_words = {"Adding a viscosity"}  # says where its parts stand, and is followed by no example
-    assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in [*done.split("|"), "a command"]} | in_words
+    done = "a friction law of your own|an outer face|a viscosity|an ODE reduction|a discretisation|an observer|a scene key"
+    assert set(EXTENDING) | set(REPORT) == {f"Adding {what}" for what in [*done.split("|"), "an option", "a command", "a study"]}
