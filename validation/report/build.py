@@ -2,7 +2,6 @@
 
 import sys
 import time
-import traceback
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
 from datetime import UTC, datetime
@@ -24,7 +23,7 @@ from validation.report.baseline import RedReport, changes_since, red_lines
 from validation.report.files import write_files
 from validation.report.page import write_page
 from validation.report.record import Record, Word, record_of
-from validation.report.registered import choose, study_called
+from validation.report.registered import choose, placed, study_called
 from validation.sweep import executors
 
 Tell: TypeAlias = Callable[[float], None]
@@ -142,9 +141,7 @@ def _perform(module: str, folder: Path, key: str, quick: bool, laws: list[Path],
             raise ValueError("the study answers nothing")
         return store.store_result(folder, study, key, result, time.perf_counter() - began)
     except (Exception, SystemExit) as error:
-        where = traceback.extract_tb(error.__traceback__)[-1]
-        message = f"{type(error).__name__}: {error} ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
-        return store.StoredStudy(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=message)
+        return store.StoredStudy(study.NAME, study.QUESTION, time.perf_counter() - began, True, error=placed(error))
 
 
 def _say(stored: store.StoredStudy) -> None:

@@ -20,6 +20,12 @@ QUESTIONS = {
 """Anchor of a question, which its studies name (`validation.report.registered.STUDIES`), and its text."""
 
 
+def question_of(study: str) -> str:
+    """Anchor of the question that the study of this name answers; that of the checks if its line names none."""
+    asked = STUDIES.get(study, "")
+    return asked if asked in QUESTIONS else "trust"
+
+
 def ask(studies: Sequence[StoredStudy], changed: str) -> Iterator[dict[str, Any]]:
     """All questions in display order: `name` and `title`, the `studies` that answer it, their `answers`, with reservations for
     failed checks and unfinished studies, and the verdicts that these rest on, `rests_on`, by study. Studies that no question
@@ -27,7 +33,7 @@ def ask(studies: Sequence[StoredStudy], changed: str) -> Iterator[dict[str, Any]
     known = {study.name: study for study in studies}
     own = [*(known[name] for name in STUDIES if name in known), *(study for study in studies if study.name not in STUDIES)]
     for name, title in QUESTIONS.items():
-        mine = [study for study in own if STUDIES.get(study.name, "trust") == name]
+        mine = [study for study in own if question_of(study.name) == name]
         done = [(study, study.result) for study in mine if not study.error]
         said = [result.headline for _, result in done if not result.model_tables]  # the sentences of tables stand above all
         rests_on = [(study, result.proofs(next(iter(result.answers)))) for study, result in done if result.answers]

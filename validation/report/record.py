@@ -24,8 +24,8 @@ from slipwave.sources import commit, source_digest
 from validation.models.stopwatch import cores
 from validation.report import Number, Omission, Table, Verdict
 from validation.report.model_table import ModelTable
-from validation.report.questions import tally
-from validation.report.registered import STUDIES, study_called
+from validation.report.questions import question_of, tally
+from validation.report.registered import study_called
 from validation.report.store import Picture, StoredStudy
 from validation.report.verdict import RECORDED, Real
 
@@ -199,7 +199,7 @@ def record_of(studies: Sequence[StoredStudy], quick: bool, written: str) -> Reco
         studies=tuple(map(_study, studies)),
         answers=tuple(
             AnswerRecord(
-                question=STUDIES.get(name, "trust"),
+                question=question_of(name),
                 study=name,
                 text=result.conclusion_of(answer),
                 verdicts=tuple(verdict.id for verdict in result.proofs(answer)),

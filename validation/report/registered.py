@@ -1,9 +1,14 @@
 """The studies of the report, in display order. To add one, add its file to `validation.studies` and its line here."""
 
+import traceback
+from collections.abc import Callable
 from importlib import import_module
-from typing import cast
+from pathlib import Path
+from typing import Any
 
 from slipwave.errors import SceneError
+from slipwave.input.assemble import gallery_names
+from slipwave.input.wording import shorten
 from validation.report import Study
 
 STUDIES = {
@@ -27,8 +32,37 @@ STUDIES = {
 
 
 def study_called(name: str) -> Study:
-    """The module of the study called `name`; imported when called, so that listing studies costs nothing."""
-    return cast(Study, import_module(f"validation.studies.{name.replace('-', '_')}"))
+    """The module of the study called `name`; imported when called, so that listing studies costs nothing. Raises SceneError if it
+    cannot be imported, or does not offer what a study does."""
+    try:
+        study: Any = import_module(f"validation.studies.{name.replace('-', '_')}")
+    except Exception as error:
+        raise SceneError(f"study {name!r}: cannot be imported: {placed(error)}") from error
+    _require_facts(study, name)
+    module: Study = study
+    return module
+
+
+def placed(error: BaseException) -> str:
+    """An error in one line, with the place where it was raised; a SyntaxError names its own."""
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    place = "" if isinstance(error, SyntaxError) else f" ({Path(where.filename).name}, line {where.lineno}, in {where.name})"
+    return f"{type(error).__name__}: {error}{place}"
+
+
+def _require_facts(study: Any, name: str) -> None:
+    """Raises SceneError, which names the fact, if the facts of the `study` called `name` are not those of a study."""
+    facts: dict[str, tuple[str, Callable[[Any], bool]]] = {
+        "NAME": (repr(name), lambda given: given == name),
+        "QUESTION": ("a text", lambda given: isinstance(given, str)),
+        "SCENES": ("a tuple of names of the gallery", lambda given: isinstance(given, tuple) and {*given} <= {*gallery_names()}),
+        "SECONDS": ("(quick, full), two numbers", lambda given: isinstance(given, tuple) and len(given) == 2),
+        "run": ("a function", callable),
+    }
+    for fact, (must, holds) in facts.items():
+        given = getattr(study, fact, None)
+        if not holds(given):
+            raise SceneError(f"study {name!r}: {fact} = {shorten(given)}: must be {must}")
 
 
 def choose(only: list[str] | None) -> list[str]:

@@ -19,7 +19,7 @@ from test_page import models
 
 from slipwave.errors import SceneError
 from validation.commands.cli import main
-from validation.report import StudyResult, table
+from validation.report import StudyResult, questions, registered, table
 from validation.report.baseline import RedReport
 from validation.report.build import make_report, store
 from validation.report.model_table import Compared, ModelCell
@@ -255,6 +255,42 @@ def test_a_result_that_no_page_can_show_is_a_study_that_failed(fake, tmp_path, r
     (line,) = red.value.lines
     assert re.match(f"first: failed: .*{why}", line)
     assert answers(red.value.page) == [result().headline]
+
+
+@pytest.mark.parametrize(
+    ("fact", "value", "told"),
+    [
+        ("NAME", "other", "NAME = 'other': must be 'first'"),
+        ("NAME", "second", "NAME = 'second': must be 'first'"),
+        ("QUESTION", None, "QUESTION = None: must be a text"),
+        ("SCENES", "paper", "SCENES = 'paper': must be a tuple of names of the gallery"),
+        ("SCENES", ("papper",), r"SCENES = \('papper',\): must be a tuple of names of the gallery"),
+        ("SECONDS", 1.0, r"SECONDS = 1.0: must be \(quick, full\), two numbers"),
+        ("run", None, "run = None: must be a function"),
+    ],
+)
+def test_a_study_of_other_facts_is_refused_before_any_is_computed(fake, tmp_path, fact, value, told):
+    """Before, KeyError or AttributeError; of two studies of one name, the result of one stood for both."""
+    setattr(fake.add("first"), fact, value)
+    fake.add("second")
+    with pytest.raises(SceneError, match=f"^study 'first': {told}$"):
+        make_report(tmp_path / "out")
+    assert fake.runs == []
+
+
+def test_a_study_that_cannot_be_imported_is_named(fake, tmp_path):
+    """Before, a traceback, with exit status 1."""
+    registered.STUDIES["absent"] = "absent"
+    with pytest.raises(SceneError, match=r"^study 'absent': cannot be imported: ModuleNotFoundError: No module named 'valid.*"):
+        make_report(tmp_path / "out")
+
+
+def test_a_study_whose_line_names_no_question_stands_with_the_checks(monkeypatch):
+    """Before, it stood nowhere on the page."""
+    monkeypatch.setitem(questions.STUDIES, "mine", "trsut")
+    studies = [store.StoredStudy(name, "Why?", 0.0, True, result()) for name in ("mine", "orders")]
+    shown = {asked["name"]: [study.name for study in asked["studies"]] for asked in questions.ask(studies, "")}
+    assert shown == {key: [] for key in questions.QUESTIONS} | {"exact": ["orders"], "trust": ["mine"]}
 
 
 PROGRAM = """
