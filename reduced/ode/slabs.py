@@ -180,7 +180,7 @@ class ReducedModel(PortMarch):
     ring, steps begin at an eighth of the shortest period of a mode: an implicit step that is longer damps the ring unseen.
 
     `failures` counts unconverged solves; a step that cannot be solved at the shortest length raises NumericsError naming time and
-    scene (a quasi-static model runs away).
+    scene (a quasi-static model runs away). Raises SceneError for a reduction that is none of passive slabs.
     """
 
     failed_at = math.nan
@@ -189,7 +189,7 @@ class ReducedModel(PortMarch):
     transits_per_piece = math.nan
 
     def __init__(self, scene: Scene, reduction: Reduction, tolerance: float = 1e-9, stages: int = STAGES) -> None:
-        self.scene, self.model, self.reduction = scene, reduction.name, reduction
+        self.scene, self.model, self.reduction = scene, reduction.name, reduction.of_slabs()
         self.settings: dict[str, Any] = {"tolerance": tolerance, "stages": stages}
         reason = "nothing limits its slip rate: it runs away" if reduction.runs_away else ""
         # where modes ring on few steps could be longer than 2 transits, and none is: irregular motions repeat only step by step

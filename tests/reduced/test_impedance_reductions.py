@@ -10,12 +10,14 @@ import reduced.impedance.fit as fit
 import slipwave
 from reduced.impedance import Jet, check_passivity, impedance, pair_ratio, reduction_of
 from reduced.impedance.reduction import Reduction
+from reduced.ode.slabs import ReducedModel
 from reduced.parameters import scaled
 from slipwave.errors import SceneError
 from slipwave.scene.drive import Drive
 from slipwave.scene.slab import GripFace, KelvinVoigtViscosity, MachineFace, ReflectingFace, StandardLinearViscosity
 from tests.one_port_by_hand import pair_impedance
 
+MODE = {"frequencies": (6.0,), "residues": (2.0,)}
 T = np.array([0.01 + 0.3j, 0.2 + 1j, 2.0j, 3 + 9j])
 CLOSED = {
     "quasistatic": lambda s: 1 / s,
@@ -258,3 +260,22 @@ def test_refusals_say_what_is_wrong_and_what_helps(monkeypatch):
     monkeypatch.setattr(fit, "_ROUNDS", 1)
     with pytest.raises(SceneError, match=r"model = 'fitted:16': the fit is not passive at \d+\.?\d* rad.*; try another N"):
         reduction_of(LOSSY["grip below"], "fitted:16")
+
+
+@pytest.mark.parametrize(
+    ("values", "told"),
+    [
+        ({"spring": -1.0}, "spring = -1.0: must be a number from 0"),
+        ({"damping": -1.0}, "damping = -1.0: must be a number from 0"),
+        (MODE | {"decays": (-1.0,)}, r"decays = \(-1.0,\): must be a tuple of numbers from 0"),
+        (MODE | {"residues": (-2.0,)}, r"is not passive: Re Z\(i omega\) is negative"),
+        (MODE | {"residues": ()}, r"residues = \(\): must be as many as frequencies"),
+        (MODE | {"frequencies": (0.0,)}, r"frequencies = \(0.0,\): must be a tuple of numbers above 0"),
+        (MODE | {"frequencies": [6.0]}, r"frequencies = \[6.0\]: must be a tuple of numbers above 0"),
+    ],
+)
+def test_no_program_marches_values_that_no_slabs_have(values, told):
+    """As that of docs/own-slab.md. Before, the first four ran, as slabs that feed energy, and the others ended in a traceback."""
+    with pytest.raises(SceneError, match=f"^model = 'mine': {told}"):
+        ReducedModel(paper(), Reduction("mine", **values))
+    assert ReducedModel(paper(), Reduction("mine", **MODE)).reduction.frequencies == (6.0,)
