@@ -281,7 +281,7 @@ def _outer_face(key: str, table: keys.FaceTable, units: Units | None, epsilon: f
     become relative to the slab. Raises SceneError for a value out of range and for units that the scene lacks."""
     kind, slab = FACES[table.kind], face_sizes(epsilon, round_trip)
     given = {name: value for name, value in table if name != "kind"}
-    area = given.pop("area", None)
+    area = None if "area" in kind.__dataclass_fields__ else given.pop("area", None)  # a user's own kind may mean another thing
     if area is not None:
         _require_units(f"{key}.area", f"{area:g}", units, "left out")
     own = {name for name, value in given.items() if isinstance(value, Quantity) or (kind.is_own and units and name in slab)}

@@ -271,3 +271,25 @@ def test_units_of_own_kinds_of_face_and_viscosity_are_converted_or_refused(monke
         SceneError, match=r'^slab\.viscosity\.yield_stress = "1 MPa": must be a number; only times and velocities'
     ):
         assemble._viscosity("slab", SimpleNamespace(viscosity=CreepTable(**creep, yield_stress="1 MPa")), units)
+
+
+@dataclass(frozen=True)
+class PadFace(Face):
+    """A dashpot on a share `area` of the face."""
+
+    area: float
+
+    def termination(self, epsilon, round_trip, outermost):
+        return Termination(0.0, self.area * outermost)
+
+
+class PadTable(KeyTable):
+    kind: Literal["pad"] = "pad"
+    area: Annotated[float, Numbers(0.0, 1.0)]
+
+
+@pytest.mark.parametrize("units", [None, Units(1e-6, 2e-6, 1e6)])
+def test_the_area_of_an_own_kind_of_face_is_its_own(units, monkeypatch):
+    """Before, refused for want of units, and with them a TypeError: only a machine's is that of contact."""
+    monkeypatch.setitem(assemble.FACES, "pad", PadFace)
+    assert assemble._outer_face("slab.face", PadTable(area=0.25), units, 2.0, 3.0) == PadFace(0.25)
