@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from reduced.impedance.transmission_line import Complex
 from reduced.orbit.closing import Closed
@@ -17,6 +18,7 @@ _NEUTRAL = 1e-6
 
 _AGREE = 1e-3  # relative; two meshes must agree so far on a multiplier: eigenvalues of the essential spectrum never do
 _SMALLEST = 1e-6  # modulus below which a multiplier is lost in the errors of larger ones
+_APART = 2.0  # times the essential radius; a multiplier beyond belongs to no essential spectrum
 _NONE = np.zeros((0, 0))
 
 
@@ -40,9 +42,7 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
     radius = closed.flow.essential_radius(closed.cycle)
     isolated = values[np.abs(values) > max(radius, _SMALLEST)]
     if coarser is not None:
-        others = floquet(coarser.monodromy, coarser.flow.idle)[0]
-        nearest = [np.abs(others - multiplier).min() if others.size else np.inf for multiplier in isolated]
-        isolated = isolated[np.array(nearest, dtype=float) < _AGREE * np.abs(isolated)]
+        isolated = isolated[_confirmed(isolated, coarser)]
     if not is_decided(closed):
         from reduced.stability.idle import idle_modes
 
@@ -56,6 +56,21 @@ def multipliers(closed: Closed, coarser: Closed | None = None) -> Multipliers:
         reason = f"the largest multiplier has modulus {largest:.9f}: neutral within the error of the computation"
         return Multipliers(isolated, defect, radius, None, reason)
     return Multipliers(isolated, defect, radius, largest < 1.0)
+
+
+def has_leading(closed: Closed, coarser: Closed) -> bool:
+    """Whether the `coarser` mesh confirms the largest multiplier of `closed`, if that is clear of the essential spectrum."""
+    largest = floquet(closed.monodromy, closed.flow.idle)[0][:1]
+    if _confirmed(largest, coarser).all():
+        return True
+    return float(np.abs(largest[0])) <= max(_APART * closed.flow.essential_radius(closed.cycle), _SMALLEST)
+
+
+def _confirmed(values: Complex, coarser: Closed) -> NDArray[np.bool_]:
+    """Which of the multipliers the `coarser` mesh has too."""
+    others = floquet(coarser.monodromy, coarser.flow.idle)[0]
+    nearest = [np.abs(others - multiplier).min() if others.size else np.inf for multiplier in values]
+    return np.asarray(np.array(nearest, dtype=float) < _AGREE * np.abs(values))
 
 
 def is_decided(closed: Closed) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from reduced.orbit.closing import Closed, close
-from reduced.orbit.multipliers import Multipliers, multipliers
+from reduced.orbit.multipliers import Multipliers, has_leading, multipliers
 from slipwave.errors import NumericsError
 from slipwave.friction import allows_rest, rate_of, resampled
 from slipwave.observe.extrema import evaluate, extrema
@@ -118,10 +118,10 @@ def periodic_orbit(
 ) -> PeriodicOrbit:
     """The orbit near `state` and `period` (transits) with relative errors of all figures below `tolerance`.
 
-    The mesh is refined by `FINER` until the figures of two meshes agree, each orbit solved to rounding errors (with a larger
-    residual Newton's method may not move from the coarse orbit, and the difference would vanish). The error is estimated as a
-    quarter of the difference, or twice a difference of the size of rounding. For extrema, whose difference may be small by
-    chance, the truncation error (`_unresolved`) is a second estimate.
+    The mesh is refined by `FINER` until the figures of two meshes agree, and their largest multipliers, each orbit solved to
+    rounding errors (with a larger residual Newton's method may not move from the coarse orbit, and the difference would vanish).
+    The error is estimated as a quarter of the difference, or twice a difference of the size of rounding. For extrema, whose
+    difference may be small by chance, the truncation error (`_unresolved`) is a second estimate.
 
     Raises NumericsError if no orbit is found, or if the one found is steady sliding.
     """
@@ -134,7 +134,7 @@ def periodic_orbit(
         before, now, left_out = figures_of(coarse), figures_of(fine), _unresolved(fine)
         orbit = Orbit(**{name: Estimate(value, max(_error(value, before[name]), left_out[name])) for name, value in now.items()})
         settled = all(figure.error < tolerance * abs(figure.value) for figure in vars(orbit).values())
-        if settled:
+        if settled and has_leading(fine, coarse):
             break
     # an unstable multiplier magnifies the distance at which Newton's method took its derivative
     exact = replace(fine, monodromy=fine.flow.tangent(fine.cycle))
