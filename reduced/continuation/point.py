@@ -51,6 +51,10 @@ class Metric:
     period: float
     parameter: float
 
+    def scale(self, parameter: float) -> float:
+        """What rounding errors of a parameter are relative to."""
+        return max(abs(parameter), self.parameter)
+
     def weights(self, size: int) -> Array:
         """w (n + 2,) with |u|^2 = sum w u^2, for states of `size` values."""
         return np.concatenate([np.full(size, 1.0 / size), [self.period**-2, self.parameter**-2]])
@@ -107,7 +111,9 @@ def point_near(flow_at: FlowAt, guess: Array, along: Array, metric: Metric, neig
     *start, period, parameter = guess
     weights = metric.weights(len(start)) * along / metric.length(along)
     known = neighbour.closed if neighbour is not None else None
-    closed = close_family(flow_at, np.array(start), float(period), float(parameter), weights, neighbour=known)
+    closed = close_family(
+        flow_at, np.array(start), float(period), float(parameter), weights, neighbour=known, unit=metric.parameter
+    )
     return OrbitPoint(closed, direction(closed, along, metric))
 
 
@@ -117,11 +123,13 @@ def direction(closed: Closed, along: Array, metric: Metric) -> Array:
     border = np.zeros((2, size + 2))
     border[0, :size] = closed.velocity
     border[1] = metric.weights(size) * along
-    border /= np.abs(border).max(axis=1, keepdims=True)  # the metric's unit is not to make the matrix look singular
     matrix = np.vstack([np.column_stack([closed.monodromy - np.eye(size), closed.velocity, closed.drift]), border])
+    matrix[:, -1] *= metric.parameter  # units are not to make the matrix look singular
+    matrix[size:] /= np.abs(matrix[size:]).max(axis=1, keepdims=True)
     try:
         with warnings.catch_warnings(action="error", category=scipy.linalg.LinAlgWarning):
             tangent = scipy.linalg.solve(matrix, np.append(np.zeros(size + 1), 1.0))
+            tangent[-1] *= metric.parameter
     except (np.linalg.LinAlgError, scipy.linalg.LinAlgWarning):
         raise NumericsError("the branch has no unique direction here") from None
     return tangent / metric.length(tangent)

@@ -157,7 +157,7 @@ def _locate(flow_at: FlowAt, left: OrbitPoint, right: OrbitPoint, metric: Metric
     for _ in range(_MOST_WIDENINGS):
         before, after = point(max(0.0, at - gap)), point(min(1.0, at + gap))
         if _TESTS[kind](before, after):
-            width = max(abs(after.parameter - before.parameter), CLOSES_TO)
+            width = max(abs(after.parameter - before.parameter), CLOSES_TO * metric.scale(point(at).parameter))
             passing = complex(critical(kind, point(at).multipliers))
             return Special(kind, point(at), width, left.unstable, right.unstable, passing)
         gap *= 4.0

@@ -35,7 +35,7 @@ def metric_for(low: float, high: float) -> Metric:
 
 def from_orbit(flow_at: FlowAt, closed: Closed, parameter: float, towards: float, metric: Metric) -> OrbitPoint:
     """An orbit found at a fixed `parameter` as a point of its branch, oriented towards the parameter `towards`."""
-    free = replace(closed, parameter=parameter, drift=by_parameter(flow_at, closed.cycle, parameter))
+    free = replace(closed, parameter=parameter, drift=by_parameter(flow_at, closed.cycle, parameter, metric.parameter))
     along = np.zeros(closed.cycle.start.size + 2)
     along[-1] = np.sign(towards - parameter) * metric.parameter
     return OrbitPoint(free, direction(free, along, metric))

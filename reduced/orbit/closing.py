@@ -34,7 +34,7 @@ _Motion = TypeVar("_Motion")
 CLOSES_TO = 1e-12
 _NEAR = 1e-7  # a monodromy matrix taken this near to the orbit counts as the orbit's own
 _BY_PARAMETER = 1e-7  # relative change in the difference
-_SMALL = 1e-3  # parameter below which the change is no longer relative, so that rounding errors stay small at zero
+_SMALL = 1e-3  # parameter, or its unit if that is smaller, below which it is not relative: rounding errors stay small at zero
 
 
 class Evaluated(NamedTuple, Generic[_Motion]):
@@ -142,13 +142,15 @@ class Closed:
 
 @dataclass(frozen=True)
 class _Equations:
-    """The equations above for `guess`, (x_0, T) if there are no `weights` w and else (x_0, T, p), with f = `along`, scaled."""
+    """The equations above for `guess`, (x_0, T) if there are no `weights` w and else (x_0, T, p), with f = `along`, scaled.
+    `unit`: a typical change of p."""
 
     flow_at: FlowAt
     guess: Array
     parameter: float
     weights: Array | None
     along: Array
+    unit: float
 
     def evaluate(self, unknowns: Array) -> Evaluated[tuple[Flow, Cycle]]:
         """The residual of the equations, by a march over the period."""
@@ -169,7 +171,7 @@ class _Equations:
     def derivative(self, at: Evaluated[tuple[Flow, Cycle]]) -> Array:
         """The derivative of the residual, after a march."""
         flow, cycle = at.motion
-        drift = [] if self.weights is None else [by_parameter(self.flow_at, cycle, float(at.unknowns[-1]))]
+        drift = [] if self.weights is None else [by_parameter(self.flow_at, cycle, float(at.unknowns[-1]), self.unit)]
         return self.bordered(flow.tangent(cycle), flow.velocity(cycle), *drift)
 
     def bordered(self, monodromy: Array, *columns: Array) -> Array:
@@ -210,16 +212,17 @@ def close_family(
     weights: Array | None = None,
     tolerance: float = CLOSES_TO,
     neighbour: Closed | None = None,
+    unit: float = 1.0,
 ) -> Closed:
     """The orbit near `state`, `period` and `parameter` of the flows `flow_at(parameter)`; on the plane through this guess that is
-    orthogonal to `weights` (n + 2,), or at the given parameter if there are none. The derivatives of a `neighbour` with the same
-    unknowns save time.
+    orthogonal to `weights` (n + 2,), or at the given parameter if there are none; `unit`: a typical change of the parameter. The
+    derivatives of a `neighbour` with the same unknowns save time.
 
     Raises NumericsError if Newton's method does not converge to an orbit."""
     n, flow = state.size, flow_at(parameter)
     along = flow.velocity(flow.march(state, period)) if neighbour is None else neighbour.velocity
     guess = np.concatenate([state, [period] if weights is None else [period, parameter]])
-    equations = _Equations(flow_at, guess, parameter, weights, along / max(float(np.abs(along).max()), 1e-300))
+    equations = _Equations(flow_at, guess, parameter, weights, along / max(float(np.abs(along).max()), 1e-300), unit)
     known = None if neighbour is None else equations.bordered(neighbour.monodromy, neighbour.velocity, neighbour.drift)
     try:
         at, matrix, iterations = _solve_by_newton(equations.evaluate, equations.derivative, guess, tolerance, _NEAR, known)
@@ -234,9 +237,9 @@ def close_family(
     return Closed(flow, cycle, residual, matrix[:n, :n] + np.eye(n), matrix[:n, n], drift, parameter, iterations)
 
 
-def by_parameter(flow_at: FlowAt, cycle: Cycle, parameter: float) -> Array:
-    """d end/d parameter (n,), from the other side where there is no scene beyond `parameter`."""
-    change = _BY_PARAMETER * max(abs(parameter), _SMALL)
+def by_parameter(flow_at: FlowAt, cycle: Cycle, parameter: float, unit: float = 1.0) -> Array:
+    """d end/d parameter (n,), from the other side where there is no scene beyond `parameter`, whose typical change is `unit`."""
+    change = _BY_PARAMETER * max(abs(parameter), min(unit, _SMALL))
     try:
         flow = flow_at(parameter + change)
     except NumericsError:

@@ -16,7 +16,7 @@ _HALVINGS = 8
 _STEPS_OUT = 12  # by factors of four
 _NEUTRAL = 1e-9  # of the rate at the other end
 ONSET_WIDTH = 1e-13
-"""Width of a bracket in the parameter."""
+"""Width of a bracket, relative to the parameter."""
 
 
 class Onset(NamedTuple):

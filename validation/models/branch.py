@@ -324,5 +324,6 @@ class FollowedBranch:
 
     def _hopf(self, onset: Onset) -> SpecialPoint:
         rate = self.over.scene_at(onset.parameter).velocity
+        width = ONSET_WIDTH * metric_for(*self.over.ends).scale(onset.parameter)
         figures = (onset.parameter, onset.period, 0.0, 0.0, rate, rate)
-        return SpecialPoint("HB", *figures, ONSET_WIDTH, onset.unstable_below, onset.unstable_above, len(self.points))
+        return SpecialPoint("HB", *figures, width, onset.unstable_below, onset.unstable_above, len(self.points))

@@ -92,7 +92,7 @@ class CurvePoint(NamedTuple):
     def of(cls, point: OnCurve, share: float) -> Self:
         """The record of a point of a curve; `share`: unit of its bracket in the first parameter."""
         special, (first, second) = point.special, point.parameters
-        passing, bracket = special.multiplier, max(share * special.bracket, CLOSES_TO)
+        passing, bracket = special.multiplier, max(share * special.bracket, CLOSES_TO * abs(first))
         sides = _sides(special) | {"multiplier_re": passing.real, "multiplier_im": passing.imag}
         return cls(first=first, second=second, bracket=bracket, kind=special.kind, **sides)
 

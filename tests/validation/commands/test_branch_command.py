@@ -298,6 +298,19 @@ def test_a_damaged_file_is_not_gone_on_from(whole, tmp_path, refused, name):
     )
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-5])
+def test_a_branch_is_the_same_whatever_the_unit_of_its_parameter(unit):
+    """With V* smaller by `unit`, epsilon and r are, and V is larger. Before, the branch over an epsilon near 1e-10 had no unique
+    direction; and brackets were 1e-13 and 1e-12 of any parameter, in Pa too."""
+    scene = sw.read_scene("paper", slab={"epsilon": 2.8e-5 * unit, "r": 10**-2.68 * unit}, drive={"velocity": 100.0 / unit})
+    over = ("epsilon", 2.4e-5 * unit, 2.95e-5 * unit)
+    hopf, fold = sw.branch(scene, over, "block8", stop_at="LP").special
+    assert (hopf.type, fold.type) == ("HB", "LP")
+    assert (hopf.epsilon / unit, hopf.period) == (pytest.approx(2.931430996e-5, rel=1e-9), pytest.approx(47.481951929, abs=1e-8))
+    assert (fold.epsilon / unit, fold.period) == (pytest.approx(2.938040675e-5, rel=1e-9), pytest.approx(55.9751305, abs=3e-6))
+    assert (hopf.bracket, fold.bracket) == (pytest.approx(1e-13 * hopf.epsilon), pytest.approx(1e-12 * fold.epsilon))
+
+
 FIRST, SECOND = (over_range(text, "paper") for text in (RANGE, "V=100:120"))
 
 
