@@ -278,21 +278,26 @@ class FollowedBranch:
                 f"--over {over.name}={over.first:g}:{over.last:g}: steady sliding of {self.model} is stable at both ends, so no "
                 "branch of orbits begins between them"
             )
-        value, metric = unstable[0], metric_for(*over.ends)
+        failed = list[NumericsError]()
+        for value in unstable:
+            try:
+                return self._from_end(value)
+            except NumericsError as error:
+                failed.append(error)
+        if sum(growing.values()) % 2 == 0:
+            raise failed[0]
+        crosses = f"a single real root crosses between {over.name} = {over.first:g} and {over.last:g}, and no orbit begins there"
+        raise NumericsError(f"{crosses}; {failed[0]}") from None
+
+    def _from_end(self, value: float) -> _BranchEnd:
+        """Record the orbit that a run at this end of the range leads to. Raises NumericsError if it leads to none."""
+        over, metric = self.over, metric_for(*self.over.ends)
         other = sum(over.ends) - value
         beside = value + _BESIDE * (other - value)
         flow = self.family_at(value, 1.0)(value)
         if flow.size != flow.of(over.scene_at(beside)).size:  # at the value alone slabs are one pair
             value = beside
-        try:
-            closed = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).periodic.closed
-        except NumericsError as error:
-            if sum(growing.values()) % 2 == 0:
-                raise
-            crosses = (
-                f"a single real root crosses between {over.name} = {over.first:g} and {over.last:g}, and no orbit begins there"
-            )
-            raise NumericsError(f"{crosses}; {error}") from None
+        closed = find_orbit(self.model, over.scene_at(value), self.tolerance, self.cells).periodic.closed
         closed = closed_between(closed, self._end_scenes)
         return self._first(from_orbit(FlowFamily(closed.flow, over.scene_at), closed, value, other, metric), metric)
 

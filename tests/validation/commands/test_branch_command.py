@@ -26,6 +26,7 @@ from validation.models.branch import FollowedBranch
 from validation.models.curve import Curve
 from validation.models.ends import SpecialEnds
 from validation.models.followed import ends_of, read_branch
+from validation.models.orbits import find_orbit
 from validation.models.parameter import over_range
 from validation.models.points import StopAt
 from validation.references.onset import onset_of
@@ -309,6 +310,20 @@ def test_a_branch_is_the_same_whatever_the_unit_of_its_parameter(unit):
     assert (hopf.epsilon / unit, hopf.period) == (pytest.approx(2.931430996e-5, rel=1e-9), pytest.approx(47.481951929, abs=1e-8))
     assert (fold.epsilon / unit, fold.period) == (pytest.approx(2.938040675e-5, rel=1e-9), pytest.approx(55.9751305, abs=3e-6))
     assert (hopf.bracket, fold.bracket) == (pytest.approx(1e-13 * hopf.epsilon), pytest.approx(1e-12 * fold.epsilon))
+
+
+def test_a_branch_begins_at_the_other_unstable_end_if_the_run_at_the_first_leads_to_no_orbit():
+    """1 % beyond the onset cycles become smaller for hundreds of periods; before, the branch ended before it began."""
+    friction, slabs = {"law": "slip", "a_star": 0.5, "a": 0.029, "b": 0.0338}, {"epsilon": 9.6e-6, "log10_r": -2.7}
+    scene = {"interface": friction, "slab": slabs, "drive": {"velocity": 33.0}}
+    critical = sw.stability(scene, model="quasidynamic").epsilon_c
+    with pytest.raises(sw.NumericsError, match="each smaller than the one before: no orbit near it"):
+        find_orbit("quasidynamic", sw.read_scene(scene, slab={"epsilon": 0.99 * critical}), 1e-5)
+    found = sw.branch(scene, ("epsilon", 0.99 * critical, 0.96 * critical), "quasidynamic", tol=1e-5, most_points=2)
+    first, second = found.points
+    assert (first.epsilon, first.period) == (pytest.approx(0.96 * critical), pytest.approx(278.258983, abs=1e-4))
+    assert second.epsilon > first.epsilon
+    assert second.stable
 
 
 FIRST, SECOND = (over_range(text, "paper") for text in (RANGE, "V=100:120"))
