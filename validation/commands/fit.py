@@ -1,6 +1,5 @@
 """`slipwave fit`: Parameters of a scene from measured friction, by least squares, with 95 % intervals."""
 
-import hashlib
 import math
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,7 +14,7 @@ import numpy as np
 from slipwave.errors import NumericsError, SceneError
 from slipwave.extras import require
 from slipwave.family import features_of
-from slipwave.files import FIGURES, content_of
+from slipwave.files import FIGURES
 from slipwave.friction.law import name_of
 from slipwave.input.assemble import SceneSource, is_stored
 from slipwave.input.stored import read_stored
@@ -29,7 +28,7 @@ from validation.commands.reasons import PREFIXES, power_of
 from validation.commands.result import Output, Result, aligned, rounded
 from validation.commands.wording import header
 from validation.data.datasets import Dataset
-from validation.data.series import read_series
+from validation.data.series import Series, read_series
 from validation.fit.by_orbits import fitted_orbit
 from validation.fit.least_squares import BestValues, Intervals, Solution, at_bounds, intervals, minimise, profiled
 from validation.fit.orbits import MOST_TRANSITS, CycleOfOrbit
@@ -257,17 +256,19 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     options = _going_on(source, options)
     files, words, scenes = _listed(options.data), options.words, options.scenes_of(source)
     options = replace(options, data=files)
-    contents = _contents_of(files)
+    if not files:
+        raise SceneError("--data: missing; must be a file of measured friction")
     if not set(words).difference(NUISANCES):
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     scenes, free = begun(scenes, words)
     scene = scenes.base
     model = _default_model(scene) if options.model == "auto" else options.model
-    series = [read_series(file, **options.reading) for file in files]
+    series = _read_once(files, options.reading)
     records = [experiment_of(measured, scene, options.window) for measured in series]
     tolerance = options.tol or _TOLERANCE
     problem = problem_of(scenes, free, words, records, model, tolerance)
     settings = options.stored | {"free": words, "model": model} | digests([name_of(scene.law)], [model])
+    contents = {f"contents of {measured.source}": measured.digest for measured in series}
     facts = {"scene": scene.digest, **contents, **{name: repr(value) for name, value in settings.items() if name != "data"}}
     best = BestValues.kept(options.checkpoint, next(problem.starts()), facts)
     stopped, waves = False, next((forward for forward in problem.models if isinstance(forward, CycleOfOrbit)), None)
@@ -308,14 +309,12 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     )
 
 
-def _contents_of(files: Sequence[str]) -> dict[str, str]:
-    """A digest of each file's contents; no file, and one record under two names, are refused."""
-    if not files:
-        raise SceneError("--data: missing; must be a file of measured friction")
-    contents = {f"contents of {name}": hashlib.sha256(content_of(Path(name), repr(name))).hexdigest()[:12] for name in files}
-    if len({*contents.values()}) < len(files):
+def _read_once(files: Sequence[str], reading: Mapping[str, str | None]) -> list[Series]:
+    """The records; one under two names is refused."""
+    series = [read_series(file, **reading) for file in files]
+    if len({measured.digest for measured in series}) < len(files):
         raise SceneError(f"--data {', '.join(files)}: a record is given twice, and would count twice")
-    return contents
+    return series
 
 
 def _going_on(source: SceneSource, options: _FitOptions) -> _FitOptions:

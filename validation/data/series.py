@@ -5,6 +5,7 @@ comments. Numbers without any unit are in SI, or, for a scene without SI, in its
 """
 
 import csv
+import hashlib
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -42,13 +43,14 @@ _BEFORE = 20  # lines, than all of which a last one that does not end is shorter
 class Series:
     """A record: columns by the names of MEASURED, arrays of equal length, time rising. `is_own`: in the units of a scene
     (transits, L, V*, normal stress) instead of SI; None if no column had a unit. `notes`: how the file was read; `there`: the
-    columns of the file in words."""
+    columns of the file in words; `digest` of its content, which a pipe gives only once."""
 
     source: str
     columns: Mapping[str, Array]
     is_own: bool | None = False
     notes: Sequence[str] = ()
     there: str = ""
+    digest: str = ""
 
     def __contains__(self, name: str) -> bool:
         return name in self.columns
@@ -127,7 +129,8 @@ def read_series(
     finite number or far from all others (which line), a time that falls (which line), a unit that is not known.
     """
     label = str(path)
-    text = _parted(label, _lines_of(Path(path)))
+    raw = content_of(Path(path), repr(label))
+    text = _parted(label, _lines_of(label, raw))
     headings = _headings(label, text, columns)
     chosen = _chosen(label, headings, text)
     factors, scaled = _scales(label, scale, chosen, text)
@@ -154,7 +157,7 @@ def read_series(
     measured = {key: unit for key, unit in column_units.items() if MEASURED[key].unit}
     is_own = any(kinds.values()) if kinds else None
     notes = [*_notes_on(headings, chosen, measured, text), *gaps, *dropped]
-    return Series(label, series, is_own, notes, text.there)
+    return Series(label, series, is_own, notes, text.there, hashlib.sha256(raw).hexdigest()[:12])
 
 
 def _scales(label: str, scale: str | None, chosen: Mapping[str, int], text: "_Text") -> tuple[dict[str, float], dict[str, str]]:
@@ -183,18 +186,17 @@ def _area(text: str | None) -> float | None:
         raise SceneError(f"--area = {shorten(text)}: {error}") from None
 
 
-def _lines_of(path: Path) -> list[str]:
-    """The lines of a file in UTF-8, UTF-16 or Latin-1. Raises SceneError if it cannot be read or is empty."""
-    raw = content_of(path, repr(str(path)))
+def _lines_of(label: str, raw: bytes) -> list[str]:
+    """The lines of a file in UTF-8, UTF-16 or Latin-1. Raises SceneError if it is no text or empty."""
     wide = raw.startswith((b"\xff\xfe", b"\xfe\xff"))
     if b"\0" in raw and not wide:
-        raise SceneError(f"{str(path)!r}: is no file of text: CSV, or columns of numbers between blanks")
+        raise SceneError(f"{label!r}: is no file of text: CSV, or columns of numbers between blanks")
     try:
         text = raw.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     if not text.strip():
-        raise SceneError(f"{str(path)!r}: is empty")
+        raise SceneError(f"{label!r}: is empty")
     lines = text.splitlines()
     is_cut = not text.endswith(("\n", "\r")) and len(lines) > _BEFORE and len(lines[-1]) < min(map(len, lines[-_BEFORE:-1]))
     return lines[:-1] if is_cut else lines

@@ -1,7 +1,9 @@
 """`slipwave.fit`: derivatives against differences, known parameters given back, and what the data do not say."""
 
 import math
+import os
 import pickle
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -78,6 +80,15 @@ def test_known_parameters_lie_in_their_intervals(steps):
     assert_held(found, TRUTH, 2e-3)
     assert found.residual["rms"] == pytest.approx(NOISE, rel=0.02)
     assert found.summary["correlation"][KEYS[0]][KEYS[1]] == pytest.approx(found.dataset["correlation"].values[0, 1])
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes")
+def test_a_record_from_a_pipe_is_fitted_as_from_its_file(steps, tmp_path):
+    """A pipe gives its content once."""
+    os.mkfifo(pipe := tmp_path / "pipe")
+    threading.Thread(target=pipe.write_bytes, args=[steps.read_bytes()], daemon=True).start()
+    found, same = (sw.fit("velocity-steps", data=[str(path)], free=["a"], settings=THIN) for path in (pipe, steps))
+    assert found.summary["parameters"] == same.summary["parameters"]
 
 
 def test_a_fit_is_pickled_as_between_processes(steps):
