@@ -37,6 +37,7 @@ from validation.report import (
     table,
 )
 from validation.report.known import as_known, error_of, order_of_periods, range_of_r, rounding
+from validation.report.names import by_claim
 
 NAME = "claims"
 QUESTION = "Which of the paper’s claims hold?"
@@ -114,13 +115,15 @@ def run(budget: Budget) -> StudyResult:
 
 
 def _answers(verdicts: tuple[Verdict, ...]) -> Answers:
-    held, findings = (sum(verdict.outcome is kind for verdict in verdicts) for kind in (Outcome.PASS, Outcome.FINDING))
+    """The first counts the verdicts that it cites as the page does: the cases of one claim are one."""
+    cited = (*(f"P{n} " for n in (*range(1, 8), 11, 12, 13)), "Periods are those of other programs")
+    judged = [verdict for verdict in by_claim(NAME, verdicts) if verdict.claim.startswith(cited)]
+    held, findings = (sum(verdict.outcome is kind for verdict in judged) for kind in (Outcome.PASS, Outcome.FINDING))
     paper = sw.read("paper")
     return {
         (
-            f"On onset, periods, ripples and irregular cycles {held} of {len(verdicts)} checks hold and {findings} qualify a "
-            "claim."
-        ): (*(f"P{n} " for n in (*range(1, 8), 11, 12, 13)), "Periods are those of other programs"),
+            f"On onset, periods, ripples and irregular cycles {held} of {len(judged)} checks hold and {findings} qualify a claim."
+        ): cited,
         (
             "Two numbers govern the slabs, the impedance ratio ε and the round trip r, beside the drive V and friction: the "
             f"paper’s scene lies {100 * (paper.transit / _onset_at(100.0)['delay'] - 1.0):.1f} % beyond the onset of stick-slip."

@@ -22,6 +22,7 @@ from validation.report import (
 )
 from validation.report.known import as_known, of_order
 from validation.report.names import by_claim, with_names
+from validation.studies import claims, cost_and_error
 
 ORDER = Fit(3.91, 0.11, 1e-6, slice(0, 4), 3.9, 0.1)
 
@@ -109,6 +110,24 @@ def test_every_verdict_is_cited_and_what_is_cited_is_there():
         ).conclusion
         == "Not answered."
     )
+
+
+def test_the_answer_on_the_papers_claims_counts_the_verdicts_that_it_cites():
+    """Three cases of P4 are one check, and Table 1 is another answer's."""
+    told = [("P4 T", 0.1), ("P4 T", 0.2), ("P4 T", 0.3), ("P11 Drops", 2.0), ("Table 1’s paper material", 2.0)]
+    said = next(iter(claims._answers(tuple(claim(title, PAPER, size, 1.0, f"{size}") for title, size in told))))
+    assert said == "On onset, periods, ripples and irregular cycles 1 of 2 checks hold and 1 qualify a claim."
+
+
+def test_the_cost_of_an_ode_goes_up_to_its_finest_setting():
+    """The error of its period is the model's at every tolerance, by chance the least at the coarsest."""
+    runs = {"delay": (6.0, 22.6), "fd": (9.0, 64.0), "dg:7": (49.0, 63.0), "kelvin-voigt": (8.6, 6.6, 14.9)}
+    points = []
+    for model, times in runs.items():
+        for k, time in enumerate(times):
+            options = {"cells": 16 * 2**k} if model in ("fd", "dg:7") else {"tol": 1e-3 * 10.0**-k}
+            points.append(cost_and_error._SettingRun(model, options, None, -3.7e-2 - 1e-6 * k, 0.0, [time] * 3))
+    assert cost_and_error._answer(points).endswith("the paper’s ODE ~{7 ms (4 · 10^{−2})} to ~{15 ms (4 · 10^{−2})}.")
 
 
 def test_no_study_answers_yes_beside_a_red_light():
