@@ -138,7 +138,8 @@ def test_the_table_of_models_joins_cells_of_a_wrong_regime(tmp_path):
 
 def test_every_cell_has_its_numbers_its_verdicts_and_a_command(tmp_path):
     html = page_of(tmp_path, stored("which-model", verdict(remark="`quasidynamic`"), model_tables=(models(),)))
-    last = rows_of(html, "every cell of the table paper")[-1]
+    head, *_, last = rows_of(html, "every cell of the table paper")
+    assert head[3:5] == ["Ttransits", "standard errorof its error, relative"]  # that of the exact system's error is in it
     assert last[:5] == [
         "−2.5",
         "periodic, 140 cycles",
