@@ -256,8 +256,6 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
     options = _going_on(source, options)
     files, words, scenes = _listed(options.data), options.words, options.scenes_of(source)
     options = replace(options, data=files)
-    if not files:
-        raise SceneError("--data: missing; must be a file of measured friction")
     if not set(words).difference(NUISANCES):
         raise SceneError("--free: missing; must be keys of the scene, as in interface.a,interface.b,interface.memory_length")
     scenes, free = begun(scenes, words)
@@ -310,7 +308,9 @@ def fit(source: SceneSource, options: _FitOptions) -> FitResult:
 
 
 def _read_once(files: Sequence[str], reading: Mapping[str, str | None]) -> list[Series]:
-    """The records; one under two names is refused."""
+    """The records; none, and one under two names, are refused."""
+    if not files:
+        raise SceneError("--data: missing; must be a file of measured friction")
     series = [read_series(file, **reading) for file in files]
     if len({measured.digest for measured in series}) < len(files):
         raise SceneError(f"--data {', '.join(files)}: a record is given twice, and would count twice")
