@@ -19,6 +19,8 @@ from validation.sweep.store import STATUS, Store
 
 Array = npt.NDArray[Any]
 
+_ROUNDING = 1e-12  # relative, of a unit in SI
+
 
 def arrays_of(plan: Plan, store: Store) -> dict[str, Array]:
     """Every column over all points of the plan: NaN, -1 and "" where a point is missing. Duplicates by two processes have the
@@ -58,7 +60,7 @@ def dataset_of(plan: Plan, arrays: dict[str, Array]) -> Dataset:
         name: (
             (*dimensions, *["cycle"] * (values.ndim - 1)),
             values.reshape(plan.shape + values.shape[1:]),
-            _notes(name, measure, plan),
+            _notes(name, measure, plan, arrays),
         )
         for name, values in arrays.items()
     }
@@ -95,8 +97,8 @@ def _coordinates(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _notes(name: str, measure: Measure, plan: Plan) -> dict[str, Any]:
-    """CF attributes of a column."""
+def _notes(name: str, measure: Measure, plan: Plan, arrays: dict[str, Array]) -> dict[str, Any]:
+    """CF attributes of a column; `si_factor` where it is the same at all points."""
     if name == "reason":
         return {"long_name": "why there are no figures"}
     words = (*STATUS,) if name == "status" else measure.words.get(name)
@@ -105,9 +107,19 @@ def _notes(name: str, measure: Measure, plan: Plan) -> dict[str, Any]:
         meaning = "how the point ended; -1: not computed" if name == "status" else measure.columns[name].meaning
         return {"long_name": meaning, "flag_values": np.arange(len(words), dtype=np.int8), "flag_meanings": meanings}
     if name in measure.columns:
-        return attributes(measure.columns[name], plan.base)
+        notes = attributes(measure.columns[name], plan.base)
+        twin = arrays.get(f"{name}_{IN_SI[measure.columns[name].unit][1]}") if "si_factor" in notes else None
+        if twin is not None and not _is_multiple(twin, arrays[name], notes["si_factor"], arrays["status"]):
+            del notes["si_factor"]
+        return notes
     for column, known in measure.columns.items():
         unit, ending = IN_SI.get(known.unit, ("", ""))
         if name == f"{column}_{ending}":  # the twin in SI
             return {"long_name": known.meaning, "units": unit}
     return attributes(Meaning(name), plan.base)
+
+
+def _is_multiple(twin: Array, values: Array, factor: float, status: Array) -> bool:
+    """Whether `twin` is the `factor` times the `values` at every computed point: what is varied may change the unit."""
+    done = status == STATUS.index("done")
+    return np.allclose(twin[done], factor * values[done], rtol=_ROUNDING, atol=0.0, equal_nan=True)

@@ -109,6 +109,17 @@ def test_times_in_seconds_are_as_many_at_every_r(scene):
         assert point.drive.times[:2] == (0.0, 0.5)
 
 
+@pytest.mark.parametrize(("axis", "factor"), [(("slab.thickness", ["3.3 cm", "6.6 cm"]), None), (("V", [1000, 2000]), 1.848e-3)])
+def test_the_size_of_a_transit_is_told_where_it_is_that_of_every_point(axis, factor, tmp_path):
+    """2 H/c, c = sqrt(G/rho) = 1000/28 m/s; before, that of the base scene was stated for all thicknesses."""
+    base = sw.read("paper-si", {"run.until": 30.0, "slab.thickness": 0.033})
+    found = computed(plan_of(Variation(base), [axis_of(*axis)], ["block8"], "run", tol=1e-6), tmp_path / "map")
+    assert found["until"].attrs.get("si_factor") == (factor and pytest.approx(factor, rel=1e-12))
+    assert found["until"].attrs["si_units"] == "s"
+    assert found["until_s"].values == pytest.approx(30.0 * 1.848e-3 * np.array([1.0, 1.0 if factor else 2.0]), rel=1e-12)
+    assert found["final_v"].attrs["si_factor"] == 1e-6
+
+
 def test_a_point_does_not_depend_on_the_points_before_it():
     """Tables that are made once for many runs: random points in random order, and each alone with all tables made anew."""
     axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
