@@ -20,8 +20,8 @@ from slipwave.errors import NumericsError, SceneError
 from slipwave.files import FIGURES, TIME
 from slipwave.input.assemble import SceneSource, moment
 from slipwave.input.wording import shorten
-from slipwave.observe.history import named_columns
-from slipwave.observe.pieces import Array
+from slipwave.observe.history import named_columns, values_at
+from slipwave.observe.pieces import SAME, Array, lagrange_basis
 from slipwave.observe.statistics import Estimate, Orbit
 from slipwave.scene.scene import doubts
 from validation.chart import Chart
@@ -32,7 +32,7 @@ from validation.commands.response import Response, response_lines, response_of, 
 from validation.commands.result import Output, PointOfBranch, Result, aligned, rounded
 from validation.commands.wording import figure_rows, header
 from validation.data.datasets import Dataset, new_dataset
-from validation.data.variables import EVENTS, INTERFACE, PHASE, cycle_in_si, stored_name, variables
+from validation.data.variables import EVENTS, INTERFACE, PHASE, Meaning, cycle_in_si, stored_name, variables
 from validation.models.at_scene import orbit_at_scene
 from validation.models.orbits import SceneOrbit, flowing, refined_orbit, with_error_of_grid
 from validation.models.provenance import provenance
@@ -101,9 +101,9 @@ class OrbitResult(Result):
             curves = dict(zip(PHASE, self._drawn.at(coordinate[TIME][1]), strict=True))
             values |= variables(TIME, curves, PHASE, scene)
         for name, value in orbit.values().items():
+            error, meaning = f"{name}_error", Meaning(f"estimated error of {name}", EVENTS[name].unit)
             values |= variables((), {name: value}, EVENTS, scene)
-            notes = {"long_name": f"estimated error of {name}", "units": "1"}
-            values[f"{name}_error"] = ((), getattr(orbit, name).error, notes)
+            values |= variables((), {error: getattr(orbit, name).error}, {error: meaning}, scene)
         for part, numbers in (("real", self.multipliers.real), ("imaginary", self.multipliers.imag)):
             values[f"multiplier_{part}"] = ("multiplier", numbers, {"long_name": f"{part} part of the multiplier", "units": "1"})
         return new_dataset(values, coordinate, provenance("orbit", scene, self.scene_orbit.flow.model, self.options))
@@ -117,13 +117,14 @@ class OrbitResult(Result):
         return chart if self._drawn is None else with_phase_response(chart, scene, columns[TIME], self._drawn)
 
     def _motion(self) -> dict[str, Array]:
-        """The interface's motion at the nodes of the pieces, without repeated times."""
-        closed = self.scene_orbit.periodic.closed
-        pieces = closed.cycle.pieces
-        times = pieces.time[:, None] + pieces.length[:, None] * closed.flow.nodes
+        """The interface's motion at the nodes of the pieces, without repeated times, and at the end of the period."""
+        closed, law = self.scene_orbit.periodic.closed, self.scene_orbit.scene.law
+        pieces, nodes, end = closed.cycle.pieces, closed.flow.nodes, np.array([closed.cycle.period])
+        times = pieces.time[:, None] + pieces.length[:, None] * nodes
         rows = np.stack([values.ravel() for values in (times, *pieces[2:])])
-        rows = rows[:, np.flatnonzero(np.diff(rows[0], prepend=-1.0) > 0.0)]
-        return {stored_name(name): values for name, values in named_columns(self.scene_orbit.scene.law, rows).items()}
+        rows = rows[:, (np.diff(rows[0], prepend=-1.0) > 0.0) & (rows[0] < end - SAME)]  # the last step may end later
+        rows = np.hstack([rows, [end, *values_at(pieces, lagrange_basis(nodes), end, law)]])
+        return {stored_name(name): values for name, values in named_columns(law, rows).items()}
 
     @cached_property
     def response(self) -> Response:

@@ -162,6 +162,20 @@ def test_an_orbit_is_one_period_with_its_multipliers(tmp_path, again, refused):
     assert "is a result of slipwave orbit, not of slipwave run" in refused("run", str(tmp_path / "orbit.nc"))
 
 
+def test_an_orbit_of_the_delay_system_ends_with_its_period_and_its_errors_have_units():
+    """Before, its last transit was whole, 0.01 to 0.5 transits beyond the period, and errors in transits and V* had no unit."""
+    data = sw.orbit("paper-si", "delay", tol=1e-6, **SHORT).dataset
+    time, rate, psi = (data[name].values for name in ("time", "interface_slip_rate", "interface_psi"))
+    assert (time[-1], time[-2] < time[-1]) == (float(data["period"]), True)
+    assert (rate[-1], psi[-1]) == pytest.approx((rate[0], psi[0]), rel=1e-2)  # the first sample is not quite at 0
+    assert np.trapezoid(rate, time) / (time[-1] - time[0]) == pytest.approx(2000.0, rel=1e-3)
+    told = [data[f"{name}_error"].attrs["in_units_of"] for name in ("period", "stress_drop", "v_max")]
+    assert told == ["transit", "normal stress", "V*"]
+    for twin, size in {"period_error_s": float(data.attrs["transit_s"]), "v_max_error_m_per_s": 1e-6}.items():
+        plain = data[twin.partition("_error")[0] + "_error"]
+        assert (float(data[twin]), plain.attrs["si_factor"]) == pytest.approx((size * float(plain), size), rel=1e-12)
+
+
 def test_a_file_has_the_numbers_of_every_slab():
     """Those of the scenes unlike and paper-si: one transit is 2 thickness/c, L/V* = 0.9 s."""
     facts = provenance("run", sw.read("unlike"), "delay", {})
