@@ -223,19 +223,19 @@ class FitResult(Result):
         records = self.problem.records
         whose = [np.full(record.times[record.shown].size, k) for k, record in enumerate(records)]
         fitted = [values[record.shown] for record, values in zip(records, self._friction, strict=True)]
-        unit = "s" if self.scene.units else "1"
-        for name, values, words, own in (
-            ("record", whose, "number of the record", "1"),
+        pure, clock = {"units": "1"}, {"units": "s"} if self.scene.units else {"units": "1", "in_units_of": "transit"}
+        for name, values, words, unit in (
+            ("record", whose, "number of the record", pure),
             (
                 "record_time",
                 [record.times[record.shown] for record in records],
                 "time since the start of the scene, or the event",
-                unit,
+                clock,
             ),
-            ("measured", [record.friction[record.shown] for record in records], "measured friction", "1"),
-            ("fitted", fitted, "friction of the fitted model", "1"),
+            ("measured", [record.friction[record.shown] for record in records], "measured friction", pure),
+            ("fitted", fitted, "friction of the fitted model", pure),
         ):
-            columns[name] = ("sample", np.concatenate(values), {"long_name": words, "units": own})
+            columns[name] = ("sample", np.concatenate(values), {"long_name": words} | unit)
         attributes = provenance("fit", self.scene, self.model, self.options)
         return xarray.Dataset(columns, {"parameter": names, "other": names}, attributes)
 

@@ -105,13 +105,11 @@ def attributes(quantity: Meaning, scene: Scene) -> dict[str, Any]:
     return notes if factor is None else notes | {"si_factor": factor, "si_units": IN_SI[quantity.unit][0]}
 
 
-def _column_notes(key: str, scene: Scene, numbers: bool) -> dict[str, Any]:
-    """Attributes of a column of a table of results, of `numbers` or of words, by its key: `period.mean`, `error.period`."""
-    words = " ".join(_IN_WORDS.get(part, part) for part in re.split(r"[._]", key))
-    figure = EVENTS.get(key.partition(".")[0])
-    if figure:
-        return attributes(Meaning(f"{words}; {figure.meaning}", figure.unit), scene)
-    return {"long_name": words} | ({"units": "s" if key.startswith("wall_") else "1"} if numbers else {})
+def _column_meaning(key: str) -> Meaning:
+    """Meaning of a column of a table of results, by its key: `period.mean`, `error.period`, `margins.period`."""
+    words, (first, _, rest) = " ".join(_IN_WORDS.get(part, part) for part in re.split(r"[._]", key)), key.partition(".")
+    figure = MARGINS.get(f"{rest}_margin") if first == "margins" else EVENTS.get(first)
+    return Meaning(f"{words}; {figure.meaning}", figure.unit) if figure else Meaning(words)
 
 
 def twins_in_si(name: str, values: ArrayLike, quantity: Meaning, scene: Scene) -> dict[str, tuple[Any, dict[str, str]]]:
@@ -179,9 +177,15 @@ def table_of(rows: Sequence[Mapping[str, Any]], dimension: str, scene: Scene) ->
     missing."""
     flat = [dict(leaves(row)) for row in rows]
     names = dict.fromkeys(name for row in flat for name in row)
-    columns = {name: _column([row.get(name) for row in flat]) for name in names}
-    notes = {name: _column_notes(name, scene, column.dtype == float) for name, column in columns.items()}
-    table = new_dataset({name.replace(".", "_"): (dimension, columns[name], notes[name]) for name in names})
+    every: dict[str, Any] = {}
+    for key in names:
+        name, values, meaning = key.replace(".", "_"), _column([row.get(key) for row in flat]), _column_meaning(key)
+        if values.dtype == float:
+            every |= variables(dimension, {name: values}, {name: meaning}, scene)
+            every[name][2].update({"units": "s"} if key.startswith("wall_") else {})
+        else:
+            every[name] = (dimension, values, {"long_name": meaning.meaning})
+    table = new_dataset(every)
     return table.set_coords("model") if "model" in table else table
 
 

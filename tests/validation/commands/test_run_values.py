@@ -162,6 +162,19 @@ def test_what_a_model_does_not_have_is_missing_in_the_table_of_compare():
     assert_table(found, rows)
 
 
+def test_a_table_of_models_has_its_margins_in_their_units_and_all_in_si():
+    """A transit is 2 H/c = 4.508 ms; before, margins had no unit and nothing was in SI."""
+    found = sw.compare("paper-si", ["block8", "kelvin-voigt"], until=700, **{"drive.velocity": 2000, "slab.thickness": 0.0805})
+    data, margins = found.dataset.isel(model=1), found.summary["models"][1]["margins"]
+    sizes = {"transit": 4.508e-3, "normal stress": 1000.0, "V*": 1e-6}
+    wanted = {"period": ("transit", "s"), "elastic_stress_drop": ("normal stress", "Pa"), "v_max_median": ("V*", "m_per_s")}
+    for name, (unit, ending) in wanted.items():
+        column = data[f"margins_{name}"]
+        assert (float(column), column.attrs["in_units_of"]) == (margins[name], unit)
+        assert float(data[f"margins_{name}_{ending}"]) == pytest.approx(margins[name] * sizes[unit], rel=1e-12)
+    assert float(data["period_mean_s"]) == pytest.approx(found.models[1].period.mean * 4.508e-3, rel=1e-12)
+
+
 def test_bench_of_a_full_wave_that_names_no_grids_takes_those_from_its_usual_one_on():
     """Before, it had to reach a tolerance of 1e-5, and one of order 1, as in docs/extending.md, ended `bench` for all models."""
     family = dataclasses.replace(grid_of("sbp:2")[0], grids=(), cells=24)

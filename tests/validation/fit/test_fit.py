@@ -132,6 +132,15 @@ def test_a_file_of_a_fit_is_gone_on_from_with_its_tolerance(steps, tmp_path):
     assert (again["tol"], again["data"]) == (found.options["tol"], found.options["data"]) == (1e-5, [str(steps)])
 
 
+def test_the_file_of_a_fit_says_that_its_clock_counts_transits(tmp_path):
+    """In a scene without SI; before, its time had no unit."""
+    steps = {"drive.velocity": [[0, 100], [20, 100], [20, 200]], "log10_r": -2.8, "start.size": 0.0}
+    sw.run("paper", "quasidynamic", until=60, rate=2, **steps).write_series(tmp_path / "steps.csv")
+    found = sw.fit("paper", data=tmp_path / "steps.csv", free=["a"], model="quasidynamic", **steps)
+    time = found.dataset["record_time"]
+    assert (float(time[-1]), time.attrs["units"], time.attrs["in_units_of"]) == (60.0, "1", "transit")
+
+
 def test_a_key_named_as_its_law_may_be_free():
     """As `cutoff` of examples/own_law.py: the name of the law is no expression in it."""
     assert variables_of(["slip"], [("interface.law", "slip"), ("interface.a", "0.03")]) == frozenset()
