@@ -7,6 +7,7 @@ from slipwave.scene.slab import face_sizes
 
 IN_SI = {"transit": ("s", "s"), "normal stress": ("Pa", "Pa"), "V*": ("m s-1", "m_per_s"), "L": ("m", "m")}
 IN_SI |= {"1/normal stress": ("Pa-1", "per_Pa"), "1/V*": ("s m-1", "s_per_m"), "1/transit": ("s-1", "per_s")}
+IN_SI |= {"V*/L": ("s-1", "per_s")}
 """Unit of a value -> its SI unit, and the ending of names of values in that."""
 
 
@@ -26,7 +27,7 @@ class Units:
     def size(self, unit: str, transit: float) -> float:
         """The size in SI of one `unit` of `IN_SI`, with a `transit` in L/V*."""
         sizes = {"transit": float(f"{transit * self.time:.15g}"), "normal stress": self.normal_stress}
-        sizes |= {"V*": self.reference_velocity, "L": self.memory_length}
+        sizes |= {"V*": self.reference_velocity, "L": self.memory_length, "V*/L": 1.0 / self.time}
         return 1.0 / sizes[unit[2:]] if unit.startswith("1/") else sizes[unit]
 
     @property

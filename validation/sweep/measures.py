@@ -149,8 +149,8 @@ _STABILITY = {
     "unstable_roots": Meaning("number of roots of growing disturbances"),
     "log10_r_c": Meaning("log10 of the critical round trip"),
     "epsilon_c": Meaning("critical epsilon"),
-    "growth_rate": Meaning("growth rate of the leading root, per L/V*"),
-    "angular_frequency": Meaning("angular frequency of the leading root, per L/V*"),
+    "growth_rate": Meaning("growth rate of the leading root", "V*/L"),
+    "angular_frequency": Meaning("angular frequency of the leading root", "V*/L"),
 }
 _ORBIT = {**_CYCLE, "stable": Meaning("whether the orbit is stable")}
 _ORBIT["unstable_multipliers"] = Meaning("number of multipliers outside the unit circle")

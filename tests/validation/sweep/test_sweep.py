@@ -120,6 +120,17 @@ def test_the_size_of_a_transit_is_told_where_it_is_that_of_every_point(axis, fac
     assert found["final_v"].attrs["si_factor"] == 1e-6
 
 
+def test_a_growth_rate_has_its_unit_and_a_twin_in_si(tmp_path):
+    """Before, it was a pure number by its attributes, and nothing of the measure was in SI."""
+    what = plan_of(Variation(sw.read("paper-si")), [axis_of("slab.thickness", ["3.3 cm", "3.5 cm"])], ["block8"], "stability")
+    point = computed(what, tmp_path / "map").isel(slab_thickness=1)
+    found = sw.stability("paper-si", "block8", **{"slab.thickness": 0.035})
+    notes = point["growth_rate"].attrs
+    assert (notes["in_units_of"], notes["si_units"], notes["si_factor"]) == ("V*/L", "s-1", pytest.approx(1.0 / 0.9, rel=1e-12))
+    assert float(point["growth_rate_per_s"]) == pytest.approx(1.0 / found.si.growth_time_s, rel=1e-9)
+    assert float(point["angular_frequency_per_s"]) == pytest.approx(2.0 * np.pi * found.si.frequency_Hz, rel=1e-9)
+
+
 def test_a_point_does_not_depend_on_the_points_before_it():
     """Tables that are made once for many runs: random points in random order, and each alone with all tables made anew."""
     axes = [axis_of("log10_r", "-2.75:-2.2:9"), axis_of("V", "1:1000:7:log")]
