@@ -362,7 +362,8 @@ def _columns(kind: str, names: tuple[str, ...], rows: Sequence[tuple[Any, ...]],
         for name, values in columns.items()
         if name not in EVENTS
     }
-    others["value"][2]["units"] = over.si_unit or "1"
+    for name in others.keys() & {"value", "bracket"}:
+        others[name][2]["units"] = over.si_unit or "1"
     in_si = figures_at(kind, figures, over.base, lambda: [over.scene_at(value) for value in columns["value"]])
     return {f"{kind}_{name}": variable for name, variable in (others | in_si).items()}
 

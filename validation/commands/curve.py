@@ -108,6 +108,7 @@ class CurveResult(FollowedResult):
         data = data.assign(figures_at("point", figures, followed.over.base, lambda: [*map(followed.scene_of, followed.points)]))
         for over in (followed.over, followed.second):
             data[over.column].attrs["units"] = over.si_unit or "1"
+        data["bracket"].attrs["units"] = data[followed.over.column].attrs["units"]
         from validation.models.along import along
 
         return along(data.set_coords(followed.second.column), followed.over.column)

@@ -168,8 +168,9 @@ def _write_twins(file: "Dataset", kind: str, names: tuple[str, ...], rows: list[
 
 def _notes(name: str, followed: Followed) -> dict[str, Any]:
     """Attributes of a column of numbers, without sizes of units in SI, which may change from point to point."""
-    if name in followed.varied:
-        return {"long_name": followed.varied[name].name, "units": followed.varied[name].si_unit or "1"}
+    over = followed.over if name == "bracket" else followed.varied.get(name)  # its width in the first parameter
+    if over is not None:
+        return {"long_name": name if name == "bracket" else over.name, "units": over.si_unit or "1"}
     if name not in EVENTS:
         return {"long_name": name.replace("_", " "), "units": "1"}
     return {key: note for key, note in attributes(EVENTS[name], followed.over.base).items() if key != "si_factor"}

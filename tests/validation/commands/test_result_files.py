@@ -380,15 +380,15 @@ def test_a_branch_and_a_curve_say_in_which_units_they_are(what, tmp_path):
     over, how = ("slab.thickness", 0.03, 0.04), {"model": "kelvin-voigt", "tol": 1e-4, "most_points": 3}
     if what == "branch":
         found = sw.branch("paper-si", over=over, **how)
-        names = ("point_value", "slab_thickness", "special_value")
+        names = ("point_value", "slab_thickness", "special_value", "special_bracket")
     else:
         found = sw.curve("paper-si", of="LP", over=over, along=("interface.normal_stress", 1000.0, 1100.0), **how)
-        names = ("slab_thickness",)
+        names = ("slab_thickness", "bracket")
     assert [found.dataset[name].attrs["units"] for name in (*names, "period_s")] == ["m"] * len(names) + ["s"]
     found.to_netcdf(tmp_path / "x.nc")
     with xarray.open_dataset(tmp_path / "x.nc") as file:
-        columns = ("value",) if what == "branch" else ("first", "second")
-        assert [file[f"point_{name}"].attrs["units"] for name in columns] == ["m", "Pa"][: len(columns)]
+        columns = ("point_value", "special_bracket") if what == "branch" else ("point_first", "point_bracket", "point_second")
+        assert [file[name].attrs["units"] for name in columns] == ["m", "m", "Pa"][: len(columns)]
         told = [file[f"point_{name}"].attrs for name in ("period", "stress_drop", "v_max")]
     assert [(one["in_units_of"], one["si_units"], one["units"]) for one in told] == [
         ("transit", "s", "1"),
