@@ -231,7 +231,8 @@ class RunResult(Result):
             "wall_s": done.wall_s,
         }
         if done.solver.scene.units:
-            result |= cycle_in_si(statistics.values() | self._spreads, done.solver.scene)
+            values = statistics.values() | {"v_max_median": statistics.v_max_median}
+            result |= cycle_in_si(values | self._spreads, done.solver.scene)
         if self._march:
             result["time"] = self._march
         if isinstance(done.solver, Leaping) and done.solver.skipped:
@@ -263,7 +264,7 @@ class RunResult(Result):
     def _spreads(self) -> dict[str, float]:
         """Standard deviations of the cycles' figures and, for motion that never repeats, margins of their means."""
         statistics, wanders = self.done.statistics, self.done.verdict and self.done.verdict.wanders
-        margins = {f"{name}_margin": statistics.margins[name] for name in statistics.spreads} if wanders else {}
+        margins = {f"{name}_margin": value for name, value in statistics.margins.items()} if wanders else {}
         return {f"{name}_std": spread.std for name, spread in statistics.spreads.items()} | margins
 
     @property

@@ -56,14 +56,13 @@ def margins_in_words(statistics: RunStatistics, scene: Scene) -> list[str]:
     """Lines with the intervals of the means of cycles that never repeat, and of the median of v_max; none if they do."""
     if math.isnan(statistics.margins["period"]):
         return []
-    period, drop, rate = (statistics.margins[name] for name in ("period", "stress_drop", "v_max_median"))
-    sizes = [shown_in(unit, scene)[0] for unit in ("transit", "normal stress")]
-    seconds, pascals = (
-        f" ({rounded(value * size, 3)} {unit})" if scene.units else ""
-        for value, size, unit in zip((period, drop), sizes, ("s", "Pa"), strict=True)
+    period, drop, rate = margins = [statistics.margins[name] for name in ("period", "stress_drop", "v_max_median")]
+    shown = [shown_in(unit, scene) for unit in ("transit", "normal stress", "V*")]
+    seconds, pascals, speed = (
+        f" ({rounded(value * size, 3)} {unit})" if scene.units else "" for value, (size, unit) in zip(margins, shown, strict=True)
     )
     known = f"period +- {rounded(period, 3)} transits{seconds}, stress drop +- {rounded(drop, 3)}{pascals}"
-    middle = f"the median of v_max is {rounded(statistics.v_max_median)} +- {rounded(rate, 3)} V*"
+    middle = f"the median of v_max is {rounded(statistics.v_max_median)} +- {rounded(rate, 3)} V*{speed}"
     return [f"the mean of an endless run lies within (95 %): {known}", middle]
 
 

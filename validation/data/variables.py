@@ -133,10 +133,10 @@ def in_si(values: Mapping[str, Any], quantities: Mapping[str, Meaning], scene: S
 
 def cycle_in_si(values: Mapping[str, float], scene: Scene) -> dict[str, dict[str, float]]:
     """{"si": the figures of a cycle in SI}, for the JSON of a scene with units; else nothing. `period_std` and `period_margin`
-    are in the unit of `period`."""
+    are in the unit of `period`, `v_max_median` in that of `v_max`."""
     if scene.units is None:
         return {}
-    kinds = {name: EVENTS[name.removesuffix("_std").removesuffix("_margin")] for name in values}
+    kinds = {name: EVENTS[re.sub("(_median)?(_std|_margin)?$", "", name)] for name in values}
     return {"si": in_si(values, kinds, scene) | {"transit_s": scene.units.size("transit", scene.transit)}}
 
 

@@ -175,6 +175,16 @@ def test_a_table_of_models_has_its_margins_in_their_units_and_all_in_si():
     assert float(data["period_mean_s"]) == pytest.approx(found.models[1].period.mean * 4.508e-3, rel=1e-12)
 
 
+def test_the_median_of_v_max_is_in_si_too_as_printed_and_as_json():
+    """V* is 1 um/s; before, it and its margin were left out of `si`, and printed in V* only."""
+    found = sw.run("paper-si", "kelvin-voigt", until=700, **{"drive.velocity": 2000, "slab.thickness": 0.0805})
+    si, margin = found.summary["si"], found.margins.v_max_median
+    assert si["v_max_median_m_per_s"] == pytest.approx(1e-6 * found.v_max_median, rel=1e-12)
+    assert si["v_max_median_margin_m_per_s"] == pytest.approx(1e-6 * margin, rel=1e-12)
+    line = next(line for line in found.lines(found.summary) if line.startswith("the median of v_max is"))
+    assert line.endswith(f" +- {margin:.3g} V* ({1e-6 * margin:.3g} m/s)")
+
+
 def test_bench_of_a_full_wave_that_names_no_grids_takes_those_from_its_usual_one_on():
     """Before, it had to reach a tolerance of 1e-5, and one of order 1, as in docs/extending.md, ended `bench` for all models."""
     family = dataclasses.replace(grid_of("sbp:2")[0], grids=(), cells=24)
