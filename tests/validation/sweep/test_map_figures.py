@@ -177,7 +177,7 @@ def test_a_curve_lies_on_the_boundary_over_an_axis_in_another_unit(tmp_path):
     scene = sw.read("paper-si", {"interface.reference_velocity": 2e-6, "V": 50.0})
     of = {"of": "HB", "over": "slab.thickness=0.02:0.06", "along": "V=40:60"}
     written = sw.curve(scene, model="block8", **of)
-    assert [written.dataset[name].attrs["units"] for name in ("slab_thickness", "V", "bracket")] == ["m", "1", "1"]
+    assert [written.dataset[name].attrs["units"] for name in ("slab_thickness", "V", "bracket")] == ["m", "1", "m"]
     written.to_netcdf(tmp_path / "hb.nc")
     vary = {"slab.thickness": ["20 mm", "60 mm"], "V": ["80 um/s", "120 um/s"]}
     found = sw.sweep(scene, vary=vary, models="block8", measure="stability", workers=1)
