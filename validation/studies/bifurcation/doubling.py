@@ -7,7 +7,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from reduced.orbit import PeriodicOrbit, periodic_orbit
-from reduced.orbit.periodic import difference_of_parts
+from reduced.orbit.closing import Closed
+from slipwave.observe.history import values_at
 from slipwave.observe.pieces import interpolation_matrix, lagrange_basis
 from validation.measure import memo
 from validation.measure.over_r import Branch, scene_at
@@ -34,6 +35,7 @@ _NEAREST = 4  # last orbits of a bubble, from which its end is extrapolated
 _ENDS = 1e-5  # of log10 r: the extrapolation's
 _CLOSE = 0.1  # of v_max
 _DENSE = 65  # points of a piece
+_SAMPLES = 1 << 14  # of half a doubled orbit, whose fronts take a thousandth of it
 
 PAIRS = ((-2.597, -2.578), (-2.571, -2.535), (-2.5375, -2.47))
 """log10 r on both sides of each pair of period doublings."""
@@ -63,13 +65,22 @@ def doubled() -> Doubled:
 
 
 def bubble(low: float, high: float) -> Bubble:
-    """The doubled orbits from the first period doubling between these log10 r on, at first towards the higher one. The square of
-    the difference of their halves vanishes linearly in r."""
+    """The doubled orbits from the first period doubling between these log10 r on, at first towards the higher one. The mean
+    square of the difference of their halves vanishes linearly in r."""
     branch = FollowedBranch(over_range(f"log10_r={low}:{high}", scene_at(AT)), ODE, _ROUGH, doubled=True)
     last = [end.point for end in ends_of(branch, StopAt())][-_NEAREST:]
-    square = [difference_of_parts(point.closed, 2) ** 2 for point in last]
+    square = [_square_of_difference(point.closed) for point in last]
     ends = np.polyfit(square, [point.parameter for point in last], _NEAREST - 1)[-1]
     return branch.special[0].value, ends, [(point.value, 0.5 * point.period) for point in branch.points]
+
+
+def _square_of_difference(double: Closed) -> float:
+    """Mean square of the difference of ln v between both halves of a doubled orbit; smooth in r, as the largest difference, which
+    passes from one front to another, is not."""
+    basis, half = lagrange_basis(double.flow.nodes), 0.5 * double.cycle.period
+    times = np.linspace(0.0, half, _SAMPLES, endpoint=False)
+    first, second = (values_at(double.cycle.pieces, basis, times + shift)[0] for shift in (0.0, half))
+    return float(np.mean((second - first) ** 2))
 
 
 def between_doublings(ode: Branch) -> list[list[BranchPoint]]:
