@@ -32,7 +32,7 @@ TOLERANCE = 1e-9
 _MARCHED = 6000.0
 _ROUGH = 1e-6  # of the bubbles
 _NEAREST = 4  # last orbits of a bubble, from which its end is extrapolated
-_ENDS = 1e-5  # of log10 r: the extrapolation's
+_ENDS = 1e-3  # of a branch's last step: error of the extrapolation over it
 _CLOSE = 0.1  # of v_max
 _DENSE = 65  # points of a piece
 _SAMPLES = 1 << 14  # of half a doubled orbit, whose fronts take a thousandth of it
@@ -111,12 +111,12 @@ def doubling_verdicts(doubled: Doubled, ode: Branch, bubbles: Sequence[Bubble]) 
         minus(f"multiplier {lead:.5f} of the primary orbit; half the doubled period is {0.5 * double:.6f}"),
     ).with_margin(abs(period - known), half_digit(known))
     yield _twice_but_not_the_same(doubled)
-    for (born, ends, _), points in zip(bubbles, simple, strict=True):
+    for (born, ends, path), points in zip(bubbles, simple, strict=True):
         yield claim(
             "P9 The doubled orbits connect two period doublings: their branch is a closed bubble",
             EXACT,
             ends,
-            _ENDS,
+            _ENDS * abs(path[-1][0] - path[-2][0]),
             minus(f"born at log_{{10}} r = {born:.7f}; where both halves become the same, and the next period doubling"),
             near=points[-1].value,
         )
