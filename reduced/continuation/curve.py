@@ -36,7 +36,8 @@ _APART = 2e-3  # of points on the branch, in the metric, from whose slopes that 
 _MEET = 0.1  # largest distance of a fold from the flattest point between it and the fold that it meets at a cusp
 _TURN, _CROSSING = 1e-3, 1e-9  # relative accuracy of the place of a turn, and that of a crossing in units of the plane
 _CENTRED, _CENTRINGS, _SECANTS = 0.01, 12, 12
-_BEYOND_FOLD, _CUSP = 1e-5, 1e-7  # first and last step towards a cusp, in units of the plane: slopes are known to 1e-9
+_BEYOND_FOLD, _CUSP = 1e-5, 1e-7  # first and last step towards a cusp, in units of the plane
+_ROUNDED = 1e-6  # slopes near a cusp, where they differ by 1e-7 from line to line
 
 
 @dataclass(frozen=True)
@@ -242,7 +243,7 @@ def _cusp_after(plane: Plane, reached: CurveState) -> CurveState | None:
     try:
         first = point_near(family(0.0), np.append(fold.point.unknowns[:-1], 0.0), fold.point.tangent, METRIC)
         middle, slope, bend = flattest(0.0, first)
-        if slope * bend >= 0.0:
+        if slope * np.sign(bend) > _ROUNDED:  # else rounding errors have put the last fold behind the cusp
             return None
         apart = middle.unknowns - first.unknowns  # nearly as far on the other side
         other = point_near(family(0.0), middle.unknowns + apart, apart, METRIC, middle)
